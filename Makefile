@@ -1,6 +1,6 @@
 # geodesicd: exact geodesics on surfaces, as a network service.
-# `make help` lists the targets. All output goes into $(BUILD); V=1 shows the commands.
-# Rules, tests, measurements and packages have makefiles of their own, included below.
+# `make help` lists the targets. All output goes into $(BUILD); V=1 prints the commands.
+# Rules, tests, measurements and packages are in the makefiles that this one includes.
 
 BUILD   ?= build
 include docker/paths.mk
@@ -10,7 +10,7 @@ CXX     ?= c++
 OPT     ?= -O3
 WARN    := -Wall -Wextra -Wshadow -Wpointer-arith -Wvla
 CWARN   := $(WARN) -Wstrict-prototypes -Wmissing-prototypes
-# CPPFLAGS, CFLAGS, CXXFLAGS and LDFLAGS are the user's. They come after ours.
+# The user may set CPPFLAGS, CFLAGS, CXXFLAGS and LDFLAGS. They come after the flags below.
 GD_CPPFLAGS := -Iengine/include -Iengine -I. -I$(BUILD) -D_GNU_SOURCE
 GD_CFLAGS   := -std=c17 $(OPT) -g -fno-math-errno -ffp-contract=off -fvisibility=hidden -pthread \
                $(CWARN) $(SAN)
@@ -28,12 +28,12 @@ SAMPLES_C := $(call no_main,tests/samples/*.c)
 LIB_PROTO   := $(BUILD)/libgd_proto.a
 LIB_SERVER  := $(BUILD)/libgd_server.a
 LIB_SAMPLES := $(BUILD)/libgd_samples.a
-ENGINE_LIBS := -lm -lz
+ENGINE_LIBS := -lm -lz -lminizip -lexpat -lOpenMeshTools -lOpenMeshCore
 SERVER_LIBS := -lmicrohttpd -ljansson -lsqlite3 -lpq -lgnutls -lseccomp -lz
 
 .DEFAULT_GOAL := build
 .DELETE_ON_ERROR:
-include docker/rules.mk engine/libraries.mk
+include docker/rules.mk docker/tools.mk engine/libraries.mk
 
 ##@ To begin with
 
@@ -72,18 +72,18 @@ $(BUILD)/geodesicd: $(BUILD)/obj/server/main.c.o $(LIB_SERVER) $(LIB_PROTO) $(LI
 $(BUILD)/gd_sample: $(BUILD)/obj/tests/samples/main.c.o $(LIB_SAMPLES) $(LIB_ENGINE) $(LINK)
 	$(call link,$(CXX)) $(ENGINE_LIBS)
 
-# --- generated sources: routes, members of requests, fields of answers ------------------------------
+# --- generated sources: routes, members of requests, fields of answers ----------------------------
 
 CONTRACT := proto/openapi.yaml $(wildcard proto/*.py)
 
-$(BUILD)/generated/sources: $(CONTRACT)
+$(BUILD)/generated/sources: $(CONTRACT) | $(BUILD)/stamps/tools
 	@mkdir -p $(@D)
 	$(call tell,GEN)python3 proto/generate.py sources proto/openapi.yaml $(@D) && touch $@
 $(patsubst %,$(BUILD)/generated/%,routes.c handlers.h fields.h fields.c parameters.h parameters.c \
     requests.h requests.c): $(BUILD)/generated/sources ;
 
-# A makefile whose folder is missing is left out (docker/Dockerfile copies what the daemon needs).
+# Skips makefiles whose folder is missing: docker/Dockerfile copies only what the daemon needs.
 include $(wildcard docker/setup.mk clients/clients.mk tests/tests.mk tests/fault.mk tests/bench.mk \
                    tests/lint.mk docker/packages.mk)
 
--include $(shell find $(BUILD)/obj $(BUILD)/pic -name '*.d' 2>/dev/null)
+-include $(shell find $(BUILD)/obj $(BUILD)/pic $(BUILD)/ablation -name '*.d' 2>/dev/null)

@@ -1,7 +1,7 @@
 #!/bin/sh
-# Starts the daemon in a container. It listens beyond loopback there, which it does with keys only: so the first start makes one and
-# prints it, once; only its SHA-256 is kept. GEODESICD_KEYS names a file of your own instead. Arguments are the daemon's flags, or
-# `keygen NAME ...`.
+# Starts the daemon in a container. There the daemon listens beyond loopback, which requires keys.
+# So the first start creates a key and prints it once; the container stores only its SHA-256. Set
+# GEODESICD_KEYS to use your own file of keys. Arguments: the daemon's flags, or `keygen NAME ...`.
 set -eu
 
 if [ "${1:-}" = keygen ]; then

@@ -1,5 +1,6 @@
 #!/bin/bash
-# Does the daemon answer? With TLS, does it take connections? By bash alone: the image has no HTTP client.
+# Succeeds if /livez answers 200; with TLS, if the daemon accepts a connection. Uses only bash,
+# because the image has no HTTP client.
 port=${GEODESICD_LISTEN##*:}
 exec 3<>"/dev/tcp/127.0.0.1/$port" || exit 1
 [ -n "${GEODESICD_TLS_CERT:-}" ] && exit 0

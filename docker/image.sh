@@ -1,6 +1,8 @@
 #!/bin/sh
-# image.sh BUILD: builds the image `geodesicd` by docker, podman or buildah, with labels that say what it is, and leaves its parts list in
-# BUILD/sbom.spdx.json. BASE: another Debian 12; SOURCE: where the sources are published; VIEWER=no: without the pages, which npm makes.
+# image.sh BUILD: builds the image `geodesicd` with docker, podman or buildah. Labels the image with
+# version, revision, date and source. Writes its software bill of materials to BUILD/sbom.spdx.json.
+# Variables: BASE: another image of Debian 12; SOURCE: the address of the sources; VIEWER=no: leaves
+# out the viewer, which needs npm.
 set -eu
 build=$1
 builder=$(command -v docker || command -v podman || command -v buildah) || {

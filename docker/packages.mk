@@ -1,8 +1,9 @@
 # Installation and packages. Included by the Makefile, whose variables it uses.
 #
-# One list says what goes where: for install, uninstall and the Debian packages (docker/debian).
+# Two lists name the installed files and their destinations. The targets install and uninstall and
+# the Debian packages (docker/debian) follow them.
 
-.PHONY: install install-libraries uninstall deb image man test-package test-container test-cluster
+.PHONY: install install-libraries uninstall deb image man dist test-package test-container test-cluster
 
 ##@ Installation and packages
 
@@ -10,11 +11,12 @@ PREFIX    ?= /usr/local
 LIBDIR    ?= $(PREFIX)/lib
 UNITDIR   ?= $(PREFIX)/lib/systemd/system
 DOCDIR    := $(PREFIX)/share/doc/geodesicd
-# where Python looks below PREFIX, if it looks there at all; the command geodesic looks there in any case
+# The folder of Python packages below PREFIX. Python may not search it by default; the command
+# geodesic always does.
 PYTHONDIR ?= $(firstword $(wildcard $(PREFIX)/lib/python3.*/dist-packages) $(PREFIX)/lib/python3/dist-packages)
 
-# The engine's libraries: mode:file:place, or link:target:place. Headers have a folder of their own, since
-# libgd has /usr/include/gd.h.
+# The engine's libraries, as mode:file:destination or link:target:destination. Headers have their
+# own folder, since libgd (another package) installs /usr/include/gd.h.
 INSTALLED_LIBRARIES = \
             $(foreach file,$(notdir $(SHARED)),644:$(BUILD)/$(file):$(LIBDIR)/$(file) link:$(file):$(LIBDIR)/$(basename $(file))) \
             $(foreach name,$(LIBRARIES),644:$(BUILD)/lib$(name).a:$(LIBDIR)/lib$(name).a \
@@ -23,21 +25,24 @@ INSTALLED_LIBRARIES = \
             644:engine/examples/geodesic.c:$(PREFIX)/share/doc/libgeodesic-dev/examples/geodesic.c \
             644:engine/geodesic.3:$(PREFIX)/share/man/man3/geodesic.3
 
-# The rest.
+# All other files.
 INSTALLED = 755:$(BUILD)/geodesicd:$(PREFIX)/bin/geodesicd \
             644:$(BUILD)/geodesicd.8:$(PREFIX)/share/man/man8/geodesicd.8 \
             644:$(BUILD)/geodesicd.service:$(UNITDIR)/geodesicd.service \
             755:$(BUILD)/geodesic:$(PREFIX)/bin/geodesic \
             644:$(BUILD)/geodesic.1:$(PREFIX)/share/man/man1/geodesic.1 \
             644:clients/cli/geodesic.bash:$(PREFIX)/share/bash-completion/completions/geodesic \
+            644:clients/cli/geodesic.zsh:$(PREFIX)/share/zsh/vendor-completions/_geodesic \
+            644:clients/cli/geodesic.fish:$(PREFIX)/share/fish/vendor_completions.d/geodesic.fish \
             $(foreach file,$(wildcard clients/python/geodesicd/*.py) clients/python/geodesicd/py.typed,644:$(file):$(PYTHONDIR)/geodesicd/$(notdir $(file))) \
             644:$(LIB_CLIENT):$(LIBDIR)/libgeodesicd-client.a \
             644:$(BUILD)/geodesicd-client.pc:$(LIBDIR)/pkgconfig/geodesicd-client.pc \
-            644:clients/c/geodesicd.h:$(PREFIX)/include/geodesicd.h \
-            644:server/doc/guide.md:$(DOCDIR)/guide.md \
+            $(foreach file,$(notdir $(CMAKE_FILES)),644:$(BUILD)/$(file):$(LIBDIR)/cmake/geodesicd-client/$(file)) \
+            $(foreach header,geodesicd.h geodesicd.hpp,644:clients/c/$(header):$(PREFIX)/include/$(header)) \
+            $(foreach name,how-to operating explanation comparison tutorial python,644:server/doc/guide/$(name).md:$(DOCDIR)/$(name).md) \
             $(foreach name,alerts.yaml grafana-dashboard.json,644:docker/$(name):$(DOCDIR)/examples/$(name))
 
-# $(call files_of,LIST): what has to be built for it. $(call put,LIST): the recipe that installs it.
+# $(call files_of,LIST): the files of a list. $(call put,LIST): the recipe that installs a list.
 files_of = $(foreach file,$(filter-out link:%,$(1)),$(word 2,$(subst :, ,$(file))))
 define put
 @IFS=:; for file in $(1); do set -- $$file; place="$(DESTDIR)$$3"; \
@@ -66,11 +71,14 @@ $(BUILD)/geodesic.1: clients/cli/manual.py clients/cli/geodesic $(wildcard clien
 	@mkdir -p $(@D)
 	$(call tell,GEN)clients/cli/manual.py clients/cli/geodesic > $@
 
-# Written anew each time, since PREFIX may have changed.
+# These files are written each time, since PREFIX may have changed.
 VERSION = $$(sed -n 's/^  version: *//p' proto/openapi.yaml | head -n 1)
+configure = @mkdir -p $(@D) && sed "s|@PREFIX@|$(PREFIX)|; s|@LIBDIR@|$(LIBDIR)|; s|@VERSION@|$(VERSION)|" \
+                $(wildcard engine/$(@F).in clients/c/$(@F).in) > $@
 $(BUILD)/%.pc: FORCE
-	@mkdir -p $(@D)
-	@sed "s|@PREFIX@|$(PREFIX)|; s|@LIBDIR@|$(LIBDIR)|; s|@VERSION@|$(VERSION)|" $(wildcard engine/$*.pc.in clients/c/$*.pc.in) > $@
+	$(configure)
+$(BUILD)/%.cmake: FORCE
+	$(configure)
 $(BUILD)/geodesicd.service: docker/geodesicd.service FORCE
 	@mkdir -p $(@D)
 	@sed "s|/usr/bin/|$(PREFIX)/bin/|" $< > $@
@@ -78,12 +86,13 @@ $(BUILD)/geodesic: clients/cli/geodesic FORCE
 	@mkdir -p $(@D)
 	@sed '1s|/usr/bin/env python3|/usr/bin/python3|; s|^sys.path.append(.*$$|sys.path.append("$(PYTHONDIR)")|' $< > $@
 
-# Built in a copy of docker/debian, since dpkg wants its folder `debian`. DEB_BUILD=$(BUILD) packages
-# what is built already: debhelper does not add its hardening flags to variables that are set.
+# The packages are built in a copy of docker/debian, since dpkg requires a folder `debian`.
+# DEB_BUILD=$(BUILD) packages the existing build: then the variables of flags are set, so debhelper
+# does not add hardening flags, which would change the build.
 DEB_BUILD ?= $(BUILD)/hardened
 DEB_FLAGS = $(if $(filter $(abspath $(BUILD)),$(abspath $(DEB_BUILD))), \
                 $(foreach name,CPPFLAGS CFLAGS CXXFLAGS LDFLAGS,$(name)="$$$(name)"))
-deb: | $(BUILD_MARK) ## Debian packages: daemon, clients, libraries (wants debhelper)
+deb: | $(BUILD)/stamps/package-tools ## Debian packages: daemon, clients, libraries (wants debhelper)
 	@rm -rf $(BUILD)/deb && mkdir -p $(BUILD)/deb/source && cp -r docker/debian $(BUILD)/deb/source/debian
 	@cd $(BUILD)/deb/source && $(DEB_FLAGS) SOURCE=$(CURDIR) DEB_BUILD=$(abspath $(DEB_BUILD)) \
 	    DEB_BUILD_OPTIONS="$(DEB_BUILD_OPTIONS) noautodbgsym" \
@@ -92,6 +101,9 @@ deb: | $(BUILD_MARK) ## Debian packages: daemon, clients, libraries (wants debhe
 
 image: ## the container's image, by docker, podman or buildah, and its parts list (BASE= SOURCE= VIEWER=no)
 	@BASE='$(BASE)' SOURCE='$(SOURCE)' VIEWER='$(VIEWER)' docker/image.sh $(BUILD)
+
+dist: | $(BUILD_MARK) ## what a release publishes: sources, packages of the clients, SPDX list, checksums
+	@docker/dist.py $(BUILD)/dist
 
 test-container: ## the container's image, really built and run (wants buildah, mmdebstrap, root)
 	@tests/container/run.py --place $(BUILD)/container

@@ -1,5 +1,5 @@
-# Refuses paths that make or a shell would read as something else, and build folders that hold files
-# of others. Included first by the Makefile, so nothing has run when it stops.
+# Rejects paths that make or a shell would misread, and build folders that hold other files. The
+# Makefile includes this file first, so that make stops before it runs anything.
 
 empty   :=
 space   := $(empty) $(empty)
@@ -9,7 +9,7 @@ define newline
 
 endef
 ODD_CHARACTERS := : ; | & < > ( ) * ? [ ] { } " ' ` \ ! \# $$ % ~ =
-# The characters of a path that are refused; empty: the path is fine.
+# $(call odd,PATH): the characters of a path that are rejected; empty if the path is valid.
 odd = $(strip $(foreach character,$(ODD_CHARACTERS),$(findstring $(character),$(1))) \
               $(if $(findstring $(space),$(1))$(findstring $(tab),$(1))$(findstring $(newline),$(1)),space))
 
@@ -24,11 +24,12 @@ $(foreach name,BUILD PAGES_BUILD DEB_BUILD PREFIX DESTDIR LIBDIR UNITDIR PYTHOND
 ifeq ($(BUILD),)
 $(error BUILD is empty: name a folder, or leave it out for ./build)
 endif
-# One spelling for each folder, since the dependencies that compilers write name its files.
+# BUILD in one spelling, since the dependency files that compilers write have paths below it.
 override BUILD := $(patsubst $(CURDIR)/%,%,$(abspath $(BUILD)))
 
-# `make clean` removes the build folder, so it is never the checkout, a folder around it, one of its
-# source folders, or a folder that holds anything before the first build. CACHEDIR.TAG marks it.
+# `make clean` removes the build folder. So the build folder must not be the checkout, a folder
+# around the checkout, or one of its source folders. It must be empty or new before the first build.
+# CACHEDIR.TAG marks a build folder.
 BUILD_PLACE    := $(or $(realpath $(BUILD)),$(abspath $(BUILD)))
 BUILD_MARK     := $(BUILD)/CACHEDIR.TAG
 BUILD_CONTENTS := $(notdir $(wildcard $(BUILD)/* $(BUILD)/.[!.]*))
@@ -36,7 +37,7 @@ SOURCE_FOLDERS := $(addprefix $(realpath .)/,.ci .git clients docker engine prot
 ifneq ($(filter $(patsubst %/,%,$(BUILD_PLACE))/%,$(realpath .)/)$(filter $(SOURCE_FOLDERS) $(addsuffix /%,$(SOURCE_FOLDERS)),$(BUILD_PLACE)),)
 $(error BUILD=$(BUILD) is the checkout, a folder around it or one of sources: name another)
 endif
-# A folder of an earlier version has no mark; the pages in `web` may be there before all else.
+# Build folders of earlier versions have no mark. The pages in `web` may be built before the mark.
 ifeq ($(wildcard $(BUILD_MARK))$(and $(filter obj,$(BUILD_CONTENTS)),$(filter generated,$(BUILD_CONTENTS))),)
 ifneq ($(filter-out web,$(BUILD_CONTENTS)),)
 $(error BUILD=$(BUILD) holds other files ($(firstword $(BUILD_CONTENTS))): name a new or an empty folder)

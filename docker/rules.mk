@@ -1,21 +1,22 @@
-# How objects, archives and programs are made, and when they are made again. Included by the Makefile,
-# after the flags.
+# Rules for objects, archives and programs, and the conditions under which they are rebuilt.
+# Included by the Makefile, after the flags.
 
-# Before a command that makes a file: prints its short name and the file (of compilers the source).
-# V=1: the command instead.
+# $(call tell,NAME,FILE): precedes a command in a recipe and prints NAME and FILE (the target by
+# default) instead of the command. With V=1 make prints the command.
 tell = $(if $(filter-out 0,$(V)),,@printf '  %-3s  %s\n' $(1) $(or $(2),$@);)
 
-# FILE_FLAGS: of single files, set for their objects.
+# FILE_FLAGS: flags of single files, as target-specific variables of their objects.
 compile_c   = $(CC) $(GD_CPPFLAGS) $(CPPFLAGS) $(GD_CFLAGS) $(FILE_FLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
 compile_cxx = $(CXX) $(GD_CPPFLAGS) $(CPPFLAGS) $(GD_CXXFLAGS) $(FILE_FLAGS) $(CXXFLAGS) -MMD -MP -c -o $@ $<
-# $(call link,COMPILER) LIBRARIES: the recipe of a program.
+# $(call link,COMPILER) LIBRARIES: the recipe that links a program.
 link = $(call tell,LD)$(1) $(GD_LDFLAGS) $(LDFLAGS) -o $@ $(filter %.o %.a,$^)
 
 .PHONY: FORCE
 FORCE:
 
-# $(call stamp,NAME,VARIABLE): the file stamps/NAME is written when the variable's value has changed;
-# what depends on the value depends on the file. `make install` alone takes what is built as it is.
+# $(call stamp,NAME,VARIABLE): the rule of the file stamps/NAME. It is rewritten if the variable's
+# value has changed. Targets that depend on the value depend on this file. The exception is `make
+# install` without flags: it installs the existing build even if the value has changed.
 FLAGS_GIVEN := $(foreach name,CC CXX OPT SAN CPPFLAGS CFLAGS CXXFLAGS LDFLAGS,$(findstring command,$(origin $(name))))
 AS_BUILT    := $(if $(filter-out install install-libraries uninstall,$(or $(MAKECMDGOALS),build))$(strip $(FLAGS_GIVEN)),,yes)
 define stamp
@@ -27,7 +28,7 @@ endef
 $(BUILD)/stamps/%: | $(BUILD_MARK)
 	@mkdir -p $(@D) && printf '%s\n' "$$STAMP" >$@
 
-# $(call library,ARCHIVE,OBJECTS): its rule. It is made again when an object leaves the list, too.
+# $(call library,ARCHIVE,OBJECTS): the rule of an archive. Changes of the list also rebuild it.
 define library
 $(subst /,_,$(1))_LIST := $(2)
 $(call stamp,$(notdir $(1)),$(subst /,_,$(1))_LIST)
@@ -38,7 +39,8 @@ endef
 	@rm -f $@
 	$(call tell,AR)$(AR) rcs $@ $(filter %.o,$^)
 
-# One source, compiled for several machines; the daemon chooses when it starts (engine/kernel/cpu.c).
+# Kernels compiled for AVX2 and AVX-512 from common sources. The daemon chooses one when it starts
+# (engine/kernel/cpu.c).
 ifneq ($(filter x86_64%,$(shell $(CC) -dumpmachine 2>/dev/null)),)
 AVX2_FLAGS        := -mavx2
 AVX512_FLAGS      := -mavx512f -mavx512vl -mavx512dq -mprefer-vector-width=512
@@ -48,10 +50,13 @@ $(foreach folder,obj pic,$(BUILD)/$(folder)/engine/%_avx512.c.o): FILE_FLAGS += 
 $(foreach folder,obj pic,$(BUILD)/$(folder)/engine/base/%_avx512.c.o): FILE_FLAGS += $(AVX512_BASE_FLAGS)
 endif
 
-# All objects depend on what compilers are told, all programs on what the linker is told.
+# All objects depend on the compiler's flags and on this file. All programs depend on the linker's
+# flags and on the makefiles that link programs.
 COMPILE_VALUE := $(strip $(CC) : $(CXX) : $(GD_CPPFLAGS) $(CPPFLAGS) : $(GD_CFLAGS) $(CFLAGS) : \
-                 $(GD_CXXFLAGS) $(CXXFLAGS) : $(AVX2_FLAGS) $(AVX512_FLAGS) $(AVX512_BASE_FLAGS))
-LINK_VALUE    := $(strip $(CC) : $(CXX) : $(GD_LDFLAGS) $(LDFLAGS) : $(ENGINE_LIBS) : $(SERVER_LIBS))
+                 $(GD_CXXFLAGS) $(CXXFLAGS) : $(AVX2_FLAGS) $(AVX512_FLAGS) $(AVX512_BASE_FLAGS) : \
+                 $(shell cksum <docker/rules.mk))
+LINK_VALUE    := $(strip $(CC) : $(CXX) : $(GD_LDFLAGS) $(LDFLAGS) : $(ENGINE_LIBS) : $(SERVER_LIBS) : \
+                 $(shell cat Makefile docker/rules.mk engine/libraries.mk $(wildcard tests/*.mk) | cksum))
 COMPILE := $(BUILD)/stamps/compile
 LINK    := $(BUILD)/stamps/link
 $(eval $(call stamp,compile,COMPILE_VALUE))

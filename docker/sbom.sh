@@ -1,6 +1,7 @@
 #!/bin/sh
-# sbom.sh VERSION [CREATED]: the parts list of the image that this runs in, as SPDX 2.3 in JSON, by what dpkg knows of its packages.
-# By the shell, sed and dpkg-query alone: the image has nothing else.
+# sbom.sh VERSION [CREATED]: prints the software bill of materials of the image in which it runs, as
+# SPDX 2.3 in JSON. It lists the packages that dpkg knows. Uses only the shell, sed and dpkg-query,
+# because the image has no other tools.
 set -eu
 version=$1
 created=${2:-$(date -u +%Y-%m-%dT%H:%M:%SZ)}
@@ -11,7 +12,7 @@ packages() {
     dpkg-query --show --showformat '${Package}|${Version}|${Architecture}\n'
 }
 
-# Identifiers have letters, digits, dots and dashes only.
+# Prints the entry of a package. SPDX identifiers have only letters, digits, dots and dashes.
 package() {
     identifier=$(printf %s "$1-$3" | sed 's/[^A-Za-z0-9.-]/-/g')
     quoted=$(printf %s "$1@$2" | sed 's/+/%2B/g; s/:/%3A/g; s/~/%7E/g')

@@ -1,25 +1,25 @@
-# What building, running and testing need of Debian, and its installation. Included by the Makefile.
+# Installs the packages of Debian or Ubuntu that building, running and testing need. Included by the
+# Makefile.
 
 .PHONY: setup setup-test
 
-# Everything that building, running and testing need, from Debian 12's own packages.
-PACKAGES := build-essential clang clang-format libmicrohttpd-dev libjansson-dev libgnutls28-dev \
-            libseccomp-dev libsqlite3-dev libpq-dev zlib1g-dev libcmocka-dev libclang-rt-14-dev \
-            libcurl4-openssl-dev python3 python3-yaml python3-jsonschema curl ca-certificates
-SUDO     := $(if $(filter 0,$(shell id -u)),,sudo)
-# The pages are made by node and npm, whoever installed them; the tests of the pages want a browser, too.
-NODE      = $(if $(filter no,$(VIEWER)),,$(shell command -v node >/dev/null && command -v npm >/dev/null || echo nodejs npm))
-CHROMIUM  = $(if $(filter no,$(VIEWER)),,$(shell command -v chromium >/dev/null || echo chromium))
-define install_missing
-	@missing=$$(for p in $(1); do dpkg-query -W -f='$${Status}' $$p 2>/dev/null | grep -q 'ok installed' || echo $$p; done); \
-	if [ -n "$$missing" ]; then echo "installing:" $$missing; export DEBIAN_FRONTEND=noninteractive; \
-	    $(SUDO) apt-get -qq update && $(SUDO) apt-get -qq install -y --no-install-recommends $$missing >/dev/null; fi
-endef
+# Packages for the daemon, its pages and the demo.
+PACKAGES := build-essential libmicrohttpd-dev libjansson-dev libgnutls28-dev libseccomp-dev libsqlite3-dev \
+            libpq-dev zlib1g-dev libminizip-dev libexpat1-dev libopenmesh-dev python3 python3-markdown python3-yaml curl ca-certificates
+# What tests need in addition. Tests start HAProxy and PostgreSQL themselves, so the services of
+# these packages need not run.
+TEST_PACKAGES := clang clang-format codespell libclang-rt-{clang}-dev libcmocka-dev libcurl4-openssl-dev python3-jsonschema \
+                 debhelper dh-python lintian pkg-config haproxy postgresql
+OPTIONAL_TEST_PACKAGES := python3-kubernetes python3-numpy python3-tqdm python3-plotly python3-setuptools python3-wheel mypy cmake zsh fish
+# The pages need node and npm, from Debian or elsewhere. Their tests need a browser: chromium, from
+# Debian. Ubuntu's package chromium is not installed, because it installs a snap.
+NODE     = $(if $(filter no,$(VIEWER)),,$(shell command -v node >/dev/null && command -v npm >/dev/null || echo nodejs npm))
+CHROMIUM = $(if $(filter no,$(VIEWER)),,$(shell command -v chromium >/dev/null || grep -qs '^ID=ubuntu' /etc/os-release || echo chromium))
 
 ##@ Preparation
 
-setup: ## install what is missing (Debian 12)
-	$(call install_missing,$(PACKAGES) $(NODE))
+setup: ## install what building and the demo need (Debian, Ubuntu)
+	@docker/install_packages.sh $(PACKAGES) $(NODE)
 
-setup-test: setup ## install what the tests of the pages want, too
-	$(call install_missing,$(CHROMIUM))
+setup-test: ## install what all tests need
+	@docker/install_packages.sh $(PACKAGES) $(NODE) $(TEST_PACKAGES) $(CHROMIUM) --if-available $(OPTIONAL_TEST_PACKAGES)

@@ -1,24 +1,29 @@
-"""The contract, openapi.yaml: how it is loaded, and the rules that it keeps."""
+"""Loads the contract, openapi.yaml, and checks the rules of its form."""
 import pathlib
 import re
+import sys
 
-import yaml
+try:
+    import yaml
+except ImportError:
+    sys.exit("python3's module yaml is missing; Debian's package is python3-yaml: run 'make setup'")
 
-METHODS = ("get", "put", "post", "delete")  # what the table knows; head is answered wherever get is
+# methods of the route table; a GET route also answers HEAD
+METHODS = ("get", "put", "post", "patch", "delete")
 MAX_SEGMENTS = 6  # PROTO_ROUTE_SEGMENTS
 MAX_CAPTURES = 2  # PROTO_ROUTE_CAPTURES
 IDENTIFIER = re.compile(r"[a-z][a-z0-9_]*")
 CAPTURE = re.compile(r"\{([a-z_]+)\}")
 DATE = re.compile(r"\d{4}-\d{2}-\d{2}")
 PREFER = {"$ref": "#/components/parameters/Prefer"}
-ROLES = ("read", "write")  # of keys, as the security requirements name them
+ROLES = ("read", "write")  # roles of keys, as named in security requirements
 
 
-# --- the document ---------------------------------------------------------------------------------------------------
+# --- the document ---------------------------------------------------------------------------------
 
 
 class UniqueKeyLoader(yaml.SafeLoader):
-    """YAML lets a key stand twice and keeps the last one; here that is a mistake."""
+    """Rejects duplicate keys, of which YAML would keep the last."""
 
 
 def construct_unique_mapping(loader, node):
@@ -38,7 +43,7 @@ def load_document(path):
 
 
 def operations(document):
-    """(path, path item, method, operation) of each operation in the order of the document, head included."""
+    """Yields (path, path item, method, operation) of each operation, in order, head included."""
     for path, item in document["paths"].items():
         for method in (*METHODS, "head"):
             if method in item:
@@ -50,7 +55,7 @@ def segments(path):
 
 
 def values(node, place="#"):
-    """(place, value) of every value in the document."""
+    """Yields (place, value) of every value in the document."""
     yield place, node
     pairs = node.items() if isinstance(node, dict) else enumerate(node) if isinstance(node, list) else ()
     for key, value in pairs:
@@ -58,7 +63,8 @@ def values(node, place="#"):
 
 
 def resolve(document, reference):
-    """The value that a reference within the document points at; LookupError if there is none."""
+    """Returns the value that a reference within the document points at; LookupError if there is
+    none."""
     if not reference.startswith("#/"):
         raise LookupError(reference)
     node = document
@@ -67,7 +73,7 @@ def resolve(document, reference):
     return node
 
 
-# --- its rules ------------------------------------------------------------------------------------------------------
+# --- its rules ------------------------------------------------------------------------------------
 
 
 def check_references(document):
@@ -84,12 +90,14 @@ def check_references(document):
             yield f"{place}: {value['$ref']} points into a schema, which code generators refuse; name the part"
     for kind, components in document["components"].items():
         for name in components:
-            if f"#/components/{kind}/{name}" not in used and kind != "securitySchemes":  # those are named, not referenced
+            # security schemes are named, not referenced
+            if f"#/components/{kind}/{name}" not in used and kind != "securitySchemes":
                 yield f"#/components/{kind}/{name} is not used"
 
 
 def check_enumerations(document):
-    """YAML 1.1 reads the bare words off, on, yes and no as booleans."""
+    """Complains about enumerations with booleans: YAML 1.1 reads the bare words off, on, yes and no
+    so."""
     for place, value in values(document):
         if isinstance(value, dict) and value.get("type") == "string":
             for word in [*value.get("enum", []), *([value["const"]] if "const" in value else [])]:
@@ -98,7 +106,7 @@ def check_enumerations(document):
 
 
 def reachable(document, node, found):
-    """Adds the schemas that the node refers to, directly or not, to `found`: reference to schema."""
+    """Adds to `found` (reference to schema) all schemas that the node refers to."""
     for _, value in values(node):
         reference = value.get("$ref") if isinstance(value, dict) else None
         if isinstance(reference, str) and reference not in found:
@@ -115,7 +123,8 @@ def object_schemas(nodes):
 
 
 def check_objects(document):
-    """Requests are closed: an unknown member is refused. Answers are open: a new member breaks no client."""
+    """Checks that requests reject unknown members and that answers allow them: a new member breaks
+    no client."""
     requests, answers = {}, {}
     for path, item, method, operation in operations(document):
         place = f"{method} {path}"
@@ -141,13 +150,13 @@ def check_path_parameters(document, path, item, operation):
 
 
 def takes_preference(item, operation):
-    """True when the operation may be answered by a job."""
+    """Returns whether the operation accepts Prefer: respond-async."""
     return PREFER in [*item.get("parameters", []), *operation.get("parameters", [])]
 
 
 def access(method, operation):
-    """The role that a key needs, or None where none is needed. What changes things asks for `write`, what asks for `read`, unless
-    the operation says otherwise: [] or [{key: [role]}]."""
+    """Returns the role that a key needs, or None. Changes need `write` and other operations `read`;
+    an operation overrides this by `security: []` or [{key: [role]}]."""
     if "security" in operation:
         return operation["security"][0]["key"][0] if operation["security"] else None
     asks = method in ("get", "head") or (method == "post" and "queries" in operation["tags"])
@@ -163,8 +172,9 @@ def check_security(operation):
 def check_operation(document, path, item, operation):
     yield from check_security(operation)
     yield from check_path_parameters(document, path, item, operation)
-    if takes_preference(item, operation) != ("202" in operation.get("responses", {})):
-        yield "has one of the parameter Prefer and the response 202 without the other"
+    accepted = operation.get("responses", {}).get("202", {}).get("$ref", "").endswith("/Accepted")
+    if takes_preference(item, operation) != accepted:
+        yield "has one of the parameter Prefer and the response 202, Accepted, without the other"
     for field in ("summary", "tags", "responses"):
         if not operation.get(field):
             yield f"has no {field}"
@@ -176,7 +186,7 @@ def check_operation(document, path, item, operation):
 
 
 def parameters(document, item, operation):
-    """The parameters of the operation, those of its path among them."""
+    """Returns the parameters of the operation, including those of its path."""
     return [resolve(document, each["$ref"]) if "$ref" in each else each for each in (*item.get("parameters", []), *operation.get("parameters", []))]
 
 
@@ -185,7 +195,7 @@ def deprecated_parameters(document, item, operation):
 
 
 def check_deprecations(document, path, item, method, operation):
-    """A deprecated name has a date and a replacement that exists beside it."""
+    """Checks that a deprecated name has a date and a replacement that exists beside it."""
     names = {each["name"] for each in parameters(document, item, operation) if not each.get("deprecated")}
     for parameter in deprecated_parameters(document, item, operation):
         if parameter["in"] != "query" or parameter.get("x-replaced-by") not in names or not DATE.fullmatch(parameter.get("x-deprecated-since", "")):
@@ -212,7 +222,7 @@ def check_operations(document):
 
 
 def check_document(document):
-    """Complaints about the document, one string each."""
+    """Yields complaints about the document, one string each."""
     yield from check_references(document)
     yield from check_enumerations(document)
     yield from check_objects(document)
@@ -220,7 +230,7 @@ def check_document(document):
 
 
 def check_problems(document, header):
-    """The problems of the contract are those of the code."""
+    """Checks that contract and code list the same problems."""
     text = pathlib.Path(header).read_text(encoding="utf-8")
     coded = re.findall(r'X\(\d{3}, \w+, (\w+), "', text)
     documented = document["components"]["schemas"]["Problem"]["properties"]["code"]["enum"]

@@ -1,13 +1,18 @@
 #!/usr/bin/env python3
-"""Makes what the daemon compiles in from the contract, openapi.yaml. Output is the same for the same input.
+"""Makes sources of the daemon from the contract, openapi.yaml. Equal input gives equal output.
 
-    generate.py sources openapi.yaml folder      C sources, of which those that differ are written to the folder: routes.c (proto/http/route.h),
-                                                 handlers.h (server/query/handlers.h), fields, parameters and requests (members.py)
-    generate.py assets openapi.yaml [folder...]  openapi.json and the files below the folders, C, for proto/http/asset.h
-    generate.py document openapi.yaml            openapi.json
-    generate.py check openapi.yaml problem.h     nothing but complaints; exit status 1 if there are any
+    generate.py sources openapi.yaml folder
+        writes the C sources to the folder, except those that are already equal: routes.c
+        (proto/http/route.h), handlers.h (server/query/handlers.h), fields, parameters and requests
+        (members.py)
+    generate.py assets openapi.yaml [folder...]
+        prints openapi.json and the files below the folders as C, for proto/http/asset.h
+    generate.py document openapi.yaml
+        prints openapi.json
+    generate.py check openapi.yaml problem.h
+        prints complaints; exit status 1 if there are any
 
-Each of them refuses a document that breaks a rule of check_document.
+Each command rejects a document that breaks a rule of check_document.
 """
 import datetime
 import gzip
@@ -19,11 +24,23 @@ import sys
 
 sys.dont_write_bytecode = True
 import members  # noqa: E402
-from document import CAPTURE, METHODS, access, check_document, check_problems, deprecated_parameters, handler, load_document, operations, segments, takes_preference  # noqa: E402
+from document import (  # noqa: E402
+    CAPTURE,
+    METHODS,
+    access,
+    check_document,
+    check_problems,
+    deprecated_parameters,
+    handler,
+    load_document,
+    operations,
+    segments,
+    takes_preference,
+)
 from members import c_string  # noqa: E402
 
 # queries about meshes with handlers of their own
-OWN_HANDLERS = {"batch", "picture_png", "picture_svg", "get_mesh_parameters", "get_mesh_places"}
+OWN_HANDLERS = {"batch", "picture_png", "picture_svg", "get_mesh_parameters", "get_mesh_places", "get_mesh_origins"}
 
 MEDIA_TYPES = {
     ".css": "text/css; charset=utf-8",
@@ -39,27 +56,30 @@ MEDIA_TYPES = {
     ".woff2": "font/woff2",
 }
 
-# What a page may load: its own files; Swagger UI's style has its icons as data, and it shows pictures that were answered as blobs.
+# A page may load its own files. Swagger UI's style sheet has its icons as data: URLs; the pictures
+# of answers are blob: URLs.
 PAGE_POLICY = "default-src 'self'; object-src 'none'; frame-ancestors 'none'; base-uri 'none'; form-action 'self'"
 POLICIES = {"/docs/": PAGE_POLICY + "; img-src 'self' data: blob:"}
 
 
-# --- C --------------------------------------------------------------------------------------------------------------
+# --- C --------------------------------------------------------------------------------------------
 
 
 def c_bytes(name, data):
-    """An array as a string literal, read faster by compilers than a list of numbers. Its final NUL does not count."""
+    """Returns a C array, written as a string literal, which compilers read faster. Its final NUL
+    does not count."""
     lines = []
     for start in range(0, len(data), 64):
         lines.append('    "' + "".join(f"\\{byte:03o}" for byte in data[start : start + 64]) + '"')
     return f"static const unsigned char {name}[] =\n" + "\n".join(lines or ['    ""']) + ";\n"
 
 
-# --- routes ---------------------------------------------------------------------------------------------------------
+# --- routes ---------------------------------------------------------------------------------------
 
 
 def query_name(path, method, operation):
-    """Queries are counted by their POST form, which each of them has; those of other surfaces than meshes with the kind's plural."""
+    """Returns the query's name in metrics: that of its POST form; for surfaces other than meshes,
+    prefixed by the kind's plural."""
     if method != "post" or "queries" not in operation["tags"]:
         return None
     kind, name = segments(path)[1], segments(path)[-1]
@@ -72,7 +92,8 @@ def literals_first(route):
 
 
 def is_query(path, item, operation):
-    """Queries about meshes need no handlers of their own; what makes meshes, pictures or lines of answers does."""
+    """Returns whether the operation is a mesh query without a handler of its own, which queries
+    that make meshes or pictures have."""
     parameters = [*item.get("parameters", []), *operation.get("parameters", [])]
     names = {parameter.get("$ref", "").split("/")[-1] for parameter in parameters}
     return path.startswith("/v1/meshes/") and "TimeoutMs" in names and handler(operation) not in OWN_HANDLERS
@@ -84,7 +105,8 @@ def deprecation(old, new, since):
 
 
 def deprecation_fields(document, path, item, method, operation):
-    """What answers to a former name say: of the route's own path, and of its parameters."""
+    """Returns the fields for the Deprecation headers of the route's own path and of its
+    parameters."""
     fields = {}
     if operation.get("deprecated"):
         row = deprecation(path, operation["x-replaced-by"], operation["x-deprecated-since"])
@@ -110,6 +132,7 @@ def route_row(document, path, item, method, operation):
         "path": c_string(path),
         "query": c_string(query) if query else "NULL",
         "fields": members.fields_of(document, item, operation) or "NULL",
+        "has_lines": "true" if members.has_lines(document, item, operation) else "false",
         "parameters": f"proto_{operation['operationId']}_parameters" if members.query_names(document, item, operation) else "NULL",
         "segment_count": str(len(parts)),
         "segments": "{" + ", ".join(c_string(part) if part else "NULL" for part in parts or [None]) + "}",
@@ -150,21 +173,21 @@ SOURCES = {
 
 
 def write_sources(document, folder):
-    """A source that does not change keeps its time, so that nothing is compiled again."""
+    """Writes the sources. An unchanged source keeps its time, so that nothing is recompiled."""
     for name, source in SOURCES.items():
         path, text = pathlib.Path(folder, name), "\n".join(source(document)) + "\n"
         if not path.exists() or path.read_text(encoding="utf-8") != text:
             path.write_text(text, encoding="utf-8")
 
 
-# --- assets ---------------------------------------------------------------------------------------------------------
+# --- assets ---------------------------------------------------------------------------------------
 
 
 PUBLISHED_EXTENSIONS = ("x-replaced-by", "x-deprecated-since")
 
 
 def published(node):
-    """The document without the extensions that are the generator's own."""
+    """Returns the document without the generator's own extensions."""
     if isinstance(node, dict):
         return {key: published(value) for key, value in node.items() if key in PUBLISHED_EXTENSIONS or not key.startswith("x-")}
     if isinstance(node, list):
@@ -173,7 +196,7 @@ def published(node):
 
 
 def static_files(arguments):
-    """(path on the server, bytes) of all files below the folders that the arguments name: a folder is the server's root."""
+    """Yields (path on the server, bytes) of all files below the folders; each folder is a root."""
     for root in map(pathlib.Path, arguments):
         for file in sorted(root.rglob("*")):
             if file.is_file():
@@ -192,7 +215,8 @@ def policy(path):
 
 
 def aliases(path):
-    """What a browser may ask for it: an index is its folder, with or without the slash."""
+    """Returns the paths that serve an asset: an index also has its folder's path, with and without
+    the slash."""
     folder = path.removesuffix("/index.html")
     return [path] if folder == path else sorted({path, folder or "/", folder + "/"})
 
@@ -206,14 +230,15 @@ def asset_rows(path, number, data, compressed):
 
 
 def state_security(document):
-    """Writes out the rule of `access`; the alternative {} is a daemon without keys."""
+    """Adds the result of `access` to each operation; the alternative {} stands for a daemon without
+    keys."""
     for _, _, method, operation in operations(document):
         role = access(method, operation)
         operation["security"] = [{"key": [role]}, {}] if role else []
 
 
 def document_text(document):
-    """The published document."""
+    """Returns the published document."""
     state_security(document)
     return json.dumps(published(document), ensure_ascii=False, separators=(",", ":"))
 
@@ -233,7 +258,7 @@ def print_assets(document, arguments):
     print("\nconst size_t proto_asset_count = sizeof proto_assets / sizeof proto_assets[0];")
 
 
-# --- command line ---------------------------------------------------------------------------------------------------
+# --- command line ---------------------------------------------------------------------------------
 
 
 def main(arguments):

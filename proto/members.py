@@ -1,25 +1,27 @@
 """Members of requests, fields of answers and parameters, in C, from the contract.
 
-A parameter `select` whose items have `x-fields: {of: Schema}` takes the names of the schema's members, in their
-order; `with: member` puts the members of that list's items behind it, `without` leaves some out. `expand` writes the
-names into the document as an enumeration. In C they are bits and a list of names.
+A parameter `select` whose items have `x-fields: {of: Schema}` accepts the names of the schema's
+members, in their order; `with: member` puts the members of that list's items behind it, `without`
+leaves some out. `expand` writes the names into the document as an enumeration. In C they are bits
+and a list of names.
 
-A schema `…Request` with properties, and each object that one refers to, becomes a struct and a function that reads it.
-What C decodes by hand is a type of VALUES, or a member of `x-by-hand`, which is none of the struct. Sentences of
-problems stand beside the properties:
+A schema `…Request` with properties, and each object that it refers to, becomes a struct and a
+function that reads it. A type that C decodes by hand is in VALUES; a member of `x-by-hand` is not
+in the struct. Sentences of problems stand beside the properties:
 
     x-by-hand    [member…], or all: then there is a list of the names only
-    x-refusals   {member: sentence}: for a value outside its limits, a word that is none, or what is no array
-    x-expected   {member: sentence}: for what is no array, if that is another sentence
-    x-too-large  {member: sentence}: for a value above its maximum, which is the problem too_large then
+    x-refusals   {member: sentence}: for a value outside its limits, an unknown word, no array
+    x-expected   {member: sentence}: for a value that is not an array, if the sentence differs
+    x-too-large  {member: sentence}: for a value above its maximum; the problem is too_large then
     x-one-of     {members: [a, b], refusal: sentence}: exactly one of both is there
 """
 import re
 
 from document import operations, resolve
 
-LIST = {"Point": "struct proto_points", "Place": "struct proto_uvs"}  # lists that have a struct of their own
-# values by hand: the type, its header, what decodes and what frees it
+# lists that have their own struct
+LIST = {"Point": "struct proto_points", "Place": "struct proto_uvs"}
+# values decoded by hand-written functions: type, header, decode function, free function
 VALUES = {
     "Point": ("struct proto_point", "values/point.h", "proto_point_decode", None),
     "Curve": ("struct proto_curve", "values/curve.h", "proto_curve_decode", "proto_curve_free"),
@@ -46,11 +48,11 @@ def number(value):
     return "INFINITY" if value is None else repr(value)
 
 
-# --- fields of answers ----------------------------------------------------------------------------------------------
+# --- fields of answers ----------------------------------------------------------------------------
 
 
 def follow(document, schema):
-    """The schema behind references, and the name of the last one."""
+    """Returns the schema behind references, and the name of the last one."""
     name = None
     while "$ref" in schema or len(schema.get("allOf", [])) == 1:
         schema = schema if "$ref" in schema else schema["allOf"][0]
@@ -70,7 +72,7 @@ def field_names(document, rule):
 
 
 def field_lists(document):
-    """(name, rule, items) of each parameter whose names are those of a schema."""
+    """Yields (name, rule, items) of each parameter whose names are those of a schema."""
     for name, parameter in document["components"]["parameters"].items():
         items = parameter.get("schema", {}).get("items", {})
         if "x-fields" in items:
@@ -103,17 +105,17 @@ def field_source(document):
         yield f"const char *const proto_{snake(name)}_fields[] = {{\n{names}    NULL}};\n"
 
 
-# --- parameters -----------------------------------------------------------------------------------------------------
+# --- parameters -----------------------------------------------------------------------------------
 
 
 def query_names(document, item, operation):
-    """The operation's parameters in the query string, without former names."""
+    """Returns the operation's query parameters without former names."""
     parameters = [follow(document, parameter)[0] for parameter in [*item.get("parameters", []), *operation.get("parameters", [])]]
     return [parameter["name"] for parameter in parameters if parameter["in"] == "query" and not parameter.get("deprecated")]
 
 
 def fields_of(document, item, operation):
-    """The name of the list of an operation's fields, or None."""
+    """Returns the name of the list of an operation's fields, or None."""
     for parameter in [*item.get("parameters", []), *operation.get("parameters", [])]:
         name = parameter.get("$ref", "").split("/")[-1]
         if name.endswith("Fields") and "x-fields" in follow(document, parameter)[0]["schema"]["items"]:
@@ -121,8 +123,14 @@ def fields_of(document, item, operation):
     return None
 
 
+def has_lines(document, item, operation):
+    """Returns whether `geometry` can omit the points of lines."""
+    parameters = [follow(document, parameter)[0] for parameter in [*item.get("parameters", []), *operation.get("parameters", [])]]
+    return any(parameter["name"] == "geometry" and "none" in parameter["schema"]["enum"] for parameter in parameters)
+
+
 def parameter_lists(document):
-    """(operation, its parameters in the query string) of each operation that has some."""
+    """Yields (operation, query parameters) of each operation with some."""
     for _, item, method, operation in operations(document):
         names = query_names(document, item, operation)
         if names and method != "head":
@@ -130,7 +138,7 @@ def parameter_lists(document):
 
 
 def parameter_words(document):
-    """(name, words) of each parameter of the components that is one of some words."""
+    """Yields (name, words) of each enumeration among the components' parameters."""
     for name, parameter in document["components"]["parameters"].items():
         if "enum" in parameter.get("schema", {}):
             yield name, parameter["schema"]["enum"]
@@ -155,11 +163,11 @@ def parameter_source(document):
         yield f"const char *const proto_{snake(name)}_words[] = {{{', '.join(map(c_string, listed))}, NULL}};"
 
 
-# --- members of requests --------------------------------------------------------------------------------------------
+# --- members of requests --------------------------------------------------------------------------
 
 
 class Member:
-    """A property of a request in C."""
+    """A request's property in C."""
 
     def __init__(self, document, owner, name, schema):
         self.name, self.owner, self.is_required = name, owner, name in schema.get("required", [])
@@ -192,7 +200,8 @@ class Member:
 
     @property
     def has_flag(self):
-        """A member that may be missing, without a default and without a value that says so."""
+        """Returns whether the struct needs a flag: the member is optional, without a default and
+        without a value that means "missing"."""
         return not self.is_required and self.default is None and self.kind not in ("flag", "points", "list")
 
     def declaration(self):
@@ -223,7 +232,7 @@ class Member:
         return f"PROTO_{upper(self.name)}_{upper(text)}"
 
     def rule(self):
-        """The initializer of its struct proto_rule."""
+        """Returns the initializer of its struct proto_rule."""
         schema, is_list = self.schema, self.kind in ("points", "list")
         limits = self.item if self.kind == "indices" else schema
         least = schema.get("minItems", 0) if is_list else limits.get("exclusiveMinimum", limits.get("minimum"))
@@ -252,7 +261,7 @@ class Member:
         return "{" + ", ".join(parts) + "}"
 
     def sentence(self, limits):
-        """What values are, for a problem."""
+        """Returns a problem's sentence that says which values are valid."""
         what = "a number" if self.kind == "number" else "a whole number"
         if "exclusiveMinimum" in limits:
             return f"{self.name} is {what} of more than {limits['exclusiveMinimum']}"
@@ -261,7 +270,7 @@ class Member:
         return f"{self.name} is {what} of at least {limits['minimum']}" if "minimum" in limits else None
 
     def take(self):
-        """The call that reads it into `read`."""
+        """Returns the call that reads the member into `read`."""
         rule, target = f"&rules[{upper(self.name)}]", f"&read.{self.name}"
         count = self.schema.get("minItems")
         if self.kind in ("numbers", "indices"):
@@ -298,7 +307,7 @@ class Request:
 
 
 def requests(document):
-    """The requests, each behind the objects that it refers to."""
+    """Returns the requests, each after the objects that it refers to."""
     found = {}
 
     def add(name, schema):
@@ -319,7 +328,7 @@ def requests(document):
 
 
 def words(all_requests):
-    """(member, its words) of each enumeration; one name has one enumeration."""
+    """Returns (member, words) of each enumeration. Members of one name share one enumeration."""
     found = {}
     for member in (member for request in all_requests for member in request.members if member.kind == "word"):
         if found.setdefault(member.name, member).schema["enum"] != member.schema["enum"]:
@@ -335,7 +344,7 @@ def limits(request):
 
 
 def lists(all_requests):
-    """Types of the items of lists, in C and as a name."""
+    """Returns the types of list items, in C and as a name."""
     found = {}
     for member in (member for request in all_requests for member in request.members if member.kind == "list"):
         reference = member.item_reference
@@ -451,7 +460,7 @@ TAKE_UVS = """static bool take_uvs(const struct proto_object *object, const stru
 
 
 def take_functions(every):
-    """Functions for values by hand and for lists, each before its first use."""
+    """Returns the functions for hand-decoded values and for lists, each before its first use."""
     members = [member for request in every for member in request.members]
     if any(member.kind == "points" and member.item_reference == "Point" for member in members):
         yield TAKE_POINTS

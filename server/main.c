@@ -1,5 +1,4 @@
 /* geodesicd: the program: its commands, signals and sandbox. */
-#include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
 #include <stdio.h>
@@ -29,8 +28,8 @@ static void block_signals(sigset_t *awaited)
     signal(SIGXFSZ, SIG_IGN); /* beyond RLIMIT_FSIZE a write fails */
 }
 
-/* Opens /dev/null for closed standard descriptors. Otherwise the next file would receive the
- * log. */
+/* Opens /dev/null for closed standard descriptors. Otherwise the log would go into the next opened
+ * file. */
 static void open_standard_descriptors(void)
 {
     int descriptor;
@@ -63,11 +62,11 @@ static void log_start(const struct server_config *config)
     }
     if (*config->keys && !*config->tls_cert && !server_address_is_local(&config->listen))
         server_log_message(SERVER_LOG_WARN, "keys_in_clear",
-                           "keys come unencrypted: give --tls-cert and --tls-key, or listen behind "
-                           "a proxy that speaks TLS");
+                           "keys are sent unencrypted: give --tls-cert and --tls-key, or listen "
+                           "behind a proxy with TLS");
 }
 
-/* Runs the command on the store that the flags ask for. False: they ask for none. */
+/* Runs --check-store, --backup or --restore. Returns false if none of them is given. */
 static bool run_store_command(const struct server_config *config, bool *is_done)
 {
     if (config->check_store)
@@ -83,8 +82,8 @@ static bool run_store_command(const struct server_config *config, bool *is_done)
     return true;
 }
 
-/* Makes the data folder, as the store does: Landlock's rules need folders that exist. A failure is
- * reported when the store opens the folder. */
+/* Creates the data folder, as the store would, because Landlock's rules need existing folders. The
+ * store reports a failure when it opens the folder. */
 static struct server_sandbox enter_sandbox(const struct server_config *config)
 {
     bool is_shared = config->store == SERVER_STORE_KIND_POSTGRES,
@@ -105,18 +104,18 @@ static struct server_sandbox enter_sandbox(const struct server_config *config)
     return server_sandbox_enter(&needs);
 }
 
-/* The port is bound before the sandbox forbids that. */
-static struct server *daemon_start(struct server_config *config, char *error, size_t error_size)
+/* Starts the daemon. Binds the port before the sandbox forbids that. */
+static struct server *daemon_start(struct server_config *config, char error[SERVER_ERROR])
 {
-    int listening = server_address_bind(&config->listen, error, error_size);
+    int listening = server_address_bind(&config->listen, error);
     if (listening < 0) return NULL;
     struct server_sandbox sandbox = enter_sandbox(config);
     if (!server_log_start()) {
-        snprintf(error, error_size, "no thread can be started for the log");
+        snprintf(error, SERVER_ERROR, "can't start the log's thread: raise the limit of threads");
         return NULL;
     }
     server_log_flush_at_crash();
-    struct server *server = server_start(config, listening, error, error_size);
+    struct server *server = server_start(config, listening, error);
     if (server) server_sandbox_seal(&sandbox);
     return server;
 }
@@ -125,7 +124,7 @@ int main(int argc, char *argv[])
 {
     struct server_config config;
     sigset_t awaited;
-    char error[512];
+    char error[SERVER_ERROR];
     open_standard_descriptors();
     if (argc > 1 && strcmp(argv[1], "keygen") == 0)
         return server_keygen(argc - 2, argv + 2, stdout, stderr) ? EXIT_SUCCESS : EXIT_USAGE;
@@ -138,7 +137,7 @@ int main(int argc, char *argv[])
     bool is_done;
     if (run_store_command(&config, &is_done)) return is_done ? EXIT_SUCCESS : EXIT_FAILURE;
     block_signals(&awaited);
-    struct server *server = daemon_start(&config, error, sizeof error);
+    struct server *server = daemon_start(&config, error);
     if (!server) {
         server_log_message(SERVER_LOG_ERROR, "start_failed", "%s", error);
         server_log_stop();

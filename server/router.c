@@ -9,16 +9,14 @@
 #include "server/query/handlers.h"
 #include "server/query/query.h"
 #include "server/query/request.h"
-#include "server/exchange/deprecation.h"
 #include "server/exchange/reply.h"
 #include "server/query/api.h"
 
-/* bytes of the JSON of a query, and of a new batch */
+/* bytes of the JSON of a query or of a change, and of a new batch */
 #define QUERY_BODY_LIMIT  (UINT64_C(1) << 20)
 #define BATCH_BODY_LIMIT  (UINT64_C(4) << 20)
 #define INLINE_BODY_LIMIT 8192 /* larger JSON is parsed by a worker */
 #define CORS_SECONDS      600
-#define SERIALS           4096 /* request numbers that a thread reserves at once */
 #define CORS_HEADERS                                                                               \
     "Authorization, Content-Encoding, Content-Type, If-Match, If-None-Match, Prefer, "             \
     "X-Request-Id, traceparent"
@@ -34,20 +32,10 @@ static char *hex_write(uint64_t value, char *at)
     return at;
 }
 
-/* A number that no other request of this process has. Threads share no counter but when they
- * reserve SERIALS of them. */
-static uint64_t next_serial(void)
-{
-    static atomic_uint_least64_t taken;
-    static _Thread_local uint64_t next;
-    if (next % SERIALS == 0)
-        next = atomic_fetch_add_explicit(&taken, SERIALS, memory_order_relaxed);
-    return next++;
-}
-
-/* Takes over the client's X-Request-Id or generates one. */
+/* Adopts the client's X-Request-Id or generates one, unique in this process. */
 static void set_request_id(struct server_exchange *exchange)
 {
+    static atomic_uint_least64_t serial;
     const char *given = server_exchange_header(exchange, "X-Request-Id");
     size_t size = given ? strlen(given) : 0;
     if (size > 0 && size < SERVER_REQUEST_ID && strspn(given, REQUEST_ID_CHARACTERS) == size) {
@@ -56,7 +44,7 @@ static void set_request_id(struct server_exchange *exchange)
     }
     char *at = hex_write(exchange->started_ns, exchange->request_id);
     *at++ = '-';
-    *hex_write(next_serial(), at) = '\0';
+    *hex_write(atomic_fetch_add_explicit(&serial, 1, memory_order_relaxed), at) = '\0';
 }
 
 static bool request_admit(struct server_exchange *exchange, struct proto_problem *problem)
@@ -74,7 +62,7 @@ static bool request_admit(struct server_exchange *exchange, struct proto_problem
 }
 
 /* Answers OPTIONS with the methods of the resource, and a CORS preflight of a listed origin with
- * what it may send. No key is needed, since browsers send none. */
+ * the permitted headers. Needs no key, since browsers send none. */
 static bool answer_options(struct server_exchange *exchange, const struct proto_problem *problem)
 {
     if (problem->code != PROTO_PROBLEM_METHOD_NOT_ALLOWED ||
@@ -102,7 +90,7 @@ static bool answer_asset(struct server_exchange *exchange, const struct proto_pr
     return asset != NULL;
 }
 
-/* Unauthenticated clients get 401, never 404. */
+/* Checks the key. Unauthenticated clients get 401, never 404. */
 static bool request_authorize(struct server_exchange *exchange, struct proto_problem *problem)
 {
     const struct proto_route *route = exchange->match.route;
@@ -127,10 +115,10 @@ static bool prepare_coding(struct server_exchange *exchange, struct proto_proble
         return server_body_unpack(&exchange->body, problem);
     return proto_problem_set(
         problem, PROTO_PROBLEM_UNSUPPORTED_MEDIA_TYPE,
-        "the only Content-Encoding of a request is gzip, once; send the body so, or as it is");
+        "a request can only have Content-Encoding: gzip, once; else send the body uncompressed");
 }
 
-/* The characters of paths that the command line of a shell takes as they are. */
+/* The characters that need no quotes in a shell. */
 #define PLAIN_PATH "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-/"
 
 /* Rejects an HTML form where the body is a file. */
@@ -164,6 +152,8 @@ static bool prepare_body(struct server_exchange *exchange, struct proto_problem 
     if (!check_media_type(exchange, problem)) return false;
     bool is_bulk = route->kind && ((const struct server_query_kind *)route->kind)->read_arrays;
     if (route->query && !is_bulk && limit > QUERY_BODY_LIMIT) limit = QUERY_BODY_LIMIT;
+    if (route->handle == server_handle_update_surface && limit > QUERY_BODY_LIMIT)
+        limit = QUERY_BODY_LIMIT;
     if (route->handle == server_handle_create_batch && limit > BATCH_BODY_LIMIT)
         limit = BATCH_BODY_LIMIT;
     return server_body_prepare(&exchange->body, exchange->host->budget, exchange->body.declared,
@@ -173,16 +163,16 @@ static bool prepare_body(struct server_exchange *exchange, struct proto_problem 
 
 static bool request_begin(struct server_exchange *exchange, struct proto_problem *problem)
 {
-    exchange->response.close = true; /* a fault leaves open where the request ends */
+    exchange->response.close = true; /* after a fault the end of the request is unknown */
     if (exchange->fault)
         return proto_problem_set(problem, PROTO_PROBLEM_INVALID_REQUEST, "%s", exchange->fault);
-    /* until it is known that the body will be read */
+    /* unless the body will be read */
     exchange->response.close = exchange->body.declared != 0;
     if (!request_admit(exchange, problem)) return false;
     if (proto_route_find(proto_routes, proto_route_count, exchange->method, exchange->path,
                          &exchange->match, problem))
-        return request_authorize(exchange, problem) &&
-               server_deprecation_apply(exchange, problem) && prepare_body(exchange, problem);
+        return request_authorize(exchange, problem) && server_exchange_rename(exchange, problem) &&
+               prepare_body(exchange, problem);
     if (answer_options(exchange, problem) || answer_asset(exchange, problem)) return true;
     struct proto_problem unauthorized;
     if (!request_authorize(exchange, &unauthorized)) *problem = unauthorized;
@@ -197,7 +187,7 @@ void server_router_begin(struct server_exchange *exchange)
     if (!exchange->response.status) exchange->response.close = false;
 }
 
-/* By a worker. */
+/* Runs on a worker. */
 static bool run_handler(struct server_exchange *exchange)
 {
     exchange->match.route->handle(exchange);

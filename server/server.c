@@ -5,7 +5,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <sys/un.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "gd/cpu.h"
@@ -21,37 +20,41 @@
 #include "server/http/tls.h"
 #include "server/router.h"
 
-/* Arrays of so many bytes go back to the system when they are freed. glibc would raise the bound
- * with the arrays' size, and keep what meshes and fields leave behind: half of the budget again,
- * after some hundred uploads. */
+/* Arrays of at least so many bytes return to the system when they are freed. By default glibc
+ * raises this bound with the size of freed arrays, and so keeps the memory of freed meshes and
+ * fields: after some hundred uploads, half as much as the budget. */
 #define LARGE_BYTES (256 << 10)
 
-#define JOB_ANSWERS_PART 8 /* of the memory budget: the answers of jobs at most */
-/* of the memory budget: what is set aside for the memory of released fields */
+#define JOB_ANSWERS_PART 8 /* share of the memory budget for the answers of jobs: 1/8 */
+/* of the memory budget, set aside for the memory of released fields */
 #define SPARE_PART 16
 #define SPARE_MOST ((size_t)256 << 20)
-/* for the answers to leave, once there is nothing left to compute */
+/* to send the last answers, when all are computed */
 #define LAST_ANSWERS_NS UINT64_C(2000000000)
 #define PERSIST_NS      UINT64_C(10000000000) /* for writing fields */
+#define LOOK_NS         UINT64_C(2000000)     /* between two checks during a stop */
 #define TICK_NS         UINT64_C(10000000)    /* the longest delay of a deadline */
 #define WATCH_NS        UINT64_C(1000000000)  /* between two ticks without deferred requests */
-#define TRIM_NS         UINT64_C(10000000000) /* between two trims of the heap */
+#define TRIM_NS         UINT64_C(10000000000) /* between two calls of malloc_trim */
 
 void server_surfaces_destroy(struct server *server)
 {
     struct server_api *api = &server->api;
     server_scrub_destroy(server->scrub);
+    server_landmarks_stop(api->landmarks);
+    server_previews_stop(api->previews);
     server_loader_destroy(api->loader);
     server_workers_destroy(api->writer);
     server_workers_destroy(api->lister);
     server_registry_destroy(api->registry);
     server_discretizations_destroy(api->discretizations);
     server_landmarks_destroy(api->landmarks);
+    server_previews_destroy(api->previews);
     server_field_store_close(server->field_store);
     server_cache_destroy(api->cache);
 }
 
-/* Frees what there is of a server whose HTTP side does not run. */
+/* Frees a server, even a partly started one. HTTP must not run. */
 static void server_destroy(struct server *server)
 {
     server_connections_destroy(server->connections);
@@ -71,18 +74,18 @@ static void server_destroy(struct server *server)
     free(server);
 }
 
-static bool select_cpu(const struct server_config *config, char *error, size_t error_size)
+static bool select_cpu(const struct server_config *config, char error[SERVER_ERROR])
 {
     const char *name = server_config_cpus[config->cpu];
-    if (gd_cpu_select(name) == GD_OK) return true;
-    snprintf(error, error_size,
-             "this machine lacks the instructions that --cpu %s asks for; write auto or baseline",
-             name);
-    return false;
+    return gd_cpu_select(name) == GD_OK ||
+           server_refuse(
+               error,
+               "this machine lacks the instructions that --cpu %s needs; write auto or baseline",
+               name);
 }
 
-/* The memory of released fields counts whether it is there or not: so that it may come and go
- * without being asked for. */
+/* Takes from the budget, once, the memory that the allocator may keep of released fields, so that
+ * reusing it takes nothing more. */
 static bool set_spare_aside(struct server *server)
 {
     size_t part = server->budget.limit / SPARE_PART, bytes = part < SPARE_MOST ? part : SPARE_MOST;
@@ -90,13 +93,12 @@ static bool set_spare_aside(struct server *server)
     return server_budget_take(&server->budget, SERVER_BUDGET_SPARE, bytes);
 }
 
-static bool open_access(struct server *server, char *error, size_t error_size)
+static bool open_access(struct server *server, char error[SERVER_ERROR])
 {
     const struct server_config *config = &server->config;
-    if (*config->keys) server->api.access = server_access_create(config->keys, error, error_size);
+    if (*config->keys) server->api.access = server_access_create(config->keys, error);
     if (*config->keys && !server->api.access) return false;
-    if (*config->tls_cert)
-        server->tls = server_tls_open(config->tls_cert, config->tls_key, error, error_size);
+    if (*config->tls_cert) server->tls = server_tls_open(config->tls_cert, config->tls_key, error);
     return !*config->tls_cert || server->tls;
 }
 
@@ -116,8 +118,8 @@ static void server_tick(struct server *server, uint64_t now_ns)
     server_events_tick(server->host.events, now_ns);
 }
 
-/* Waits for the next tick. While requests are deferred a wake doesn't hasten it: their number goes
- * to and from zero all the time. False: the thread is to end. */
+/* Waits for the next tick. While requests are deferred, a wake does not shorten the wait: their
+ * number often rises from zero. False: the thread must end. */
 static bool deadlines_wait(struct server *server, struct server_thread *thread)
 {
     if (atomic_load(&server->host.deferred)) return server_thread_sleep(thread, TICK_NS);
@@ -131,8 +133,8 @@ static void deadlines_run(void *user, struct server_thread *thread)
     while (deadlines_wait(user, thread)) server_tick(user, gd_now_ns());
 }
 
-/* The allocator keeps freed blocks that lie between others: after an hour of uploads and deletes a
- * fifth of a small memory budget, which nothing counts. */
+/* Returns free memory between other blocks to the system. Otherwise, after an hour of uploads and
+ * deletes, the allocator keeps a fifth of a small memory budget, uncounted. */
 static void heap_trim_run(void *user, struct server_thread *thread)
 {
     (void)user;
@@ -162,6 +164,9 @@ void server_connect(struct server *server)
     host->slow_ms = config->slow_ms;
     host->queue_length = config->queue_length;
     host->has_cors_origins = config->cors_origins.count > 0;
+    const struct server_config_list *ancestors = &config->frame_ancestors;
+    snprintf(host->frame_ancestors, sizeof host->frame_ancestors, "%s%s%s", ancestors->name[0],
+             ancestors->count > 1 ? " " : "", ancestors->count > 1 ? ancestors->name[1] : "");
     host->dispatch = server_router_dispatch;
     host->watch = watch_deadlines;
     host->watcher = server;
@@ -171,33 +176,32 @@ void server_connect(struct server *server)
     server->api.metrics_source = server;
 }
 
-static struct server_store *open_store(const struct server_config *config, char *error,
-                                       size_t error_size)
+static struct server_store *open_store(const struct server_config *config, char error[SERVER_ERROR])
 {
     if (config->store == SERVER_STORE_KIND_MEMORY) return server_store_memory_create();
     if (config->store == SERVER_STORE_KIND_POSTGRES)
-        return server_store_postgres_open(config->store_url, error, error_size);
-    return server_store_local_open(config->data_dir, error, error_size);
+        return server_store_postgres_open(config->store_url, error);
+    return server_store_local_open(config->data_dir, error);
 }
 
-/* Beside a database the folder, if one is given, is for what can be computed again. */
-static bool open_field_store(struct server *server, char *error, size_t error_size)
+/* Opens the field store. With a database, the data folder is optional and holds only data that can
+ * be computed again. */
+static bool open_field_store(struct server *server, char error[SERVER_ERROR])
 {
     const struct server_config *config = &server->config;
     if (!*config->data_dir || config->store == SERVER_STORE_KIND_MEMORY) return true;
     if (config->store == SERVER_STORE_KIND_POSTGRES)
         (void)server_disk_make_folder(config->data_dir);
-    struct server_field_store *store = server_field_store_open(config->data_dir, &server->budget);
-    if (store)
-        server_field_store_follow(store, server->api.registry);
-    else
-        snprintf(error, error_size, "there is no room or memory for the folder of fields in %s",
-                 config->data_dir);
-    server->field_store = store;
-    return store != NULL;
+    server->field_store = server_field_store_open(config->data_dir, &server->budget);
+    if (!server->field_store)
+        return server_refuse(
+            error, "can't make the folder of fields in '%s': check its rights and the free space",
+            config->data_dir);
+    server_field_store_follow(server->field_store, server->api.registry);
+    return true;
 }
 
-static bool create_surfaces(struct server *server, char *error, size_t error_size)
+static bool create_surfaces(struct server *server, char error[SERVER_ERROR])
 {
     const struct server_config *config = &server->config;
     struct server_api *api = &server->api;
@@ -207,9 +211,9 @@ static bool create_surfaces(struct server *server, char *error, size_t error_siz
     api->discretizations =
         server_discretizations_create(server->host.workspaces, (uint32_t)config->max_faces);
     if (!api->cache || !api->writer || !api->lister || !api->discretizations) return false;
-    struct server_store *store = open_store(config, error, error_size);
+    struct server_store *store = open_store(config, error);
     if (store) api->registry = server_registry_create(store, &server->budget);
-    if (!api->registry || !open_field_store(server, error, error_size)) return false;
+    if (!api->registry || !open_field_store(server, error)) return false;
     const struct server_landmarks_parts landmarks = {.workers = server->host.workers,
                                                      .workspaces = server->host.workspaces,
                                                      .metrics = server->host.metrics,
@@ -217,6 +221,12 @@ static bool create_surfaces(struct server *server, char *error, size_t error_siz
                                                      .field_store = server->field_store,
                                                      .count = (uint32_t)config->landmarks};
     if (config->landmarks && !(api->landmarks = server_landmarks_create(&landmarks))) return false;
+    api->previews = server_previews_create(
+        &(struct server_previews_parts){.workers = server->host.workers,
+                                        .workspaces = server->host.workspaces,
+                                        .registry = api->registry,
+                                        .field_store = server->field_store});
+    if (!api->previews) return false;
     api->loader = server_loader_create(&(struct server_loader_parts){
         .budget = &server->budget,
         .workers = server->host.workers,
@@ -231,7 +241,7 @@ static bool create_surfaces(struct server *server, char *error, size_t error_siz
     return server->scrub != NULL;
 }
 
-static bool create_parts(struct server *server, char *error, size_t error_size)
+static bool create_parts(struct server *server, char error[SERVER_ERROR])
 {
     const struct server_config *config = &server->config;
     server_connect(server);
@@ -246,18 +256,18 @@ static bool create_parts(struct server *server, char *error, size_t error_size)
     if (server->host.workers && server->api.access) server_workers_share(server->host.workers);
     server->host.metrics = server_metrics_create(proto_routes, proto_route_count);
     if (!server->host.workers || !server->host.workspaces || !server->host.metrics) return false;
-    if (!create_surfaces(server, error, error_size)) return false;
+    if (!create_surfaces(server, error)) return false;
     server->host.events = server_events_create();
     server->host.streams = server_answer_streams_create();
     if (!server->host.events || !server->host.streams || !server_start_jobs(server)) return false;
-    server->api.batches = server_batch_runner_create(&server->host, config, error, error_size);
+    server->api.batches = server_batch_runner_create(&server->host, config, error);
     server->connections = server_connections_create(&server->budget);
     return server->api.batches && server->connections;
 }
 
-static bool server_serve(struct server *server, int listening, char *error, size_t error_size)
+static bool server_serve(struct server *server, int listening, char error[SERVER_ERROR])
 {
-    if (!server_address_listen(listening, &server->config.listen, error, error_size)) return false;
+    if (!server_address_listen(listening, &server->config.listen, error)) return false;
     const struct server_http_parts parts = {
         .config = &server->config,
         .host = &server->host,
@@ -266,21 +276,20 @@ static bool server_serve(struct server *server, int listening, char *error, size
         .begin = server_router_begin,
         .end = server_router_end,
     };
-    server->http = server_http_start(&parts, listening, error, error_size);
+    server->http = server_http_start(&parts, listening, error);
     return server->http != NULL;
 }
 
-struct server *server_start(const struct server_config *config, int listening, char *error,
-                            size_t error_size)
+struct server *server_start(const struct server_config *config, int listening,
+                            char error[SERVER_ERROR])
 {
-    snprintf(error, error_size, "out of memory or threads");
+    snprintf(error, SERVER_ERROR, "out of memory or threads");
     mallopt(M_MMAP_THRESHOLD, LARGE_BYTES);
     struct server *server = calloc(1, sizeof *server);
     if (!server) return NULL;
     server->config = *config;
-    if (select_cpu(config, error, error_size) && open_access(server, error, error_size) &&
-        create_parts(server, error, error_size) &&
-        server_serve(server, listening, error, error_size))
+    if (select_cpu(config, error) && open_access(server, error) && create_parts(server, error) &&
+        server_serve(server, listening, error))
         return server;
     if (server->host.workers) server_workers_cancel(server->host.workers);
     server_destroy(server);
@@ -292,55 +301,49 @@ static void log_reload(const char *what, bool is_read, const char *error)
     if (is_read)
         server_log_message(SERVER_LOG_INFO, "reloaded", "%s", what);
     else
-        server_log_message(SERVER_LOG_ERROR, "reload_failed", "%s stay as they were: %s", what,
+        server_log_message(SERVER_LOG_ERROR, "reload_failed", "the old %s stay in use: %s", what,
                            error);
 }
 
 void server_reload(struct server *server)
 {
-    char error[512] = "out of memory";
+    char error[SERVER_ERROR] = "out of memory";
     if (server->api.access)
-        log_reload("keys", server_access_reload(server->api.access, error, sizeof error), error);
-    if (server->tls)
-        log_reload("certificates", server_tls_reload(server->tls, error, sizeof error), error);
+        log_reload("keys", server_access_reload(server->api.access, error), error);
+    if (server->tls) log_reload("certificates", server_tls_reload(server->tls, error), error);
 }
 
 /* --- the end ---------------------------------------------------------------------------------- */
 
-static void pause_briefly(void)
-{
-    struct timespec pause = {.tv_nsec = 2000000};
-    nanosleep(&pause, NULL);
-}
-
-/* Requests under way, and jobs, which no request waits for. */
+/* Waits for running requests and for jobs. */
 static void wait_until_idle(struct server *server, uint64_t until_ns)
 {
     while (
         (server_connections_active(server->connections) || atomic_load(&server->host.deferred)) &&
         gd_now_ns() < until_ns)
-        pause_briefly();
+        server_pause(LOOK_NS);
 }
 
-/* Whoever asks /readyz turns elsewhere meanwhile; requests that come all the same are answered, and
- * their connections closed. */
-static void stand_aside(struct server *server)
+/* Starts the drain delay: from now on /readyz fails, so that load balancers send requests
+ * elsewhere. Requests that still arrive are answered, and their connections closed. */
+static void drain_delay_wait(struct server *server)
 {
     uint64_t ms = server->config.drain_delay_ms;
-    struct timespec rest = {(time_t)(ms / 1000), (long)(ms % 1000) * 1000000};
     atomic_store(&server->host.is_draining, true);
     if (ms)
         server_log_message(SERVER_LOG_INFO, "standing_aside", "for %llu ms",
                            (unsigned long long)ms);
-    while (nanosleep(&rest, &rest) != 0) continue;
+    server_pause(ms * 1000000);
 }
 
-/* Ends the threads of loader and scrub, and stores what can be computed again. */
-static void persist(struct server *server)
+/* Ends the threads of loader, landmarks, previews and scrub. Stores uses and fields. */
+static void state_persist(struct server *server)
 {
     server_scrub_destroy(server->scrub);
     server->scrub = NULL;
     server_loader_stop(server->api.loader);
+    server_landmarks_stop(server->api.landmarks);
+    server_previews_stop(server->api.previews);
     server_registry_note_uses(server->api.registry);
     if (server->config.persist_fields)
         server_field_store_save(server->field_store, server->api.registry,
@@ -349,7 +352,7 @@ static void persist(struct server *server)
 
 void server_stop(struct server *server)
 {
-    stand_aside(server);
+    drain_delay_wait(server);
     server_log_message(SERVER_LOG_INFO, "draining", "%u requests under way",
                        server_connections_active(server->connections));
     const struct sockaddr_storage *socket = &server->config.listen.socket;
@@ -360,14 +363,12 @@ void server_stop(struct server *server)
     server_events_end(server->host.events);
     wait_until_idle(server, gd_now_ns() + server->config.drain_ms * 1000000);
     server_workers_cancel(server->host.workers);
-    while (atomic_load(&server->host.deferred) ||
-           server_workers_load(server->host.workers).background)
-        pause_briefly();
+    while (atomic_load(&server->host.deferred)) server_pause(LOOK_NS);
     wait_until_idle(server, gd_now_ns() + LAST_ANSWERS_NS);
-    /* after a cancel streams end; the library does not stop with a connection that is suspended */
-    while (server_answer_streams_load(server->host.streams).count) pause_briefly();
+    /* a cancel ends streams; the library can't stop while a connection is suspended */
+    while (server_answer_streams_load(server->host.streams).count) server_pause(LOOK_NS);
     server_http_stop(server->http);
-    persist(server);
+    state_persist(server);
     server_destroy(server);
     server_log_message(SERVER_LOG_INFO, "stopped", "all requests are answered");
 }

@@ -1,14 +1,13 @@
-/* Server: the daemon's parts, wired together, and its way from start to stop.
+/* Server: creates and connects the daemon's objects, starts and stops them.
  *
- * Shutdown: standing aside (for drain_delay_ms readyz says 503 and answers close their connections,
- * all else goes on) -> draining (no new connections) -> at the drain deadline workers are cancelled
- * -> every deferred exchange and the background have finished -> HTTP stops -> uses and fields are
- * persisted, within ten seconds -> the parts are destroyed. */
+ * Shutdown: drain delay (for drain_delay_ms /readyz answers 503, answers close their connections,
+ * and everything else continues) -> draining (no new connections) -> at the drain deadline workers
+ * are cancelled -> every deferred exchange has finished -> HTTP stops -> the use counts of surfaces
+ * and the cached fields are stored, within ten seconds -> the server's objects are destroyed. */
 #ifndef SERVER_SERVER_H
 #define SERVER_SERVER_H
 
 #include <stdbool.h>
-#include <stdint.h>
 
 #include "server/query/api.h"
 #include "server/surfaces/scrub.h"
@@ -19,44 +18,44 @@ struct server_thread;
 struct server_tls;
 
 struct server {
-    struct server_host host; /* what requests use: owned, as are the next one's parts */
-    struct server_api api;   /* what their handlers use besides */
+    struct server_host host; /* the objects that every request needs; owned */
+    struct server_api api;   /* the other objects that handlers need; owned */
     struct server_config config;
-    struct server_tls *tls; /* NULL: HTTP without it */
+    struct server_tls *tls; /* NULL: HTTP without TLS */
     struct server_budget budget;
     struct server_field_store *field_store; /* NULL: nothing is stored */
     struct server_scrub *scrub;             /* NULL: stored files are not verified */
-    struct server_thread *deadlines;        /* ticks while there is something to watch */
-    struct server_thread *trimmer;          /* of the heap */
+    struct server_thread *deadlines;        /* ticks while there are deadlines */
+    struct server_thread *trimmer;          /* trims the heap */
     struct server_connections *connections;
     struct server_http *http;
 };
 
 /* Starts everything, and listens last on the socket (server_address_bind), which becomes the
  * server's own. NULL with a sentence in `error`. */
-struct server *server_start(const struct server_config *config, int listening, char *error,
-                            size_t error_size);
+struct server *server_start(const struct server_config *config, int listening,
+                            char error[SERVER_ERROR]);
 
-/* Fills in what host and api have besides parts. */
+/* Sets settings, callbacks and references to the server in `host` and `api`. Creates nothing. */
 void server_connect(struct server *server);
 
 /* After server_connect: creates the table of jobs and starts the threads of deadlines and of the
- * heap. False without memory or thread. */
+ * heap. False: no memory or thread. */
 bool server_start_jobs(struct server *server);
 
-/* Destroys the registry and all that is kept of surfaces, after the workers were cancelled. */
+/* Destroys the registry, the caches of surfaces and their threads. Call it after the workers were
+ * cancelled. */
 void server_surfaces_destroy(struct server *server);
 
-/* Reads keys and certificates again; what can't be read stays as it was, and the log says so. By
- * one thread at a time. */
+/* Reads keys and certificates again. On failure the old ones stay in use, and the log says why.
+ * Called by one thread at a time. */
 void server_reload(struct server *server);
 
-/* Drains, stops, frees. Returns within drain_delay_ms, drain_ms and the few seconds that the last
- * answers need to leave. */
+/* Drains, stops and frees the server. Takes at most drain_delay_ms, drain_ms and a few seconds. */
 void server_stop(struct server *server);
 
-/* gauges.c: appends the numbers of a tenant, its keys and jobs, as text for Prometheus. `tenant`
- * NULL: the numbers of the whole daemon. `user` is the struct server. Thread-safe. */
+/* gauges.c: appends the metrics of a tenant, of its keys and jobs, as text for Prometheus. `tenant`
+ * NULL: the metrics of the whole daemon. `user` is the struct server. Thread-safe. */
 void server_gauges_write(void *user, const char *tenant, struct proto_writer *writer);
 
 #endif

@@ -1,13 +1,31 @@
-# Measurements, and comparisons with other programs. Included by the Makefile.
+# Benchmarks, and comparisons with other programs. Included by the Makefile.
 
 .PHONY: bench bench-paper bench-peers bench-http bench-plots sweep
 
 BENCH_C   := $(filter-out tests/bench/http_bare.c,$(wildcard tests/bench/*.c))
+ABLATION_C := $(patsubst %,tests/bench/%.c,ablation agreement paper reach tables trial)
 
-$(BUILD)/gd_bench: $(call objects,$(BENCH_C)) $(LIB_SAMPLES) $(LIB_ENGINE) $(LINK)
+$(BUILD)/gd_bench: $(call objects,$(filter-out $(ABLATION_C),$(BENCH_C))) $(LIB_SAMPLES) $(LIB_ENGINE) \
+                   $(LINK) | $(BUILD)/gd_ablation
 	$(call link,$(CXX)) $(ENGINE_LIBS)
 
-# The sweep compares with CGAL where libcgal-dev is installed; without it the program says so and skips.
+# `gd_bench ablation` runs gd_ablation. Only the engine in gd_ablation has the switches of
+# GD_ABLATION, so rooms that use struct gd__propagation are compiled a second time.
+ABLATION_ROOMS := wavefront partition field query
+ABLATION_OBJECTS := $(patsubst %,$(BUILD)/ablation/%.o,$(filter-out tests/bench/main.c,$(BENCH_C)) \
+                        $(wildcard $(patsubst %,engine/%/*.c,$(ABLATION_ROOMS))))
+
+$(BUILD)/ablation/%_avx2.c.o: FILE_FLAGS += $(AVX2_FLAGS)
+$(BUILD)/ablation/%_avx512.c.o: FILE_FLAGS += $(AVX512_FLAGS)
+$(BUILD)/ablation/%.c.o: %.c $(COMPILE) | $(BUILD)/generated/sources
+	@mkdir -p $(@D)
+	$(call tell,CC,$<)$(compile_c) -DGD_ABLATION
+
+$(BUILD)/gd_ablation: $(ABLATION_OBJECTS) $(LIB_SAMPLES) $(LIB_ENGINE) $(LINK)
+	$(call link,$(CXX)) $(ENGINE_LIBS)
+
+# The sweep compares distances with CGAL's. Without libcgal-dev, the program reports this and skips
+# the comparison.
 SWEEP_SHARED := $(or $(GEODESICD_SHARED),../shared)/meshes
 SWEEP_SHORT  := icosphere:level=3 terrain:cells=32 torus genus2:cells=4 tangle:faces=400 saddle cylinder:sides=24 obstacles:count=12 \
                 $(wildcard $(foreach name,spot suzanne teapot cow beetle homer fandisk,$(SWEEP_SHARED)/$(name).obj))
@@ -20,7 +38,8 @@ $(BUILD)/gd_bench_cgal: $(call objects,tests/bench/peer_cgal.cc $(patsubst %,tes
                           tests/oracle/cgal_distances.cc tests/oracle/cgal_polyline.c) $(LIB_SAMPLES) $(LIB_ENGINE) $(LINK)
 	$(call link,$(CXX)) $(ENGINE_LIBS)
 
-# Needs its source and, in its folder `build`, its library, made with -O3 for this machine.
+# GEOMETRY_CENTRAL names a folder with the source of geometry-central. Its folder `build` must have
+# the library, built with -O3 for this machine.
 $(BUILD)/obj/tests/bench/peer_geometry_central.cc.o: FILE_FLAGS += -march=native -Wno-shadow -isystem $(GEOMETRY_CENTRAL)/include \
     -isystem $(GEOMETRY_CENTRAL)/deps/happly -isystem $(GEOMETRY_CENTRAL)/deps/nanoflann/include -isystem $(or $(EIGEN),/usr/include/eigen3)
 $(BUILD)/gd_bench_geometry_central: $(call objects,tests/bench/peer_geometry_central.cc $(patsubst %,tests/bench/%.c,peer options input alter measure)) \

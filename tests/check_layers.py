@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
-"""Reads every #include and import, and fails on a breach of the layers or on a circle.
+"""Reads every #include and import, and fails on a violation of the layers or on a cycle.
 
-A file of `engine` or `server` includes its own room and rooms of lower rank. `proto` includes public
-headers of the engine. `server` includes `proto` and public headers of the engine. A library shows in
-its own room only, and the server's struct in the composition root only. Tests may include anything.
+A *room* is a folder of sources with a rank. A file of `engine` or `server` includes its own room
+and rooms of lower rank. `proto` includes public headers of the engine. `server` includes `proto`
+and public headers of the engine. Only one room may include a given library, and only the
+composition root the server's struct. Tests may include anything.
 
 A part is a C source with its header, or one module of TypeScript, JavaScript or Python. No part
 includes itself, directly or through other parts. Imports of types count.
 
-Prints breaches, circles, and the rooms with their sizes.
+Prints violations, cycles, and the rooms with their sizes.
 """
 import collections
 import os
@@ -18,7 +19,7 @@ import sys
 
 # rooms of the engine; gd/ headers have the rank of the room that implements them
 ENGINE = {"base": 0, "mesh": 1, "io": 1, "repair": 2, "construction": 3, "window": 2, "kernel": 3, "guide": 4, "wavefront": 5, "partition": 6, "field": 7, "line": 8, "query": 9,
-          "transport": 10, "render": 10, "cut": 11, "subdiv": 11, "nurbs": 11, "umbrella": 12}
+          "transport": 10, "render": 10, "edit": 10, "cut": 11, "subdiv": 11, "nurbs": 11, "umbrella": 12}
 PUBLIC = {
     "base": ["status", "vec", "control", "executor", "polygons", "number", "colour_map"],
     "mesh": ["mesh", "point", "locate", "direction"],
@@ -28,6 +29,7 @@ PUBLIC = {
     "field": ["field", "path", "isoline", "voronoi"],
     "query": ["geodesic", "query", "landmarks", "sampling", "curve", "curve_distance"],
     "render": ["picture"],
+    "edit": ["edit"],
     "cut": ["cut"],
     "transport": ["trace", "vector", "mean", "spline", "frame", "shortening", "resampling", "offset", "flat_strip"],
     "subdiv": ["subdivision", "limit", "limit_place", "limit_path", "limit_mesh", "limit_shortest", "discretization"],
@@ -36,7 +38,8 @@ PUBLIC = {
 }
 ROOM_OF_HEADER = {f"gd/{name}.h": f"engine/{room}" for room, names in PUBLIC.items() for name in names}
 
-# formats of JSON; requests and answers of any kind; values that many requests share; one file for each family of queries
+# formats of JSON; requests and answers of any kind; values that many requests share; one file for
+# each family of queries
 PROTO = {"json": 12, "http": 13, "values": 14, "queries": 15}
 
 SERVER = {"base": 0, "config": 1, "work": 1, "access": 2, "exchange": 3, "http": 4, "store": 3, "store/local": 4, "store/postgres": 4, "fields": 3,
@@ -49,7 +52,10 @@ BOUNDARY = {
     r"microhttpd\.h": ["server/http"],
     r"jansson\.h": ["proto", "server/query", "server/api", "clients/c"],
     r"gnutls/.*": ["server/http", "server/base"],
+    r"OpenMesh/.*": [f"engine/edit/{name}" for name in ("edit_mesh.hpp", "edit_mesh.cc", "decimate.cc", "patch.cc")],
     r"zlib\.h": ["server/base", "engine/render/png.c"],
+    r"minizip/.*": ["engine/io/zip.c"],
+    r"expat\.h": ["engine/io/3mf_model.c"],
     r"seccomp\.h": ["server/access"],
     r"sqlite3\.h": ["server/store/local"],
     r"(postgresql/)?libpq-fe\.h": ["server/store/postgres"],
@@ -70,7 +76,7 @@ def sources():
 
 
 def room_of(path):
-    """The room of a source, or None outside the house."""
+    """Returns the room of a source; None: the source is in no room."""
     if path.parts[:2] == ("engine", "include"):
         return ROOM_OF_HEADER.get("gd/" + path.name, f"gd/{path.name}")
     folder = path.parent.as_posix()
@@ -78,7 +84,7 @@ def room_of(path):
 
 
 def existing(*paths):
-    """The first of the paths that is a file of this project, or None."""
+    """Returns the first of the paths that is a file of this project, or None."""
     for path in paths:
         if path.is_file():
             return pathlib.Path(os.path.normpath(path))
@@ -86,7 +92,8 @@ def existing(*paths):
 
 
 def imports(path, text):
-    """Pairs of what a source includes or imports, and the file of this project that it is, or None."""
+    """Yields pairs: the text of an include or import, and the file of this project that it refers
+    to, or None."""
     if path.suffix in C:
         places = (path.parent, pathlib.Path("."), pathlib.Path("engine"), pathlib.Path("engine/include"))
         for name in INCLUDE.findall(text):
@@ -101,7 +108,7 @@ def imports(path, text):
 
 
 def breach(path, include, target):
-    """Why the file may not include it, or None."""
+    """Returns why the file may not include the target, or None."""
     for library, places in BOUNDARY.items():
         if re.fullmatch(library, include) and not any(path.is_relative_to(place) for place in places):
             return f"only {', '.join(places)} may include it"
@@ -118,14 +125,14 @@ def breach(path, include, target):
 
 
 def part_of(path):
-    """The name of a source's part."""
+    """Returns the name of a source's part."""
     if path.suffix not in C:
         return path.as_posix()
     return "gd/" + path.stem if path.parts[:2] == ("engine", "include") else path.with_suffix("").as_posix()
 
 
 def circles(graph):
-    """Sets of parts that include each other: Tarjan's strongly connected components."""
+    """Returns sets of parts that include each other: Tarjan's strongly connected components."""
     index, low, stack, found = {}, {}, [], []
 
     def visit(node):

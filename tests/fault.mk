@@ -1,15 +1,17 @@
-# Sanitizers, fuzzing, faults, coverage. Included by the Makefile.
+# Sanitizers, fuzzing, fault injection, coverage. Included by the Makefile.
 
-.PHONY: asan asan-build tsan fuzz fuzz-build torture exactness coverage
+.PHONY: wild asan asan-build tsan fuzz fuzz-build torture exactness coverage
 
 ASAN_BUILD   := $(BUILD)/asan
 ASAN_PROGRAMS = $(patsubst %.c,$(ASAN_BUILD)/%,$(filter tests/unit/%,$(TEST_ENGINE) $(TEST_SERVER)))
 
 ##@ Sanitizers, fuzzing and faults
 
+# The tests under sanitizers and the fuzzers share one build by clang.
+SANITIZED    := BUILD=$(ASAN_BUILD) CC=clang CXX=clang++ OPT=-O1 \
+                SAN="-fsanitize=address,undefined,fuzzer-no-link -fno-sanitize-recover=all"
 asan-build:
-	@$(MAKE) --no-print-directory BUILD=$(ASAN_BUILD) OPT=-O1 SAN="-fsanitize=address,undefined -fno-sanitize-recover=all" \
-	    test-build build $(ASAN_BUILD)/gd_alloc
+	@$(MAKE) --no-print-directory $(SANITIZED) test-build build $(ASAN_BUILD)/gd_alloc
 
 asan: asan-build ## all tests under AddressSanitizer and UndefinedBehaviorSanitizer
 	@GEODESICD=$(ASAN_BUILD)/geodesicd tests/run.py $(patsubst $(BUILD)/%,$(ASAN_BUILD)/%,$(TEST_PROGRAMS)) "$(ASAN_BUILD)/gd_alloc --short" tests/api/run.py
@@ -18,42 +20,41 @@ tsan: ## the daemon's tests under ThreadSanitizer
 	@$(MAKE) --no-print-directory -j2 BUILD=$(BUILD)/tsan OPT=-O1 SAN="-fsanitize=thread" build test-build
 	@GEODESICD=$(BUILD)/tsan/geodesicd tests/run.py $(patsubst $(BUILD)/%,$(BUILD)/tsan/%,$(filter $(BUILD)/tests/unit/server/%,$(TEST_PROGRAMS))) tests/api/run.py
 
-# The engine whose calls of malloc and its kin fail on order (tests/fault/allocator.h).
+# The engine with memory functions that fail on demand (tests/fault/allocator.h).
 WRAPPED := malloc calloc realloc aligned_alloc posix_memalign free mmap munmap mremap
-$(BUILD)/gd_alloc: $(call objects,$(patsubst %,tests/fault/%.c,alloc_engine allocator) $(wildcard tests/fault/operations*.c)) \
+$(BUILD)/gd_alloc: $(call objects,$(patsubst %,tests/fault/%,alloc_engine.c allocator.c operator_new.cc) $(wildcard tests/fault/operations*.c)) \
                    $(LIB_SUPPORT) $(LIB_SAMPLES) $(LIB_PROTO) $(LIB_ENGINE) $(LINK)
 	$(call link,$(CXX)) $(foreach name,$(WRAPPED),-Wl,--wrap=$(name)) $(ENGINE_LIBS) -ljansson -lcmocka
 
-# What overload.py asks with.
+# The load generator of overload.py.
 $(BUILD)/gd_load: $(BUILD)/obj/tests/fault/load.c.o $(LINK)
 	$(call link,$(CC))
 
-# Each target starts from its corpus; clang's libFuzzer with both sanitizers.
+# Each fuzz target starts from its corpus.
 FUZZERS      := $(wildcard tests/fuzz/fuzz_*.c)
 FUZZ_SECONDS ?= 60
-FUZZ_BUILD   := $(BUILD)/fuzz
-FUZZ_SAN     := -fsanitize=address,undefined -fno-sanitize-recover=all
-# Faults: short forms here, the long ones under `make torture`.
+# Fault tests in their short form. `make torture` runs the long form.
 FAULT_TESTS   = "$(BUILD)/gd_alloc --short" "tests/fault/alloc.py --short" tests/fault/scarcity.py tests/fault/kill.py tests/fault/replay.py "tests/fault/disk.py --step 7" \
                 tests/fault/flip.py tests/fault/restore.py "tests/fault/halfopen.py --short" "tests/fault/overload.py --short" "tests/fault/answers.py --short" \
                 tests/fault/disconnect.py "tests/fault/deadline.py --short --count 300" tests/fault/stuck_log.py "tests/fault/tenants.py --short" tests/fault/soak.py
 
-# In `make test` what reads bytes is fuzzed for 20 seconds each, from a fixed seed; fuzz_surface, which checks laws, replays its corpus.
-FUZZ_SHORT    = tests/fuzz/run.py --seconds 20 --seed 1 $(foreach target,$(filter-out surface,$(FUZZ_TARGETS)),$(FUZZ_BUILD)/fuzz_$(target))
-FUZZ_REPLAY   = tests/fuzz/run.py --seconds 0 $(FUZZ_BUILD)/fuzz_surface
+# `make test` fuzzes each parser for 20 seconds, from a fixed seed. fuzz_surface, which checks
+# properties of distances, only replays its corpus.
+FUZZ_SHORT    = tests/fuzz/run.py --seconds 20 --seed 1 $(foreach target,$(filter-out surface,$(FUZZ_TARGETS)),$(ASAN_BUILD)/fuzz_$(target))
+FUZZ_REPLAY   = tests/fuzz/run.py --seconds 0 $(ASAN_BUILD)/fuzz_surface
 FUZZ_TARGETS := $(patsubst tests/fuzz/fuzz_%.c,%,$(FUZZERS))
 
 fuzz-build:
-	@$(MAKE) --no-print-directory BUILD=$(FUZZ_BUILD) CC=clang CXX=clang++ OPT=-O1 SAN="$(FUZZ_SAN) -fsanitize=fuzzer-no-link" \
-	    $(foreach target,$(FUZZ_TARGETS),$(FUZZ_BUILD)/fuzz_$(target))
+	@$(MAKE) --no-print-directory $(SANITIZED) $(foreach target,$(FUZZ_TARGETS),$(ASAN_BUILD)/fuzz_$(target))
 
-$(BUILD)/fuzz_%: $(BUILD)/obj/tests/fuzz/fuzz_%.c.o $(call objects,tests/fuzz/reader.c tests/fuzz/patched.c tests/fuzz/promise.c) $(LIB_SERVER) $(LIB_PROTO) $(LIB_ENGINE) $(LINK)
+$(BUILD)/fuzz_%: $(BUILD)/obj/tests/fuzz/fuzz_%.c.o $(call objects,tests/fuzz/reader.c tests/fuzz/patched.c tests/fuzz/promise.c tests/fuzz/soup.c) $(LIB_SERVER) $(LIB_PROTO) $(LIB_ENGINE) $(LINK)
 	$(call link,$(CXX)) -fsanitize=fuzzer $(ENGINE_LIBS) $(SERVER_LIBS)
 
-# By another name, so that make -n does not run the line that has it.
+# A copy of $(MAKE): `make -n` runs recipe lines that contain $(MAKE) itself.
 SELF := $(MAKE)
 
-# Each promise, with what is measured of it, in one table (tests/fault/table.py). ONLY=WORD: those that have it in their line.
+# Prints a table of promises and their measurements (tests/fault/table.py). ONLY=WORD: only rows
+# with this word.
 torture: build $(BUILD)/gd_load $(BUILD)/gd_alloc $(BUILD)/tests/unit/server/access/test_sandbox ## each promise tested in its long form, and one table of what was measured (hours; ONLY=word)
 	@$(MAKE) --no-print-directory -j2 fuzz-build
 	@tests/fault/table.py --only "$(ONLY)" $(BUILD)/gd_alloc tests/fault/alloc.py "tests/fault/scarcity.py --calls 400" \
@@ -68,13 +69,17 @@ torture: build $(BUILD)/gd_load $(BUILD)/gd_alloc $(BUILD)/tests/unit/server/acc
 	    "damage is found by the scrub, never served | 0 served | tests/api/run.py test_scrub" \
 	    "the sandbox holds | no rights but those listed | tests/api/run.py test_sandbox" \
 	    "some 90 calls that reach beyond the daemon are refused in it | 0 succeed | $(BUILD)/tests/unit/server/access/test_sandbox" \
-	    "tests/fuzz/run.py --seconds 1000 $(foreach target,$(FUZZ_TARGETS),$(FUZZ_BUILD)/fuzz_$(target))" \
+	    "tests/fuzz/run.py --seconds 1000 $(foreach target,$(FUZZ_TARGETS),$(ASAN_BUILD)/fuzz_$(target))" \
 	    "no data race | 0 reports | $(SELF) --no-print-directory tsan" "$(SELF) --no-print-directory coverage" \
 	    tests/cluster/routing.py tests/cluster/shared.py tests/cluster/capacity.py \
 	    "the packages in a fresh Debian: installed, run, purged | nothing left | tests/package/run.py --build $(BUILD) --chroot" \
 	    "the container, built and run | no failure | tests/container/run.py --place $(BUILD)/container"
 
-# What the engine answers against a solver in quadruple precision (tests/oracle/naive_windows.h), and the other suites on exact distances.
+wild: build ## upload every mesh file under DIR, check the laws of its distances, one table
+	@tests/fault/wild.py $(DIR)
+
+# Compares the engine with a solver in quadruple precision (tests/oracle/naive_windows.h), and runs
+# the other suites on exact distances.
 EXACT_TESTS   := $(foreach name,fields paths operations,$(BUILD)/tests/property/test_exact_$(name))
 EARLIER_TESTS := $(foreach name,closed_forms oracle laws lipschitz beside zoo segments curve_distance shared_meshes,$(BUILD)/tests/property/test_$(name))
 exactness: build $(EXACT_TESTS) $(EARLIER_TESTS) ## distances and paths beside vertices and in the smallest faces, one table (an hour; ONLY=word)
@@ -82,7 +87,8 @@ exactness: build $(EXACT_TESTS) $(EARLIER_TESTS) ## distances and paths beside v
 	    "recorded cases, over HTTP | no failure | tests/api/run.py test_exactness" \
 	    "the other suites on exact distances | no failure | tests/run.py $(EARLIER_TESTS)"
 
-# The tests in a build that counts what they run through; without the sandbox, since the counts are written when a daemon ends.
+# Runs the tests in a build that counts executed lines. Switches the sandbox off, since the daemon
+# writes the counts when it ends.
 COVERAGE_BUILD := $(BUILD)/coverage
 coverage: ## line and branch coverage of engine, proto and server from the whole suite (wants gcovr)
 	@$(MAKE) --no-print-directory -j2 BUILD=$(COVERAGE_BUILD) OPT=-O1 SAN="--coverage -fprofile-update=atomic" build test-build
@@ -92,4 +98,4 @@ coverage: ## line and branch coverage of engine, proto and server from the whole
 	@tests/fault/coverage.py --build $(COVERAGE_BUILD)
 
 fuzz: fuzz-build ## fuzz each target for FUZZ_SECONDS
-	@tests/fuzz/run.py --seconds $(FUZZ_SECONDS) $(foreach target,$(FUZZ_TARGETS),$(FUZZ_BUILD)/fuzz_$(target))
+	@tests/fuzz/run.py --seconds $(FUZZ_SECONDS) $(foreach target,$(FUZZ_TARGETS),$(ASAN_BUILD)/fuzz_$(target))

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Runs test programs and says in the end how many tests passed.
+"""Runs test programs and reports how many tests passed.
 
 usage: tests/run.py [--jobs N] [--timeout SECONDS] PROGRAM...
 
-A program is a cmocka binary (its TAP output is counted), or any other command that prints lines `ok NAME` / `not ok NAME` / `skip NAME`.
-What a program prints is shown when it fails, but for the tests that passed, and its lines that begin with `# ` (figures worth reporting) always.
-The last line is `N passed, N failed, N skipped`; the exit status is 0 only if nothing failed and something passed.
+A program is a cmocka binary (its TAP output is counted), or any other command that prints lines `ok
+NAME` / `not ok NAME` / `skip NAME`. The output of a failed program is shown, without the tests that
+passed, and its lines that begin with `# ` (figures worth reporting) always. The last line is
+`N passed, N failed, N skipped`; the exit status is 0 only if nothing failed and something passed.
 """
 import argparse
 import concurrent.futures
@@ -18,13 +19,14 @@ import time
 
 OK = re.compile(r"^ok\b(?!.*# SKIP)", re.M | re.I)
 NOT_OK = re.compile(r"^not ok\b(?!.*# SKIP)", re.M)
-SKIP = re.compile(r"^((not )?ok\b.*# SKIP|skip\b)", re.M | re.I)  # cmocka says "not ok" of what it skips
+# cmocka prints "not ok" for skipped tests
+SKIP = re.compile(r"^((not )?ok\b.*# SKIP|skip\b)", re.M | re.I)
 
 
 def run(command, timeout):
     started = time.monotonic()
     environment = dict(os.environ, CMOCKA_MESSAGE_OUTPUT="TAP")
-    # sanitizers' allocators answer like malloc: refusals of memory are among what is tested
+    # sanitizers' allocators return NULL like malloc: some tests need failed allocations
     environment.setdefault("ASAN_OPTIONS", "allocator_may_return_null=1:detect_stack_use_after_return=1")
     try:
         done = subprocess.run(shlex.split(command), env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
@@ -34,20 +36,21 @@ def run(command, timeout):
         output = (late.stdout or b"").decode(errors="replace") + f"\nno end after {timeout} s\n"
         status = -1
     passed, failed, skipped = (len(pattern.findall(output)) for pattern in (OK, NOT_OK, SKIP))
-    if status != 0 and not failed:  # crashed, timed out, or a sanitizer spoke
+    if status != 0 and not failed:  # crashed, timed out, or a sanitizer reported an error
         failed = 1
     return command, output, passed, failed, skipped, time.monotonic() - started
 
 
 def worth_telling(output, failed):
-    """Of a program that failed all but the tests that passed: logs are cut, and what failed must be in what is left of them."""
+    """Returns a failed program's output without the tests that passed: logs are truncated, and must
+    keep the failures."""
     return [line for line in output.splitlines() if (not OK.match(line) if failed else re.match(r"# (?!ok|not ok)", line))]
 
 
 def main():
     arguments = argparse.ArgumentParser()
     arguments.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
-    arguments.add_argument("--timeout", type=float, default=600)
+    arguments.add_argument("--timeout", type=float, default=1200)
     arguments.add_argument("programs", nargs="+")
     options = arguments.parse_args()
     total = [0, 0, 0]

@@ -1,12 +1,13 @@
-# Tests: which programs there are, how they are linked, and the suites. Included by the Makefile.
+# The test programs, how they are linked, and the test suites. Included by the Makefile.
 
-.PHONY: test test-build test-unit test-api test-libraries test-web nurbs-peers contract-linter contract-generators web-peers
+.PHONY: test test-build test-unit test-api test-libraries test-web test-web-long nurbs-peers contract-linter contract-generators web-peers
 
 SUPPORT_C := $(call no_main,tests/support/*.c $(filter-out tests/oracle/cgal_%,$(wildcard tests/oracle/*.c)))
 LIB_SUPPORT := $(BUILD)/libgd_support.a
 $(LIB_SUPPORT): $(call objects,$(SUPPORT_C))
+$(call objects,$(SUPPORT_C)): | $(BUILD)/stamps/test-headers
 
-# Tests mirror the sources: tests/unit/<room>/test_<source>.c; each is a program.
+# Unit tests mirror the sources: tests/unit/<room>/test_<source>.c. Each file is a program.
 TEST_ENGINE := $(wildcard tests/unit/base/test_*.c) \
                $(foreach room,$(filter-out base,$(ROOMS)),$(wildcard tests/unit/$(room)/test_*.c)) \
                $(wildcard tests/property/test_*.c tests/oracle/test_*.c tests/samples/test_*.c)
@@ -15,12 +16,14 @@ TEST_SERVER := $(wildcard tests/unit/proto/test_*.c tests/unit/server/test_*.c \
 program = $(patsubst %.c,$(BUILD)/%,$(1))
 TEST_PROGRAMS = $(call program,$(TEST_ENGINE) $(TEST_SERVER))
 
+$(call objects,$(TEST_ENGINE) $(TEST_SERVER)): | $(BUILD)/stamps/test-headers
 $(call program,$(TEST_ENGINE)): $(BUILD)/%: $(BUILD)/obj/%.c.o $(LIB_SUPPORT) $(LIB_SAMPLES) $(LIB_ENGINE) $(LINK)
 	@mkdir -p $(@D)
 	$(call link,$(CXX)) $(ENGINE_LIBS) $(TEST_LIBS) -lcmocka
 
-# Limit surfaces are compared with OpenSubdiv's where libosd-dev is installed; without it the tests skip.
-$(BUILD)/obj/tests/oracle/opensubdiv.cc.o: FILE_FLAGS += -Wno-shadow # C's functions and structs may share a name
+# Compares limit surfaces with those of OpenSubdiv. Without libosd-dev, the tests are skipped.
+# -Wno-shadow: in C, a function and a struct may have the same name, which g++ reports.
+$(BUILD)/obj/tests/oracle/opensubdiv.cc.o: FILE_FLAGS += -Wno-shadow
 $(BUILD)/tests/oracle/test_opensubdiv: $(BUILD)/obj/tests/oracle/opensubdiv.cc.o
 $(BUILD)/tests/oracle/test_opensubdiv: TEST_LIBS = $(shell $(CXX) -include opensubdiv/version.h -x c++ -E /dev/null >/dev/null 2>&1 && echo -losdCPU)
 
@@ -30,39 +33,56 @@ $(call program,$(TEST_SERVER)): $(BUILD)/%: $(BUILD)/obj/%.c.o $(LIB_SUPPORT) $(
 
 ##@ Tests
 
-test: PACKAGES += debhelper dh-python lintian pkg-config haproxy postgresql python3-kubernetes # wanted by tests only
-test: setup-test nurbs-peers contract-linter contract-generators web-peers ## set up and run all tests
+.PHONY: announce-test
+announce-test:
+	@echo "make test: installs what is missing (compilers, PostgreSQL, HAProxy and Chromium among it; tests start these themselves, none stays as"
+	@echo "a service), builds everything three times (plain, sanitizers, fuzzing) and runs all tests: 20 to 35 minutes on two cores, 2.5 GB of disk."
+
+# The tests over HTTP and in the browser are split into two programs each, because tests/run.py runs
+# two programs at once and limits the time of each.
+API_MODULES := $(sort $(basename $(notdir $(wildcard tests/api/test_*.py))))
+API_HALF    := $(shell expr $(words $(API_MODULES)) / 2)
+API_FIRST   := $(wordlist 1,$(API_HALF),$(API_MODULES))
+API_SECOND  := $(filter-out $(API_FIRST),$(API_MODULES))
+WEB_FIRST  := types,modules:,viewer:,uploads:,answers:,history:
+WEB_SECOND := layout:,picture:,derive:,embed:,modes:,docs:
+
+test: announce-test setup-test nurbs-peers contract-linter contract-generators web-peers ## set up and run all tests
 	@$(MAKE) --no-print-directory -j2 build test-build libraries $(BUILD)/gd_sweep $(BUILD)/gd_bench $(BUILD)/gd_bench_cgal $(BUILD)/gd_http_bare $(BUILD)/gd_load $(BUILD)/gd_alloc
 	@$(MAKE) --no-print-directory -j2 asan-build
 	@$(MAKE) --no-print-directory -j2 fuzz-build
 	@$(MAKE) --no-print-directory check-layers
-	@tests/run.py $(TEST_PROGRAMS) $(ASAN_PROGRAMS) "$(BUILD)/gd_sweep --sources 2 $(SWEEP_SHORT)" "$(BUILD)/gd_bench ablation --quick" \
+	@tests/run.py $(TEST_PROGRAMS) "$(FUZZ_SHORT)" $(ASAN_PROGRAMS) "$(BUILD)/gd_sweep --sources 2 $(SWEEP_SHORT)" "$(BUILD)/gd_bench ablation --quick" \
 	    "tests/bench/table.py --quick --build $(BUILD)" "tests/bench/peers.py --quick --build $(BUILD)" "tests/bench/plots.py --quick --build $(BUILD)" \
 	    "tests/bench/throughput.py --quick --build $(BUILD)" \
-	    tests/oracle/mirror.py tests/api/run.py "tests/web/run.py --build $(BUILD)" tests/cluster/run.py "tests/package/run.py --build $(BUILD)" "tests/package/libraries.py --build $(BUILD)" "tests/cluster/routing.py --short" "tests/cluster/shared.py --short" "tests/cluster/capacity.py --short" tests/cluster/shipped.py $(FAULT_TESTS) "$(FUZZ_SHORT)" "$(FUZZ_REPLAY)"
+	    tests/oracle/mirror.py "tests/api/run.py $(API_FIRST)" "tests/web/run.py --build $(BUILD) --only $(WEB_FIRST)" "tests/api/run.py $(API_SECOND)" tests/cluster/run.py "tests/package/run.py --build $(BUILD)" "tests/package/libraries.py --build $(BUILD)" tests/package/dist.py "tests/cluster/routing.py --short" "tests/cluster/shared.py --short" "tests/cluster/capacity.py --short" tests/cluster/shipped.py "tests/web/run.py --build $(BUILD) --only $(WEB_SECOND)" $(FAULT_TESTS) "$(FUZZ_REPLAY)"
 
-# Programs of others, below $(BUILD). Without npm or a network, tests/api/test_nurbs_peers.py, and half of test_files.py, are skipped.
+# Installs other programs for comparison below $(BUILD). Without npm or a network,
+# tests/api/test_nurbs_peers.py and half of test_files.py are skipped.
 NURBS_PEERS := verb-nurbs@3.0.3 three@0.187.0 rhino3dm@8.35.0 gltf-validator@2.0.0-dev.3.10
 nurbs-peers: | $(BUILD_MARK) ## programs that evaluate NURBS, or read glTF, too, for the tests (wants npm)
 	@if [ ! -e $(BUILD)/peers/complete ] && command -v npm >/dev/null; then mkdir -p $(BUILD)/peers; \
 	    timeout 90 npm install --silent --no-save --no-package-lock --no-audit --no-fund --ignore-scripts --prefix $(BUILD)/peers $(NURBS_PEERS) \
 	        >/dev/null 2>&1 && touch $(BUILD)/peers/complete || echo "npm could not install $(NURBS_PEERS): tests against them are skipped"; fi
 
-# Reads the contract only; no network, no telemetry. Without npm or a network, tests/api/test_contract_lint.py is skipped.
+# The linter reads only the contract; it uses no network and sends no telemetry. Without npm or a
+# network for the installation, tests/api/test_contract_lint.py is skipped.
 CONTRACT_LINTER := @redocly/openapi-core@1.34.5
 contract-linter: | $(BUILD_MARK) ## a linter of OpenAPI documents, for the tests (wants npm)
 	@if [ ! -e $(BUILD)/linter/complete ] && command -v npm >/dev/null; then mkdir -p $(BUILD)/linter; \
 	    timeout 90 npm install --silent --no-save --no-package-lock --no-audit --no-fund --ignore-scripts --prefix $(BUILD)/linter $(CONTRACT_LINTER) \
 	        >/dev/null 2>&1 && touch $(BUILD)/linter/complete || echo "npm could not install $(CONTRACT_LINTER): the contract is not linted by it"; fi
 
-# They read the contract only. Without npm or a network, tests/api/test_contract_generators.py is skipped.
-CONTRACT_GENERATORS := openapi-typescript@7.13.0 @hey-api/openapi-ts@0.95.0 orval@7.13.2 typescript@5.9.3
+# The generators read only the contract. Grafana's schema checks the dashboard
+# (tests/cluster/shipped.py). Without npm or a network, tests/api/test_contract_generators.py is
+# skipped.
+CONTRACT_GENERATORS := openapi-typescript@7.13.0 @hey-api/openapi-ts@0.95.0 orval@7.13.2 typescript@5.9.3 @grafana/schema@11.1.4
 contract-generators: | $(BUILD_MARK) ## code generators that read the contract, for the tests (wants npm)
 	@if [ ! -e $(BUILD)/generators/complete ] && command -v npm >/dev/null; then mkdir -p $(BUILD)/generators; \
 	    timeout 180 npm install --silent --no-save --no-package-lock --no-audit --no-fund --ignore-scripts --prefix $(BUILD)/generators $(CONTRACT_GENERATORS) \
 	        >/dev/null 2>&1 && touch $(BUILD)/generators/complete || echo "npm could not install $(CONTRACT_GENERATORS): tests with them are skipped"; fi
 
-# Likewise: playwright-core and axe-core, for tests/web.
+# Installs playwright-core and axe-core for tests/web.
 web-peers: | $(BUILD_MARK)
 	@if ! cmp -s tests/web/package-lock.json $(BUILD)/web-peers/complete && command -v npm >/dev/null; then \
 	    mkdir -p $(BUILD)/web-peers && cp tests/web/package.json tests/web/package-lock.json $(BUILD)/web-peers && cd $(BUILD)/web-peers && \
@@ -74,6 +94,9 @@ test-unit: test-build ## the C tests only
 
 test-web: build web-peers ## the pages in a browser only
 	@tests/run.py "tests/web/run.py --build $(BUILD)"
+
+test-web-long: build web-peers ## the same at full length: every example, and 1.1 million faces
+	@tests/run.py --timeout 3600 "tests/web/run.py --build $(BUILD) --all"
 
 test-api: build $(CLIENTS) ## the daemon over HTTP only
 	@tests/run.py tests/api/run.py

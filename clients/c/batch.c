@@ -5,79 +5,85 @@
 #include <string.h>
 
 #define PATH_MOST    256
-#define WAIT_SECONDS 30 /* of one request */
+#define WAIT_SECONDS 30 /* the longest wait of one request */
 
-static enum gdc_status ask(struct gdc_client *client, const char *path, json_t **json,
-                           struct gdc_problem *problem)
+static enum gdc_status batch_ask(struct gdc_client *client, const struct gdc_request *request,
+                                 struct gdc_batch *batch, struct gdc_problem *problem)
 {
     struct gdc_answer answer;
-    enum gdc_status status =
-        gdc_call(client, &(struct gdc_request){.method = "GET", .path = path}, &answer, problem);
-    return status ? status : gdc__read_json(&answer, json, problem);
+    json_t *json;
+    const char *id, *state;
+    json_int_t items, done, failed;
+    double progress;
+    enum gdc_status status = gdc_call(client, request, &answer, problem);
+    if (!status) status = gdc__read_json(&answer, &json, problem);
+    if (status) return status;
+    if (json_unpack(json, "{s:s,s:s,s:F,s:I,s:I,s:I}", "id", &id, "state", &state, "progress",
+                    &progress, "items", &items, "done", &done, "failed", &failed))
+        status = gdc__fail(problem, GDC_BAD_ANSWER, "the daemon does not describe the batch");
+    if (!status) {
+        *batch = (struct gdc_batch){.progress = progress,
+                                    .items = (size_t)items,
+                                    .done = (size_t)done,
+                                    .failed = (size_t)failed};
+        snprintf(batch->id, sizeof batch->id, "%s", id);
+        snprintf(batch->state, sizeof batch->state, "%s", state);
+    }
+    json_decref(json);
+    return status;
 }
 
-enum gdc_status gdc_batch_create(struct gdc_client *client, const json_t *request, json_t **batch,
-                                 struct gdc_problem *problem)
+enum gdc_status gdc_batch_create(struct gdc_client *client, const char *request,
+                                 struct gdc_batch *batch, struct gdc_problem *problem)
 {
-    char *text = json_dumps(request, JSON_COMPACT);
-    struct gdc_answer answer;
-    if (!text)
-        return gdc__fail(problem, GDC_NO_MEMORY,
-                         "the request is no JSON, or the system is out of memory");
-    enum gdc_status status = gdc_call(client,
-                                      &(struct gdc_request){.method = "POST",
-                                                            .path = "/v1/batches",
-                                                            .body = text,
-                                                            .body_size = strlen(text),
-                                                            .once = 1},
-                                      &answer, problem);
-    free(text);
-    return status ? status : gdc__read_json(&answer, batch, problem);
+    const struct gdc_request post = {.method = "POST",
+                                     .path = "/v1/batches",
+                                     .body = request,
+                                     .body_size = strlen(request),
+                                     .once = 1};
+    return batch_ask(client, &post, batch, problem);
 }
 
-enum gdc_status gdc_batch_look(struct gdc_client *client, const char *id, json_t **batch,
+enum gdc_status gdc_batch_look(struct gdc_client *client, const char *id, struct gdc_batch *batch,
                                struct gdc_problem *problem)
 {
     char path[PATH_MOST];
     snprintf(path, sizeof path, "/v1/batches/%s", id);
-    return ask(client, path, batch, problem);
+    return batch_ask(client, &(struct gdc_request){.method = "GET", .path = path}, batch, problem);
 }
 
-enum gdc_status gdc_batch_results(struct gdc_client *client, const char *id, const char *after,
-                                  json_t **page, struct gdc_problem *problem)
+enum gdc_status gdc_batch_results(struct gdc_client *client, const char *id, struct gdc_page *page,
+                                  struct gdc_problem *problem)
 {
     char path[PATH_MOST];
-    snprintf(path, sizeof path, "/v1/batches/%s/results%s%s", id, after ? "?after=" : "",
-             after ? after : "");
-    return ask(client, path, page, problem);
+    snprintf(path, sizeof path, "/v1/batches/%s/results?", id);
+    return gdc__turn(client, path, "after", page, problem);
 }
 
-enum gdc_status gdc_batch_next(struct gdc_client *client, const char *id, const char *cursor,
-                               json_t **page, struct gdc_problem *problem)
-{
-    char path[PATH_MOST];
-    snprintf(path, sizeof path, "/v1/batches/%s/results?cursor=%s&wait=%d", id,
-             cursor ? cursor : "0", WAIT_SECONDS);
-    return ask(client, path, page, problem);
-}
-
-enum gdc_status gdc_batch_wait(struct gdc_client *client, const char *id, json_t **batch,
+enum gdc_status gdc_batch_next(struct gdc_client *client, const char *id, struct gdc_page *page,
                                struct gdc_problem *problem)
 {
     char path[PATH_MOST];
-    json_t *now;
+    snprintf(path, sizeof path, "/v1/batches/%s/results?wait=%d&%s", id, WAIT_SECONDS,
+             *page->next ? "" : "cursor=0");
+    return gdc__turn(client, path, "cursor", page, problem);
+}
+
+enum gdc_status gdc_batch_wait(struct gdc_client *client, const char *id, struct gdc_batch *batch,
+                               struct gdc_problem *problem)
+{
+    char path[PATH_MOST];
+    struct gdc_batch now;
     snprintf(path, sizeof path, "/v1/batches/%s?wait=%d", id, client->progress ? 1 : WAIT_SECONDS);
     for (;;) {
-        enum gdc_status status = ask(client, path, &now, problem);
+        enum gdc_status status =
+            batch_ask(client, &(struct gdc_request){.method = "GET", .path = path}, &now, problem);
         if (status) return status;
-        double progress = json_number_value(json_object_get(now, "progress"));
-        const char *state = json_string_value(json_object_get(now, "state"));
-        int is_stopped = client->progress && client->progress(client->user, progress);
-        if (!state || strcmp(state, "running") != 0) {
+        int is_stopped = client->progress && client->progress(client->user, now.progress);
+        if (strcmp(now.state, "running") != 0) {
             *batch = now;
             return GDC_OK;
         }
-        json_decref(now);
         if (is_stopped) return gdc__fail(problem, GDC_CANCELLED, "the batch goes on");
     }
 }

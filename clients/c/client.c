@@ -8,9 +8,10 @@
 
 #define DEFAULT_URL  "http://127.0.0.1:8080"
 #define UNIX         "unix:"
+#define PATH_MOST    1024
 #define RETRIES      5
 #define TIMEOUT_S    120
-#define BACKOFF_MS   100 /* before the first retry; twice as long before each next one */
+#define BACKOFF_MS   100 /* before the first retry; doubles with each further retry */
 #define BACKOFF_MOST 10000
 
 /* --- life ------------------------------------------------------------------------------------- */
@@ -23,6 +24,20 @@ static char *join(const char *a, const char *b, const char *c)
     return text;
 }
 
+static int is_loopback(const char *url)
+{
+    static const char *const names[] = {"localhost", "[::1]", "127."};
+    const char *scheme = strstr(url, "://"), *host = scheme ? scheme + 3 : url;
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        size_t size = strlen(names[i]);
+        const char *rest = host + size;
+        if (strncmp(host, names[i], size) != 0) continue;
+        if (i == 2) rest += strspn(rest, "0123456789.");
+        if (*rest == '\0' || *rest == ':' || *rest == '/') return 1;
+    }
+    return 0;
+}
+
 static int set_address(struct gdc_client *client, const char *url)
 {
     int is_unix = strncmp(url, UNIX, strlen(UNIX)) == 0;
@@ -30,6 +45,7 @@ static int set_address(struct gdc_client *client, const char *url)
     if (is_unix) client->socket_path = join(url + strlen(UNIX), "", "");
     if (client->url && *client->url && client->url[strlen(client->url) - 1] == '/')
         client->url[strlen(client->url) - 1] = '\0';
+    client->is_near = is_unix || (client->url && is_loopback(client->url));
     return client->url && (!is_unix || client->socket_path);
 }
 
@@ -96,7 +112,7 @@ static void copy_member(char *out, size_t size, const json_t *object, const char
     snprintf(out, size, "%s", text ? text : "");
 }
 
-/* Of an answer with a status of 400 or more. */
+/* Fills `problem` from an answer with a status of 400 or more. */
 static enum gdc_status read_problem(const struct gdc_answer *answer, struct gdc_problem *problem)
 {
     gdc__fail(problem, GDC_PROBLEM, "the answer has the status %d", answer->status);
@@ -118,14 +134,39 @@ enum gdc_status gdc__read_json(struct gdc_answer *answer, json_t **json,
 {
     json_t *read = json_loadb(answer->body, answer->size, JSON_DECODE_ANY, NULL);
     free(answer->body);
-    if (!read) return gdc__fail(problem, GDC_BAD_ANSWER, "the daemon's answer is no JSON");
+    if (!read) return gdc__fail(problem, GDC_BAD_ANSWER, "the daemon's answer is not JSON");
     *json = read;
     return GDC_OK;
 }
 
+enum gdc_status gdc__turn(struct gdc_client *client, const char *path, const char *parameter,
+                          struct gdc_page *page, struct gdc_problem *problem)
+{
+    char whole[PATH_MOST];
+    struct gdc_answer answer;
+    char *next = curl_easy_escape(client->curl, page->next, 0);
+    snprintf(whole, sizeof whole, "%s%s%s%s", path, *page->next ? parameter : "",
+             *page->next ? "=" : "", next ? next : "");
+    curl_free(next);
+    enum gdc_status status =
+        gdc_call(client, &(struct gdc_request){.method = "GET", .path = whole}, &answer, problem);
+    if (status) return status;
+    json_t *json = json_loadb(answer.body, answer.size, 0, NULL);
+    free(page->json);
+    page->json = answer.body;
+    copy_member(page->next, sizeof page->next, json, "next");
+    json_decref(json);
+    return GDC_OK;
+}
+
+void gdc_free(void *memory)
+{
+    free(memory);
+}
+
 /* --- one exchange ----------------------------------------------------------------------------- */
 
-/* As libcurl wants it; 0 ends the transfer. */
+/* A CURLOPT_WRITEFUNCTION: appends the bytes to the answer. Returning 0 ends the transfer. */
 static size_t take(char *bytes, size_t one, size_t count, void *user)
 {
     struct gdc_answer *answer = user;
@@ -139,7 +180,8 @@ static size_t take(char *bytes, size_t one, size_t count, void *user)
     return size;
 }
 
-/* The list with a line more, which is freed; NULL without memory: the list is gone. */
+/* Appends a copy of `line` to the list and frees `line`. Returns NULL after freeing the list if
+ * memory is short. */
 static struct curl_slist *with(struct curl_slist *list, char *line)
 {
     struct curl_slist *longer = line ? curl_slist_append(list, line) : NULL;
@@ -154,7 +196,8 @@ static struct curl_slist *headers_of(const struct gdc_client *client,
     const char *json = "application/json";
     struct curl_slist *list =
         with(NULL, join("Accept: ", request->accept ? request->accept : json, ""));
-    if (list) list = with(list, join("Expect:", "", "")); /* no 100-continue: one round trip less */
+    /* avoids 100-continue: one round trip less */
+    if (list) list = with(list, join("Expect:", "", ""));
     if (list && request->body)
         list = with(
             list, join("Content-Type: ", request->content_type ? request->content_type : json, ""));
@@ -166,10 +209,10 @@ static void set_options(struct gdc_client *client, const struct gdc_request *req
                         const char *url, struct curl_slist *headers, struct gdc_answer *answer)
 {
     CURL *curl = client->curl;
-    curl_easy_reset(curl); /* but the connection */
+    curl_easy_reset(curl); /* leaves the connection open */
     curl_easy_setopt(curl, CURLOPT_URL, url);
     curl_easy_setopt(curl, CURLOPT_HTTPHEADER, headers);
-    curl_easy_setopt(curl, CURLOPT_ACCEPT_ENCODING, "gzip");
+    if (!client->is_near) curl_easy_setopt(curl, CURLOPT_ACCEPT_ENCODING, "gzip");
     curl_easy_setopt(curl, CURLOPT_NOSIGNAL, 1L);
     curl_easy_setopt(curl, CURLOPT_LOW_SPEED_LIMIT, 1L);
     curl_easy_setopt(curl, CURLOPT_LOW_SPEED_TIME, client->timeout_s);
@@ -180,7 +223,7 @@ static void set_options(struct gdc_client *client, const struct gdc_request *req
         curl_easy_setopt(curl, CURLOPT_POSTFIELDSIZE_LARGE, (curl_off_t)request->body_size);
         curl_easy_setopt(curl, CURLOPT_POSTFIELDS, request->body);
     }
-    if (request->once) /* on one that was kept, libcurl tries again */
+    if (request->once) /* libcurl itself repeats a request that fails on a reused connection */
         curl_easy_setopt(curl, CURLOPT_FRESH_CONNECT, 1L);
     if (strcmp(request->method, "HEAD") == 0) curl_easy_setopt(curl, CURLOPT_NOBODY, 1L);
     curl_easy_setopt(curl, CURLOPT_CUSTOMREQUEST, request->method);
@@ -211,7 +254,9 @@ static void wait_before(struct gdc_client *client, unsigned attempt, int is_answ
 {
     curl_off_t told_s = 0;
     long ms = attempt < 7 ? BACKOFF_MS << attempt : BACKOFF_MOST;
-    ms = ms / 2 + rand() % ms; /* not all clients at once */
+    struct timespec now;
+    clock_gettime(CLOCK_REALTIME, &now); /* by chance, so that clients do not retry at once */
+    ms = ms / 2 + now.tv_nsec / 1000 % ms;
     if (is_answer && curl_easy_getinfo(client->curl, CURLINFO_RETRY_AFTER, &told_s) == CURLE_OK &&
         told_s > 0)
         ms = 1000 * (long)told_s;

@@ -5,8 +5,10 @@
 #include <string.h>
 #include <time.h>
 
-#define POLL_MS   20 /* between the first two looks; then longer and longer */
+#define POLL_MS   20 /* pause before the first poll; grows by half each time, up to POLL_MOST */
 #define POLL_MOST 250
+
+#define WAIT_SECONDS 30 /* the longest wait of one request for the end of a job */
 
 enum state { STATE_ACTIVE, STATE_OVER, STATE_CANCELLED };
 
@@ -46,10 +48,14 @@ static enum gdc_status cancel(struct gdc_client *client, const struct job *job,
     return gdc__fail(problem, GDC_CANCELLED, "the job has been cancelled");
 }
 
+/* Reads the job's state. Without a progress function it blocks until the job ends or WAIT_SECONDS
+ * pass. */
 static enum gdc_status look(struct gdc_client *client, struct job *job, struct gdc_problem *problem)
 {
     struct gdc_answer answer;
-    const struct gdc_request request = {.method = "GET", .path = job->path};
+    char path[sizeof job->path + 16];
+    snprintf(path, sizeof path, "%s?wait=%d", job->path, client->progress ? 0 : WAIT_SECONDS);
+    const struct gdc_request request = {.method = "GET", .path = path};
     enum gdc_status status = gdc__exchange(client, &request, 0, &answer, problem);
     if (status) return status;
     status = hear(job, &answer, problem);
@@ -65,7 +71,7 @@ static enum gdc_status await(struct gdc_client *client, struct job *job, struct 
         if (client->progress && client->progress(client->user, job->progress))
             return cancel(client, job, problem);
         if (job->state != STATE_ACTIVE) break;
-        nanosleep(&(struct timespec){0, ms * 1000000}, NULL);
+        if (client->progress) nanosleep(&(struct timespec){0, ms * 1000000}, NULL);
         status = look(client, job, problem);
     }
     if (status) return status;

@@ -33,7 +33,14 @@ struct gdc_point gdc_near(double x, double y, double z)
     return (struct gdc_point){.kind = GDC_NEAR, .number = {x, y, z}};
 }
 
-json_t *gdc_point_json(const struct gdc_point *point)
+struct gdc_point gdc_ray(const double *origin, const double *direction)
+{
+    return (struct gdc_point){
+        .kind = GDC_RAY,
+        .number = {origin[0], origin[1], origin[2], direction[0], direction[1], direction[2]}};
+}
+
+static json_t *point_json(const struct gdc_point *point)
 {
     const unsigned *element = point->element;
     const double *number = point->number;
@@ -48,8 +55,36 @@ json_t *gdc_point_json(const struct gdc_point *point)
                          number[1], number[2]);
     case GDC_NEAR:
         return json_pack("{s:[fff]}", "xyz", number[0], number[1], number[2]);
+    case GDC_RAY:
+        return json_pack("{s:{s:[fff],s:[fff]}}", "ray", "origin", number[0], number[1], number[2],
+                         "direction", number[3], number[4], number[5]);
     }
     return NULL;
+}
+
+/* Returns a JSON array of points; NULL if memory is short or a number is not finite. */
+static json_t *points_json(const struct gdc_point *points, size_t count)
+{
+    json_t *array = json_array();
+    for (size_t i = 0; i < count; i++)
+        if (json_array_append_new(array, point_json(&points[i]))) {
+            json_decref(array);
+            return NULL;
+        }
+    return array;
+}
+
+/* Returns `json` as text and releases it. Returns NULL if `json` is NULL or memory is short. */
+static char *text_of(json_t *json)
+{
+    char *text = json ? json_dumps(json, JSON_COMPACT) : NULL;
+    json_decref(json);
+    return text;
+}
+
+char *gdc_point_json(const struct gdc_point *point)
+{
+    return text_of(point_json(point));
 }
 
 /* --- queries ---------------------------------------------------------------------------------- */
@@ -64,12 +99,11 @@ char *gdc__mesh_path(struct gdc_client *client, const char *mesh, const char *re
     return path;
 }
 
-/* A request below a mesh. `body` may be NULL. */
-static enum gdc_status ask(struct gdc_client *client, const char *mesh, const char *rest,
-                           struct gdc_request request, struct gdc_answer *answer,
-                           struct gdc_problem *problem)
+/* Sends a request for a resource of a mesh. request.path is the part after /v1/meshes/{mesh}. */
+static enum gdc_status ask(struct gdc_client *client, const char *mesh, struct gdc_request request,
+                           struct gdc_answer *answer, struct gdc_problem *problem)
 {
-    char *path = gdc__mesh_path(client, mesh, rest);
+    char *path = gdc__mesh_path(client, mesh, request.path);
     if (!path) return gdc__fail(problem, GDC_NO_MEMORY, "the system is out of memory");
     request.path = path;
     enum gdc_status status = gdc_call(client, &request, answer, problem);
@@ -77,21 +111,47 @@ static enum gdc_status ask(struct gdc_client *client, const char *mesh, const ch
     return status;
 }
 
-enum gdc_status gdc_query(struct gdc_client *client, const char *mesh, const char *query,
-                          const json_t *body, json_t **answer, struct gdc_problem *problem)
+/* A query of a mesh. Sending it releases `body`; a NULL body is reported as GDC_NO_MEMORY. */
+struct query {
+    const char *mesh, *path, *accept;
+    json_t *body;
+};
+
+static enum gdc_status query_send(struct gdc_client *client, struct query query,
+                                  struct gdc_answer *answer, struct gdc_problem *problem)
 {
-    char *text = body ? json_dumps(body, JSON_COMPACT) : NULL, rest[256];
+    char *text = text_of(query.body);
     if (!text)
-        return gdc__fail(problem, GDC_NO_MEMORY,
-                         "the body is no JSON: out of memory, or a number that is not finite");
-    struct gdc_answer received;
-    snprintf(rest, sizeof rest, "/%s", query);
-    enum gdc_status status =
-        ask(client, mesh, rest,
-            (struct gdc_request){.method = "POST", .body = text, .body_size = strlen(text)},
-            &received, problem);
+        return gdc__fail(
+            problem, GDC_NO_MEMORY,
+            "the body cannot be written as JSON: out of memory, or a number that is not finite");
+    const struct gdc_request request = {.method = "POST",
+                                        .path = query.path,
+                                        .body = text,
+                                        .body_size = strlen(text),
+                                        .accept = query.accept};
+    enum gdc_status status = ask(client, query.mesh, request, answer, problem);
     free(text);
-    return status ? status : gdc__read_json(&received, answer, problem);
+    return status;
+}
+
+static enum gdc_status query_read(struct gdc_client *client, struct query query, json_t **json,
+                                  struct gdc_problem *problem)
+{
+    struct gdc_answer answer;
+    enum gdc_status status = query_send(client, query, &answer, problem);
+    return status ? status : gdc__read_json(&answer, json, problem);
+}
+
+enum gdc_status gdc_query(struct gdc_client *client, const char *mesh, const char *query,
+                          const char *body, struct gdc_answer *answer, struct gdc_problem *problem)
+{
+    char rest[256];
+    snprintf(rest, sizeof rest, "/%s", query);
+    return ask(client, mesh,
+               (struct gdc_request){
+                   .method = "POST", .path = rest, .body = body, .body_size = strlen(body)},
+               answer, problem);
 }
 
 /* --- meshes ----------------------------------------------------------------------------------- */
@@ -101,8 +161,9 @@ static enum gdc_status upload(struct gdc_client *client, const char *mesh, const
 {
     struct gdc_answer answer;
     request.method = "PUT";
+    request.path = query;
     request.content_type = BYTES;
-    enum gdc_status status = ask(client, mesh, query, request, &answer, problem);
+    enum gdc_status status = ask(client, mesh, request, &answer, problem);
     if (!status) free(answer.body);
     return status;
 }
@@ -117,23 +178,70 @@ enum gdc_status gdc_upload(struct gdc_client *client, const char *mesh, const vo
 enum gdc_status gdc_upload_split(struct gdc_client *client, const char *mesh, const void *bytes,
                                  size_t size, struct gdc_problem *problem)
 {
-    return upload(client, mesh, "?repair=split",
-                  (struct gdc_request){.body = bytes, .body_size = size}, problem);
+    return gdc_upload_with(client, mesh, &(struct gdc_file){bytes, size}, "repair=split", problem);
 }
 
-enum gdc_status gdc_list(struct gdc_client *client, const char *prefix, const char *after,
-                         json_t **page, struct gdc_problem *problem)
+enum gdc_status gdc_upload_with(struct gdc_client *client, const char *mesh,
+                                const struct gdc_file *file, const char *parameters,
+                                struct gdc_problem *problem)
+{
+    size_t size = strlen(parameters) + 2;
+    char *query = malloc(size);
+    if (!query) return gdc__fail(problem, GDC_NO_MEMORY, "the system is out of memory");
+    snprintf(query, size, "?%s", parameters);
+    enum gdc_status status =
+        upload(client, mesh, query,
+               (struct gdc_request){.body = file->bytes, .body_size = file->size}, problem);
+    free(query);
+    return status;
+}
+
+/* Returns a binary PLY file in this machine's byte order; NULL if memory is short. */
+static char *write_ply(const struct gdc_arrays *arrays, size_t *size)
+{
+    static const unsigned short one = 1;
+    size_t vertices = arrays->vertex_count * 3 * sizeof(double), row = 1 + 3 * sizeof(uint32_t);
+    char head[256];
+    int length = snprintf(head, sizeof head,
+                          "ply\nformat binary_%s_endian 1.0\nelement vertex %zu\n"
+                          "property double x\nproperty double y\nproperty double z\n"
+                          "element face %zu\nproperty list uchar uint vertex_indices\nend_header\n",
+                          *(const unsigned char *)&one ? "little" : "big", arrays->vertex_count,
+                          arrays->face_count);
+    *size = (size_t)length + vertices + arrays->face_count * row;
+    char *file = malloc(*size), *at = file + length + vertices;
+    if (!file) return NULL;
+    memcpy(file, head, (size_t)length);
+    if (vertices) memcpy(file + length, arrays->vertices, vertices);
+    for (size_t i = 0; i < arrays->face_count; i++, at += row) {
+        *at = 3;
+        memcpy(at + 1, arrays->faces + 3 * i, row - 1);
+    }
+    return file;
+}
+
+enum gdc_status gdc_upload_arrays(struct gdc_client *client, const char *mesh,
+                                  const struct gdc_arrays *arrays, struct gdc_problem *problem)
+{
+    size_t size;
+    char *file = write_ply(arrays, &size);
+    if (!file) return gdc__fail(problem, GDC_NO_MEMORY, "the system is out of memory");
+    enum gdc_status status = gdc_upload(client, mesh, file, size, problem);
+    free(file);
+    return status;
+}
+
+enum gdc_status gdc_list(struct gdc_client *client, const char *prefix, struct gdc_page *page,
+                         struct gdc_problem *problem)
 {
     char path[PATH_MOST];
-    struct gdc_answer answer;
-    snprintf(path, sizeof path, "/v1/meshes?prefix=%s%s%s", prefix ? prefix : "",
-             after ? "&after=" : "", after ? after : "");
-    enum gdc_status status =
-        gdc_call(client, &(struct gdc_request){.method = "GET", .path = path}, &answer, problem);
-    return status ? status : gdc__read_json(&answer, page, problem);
+    char *escaped = curl_easy_escape(client->curl, prefix ? prefix : "", 0);
+    snprintf(path, sizeof path, "/v1/meshes?prefix=%s&", escaped ? escaped : "");
+    curl_free(escaped);
+    return gdc__turn(client, path, "after", page, problem);
 }
 
-/* All of a stream; NULL: it can't be read, or there is no memory. */
+/* Returns all bytes of a stream; NULL if it can't be read or memory is short. */
 static char *read_all(FILE *file, size_t *size)
 {
     size_t capacity = 1 << 16, count = 0;
@@ -171,21 +279,19 @@ enum gdc_status gdc_delete(struct gdc_client *client, const char *mesh, struct g
 {
     struct gdc_answer answer;
     enum gdc_status status =
-        ask(client, mesh, "", (struct gdc_request){.method = "DELETE"}, &answer, problem);
+        ask(client, mesh, (struct gdc_request){.method = "DELETE", .path = ""}, &answer, problem);
     if (!status) free(answer.body);
     return status;
 }
 
 /* --- distances and paths ---------------------------------------------------------------------- */
 
-static enum gdc_status ask_pair(struct gdc_client *client, const char *mesh, const char *query,
-                                struct gdc_point from, struct gdc_point to, json_t **answer,
+static enum gdc_status ask_pair(struct gdc_client *client, struct query query,
+                                const struct gdc_point ends[2], json_t **answer,
                                 struct gdc_problem *problem)
 {
-    json_t *body = json_pack("{s:o,s:o}", "from", gdc_point_json(&from), "to", gdc_point_json(&to));
-    enum gdc_status status = gdc_query(client, mesh, query, body, answer, problem);
-    json_decref(body);
-    return status;
+    query.body = json_pack("{s:o,s:o}", "from", point_json(&ends[0]), "to", point_json(&ends[1]));
+    return query_read(client, query, answer, problem);
 }
 
 enum gdc_status gdc_distance(struct gdc_client *client, const char *mesh, struct gdc_point from,
@@ -193,7 +299,8 @@ enum gdc_status gdc_distance(struct gdc_client *client, const char *mesh, struct
 {
     json_t *answer;
     enum gdc_status status =
-        ask_pair(client, mesh, "distance?select=distance", from, to, &answer, problem);
+        ask_pair(client, (struct query){.mesh = mesh, .path = "/distance?select=distance"},
+                 (const struct gdc_point[]){from, to}, &answer, problem);
     if (status) return status;
     const json_t *value = json_object_get(answer, "distance");
     double found = json_number_value(value);
@@ -207,7 +314,7 @@ enum gdc_status gdc_distance(struct gdc_client *client, const char *mesh, struct
     return status;
 }
 
-/* The corners of [[x, y, z], ...]; NULL: they are none, or there is no memory. */
+/* Returns the coordinates of [[x, y, z], ...]; NULL if the array is empty or memory is short. */
 static double *read_corners(const json_t *points, size_t *count)
 {
     size_t size = json_array_size(points);
@@ -224,7 +331,8 @@ enum gdc_status gdc_shortest_path(struct gdc_client *client, const char *mesh,
 {
     json_t *answer;
     enum gdc_status status =
-        ask_pair(client, mesh, "path?select=path&geometry=xyz", from, to, &answer, problem);
+        ask_pair(client, (struct query){.mesh = mesh, .path = "/path?select=path&geometry=xyz"},
+                 (const struct gdc_point[]){from, to}, &answer, problem);
     if (status) return status;
     const json_t *json = json_object_get(answer, "path");
     struct gdc_path found = {.length = json_number_value(json_object_get(json, "length"))};
@@ -240,9 +348,9 @@ enum gdc_status gdc_shortest_path(struct gdc_client *client, const char *mesh,
     return status;
 }
 
-/* --- fields ----------------------------------------------------------------------------------- */
+/* --- matrices and fields ---------------------------------------------------------------------- */
 
-/* Of little-endian float64, in their place. */
+/* Converts little-endian float64 to this machine's byte order, in place. */
 static void to_host_order(unsigned char *bytes, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
@@ -252,37 +360,57 @@ static void to_host_order(unsigned char *bytes, size_t count)
     }
 }
 
+enum gdc_status gdc_matrix(struct gdc_client *client, const char *mesh,
+                           const struct gdc_matrix_points *points, double *distances,
+                           struct gdc_problem *problem)
+{
+    size_t size = points->source_count * points->target_count * sizeof *distances;
+    struct gdc_answer answer;
+    json_t *body =
+        json_pack("{s:o,s:o}", "sources", points_json(points->sources, points->source_count),
+                  "targets", points_json(points->targets, points->target_count));
+    if (body && points->max_distance > 0)
+        json_object_set_new(body, "max_distance", json_real(points->max_distance));
+    enum gdc_status status = query_send(
+        client, (struct query){.mesh = mesh, .path = "/matrix", .accept = BYTES, .body = body},
+        &answer, problem);
+    if (status) return status;
+    if (answer.size == size) {
+        to_host_order((unsigned char *)answer.body, size / sizeof *distances);
+        memcpy(distances, answer.body, size);
+    } else {
+        status = gdc__fail(problem, GDC_BAD_ANSWER, "the matrix has another size");
+    }
+    free(answer.body);
+    return status;
+}
+
 static enum gdc_status get_values(struct gdc_client *client, const char *mesh, const char *id,
-                                  double **values, size_t *count, struct gdc_problem *problem)
+                                  struct gdc_answer *answer, struct gdc_problem *problem)
 {
     char rest[128];
-    struct gdc_answer answer;
     snprintf(rest, sizeof rest, "/fields/%s/values", id);
-    enum gdc_status status =
-        ask(client, mesh, rest, (struct gdc_request){.method = "GET", .accept = BYTES}, &answer,
-            problem);
-    if (status) return status;
-    to_host_order((unsigned char *)answer.body, answer.size / 8);
-    *values = (double *)answer.body; /* from malloc: aligned */
-    *count = answer.size / 8;
-    return GDC_OK;
+    return ask(client, mesh, (struct gdc_request){.method = "GET", .path = rest, .accept = BYTES},
+               answer, problem);
 }
 
 enum gdc_status gdc_field(struct gdc_client *client, const char *mesh,
                           const struct gdc_point *sources, size_t count, double **values,
                           size_t *value_count, struct gdc_problem *problem)
 {
-    json_t *points = json_array(), *answer;
-    for (size_t i = 0; i < count; i++) json_array_append_new(points, gdc_point_json(&sources[i]));
-    json_t *body =
-        json_array_size(points) == count ? json_pack("{s:{s:O}}", "set", "points", points) : NULL;
-    enum gdc_status status = gdc_query(client, mesh, "fields", body, &answer, problem);
-    json_decref(points);
-    json_decref(body);
+    json_t *made;
+    struct gdc_answer answer;
+    json_t *body = json_pack("{s:{s:o}}", "set", "points", points_json(sources, count));
+    enum gdc_status status = query_read(
+        client, (struct query){.mesh = mesh, .path = "/fields", .body = body}, &made, problem);
     if (status) return status;
-    const char *id = json_string_value(json_object_get(answer, "id"));
-    status = id ? get_values(client, mesh, id, values, value_count, problem)
+    const char *id = json_string_value(json_object_get(made, "id"));
+    status = id ? get_values(client, mesh, id, &answer, problem)
                 : gdc__fail(problem, GDC_BAD_ANSWER, "the answer has no field");
-    json_decref(answer);
-    return status;
+    json_decref(made);
+    if (status) return status;
+    to_host_order((unsigned char *)answer.body, answer.size / 8);
+    *values = (double *)answer.body; /* aligned, since realloc returned it */
+    *value_count = answer.size / 8;
+    return GDC_OK;
 }

@@ -1,7 +1,7 @@
-# Completion for bash: source it, or put it where bash-completion looks, named geodesic.
-# Commands and options come from the program's own help, names of meshes from the daemon.
+# Completion for bash. Source this file, or install it as `geodesic` in a folder of bash-completion.
+# Commands and options come from the program's help, names of meshes from the daemon.
 
-_geodesic_words() { # of a help text: its options, and the commands of the first column
+_geodesic_words() { # prints the options and commands of a help text
     sed -nE 's/^ +(-[a-z], )?(--[a-z-]+).*/\2/p; s/^    ([a-z]+) .*/\1/p' <<<"$1"
 }
 

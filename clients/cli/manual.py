@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Prints the man page geodesic(1): its commands and options are those that the program tells of itself.
+"""Prints the man page geodesic(1). Commands and options come from the program's --help.
 
 usage: clients/cli/manual.py PROGRAM
 """
@@ -23,7 +23,7 @@ uploads meshes to a
 daemon and asks for distances, shortest paths and everything else that it answers.
 .PP
 A point is a vertex
-.RB ( v:12 ),
+.RB ( 12 " or " v:12 ),
 a point of an edge
 .RB ( e:3\-9:0.25 )
 or of a face
@@ -52,21 +52,23 @@ def escape(text):
 
 
 def told(program, *arguments):
-    """What the program prints, in lines that are never broken."""
+    """Runs the program and returns its output, with lines of any length."""
     return subprocess.run([program, *arguments], check=True, stdout=subprocess.PIPE, text=True, env=dict(os.environ, COLUMNS="1000")).stdout
 
 
 def items(text):
-    """The pairs of name and explanation that a help text lists."""
-    return [match.groups("") for line in text.splitlines() if (match := ITEM.match(line.replace("    ", "  ", 1)))]
+    """Returns the pairs (name, explanation) of a help text. An explanation may be on the line after
+    its name."""
+    return [match.groups("") for line in re.sub(r"\n {10,}", "  ", text).splitlines() if (match := ITEM.match(line.replace("    ", "  ", 1)))]
 
 
 def sentence(text):
-    return escape(text[0].upper() + text[1:]) + "."
+    """Returns the text as a sentence. Capitalises its first word, unless that is a literal."""
+    return escape(re.sub(r"^([a-z]+ |default:)", lambda match: match[1].capitalize(), text)) + "."
 
 
 def print_items(pairs):
-    """Those that say more than the usage does."""
+    """Prints the items that have an explanation."""
     for name, text in pairs:
         if text:
             print(f".TP\n.B {escape(name)}\n{sentence(text)}")

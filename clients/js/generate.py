@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Prints the types of the JavaScript client (types.d.ts), made from the contract.
+"""Generates the types of the JavaScript client (types.d.ts) from the contract.
 
 usage: clients/js/generate.py [openapi.yaml] > clients/js/types.d.ts
 """
@@ -7,18 +7,25 @@ import json
 import pathlib
 import re
 import sys
+import textwrap
 
 import yaml
 
 CONTRACT = pathlib.Path(__file__).resolve().parents[2] / "proto" / "openapi.yaml"
 PLAIN = {"integer": "number", "number": "number", "string": "string", "boolean": "boolean", "null": "null"}
 TUPLE_MOST = 9
+COLUMNS = 100
 IDENTIFIER = re.compile(r"[A-Za-z_]\w*")
 
 
 def comment(schema, indent):
+    """Returns the description as a comment: one line, or a block wrapped at COLUMNS."""
     text = " ".join(schema.get("description", "").split()).replace("*/", "* /")
-    return f"{indent}/** {text} */\n" if text else ""
+    line = f"{indent}/** {text} */\n"
+    if not text or len(line) <= COLUMNS + 1:
+        return line if text else ""
+    lines = textwrap.wrap(text, COLUMNS - len(indent) - 3, break_long_words=False, break_on_hyphens=False)
+    return f"{indent}/**\n" + "".join(f"{indent} * {each}\n" for each in lines) + f"{indent} */\n"
 
 
 def together(parts, sign):
@@ -49,7 +56,7 @@ def array_type(schema, indent):
 
 
 def own_type(schema, indent):
-    """What the schema says besides what it is composed of; "": nothing."""
+    """Returns the schema's type without its allOf, oneOf and anyOf parts; "" if there is none."""
     if "enum" in schema or "const" in schema:
         return together([json.dumps(value) for value in schema.get("enum", [schema.get("const")])], " | ")
     kinds = schema.get("type", "object" if "properties" in schema else [])
@@ -65,7 +72,7 @@ def own_type(schema, indent):
 
 
 def reference_type(reference):
-    """Of a schema, or of a property of one."""
+    """Returns the type that a reference to a schema, or to a property of a schema, names."""
     name, *inner = reference.removeprefix("#/components/schemas/").split("/")
     return name + "".join(f"[{json.dumps(part)}]" for part in inner if part != "properties")
 
@@ -89,8 +96,8 @@ def answer_type(operation):
 
 
 def print_queries(document, kind, interface):
-    """POST below a surface of a kind, with JSON both ways."""
-    print(f"/** What can be asked of `/v1/{kind}/{{name}}`, by its name: what is sent and what comes back. */\nexport interface {interface} {{")
+    """Prints an interface with each POST query of a kind of surface that takes a JSON body."""
+    print(f"/** The queries of `/v1/{kind}/{{name}}` by name: request and answer. */\nexport interface {interface} {{")
     for path, item in document["paths"].items():
         before, _, name = path.partition(f"/v1/{kind}/{{name}}/")
         content = item.get("post", {}).get("requestBody", {}).get("content", {})

@@ -2,56 +2,109 @@ import type * as types from "./types.js";
 
 export type { types };
 
-/** Any failure of a call. The message is the daemon's sentence, which tells what to change. */
+/** A failed call. The message says what is wrong and what to change. */
 export class GeodesicError extends Error {}
 
-/** No answer came: the daemon is not there, or hung up. */
+/** The daemon did not answer: it does not run at this address, or it closed the connection. */
 export class ConnectionFailed extends GeodesicError {}
 
-/** The daemon answers, but refuses requests of pages from this origin: start it with --cors-origin. */
+/**
+ * The daemon runs, but refuses requests of pages from this origin. Start it with --cors-origin.
+ */
 export class OriginRefused extends ConnectionFailed {}
 
-/** An answer that is a problem (RFC 9457). After retries this is also what a busy daemon (429, 503) comes to. */
+/**
+ * An error that the daemon reports (RFC 9457), also if it is still busy (429, 503) after all
+ * retries.
+ */
 export class ProblemError extends GeodesicError {
   readonly problem: types.Problem;
   readonly status: number;
   readonly code: string;
   readonly detail: string;
-  /** JSON Pointer into the body that was sent */
+  /** JSON Pointer to the offending part of the request's body */
   readonly pointer?: string;
   readonly requestId: string;
 }
 
-/** The job that was awaited has been cancelled. */
+/** The awaited job was cancelled. */
 export class JobCancelled extends GeodesicError {}
 
 /**
- * A point: the index of a vertex; three coordinates (the nearest point); "v:12", "e:3-9:0.25", "f:34:0.2,0.3,0.5" or "p:1,2,3"; an object as the contract has
- * it; or a point that an answer held.
+ * A point: the index of a vertex; three coordinates (the nearest surface point); a compact form
+ * ("v:12", "e:3-9:0.25", "f:34:0.2,0.3,0.5", "p:1,2,3"); an object of the contract; or a point of
+ * an answer.
  */
-export type PointLike = number | string | readonly number[] | types.Point | types.PointAnswer;
-export type SetLike = PointLike | readonly PointLike[] | types.Set;
+export type PointLike = number | string | readonly number[] | Floats | Vector3Like | types.Point | types.PointAnswer;
+/** Points: a list, an array of vertex indices, or an array of rows of three coordinates. */
+export type PointsLike = readonly PointLike[] | Integers | Floats;
+export type SetLike = PointLike | PointsLike | types.Set;
+export type Floats = Float64Array | Float32Array;
+export type Integers = Uint32Array | Uint16Array | Uint8Array | Int32Array;
+/** A Vector3 of three.js. */
+export interface Vector3Like {
+  readonly isVector3: true;
+  x: number;
+  y: number;
+  z: number;
+}
+/** A BufferGeometry of three.js. */
+export interface GeometryLike {
+  readonly isBufferGeometry: true;
+  readonly index: { readonly array: ArrayLike<number> } | null;
+  getAttribute(name: string): unknown;
+}
+/** A mesh: `vertices` has rows of three coordinates, `faces` rows of three vertex indices. */
+export interface MeshArrays<Vertices = Float64Array, Faces = Uint32Array> {
+  vertices: Vertices;
+  faces: Faces;
+}
 
-/** What the daemon takes for a point. TypeError of what is none. */
+/** Converts a point to the form of the contract. Throws TypeError for any other value. */
 export function toPoint(point: PointLike): types.Point;
-/** What the daemon takes for a set. */
+export function toPoints(points: PointsLike): types.Point[];
+/** Converts a set to the form of the contract. */
 export function toSet(sources: SetLike): types.Set;
+/**
+ * Converts a geometry of three.js to the mesh that `upload` sends. It merges vertices that have the
+ * same coordinates. Vertex i of the geometry is vertex `index[i]` of the mesh, as in
+ * `field.values()`.
+ */
+export function fromGeometry(geometry: GeometryLike): MeshArrays & { index: Uint32Array };
 
-/** Told how far a job is, in [0,1]. What is given one is a job. */
+/**
+ * Returns a function for drags that takes inputs, such as the position of the mouse. It runs one
+ * request at a time and drops inputs that a newer input has replaced. `stop` aborts the request and
+ * ignores further inputs.
+ */
+export function newest<Input, Answer>(
+  ask: (input: Input, signal: AbortSignal) => Promise<Answer>,
+  show: (answer: Answer, input: Input) => void,
+  fail?: (error: unknown) => void,
+): { (input: Input): void; stop(): void };
+
+/** Receives the progress of a job, in [0,1]. A call with it runs as a job. */
 export type OnProgress = (progress: number) => void;
 
-export interface CallOptions {
+/** Option of every call: the signal aborts the request, and the pauses between its retries. */
+export interface Abortable {
+  signal?: AbortSignal;
+}
+
+export interface CallOptions extends Abortable {
   query?: Record<string, string | number | boolean | undefined>;
-  /** a string or bytes as they are, else sent as JSON */
+  /** Strings and bytes are sent unchanged, other values as JSON. */
   body?: unknown;
   headers?: Record<string, string>;
   onProgress?: OnProgress;
-  signal?: AbortSignal;
-  /** false: it makes something new each time, as createBatch does, so it is not sent again when its connection fails */
+  /**
+   * false: each request creates something new, as createBatch does, so the client does not repeat
+   * the request if its connection fails
+   */
   repeatable?: boolean;
 }
 
-export interface QueryOptions {
+export interface QueryOptions extends Abortable {
   /** members of the answer to return, with commas between them */
   select?: string;
   /** @deprecated the former name of `select` */
@@ -59,39 +112,44 @@ export interface QueryOptions {
   geometry?: "full" | "xyz" | "none";
   timeout_ms?: number;
   onProgress?: OnProgress;
-  signal?: AbortSignal;
 }
 
-/** A request that was accepted to be worked on (202). The daemon keeps its result for a while. */
+/** A request that the daemon runs as a job (202). The daemon keeps the result for some time. */
 export class Job {
   readonly id: string;
   readonly state: "queued" | "running" | "done" | "failed" | "cancelled";
   readonly progress: number;
   readonly isOver: boolean;
-  /** Until it is over. */
-  wait(onProgress?: OnProgress): Promise<this>;
-  /** The answer as it would have come at once, of a job that is over; the error of its problem if it failed. */
-  response(): Promise<Response>;
-  /** Stops it, within milliseconds. A job that is over is forgotten. */
-  cancel(): Promise<void>;
+  /** Waits until the job has ended. */
+  wait(onProgress?: OnProgress, options?: Abortable): Promise<this>;
+  /**
+   * Returns the answer of a job that has ended, as if the request had not been a job. Throws a
+   * ProblemError if the job failed.
+   */
+  response(options?: Abortable): Promise<Response>;
+  /** Stops the job within milliseconds. Deletes a job that has ended. */
+  cancel(options?: Abortable): Promise<void>;
 }
 
-/** What lies at a path of the daemon. */
+/** A resource at a path of the daemon. */
 export class Resource {
-  /** An answer as typed arrays by name, row after row: of `matrix`, `isolines`, `trace`, `voronoi` and others. */
+  /**
+   * Sends a query that has arrays as its answer (`matrix`, `isolines`, `trace`, `voronoi`, …).
+   * Returns typed arrays by name, each stored by rows.
+   */
   queryArrays(
     name: string,
     body: object,
-    query?: { form?: "f64" | "f32"; [parameter: string]: unknown },
+    options?: QueryOptions & { form?: "f64" | "f32"; [parameter: string]: unknown },
   ): Promise<Record<string, Float64Array | Float32Array | Uint32Array>>;
   readonly client: Client;
   readonly location: string;
-  describe(): Promise<unknown>;
-  exists(): Promise<boolean>;
-  delete(): Promise<void>;
+  describe(options?: Abortable): Promise<unknown>;
+  exists(options?: Abortable): Promise<boolean>;
+  delete(options?: Abortable): Promise<void>;
 }
 
-/** A surface that has a name; Queries are those that can be asked of it. */
+/** A named surface; `Queries` lists its queries. */
 export class Surface<Queries = Record<string, { body: unknown; answer: unknown }>> extends Resource {
   readonly name: string;
   query<Name extends keyof Queries & string>(
@@ -103,96 +161,151 @@ export class Surface<Queries = Record<string, { body: unknown; answer: unknown }
 
 export interface Path {
   length: number;
-  /** the corners, from the first to the last */
+  /** the corners of the path, in order */
   points: [number, number, number][];
 }
 
-/** The distances from a set to the whole surface, kept by the daemon. */
+/** The distances from a set to the whole surface. The daemon stores them. */
 export class Field extends Resource {
   readonly id: string;
   readonly max: number | null;
   readonly farthest: types.PointAnswer | null;
-  /** The distance at each vertex, NaN where there is none. */
-  values(): Promise<Float64Array>;
-  /** The mesh with the distance at each vertex, as a file: glb has it as colours, csv as rows. */
-  file(format?: "ply" | "glb" | "csv"): Promise<ArrayBuffer>;
-  /** The distance at each point, null where there is none. */
-  distances(points: readonly PointLike[]): Promise<(number | null)[]>;
-  isolines(levels: readonly number[], tolerance?: number): Promise<types.IsolinesAnswer["isolines"]>;
-  /** The lines of all levels as a file. `mesh`: with their mesh, of obj and glb. */
+  describe(options?: Abortable): Promise<types.Field>;
+  /** Returns the distance at each vertex; NaN if no path reaches the vertex. */
+  values(options?: Abortable): Promise<Float64Array>;
+  /** Returns a file of the mesh with the distances: as values (ply), colours (glb), rows (csv). */
+  file(format?: "ply" | "glb" | "csv", options?: Abortable): Promise<ArrayBuffer>;
+  /** Returns the distance at each point; null if no path reaches the point. */
+  distances(points: PointsLike, options?: Abortable): Promise<(number | null)[]>;
+  /** Returns the lines of each level. `levels`: a list of levels, or a count of even levels. */
+  isolines(levels: number | ArrayLike<number>, options?: QueryOptions & { tolerance?: number }): Promise<types.IsolinesAnswer["isolines"]>;
+  /** As `isolines`, as arrays. Line i is the rows of `points` from `first[i]` to `first[i + 1]`. */
+  isolineArrays(
+    levels: number | ArrayLike<number>,
+    options?: QueryOptions & { tolerance?: number; form?: "f64" | "f32" },
+  ): Promise<{ points: Floats; first: Uint32Array; level: Floats; length: Floats }>;
+  /** Returns the lines of all levels as a file. `mesh`: include the mesh (obj and glb). */
   isolinesFile(
-    levels: readonly number[],
+    levels: number | ArrayLike<number>,
     format?: "obj" | "glb" | "csv",
-    options?: { tolerance?: number; mesh?: boolean },
+    options?: Abortable & { tolerance?: number; mesh?: boolean },
   ): Promise<ArrayBuffer>;
 }
 
 export class Mesh extends Surface<types.MeshQueries> {
-  describe(): Promise<types.Mesh>;
-  /** The exact distance; null if no path joins the points. */
-  distance(from: PointLike, to: PointLike, options?: { via?: readonly PointLike[]; signal?: AbortSignal }): Promise<number | null>;
-  /** A shortest path; null if there is none. */
-  path(from: PointLike, to: PointLike, options?: { via?: readonly PointLike[]; signal?: AbortSignal }): Promise<Path | null>;
-  /** A shortest path as a file; svg: the faces that it runs through, laid flat. `mesh`: with its mesh, of obj and glb. */
+  describe(options?: Abortable): Promise<types.Mesh>;
+  /** Returns the exact distance; null if no path joins the points. */
+  distance(from: PointLike, to: PointLike, options?: Abortable & { via?: PointsLike }): Promise<number | null>;
+  /** Returns a shortest path; null if no path joins the points. */
+  path(from: PointLike, to: PointLike, options?: Abortable & { via?: PointsLike }): Promise<Path | null>;
+  /**
+   * Returns a shortest path as a file. svg: the faces that the path crosses, unfolded into the
+   * plane. `mesh`: include the mesh (obj and glb).
+   */
   pathFile(
     from: PointLike,
     to: PointLike,
     format?: "obj" | "glb" | "csv" | "svg",
-    options?: { via?: readonly PointLike[]; mesh?: boolean; signal?: AbortSignal },
+    options?: Abortable & { via?: PointsLike; mesh?: boolean },
   ): Promise<ArrayBuffer>;
-  /** A rendered picture; the query as the contract has it, points in compact form: { source: "v:12", view: "iso" }. */
-  picture(form?: "png" | "svg", query?: Record<string, string | number | boolean | undefined>): Promise<ArrayBuffer>;
-  nearest(point: PointLike): Promise<types.PointAnswer>;
-  /** The distance of each pair, NaN without a path. Vertices as Uint32Array, else rows of three coordinates; one point may stand for all pairs. */
-  pairs(from: Uint32Array | Float64Array | Float32Array, to: Uint32Array | Float64Array | Float32Array): Promise<Float64Array>;
-  /** The nearest points to rows of three coordinates: `faces`, `barycentric`, `xyz`, `snap_distances`. */
-  nearestPoints(xyz: Float64Array | Float32Array | Uint32Array): Promise<Record<string, Float64Array | Uint32Array>>;
-  /** A row per source, NaN where there is no distance. */
+  /**
+   * Returns a rendered picture. `query` has the parameters of the contract, with points in compact
+   * form: { source: "v:12", view: "iso" }.
+   */
+  picture(form?: "png" | "svg", query?: Record<string, string | number | boolean | AbortSignal | undefined>): Promise<ArrayBuffer>;
+  nearest(point: PointLike, options?: Abortable): Promise<types.PointAnswer>;
+  /**
+   * Returns the distance of each pair; NaN if no path joins its points. A Uint32Array holds vertex
+   * indices, other arrays hold rows of three coordinates. An array with one point uses this point
+   * for all pairs.
+   */
+  pairs(from: Uint32Array | Floats, to: Uint32Array | Floats, options?: Abortable): Promise<Float64Array>;
+  /**
+   * Returns the surface points that are nearest to rows of three coordinates. The arrays are
+   * `faces`, `barycentric`, `xyz` and `snap_distances`.
+   */
+  nearestPoints(xyz: Floats | Uint32Array, options?: Abortable): Promise<Record<string, Float64Array | Uint32Array>>;
+  /** Returns a row of distances for each source; NaN if no path joins the points. */
   matrix(
-    sources: readonly PointLike[],
-    targets: readonly PointLike[],
-    options?: { maxDistance?: number; onProgress?: OnProgress },
+    sources: PointsLike,
+    targets: PointsLike,
+    options?: Abortable & { maxDistance?: number; onProgress?: OnProgress },
   ): Promise<Float64Array[]>;
-  /** The same request gives the same field again. */
-  field(sources: SetLike, options?: { maxDistance?: number; onProgress?: OnProgress }): Promise<Field>;
-  content(format?: "obj" | "off" | "gltf"): Promise<string>;
-  content(format: "ply" | "stl" | "glb"): Promise<ArrayBuffer>;
+  /** Computes a field. Equal requests return the same field. */
+  field(sources: SetLike, options?: Abortable & { maxDistance?: number; onProgress?: OnProgress }): Promise<Field>;
+  /** Creates a mesh by applying operations in order: [{ operation: "simplify", faces: 10000 }]. */
+  derive(name: string, operations: readonly types.EditOperation[], options?: Abortable & { onProgress?: OnProgress }): Promise<Mesh>;
+  /**
+   * Applies the operations, if there are any, and stores each component of the result as a mesh of
+   * its own: name-1, name-2 and so on, by decreasing area.
+   */
+  split(name: string, operations?: readonly types.EditOperation[], options?: Abortable & { onProgress?: OnProgress }): Promise<Mesh[]>;
+  /** Returns the original point of each vertex of a derived mesh: face, barycentric coordinates. */
+  origins(options?: Abortable): Promise<[number, number, number, number][]>;
+  /** Returns a simplified mesh for display as a file. Waits until the daemon has built the file. */
+  preview(options?: Abortable & { faces?: number; format?: "glb" | "ply"; onProgress?: OnProgress }): Promise<ArrayBuffer>;
+  content(format?: "obj" | "off" | "gltf", options?: Abortable): Promise<string>;
+  content(format: "ply" | "stl" | "glb", options?: Abortable): Promise<ArrayBuffer>;
+  /** Returns the mesh as typed arrays, for example for a BufferGeometry of three.js. */
+  arrays(options?: Abortable): Promise<MeshArrays>;
 }
 
 export class Client {
-  /** `retries`: how often a request is sent again that a busy daemon turned away, or whose connection failed. */
-  constructor(url?: string | URL, options?: { key?: string; retries?: number });
-  /** Any request; the error of its problem if it has one. */
-  call(method: string, path: string, options?: CallOptions): Promise<Response>;
-  /** Any query or upload as a job, which is not awaited. */
-  submit(method: string, path: string, options?: Omit<CallOptions, "onProgress">): Promise<Job>;
-  /** The job of that id, perhaps begun by another client. */
-  job(id: string): Promise<Job>;
-  /** The daemon's version, limits and capabilities. */
-  service(): Promise<types.Service>;
   /**
-   * Begins work of many sources, which outlives this client and the daemon. It is not sent again when its connection fails: after ConnectionFailed it may have
-   * begun all the same, which GET /v1/batches tells.
+   * `retries`: how often the client repeats a request if the daemon is busy or the connection
+   * fails.
    */
-  createBatch(request: types.BatchRequest): Promise<types.Batch>;
-  /** How far it is. */
-  batch(id: string): Promise<types.Batch>;
-  /** The batch, once it has ended. `onProgress` is called about once a second. */
-  waitBatch(id: string, onProgress?: OnProgress): Promise<types.Batch>;
-  /** The items that have an answer by now, in their order. `wait`: each item as soon as it is answered, until the batch has ended. */
-  batchResults(id: string, options?: { wait?: boolean }): AsyncGenerator<types.BatchResults["results"][number]>;
-  /** Cancels it; removes one that has ended. */
-  deleteBatch(id: string): Promise<void>;
-  /** All meshes, or those whose names begin with `prefix`. */
-  meshes(options?: { prefix?: string }): AsyncGenerator<types.Mesh>;
-  /** The mesh of that name; nothing is asked yet. */
+  constructor(url?: string | URL, options?: { key?: string; retries?: number });
+  /** Sends any request. Throws a ProblemError if the daemon reports an error. */
+  call(method: string, path: string, options?: CallOptions): Promise<Response>;
+  /** Starts any query or upload as a job. Does not wait for the job. */
+  submit(method: string, path: string, options?: Omit<CallOptions, "onProgress">): Promise<Job>;
+  /** Reads the job with this id. Returns when the job has ended, or after `wait` (0) seconds. */
+  job(id: string, options?: Abortable & { wait?: number }): Promise<Job>;
+  /** Reads the daemon's version, limits and capabilities. */
+  service(options?: Abortable): Promise<types.Service>;
+  /**
+   * Starts a batch: a query for many sources that continues without this client and across restarts
+   * of the daemon. The client does not repeat the request if the connection fails: after
+   * ConnectionFailed the batch may exist; GET /v1/batches lists all batches.
+   */
+  createBatch(request: types.BatchRequest, options?: Abortable): Promise<types.Batch>;
+  /** Reads the state of a batch. */
+  batch(id: string, options?: Abortable): Promise<types.Batch>;
+  /** Waits until the batch has ended. Calls `onProgress` about once a second. */
+  waitBatch(id: string, onProgress?: OnProgress, options?: Abortable): Promise<types.Batch>;
+  /**
+   * Yields the items that have an answer now, in the order of the request. `wait`: yields each item
+   * as soon as it has an answer, until the batch has ended.
+   */
+  batchResults(id: string, options?: Abortable & { wait?: boolean }): AsyncGenerator<types.BatchResults["results"][number]>;
+  /** Cancels a running batch, or removes a batch that has ended. */
+  deleteBatch(id: string, options?: Abortable): Promise<void>;
+  /** Yields all meshes, or the meshes whose names begin with `prefix`. */
+  meshes(options?: Abortable & { prefix?: string }): AsyncGenerator<types.Mesh>;
+  /** Returns the mesh with this name. Sends no request. */
   mesh(name: string): Mesh;
   subdivision(name: string): Surface<types.SubdivisionQueries>;
   nurbs(name: string): Surface<types.NurbsQueries>;
-  /** Creates or replaces a mesh of a file's content or of arrays; `null`: its name is made of its content. */
+  /**
+   * Creates or replaces a mesh from the content of a file or from arrays. If `name` is null, the
+   * daemon derives the name from the content. The options `components` to `simplify` edit the mesh
+   * before the daemon stores it.
+   */
   upload(
     name: string | null,
-    content: string | ArrayBuffer | ArrayBufferView | Blob | { vertices: number[][]; faces: number[][] },
-    options?: { format?: string; weld?: number; repair?: "none" | "split"; onProgress?: OnProgress; signal?: AbortSignal },
+    content: string | ArrayBuffer | ArrayBufferView | Blob | MeshArrays<Floats, Integers> | MeshArrays<number[][], number[][]> | GeometryLike,
+    options?: Abortable & {
+      format?: string;
+      weld?: number;
+      repair?: "none" | "split";
+      components?: number;
+      fill?: number;
+      smooth?: number;
+      subdivide?: number;
+      simplify?: number;
+      description?: string;
+      onProgress?: OnProgress;
+    },
   ): Promise<Mesh>;
 }

@@ -1,25 +1,24 @@
-/* Exact geodesics on surfaces, from a geodesicd daemon. For browsers and Node.js 18 or later; needs nothing but fetch. See index.d.ts. */
+/* Exact geodesics on surfaces, from a geodesicd daemon. For browsers and Node.js 18 or later; needs
+ * only fetch. index.d.ts documents the exports. */
 
-const BACKOFF_MS = 100; // before the first retry; twice as long before each next one
+const BACKOFF_MS = 100; // before the first retry; doubles with each further retry
 const BACKOFF_MOST_MS = 10000;
 const FLOATS = "application/octet-stream";
-const BATCH_WAIT_S = 30; // of one request that waits for a batch
-const TEXTS = ["obj", "off", "gltf"]; // of the formats of meshes
+const BATCH_WAIT_S = 30; // the longest wait of one request for a batch
+const PREVIEW_WAIT_MS = 500; // pause between two requests for a preview
+const SPLIT_MOST = 64; // the most meshes that one request creates
+const TEXTS = ["obj", "off", "gltf"]; // the mesh formats that are text
 
-/* Any failure of a call. */
 export class GeodesicError extends Error {
   get name() {
     return this.constructor.name;
   }
 }
 
-/* No answer came. */
 export class ConnectionFailed extends GeodesicError {}
 
-/* The daemon answers, but not to pages of this origin: see --cors-origin. */
 export class OriginRefused extends ConnectionFailed {}
 
-/* An answer that is a problem (RFC 9457). */
 export class ProblemError extends GeodesicError {
   constructor(problem, response) {
     const detail = problem.detail ?? problem.title ?? `the answer has the status ${response.status}`;
@@ -33,10 +32,9 @@ export class ProblemError extends GeodesicError {
   }
 }
 
-/* The job that was awaited has been cancelled. */
 export class JobCancelled extends GeodesicError {}
 
-/* --- points ----------------------------------------------------------------------------------------------------------- */
+/* --- points ----------------------------------------------------------------------------------- */
 
 const COMPACT = {
   v: (rest) => ({ vertex: Number(rest) }),
@@ -52,7 +50,7 @@ const COMPACT = {
 };
 const COMPACT_FORM = /^(v:\d+|e:\d+-\d+:[\d.eE+-]+|f:\d+:[^,:]+,[^,:]+,[^,:]+|p:[^,:]+,[^,:]+,[^,:]+)$/;
 
-/* What is known most exactly of a point that an answer held. */
+/* Returns the most exact request form of a point of an answer; other objects unchanged. */
 function askable(point) {
   if (point.vertex !== undefined) return { vertex: point.vertex };
   if (point.edge !== undefined) return { edge: point.edge, t: point.t };
@@ -63,13 +61,24 @@ function askable(point) {
 export function toPoint(point) {
   if (typeof point === "number") return { vertex: point };
   if (Array.isArray(point)) return { xyz: point };
+  if (ArrayBuffer.isView(point)) return { xyz: [...point] };
+  if (point?.isVector3) return { xyz: [point.x, point.y, point.z] }; // a Vector3 of three.js
   if (typeof point === "object" && point !== null) return askable(point);
   if (typeof point === "string" && COMPACT_FORM.test(point)) return COMPACT[point[0]](point.slice(2));
-  throw new TypeError(`${JSON.stringify(point)} is no point; write v:12, e:3-9:0.25, f:34:0.2,0.3,0.5 or p:1,2,3`);
+  throw new TypeError(`${JSON.stringify(point)} is not a point; write v:12, e:3-9:0.25, f:34:0.2,0.3,0.5 or p:1,2,3`);
 }
 
-/* Three numbers are a place in space; any other list is one of points. */
+/* An array of floating-point type has rows of three coordinates; any other list has one point per
+ * element. */
+export function toPoints(points) {
+  if (!(points instanceof Float64Array || points instanceof Float32Array)) return Array.from(points, toPoint);
+  return Array.from({ length: points.length / 3 }, (_, i) => ({ xyz: [...points.subarray(3 * i, 3 * i + 3)] }));
+}
+
+/* Three numbers that are not all integers are a point in space; any other list is a list of
+ * points. */
 export function toSet(sources) {
+  if (ArrayBuffer.isView(sources)) return { points: toPoints(sources) };
   if (Array.isArray(sources)) {
     const isPlace = sources.length === 3 && sources.some((x) => typeof x === "number" && !Number.isInteger(x));
     return { points: isPlace ? [{ xyz: sources }] : sources.map(toPoint) };
@@ -78,16 +87,49 @@ export function toSet(sources) {
   return isSet ? sources : { points: [toPoint(sources)] };
 }
 
-/* --- requests --------------------------------------------------------------------------------------------------------- */
+/* --- drags ------------------------------------------------------------------------------------ */
 
-function pause(ms) {
-  return new Promise((resume) => setTimeout(resume, ms));
+export function newest(ask, show, fail = console.error) {
+  let next;
+  let isRunning = false;
+  const control = new AbortController();
+  const run = async () => {
+    for (isRunning = true; next; ) {
+      const [input] = next;
+      next = undefined;
+      try {
+        const answer = await ask(input, control.signal);
+        if (!control.signal.aborted) show(answer, input);
+      } catch (error) {
+        if (!control.signal.aborted) fail(error);
+      }
+    }
+    isRunning = false;
+  };
+  const put = (input) => {
+    next = [input];
+    if (!isRunning && !control.signal.aborted) run();
+  };
+  put.stop = () => {
+    next = undefined;
+    control.abort();
+  };
+  return put;
 }
 
-function waitBefore(attempt, response) {
+/* --- requests --------------------------------------------------------------------------------- */
+
+function pause(ms, signal) {
+  return new Promise((resume, fail) => {
+    const timer = setTimeout(resume, ms);
+    signal?.addEventListener("abort", () => (clearTimeout(timer), fail(signal.reason)), { once: true });
+  });
+}
+
+function waitBefore(attempt, response, signal) {
   const told = response?.headers.get("Retry-After");
   const backoff = Math.min(BACKOFF_MS * 2 ** attempt, BACKOFF_MOST_MS) * (0.5 + Math.random());
-  return pause(told && /^\d+$/.test(told) ? 1000 * Number(told) : backoff);
+  return pause(told && /^\d+$/.test(told) ? 1000 * Number(told) : backoff, signal);
 }
 
 async function problemOf(response) {
@@ -109,11 +151,11 @@ function toQuery(query = {}) {
 }
 
 async function readFloats(response) {
-  const view = new DataView(await response.arrayBuffer());
-  return Float64Array.from({ length: view.byteLength / 8 }, (_, i) => view.getFloat64(8 * i, true));
+  // The answer is little-endian, as are typed arrays in all JavaScript engines.
+  return new Float64Array(await response.arrayBuffer());
 }
 
-/* The arrays container, version 1: server/doc/020 of the daemon. */
+/* Reads the arrays container, version 1 (server/doc/020), as typed arrays by name. */
 function readArrays(buffer) {
   const view = new DataView(buffer), arrays = {};
   if (new TextDecoder().decode(buffer.slice(0, 8)) !== "GDARRAYS" || view.getUint32(8, true) !== 1) throw new GeodesicError("no arrays container of version 1");
@@ -126,7 +168,8 @@ function readArrays(buffer) {
   return arrays;
 }
 
-/* Typed arrays by name: Uint32Array of elements, the others of rows of three numbers. */
+/* Writes typed arrays by name as a container. A Uint32Array has one index per row, other arrays
+ * have three numbers per row. */
 function writeArrays(arrays) {
   const names = Object.keys(arrays), padded = (size) => Math.ceil(size / 8) * 8;
   let offset = 16 + 64 * names.length;
@@ -149,9 +192,60 @@ function writeArrays(arrays) {
   return bytes;
 }
 
-/* --- jobs ------------------------------------------------------------------------------------------------------------- */
+/* --- meshes as arrays ------------------------------------------------------------------------- */
 
-/* The events of a stream: [name, data]. */
+/* Returns a binary PLY file. `vertices` has rows of three coordinates, `faces` rows of three
+ * indices. */
+function writePly(vertices, faces) {
+  const [count, triangles] = [vertices.length / 3, faces.length / 3], type = vertices instanceof Float32Array ? "float" : "double";
+  const head = new TextEncoder().encode(
+    `ply\nformat binary_little_endian 1.0\nelement vertex ${count}\nproperty ${type} x\nproperty ${type} y\nproperty ${type} z\n` +
+      `element face ${triangles}\nproperty list uchar uint vertex_indices\nend_header\n`,
+  );
+  const start = head.length + vertices.byteLength, bytes = new Uint8Array(start + 13 * triangles), view = new DataView(bytes.buffer);
+  bytes.set(head);
+  bytes.set(new Uint8Array(vertices.buffer, vertices.byteOffset, vertices.byteLength), head.length);
+  for (let i = 0; i < triangles; i++) {
+    view.setUint8(start + 13 * i, 3);
+    for (let k = 0; k < 3; k++) view.setUint32(start + 13 * i + 1 + 4 * k, faces[3 * i + k], true);
+  }
+  return bytes;
+}
+
+/* Reads binary PLY only in the form that the daemon writes. */
+function readPly(buffer) {
+  const mark = "end_header\n", text = new TextDecoder("latin1").decode(buffer.slice(0, 1000)), head = text.slice(0, text.indexOf(mark) + mark.length);
+  const [count, triangles] = ["vertex", "face"].map((name) => Number(head.match(`element ${name} (\\d+)`)[1]));
+  const vertices = new Float64Array(buffer.slice(head.length, head.length + 24 * count));
+  const view = new DataView(buffer, head.length + vertices.byteLength), faces = new Uint32Array(3 * triangles);
+  for (let i = 0; i < faces.length; i++) faces[i] = view.getUint32(13 * Math.floor(i / 3) + 1 + 4 * (i % 3), true);
+  return { vertices, faces };
+}
+
+/* Merges vertices that round to the same point of a grid. Its step is a millionth of the largest
+ * coordinate. three.js repeats vertices where normals or texture coordinates differ. */
+export function fromGeometry(geometry) {
+  const position = geometry.getAttribute("position"), places = new Map(), vertices = [];
+  const rows = Array.from({ length: position.count }, (_, i) => [position.getX(i), position.getY(i), position.getZ(i)]);
+  const step = 1e-6 * rows.reduce((size, xyz) => Math.max(size, ...xyz.map(Math.abs)), 0);
+  const index = Uint32Array.from(rows, (xyz) => {
+    const key = xyz.map((x) => Math.round(x / step)).join();
+    if (!places.has(key)) places.set(key, vertices.push(xyz) - 1);
+    return places.get(key);
+  });
+  const corners = geometry.index ? Array.from(geometry.index.array, (i) => index[i]) : index;
+  const faces = [];
+  for (let i = 0; i + 2 < corners.length; i += 3) {
+    const [a, b, c] = [corners[i], corners[i + 1], corners[i + 2]];
+    // Drops triangles that merging has collapsed, as at the poles of spheres.
+    if (a !== b && b !== c && c !== a) faces.push(a, b, c);
+  }
+  return { vertices: Float64Array.from(vertices.flat()), faces: Uint32Array.from(faces), index };
+}
+
+/* --- jobs ------------------------------------------------------------------------------------- */
+
+/* Yields the server-sent events of a stream as [name, data]. */
 async function* readEvents(stream) {
   const decoder = new TextDecoder();
   let text = "", name = "";
@@ -190,9 +284,10 @@ export class Job {
     return ["done", "failed", "cancelled"].includes(this.state);
   }
 
-  async wait(onProgress) {
+  async wait(onProgress, { signal } = {}) {
+    onProgress?.(this.progress);
     while (!this.isOver) {
-      const response = await this.client.call("GET", `/v1/jobs/${this.id}/events`);
+      const response = await this.client.call("GET", `/v1/jobs/${this.id}/events`, { signal });
       for await (const [, data] of readEvents(response.body)) {
         this.#hear(JSON.parse(data));
         onProgress?.(this.progress);
@@ -201,17 +296,17 @@ export class Job {
     return this;
   }
 
-  async response() {
+  async response({ signal } = {}) {
     if (this.state === "cancelled") throw new JobCancelled(`job ${this.id} has been cancelled`);
-    return this.client.call("GET", `/v1/jobs/${this.id}/result`);
+    return this.client.call("GET", `/v1/jobs/${this.id}/result`, { signal });
   }
 
-  async cancel() {
-    await this.client.call("DELETE", `/v1/jobs/${this.id}`);
+  async cancel({ signal } = {}) {
+    await this.client.call("DELETE", `/v1/jobs/${this.id}`, { signal });
   }
 }
 
-/* --- what the daemon holds -------------------------------------------------------------------------------------------- */
+/* --- resources ----------------------------------------------------------------------------- */
 
 export class Resource {
   constructor(client, location) {
@@ -219,26 +314,32 @@ export class Resource {
     this.location = location;
   }
 
+  /* Sends a request to a path below this resource. `read` names the method of Response that reads
+   * the answer. */
+  async get(rest, read, call, method = "GET") {
+    return (await this.client.call(method, this.location + rest, call))[read]();
+  }
+
   async query(name, body, { onProgress, signal, ...query } = {}) {
-    return (await this.client.call("POST", `${this.location}/${name}`, { query, body, onProgress, signal })).json();
+    return this.get(`/${name}`, "json", { query, body, onProgress, signal }, "POST");
   }
 
-  async queryArrays(name, body, { form = "f64", ...query } = {}) {
-    const call = { query: { ...query, format: form }, body };
-    return readArrays(await (await this.client.call("POST", `${this.location}/${name}`, call)).arrayBuffer());
+  async queryArrays(name, body, { form = "f64", onProgress, signal, ...query } = {}) {
+    const call = { query: { ...query, format: form }, body, onProgress, signal };
+    return readArrays(await this.get(`/${name}`, "arrayBuffer", call, "POST"));
   }
 
-  async describe() {
-    return (await this.client.call("GET", this.location)).json();
+  async describe({ signal } = {}) {
+    return this.get("", "json", { signal });
   }
 
-  async delete() {
-    await this.client.call("DELETE", this.location);
+  async delete({ signal } = {}) {
+    await this.client.call("DELETE", this.location, { signal });
   }
 
-  async exists() {
+  async exists({ signal } = {}) {
     try {
-      await this.client.call("HEAD", this.location);
+      await this.client.call("HEAD", this.location, { signal });
       return true;
     } catch (error) {
       if (error.status === 404) return false;
@@ -262,27 +363,35 @@ export class Field extends Resource {
     this.farthest = answer.farthest;
   }
 
-  async values() {
-    return readFloats(await this.client.call("GET", `${this.location}/values`, { headers: { Accept: FLOATS } }));
+  async values({ signal } = {}) {
+    return readFloats(await this.client.call("GET", `${this.location}/values`, { headers: { Accept: FLOATS }, signal }));
   }
 
-  async file(format = "ply") {
-    return (await this.client.call("GET", `${this.location}/values`, { query: { format } })).arrayBuffer();
+  async file(format = "ply", { signal } = {}) {
+    return this.get("/values", "arrayBuffer", { query: { format }, signal });
   }
 
-  async distances(points) {
-    const { results } = await this.query("evaluate", { points: points.map(toPoint) }, { select: "distance" });
+  async distances(points, { signal } = {}) {
+    const { results } = await this.query("evaluate", { points: toPoints(points) }, { select: "distance", signal });
     return results.map((result) => result.distance);
   }
 
-  async isolines(levels, tolerance) {
-    return (await this.query("isolines", { levels, tolerance })).isolines;
+  async isolines(levels, { tolerance, ...options } = {}) {
+    return (await this.query("isolines", { ...toLevels(levels), tolerance }, options)).isolines;
   }
 
-  async isolinesFile(levels, format = "obj", { tolerance, mesh } = {}) {
-    const call = { query: { format, mesh }, body: { levels, tolerance } };
-    return (await this.client.call("POST", `${this.location}/isolines`, call)).arrayBuffer();
+  async isolineArrays(levels, { tolerance, ...options } = {}) {
+    return this.queryArrays("isolines", { ...toLevels(levels), tolerance }, options);
   }
+
+  async isolinesFile(levels, format = "obj", { tolerance, mesh, signal } = {}) {
+    return this.get("/isolines", "arrayBuffer", { query: { format, mesh }, body: { ...toLevels(levels), tolerance }, signal }, "POST");
+  }
+}
+
+/* A number is a count of levels; a list holds the levels themselves. */
+function toLevels(levels) {
+  return typeof levels === "number" ? { count: levels } : { levels: [...levels] };
 }
 
 export class Mesh extends Surface {
@@ -291,7 +400,7 @@ export class Mesh extends Surface {
   }
 
   #ends(from, to, via) {
-    return { from: toPoint(from), to: toPoint(to), ...(via?.length ? { via: via.map(toPoint) } : {}) };
+    return { from: toPoint(from), to: toPoint(to), ...(via?.length ? { via: toPoints(via) } : {}) };
   }
 
   async distance(from, to, { via, signal } = {}) {
@@ -304,45 +413,70 @@ export class Mesh extends Surface {
   }
 
   async pathFile(from, to, format = "obj", { via, mesh, signal } = {}) {
-    const call = { query: { format, mesh }, body: this.#ends(from, to, via), signal };
-    return (await this.client.call("POST", `${this.location}/path`, call)).arrayBuffer();
+    return this.get("/path", "arrayBuffer", { query: { format, mesh }, body: this.#ends(from, to, via), signal }, "POST");
   }
 
-  async picture(form = "png", query = {}) {
-    return (await this.client.call("GET", `${this.location}/picture.${form}`, { query })).arrayBuffer();
+  async picture(form = "png", { signal, ...query } = {}) {
+    return this.get(`/picture.${form}`, "arrayBuffer", { query, signal });
   }
 
-  async nearest(point) {
-    return this.query("nearest", { point: toPoint(point) });
+  async nearest(point, { signal } = {}) {
+    return this.query("nearest", { point: toPoint(point) }, { signal });
   }
 
-  async #bulk(name, arrays) {
-    const call = { query: { format: "f64" }, body: writeArrays(arrays), headers: { "Content-Type": FLOATS } };
-    return readArrays(await (await this.client.call("POST", `${this.location}/${name}`, call)).arrayBuffer());
+  async #bulk(name, arrays, { signal } = {}) {
+    const call = { query: { format: "f64" }, body: writeArrays(arrays), headers: { "Content-Type": FLOATS }, signal };
+    return readArrays(await this.get(`/${name}`, "arrayBuffer", call, "POST"));
   }
 
-  async pairs(from, to) {
-    return (await this.#bulk("pairs", { from, to })).distances;
+  async pairs(from, to, options) {
+    return (await this.#bulk("pairs", { from, to }, options)).distances;
   }
 
-  async nearestPoints(xyz) {
-    return this.#bulk("nearest-points", { points: xyz });
+  async nearestPoints(xyz, options) {
+    return this.#bulk("nearest-points", { points: xyz }, options);
   }
 
-  async matrix(sources, targets, { maxDistance, onProgress } = {}) {
-    const body = { sources: sources.map(toPoint), targets: targets.map(toPoint), max_distance: maxDistance };
-    const call = { body, headers: { Accept: FLOATS }, onProgress };
-    const values = await readFloats(await this.client.call("POST", `${this.location}/matrix`, call));
-    return sources.map((_, row) => values.subarray(row * targets.length, (row + 1) * targets.length));
+  async matrix(sources, targets, { maxDistance, onProgress, signal } = {}) {
+    const body = { sources: toPoints(sources), targets: toPoints(targets), max_distance: maxDistance };
+    const call = { body, headers: { Accept: FLOATS }, onProgress, signal };
+    const values = await readFloats(await this.client.call("POST", `${this.location}/matrix`, call)), columns = body.targets.length;
+    return body.sources.map((_, row) => values.subarray(row * columns, (row + 1) * columns));
   }
 
-  async field(sources, { maxDistance, onProgress } = {}) {
-    return new Field(this, await this.query("fields", { set: toSet(sources), max_distance: maxDistance }, { onProgress }));
+  async field(sources, { maxDistance, onProgress, signal } = {}) {
+    return new Field(this, await this.query("fields", { set: toSet(sources), max_distance: maxDistance }, { onProgress, signal }));
   }
 
-  async content(format = "obj") {
-    const response = await this.client.call("GET", `${this.location}/content`, { query: { format } });
-    return TEXTS.includes(format) ? response.text() : response.arrayBuffer();
+  async derive(name, operations, { onProgress, signal } = {}) {
+    return this.client.mesh((await this.query("derive", { mesh: name, operations }, { onProgress, signal })).name);
+  }
+
+  async split(name, operations = [{ operation: "components", keep: SPLIT_MOST + 1 }], { onProgress, signal } = {}) {
+    const { meshes } = await this.query("derive", { mesh: name, split: true, operations }, { onProgress, signal });
+    return meshes.map((mesh) => this.client.mesh(mesh.name));
+  }
+
+  async origins({ signal } = {}) {
+    return (await this.get("/origins", "json", { signal })).origins;
+  }
+
+  async preview({ faces, format, onProgress, signal } = {}) {
+    const call = { query: { faces, format: format ?? "glb" }, signal };
+    for (;;) {
+      const response = await this.client.call("GET", `${this.location}/preview`, call);
+      if (response.status !== 202) return response.arrayBuffer();
+      onProgress?.((await response.json()).progress);
+      await pause(PREVIEW_WAIT_MS, signal);
+    }
+  }
+
+  async content(format = "obj", { signal } = {}) {
+    return this.get("/content", TEXTS.includes(format) ? "text" : "arrayBuffer", { query: { format }, signal });
+  }
+
+  async arrays(options) {
+    return readPly(await this.content("ply", options));
   }
 }
 
@@ -353,7 +487,8 @@ export class Client {
     this.headers = key ? { Authorization: `Bearer ${key}` } : {};
   }
 
-  /* To a page of another origin a dead daemon looks like one that refuses the origin, except without CORS. */
+  /* Distinguishes a daemon that refuses the page's origin from one that does not run: only the
+   * former answers a request without CORS. */
   async #refusesOrigin() {
     const origin = globalThis.location?.origin;
     if (!origin || origin === new URL(this.url, globalThis.location.href).origin) return false;
@@ -364,7 +499,8 @@ export class Client {
     }
   }
 
-  /* On this machine, and not in a browser, which sets the header itself. */
+  /* True if the daemon is on this machine and this is not a browser. Browsers set Accept-Encoding
+   * themselves. */
   get #isNear() {
     return typeof process === "object" && /^(localhost|\[::1\]|127\.[\d.]+)$/.test(new URL(this.url).hostname);
   }
@@ -394,14 +530,15 @@ export class Client {
       const isBusy = !response || response.status === 429 || response.status === 503;
       if (!isBusy || attempt >= this.retries) return response;
       await response?.body?.cancel();
-      await waitBefore(attempt, response);
+      await waitBefore(attempt, response, init.signal);
     }
   }
 
   async call(method, path, { query, body, headers = {}, onProgress, signal, repeatable = true } = {}) {
-    if (onProgress) return (await (await this.submit(method, path, { query, body, headers, signal })).wait(onProgress)).response();
+    if (onProgress) return (await (await this.submit(method, path, { query, body, headers, signal })).wait(onProgress, { signal })).response({ signal });
     const sent = { ...this.headers, ...headers };
-    if (this.#isNear) sent["Accept-Encoding"] ??= "identity"; // packing takes longer than the way
+    // Compression takes longer than the transfer within a machine.
+    if (this.#isNear) sent["Accept-Encoding"] ??= "identity";
     if (body !== undefined && !isBytes(body)) {
       body = JSON.stringify(body);
       sent["Content-Type"] ??= "application/json";
@@ -417,55 +554,58 @@ export class Client {
     return new Job(this, await response.json());
   }
 
-  async job(id) {
-    return new Job(this, await (await this.call("GET", `/v1/jobs/${id}`)).json());
+  async #read(path, call) {
+    return (await this.call("GET", path, call)).json();
   }
 
-  async service() {
-    return (await this.call("GET", "/v1")).json();
+  async job(id, { wait = 0, signal } = {}) {
+    return new Job(this, await this.#read(`/v1/jobs/${id}`, { query: { wait }, signal }));
   }
 
-  async *pages(path, member, query = {}) {
+  async service({ signal } = {}) {
+    return this.#read("/v1", { signal });
+  }
+
+  async *pages(path, member, query = {}, { signal } = {}) {
     for (let after; after !== null; ) {
-      const page = await (await this.call("GET", path, { query: { ...query, after } })).json();
+      const page = await this.#read(path, { query: { ...query, after }, signal });
       yield* page[member];
       after = page.next;
     }
   }
 
-  async createBatch(request) {
-    return (await this.call("POST", "/v1/batches", { body: request, repeatable: false })).json();
+  async createBatch(request, { signal } = {}) {
+    return (await this.call("POST", "/v1/batches", { body: request, repeatable: false, signal })).json();
   }
 
-  async batch(id) {
-    return (await this.call("GET", `/v1/batches/${id}`)).json();
+  async batch(id, { signal } = {}) {
+    return this.#read(`/v1/batches/${id}`, { signal });
   }
 
-  async waitBatch(id, onProgress) {
+  async waitBatch(id, onProgress, { signal } = {}) {
     for (;;) {
-      const query = { wait: onProgress ? 1 : BATCH_WAIT_S };
-      const batch = await (await this.call("GET", `/v1/batches/${id}`, { query })).json();
+      const batch = await this.#read(`/v1/batches/${id}`, { query: { wait: onProgress ? 1 : BATCH_WAIT_S }, signal });
       onProgress?.(batch.progress);
       if (batch.state !== "running") return batch;
     }
   }
 
-  async *batchResults(id, { wait = false } = {}) {
+  async *batchResults(id, { wait = false, signal } = {}) {
     const path = `/v1/batches/${id}/results`;
-    if (!wait) return yield* this.pages(path, "results");
+    if (!wait) return yield* this.pages(path, "results", {}, { signal });
     for (let cursor = 0; cursor !== null; ) {
-      const page = await (await this.call("GET", path, { query: { cursor, wait: BATCH_WAIT_S } })).json();
+      const page = await this.#read(path, { query: { cursor, wait: BATCH_WAIT_S }, signal });
       yield* page.results;
       cursor = page.next;
     }
   }
 
-  async deleteBatch(id) {
-    await this.call("DELETE", `/v1/batches/${id}`);
+  async deleteBatch(id, { signal } = {}) {
+    await this.call("DELETE", `/v1/batches/${id}`, { signal });
   }
 
-  meshes({ prefix } = {}) {
-    return this.pages("/v1/meshes", "meshes", { prefix });
+  meshes({ prefix, signal } = {}) {
+    return this.pages("/v1/meshes", "meshes", { prefix }, { signal });
   }
 
   mesh(name) {
@@ -481,6 +621,8 @@ export class Client {
   }
 
   async upload(name, content, { onProgress, signal, ...query } = {}) {
+    if (content.isBufferGeometry) content = fromGeometry(content);
+    if (ArrayBuffer.isView(content.vertices)) content = writePly(content.vertices, content.faces);
     const headers = isBytes(content) ? { "Content-Type": FLOATS } : {};
     const path = name === null ? "/v1/meshes" : `/v1/meshes/${encodeURIComponent(name)}`;
     const call = { query, body: content, headers, onProgress, signal };

@@ -17,13 +17,13 @@ export type Batch = {
   items: Count;
   /** Number of items that have an answer. */
   done: number;
-  /** Number of these answers that are problems. */
+  /** Number of answers that are problems. */
   failed: number;
   progress: number;
   created: string;
 };
 
-/** `done`: every item has an answer. `cancelled`: no more answers come. */
+/** `done`: every item has an answer. `cancelled`: there will be no further answers. */
 export type BatchState = ("running" | "done" | "cancelled");
 
 export type BatchList = {
@@ -94,13 +94,21 @@ export type RayPoint = {
   };
 };
 
-/** `v:12` a vertex; `e:3-9:0.25` an edge and t from the first listed vertex; `f:34:0.2,0.3,0.5` a face and barycentric coordinates; `p:1.0,2.0,3.0` the nearest point of the surface. */
+/**
+ * `v:12` is a vertex; `e:3-9:0.25` an edge, and the fraction t of its length from the first listed
+ * vertex; `f:34:0.2,0.3,0.5` a face and barycentric coordinates; `p:1.0,2.0,3.0` the surface point
+ * nearest to these coordinates.
+ */
 export type CompactPoint = string;
 
 /** Compact points separated by semicolons. */
 export type CompactPoints = string;
 
-/** A point in all its forms. A point on a vertex has `vertex`, a point on an edge `edge` and `t`; `face` is then the lowest-numbered face there. `snap_distance` is the distance from the requested position in space. */
+/**
+ * A point in all its forms. A point at a vertex has `vertex`, and a point on an edge has `edge` and
+ * `t`. At a vertex or on an edge, `face` is the lowest-numbered adjacent face. `snap_distance` is
+ * the distance from the requested position in space.
+ */
 export type PointAnswer = {
   face: Index;
   barycentric: Vector;
@@ -122,7 +130,7 @@ export type PairRequest = {
   via?: Point[];
 };
 
-/** A distance; `null` if there is none, with the cause in `reason`. */
+/** The distance. If there is none, it is `null`, and `reason` has the cause. */
 export type Distance = (number | null);
 
 /** `no_path`: the two points, or two consecutive ones, lie on different components. */
@@ -151,7 +159,7 @@ export type PathAnswer = {
 export type MatrixRequest = {
   sources: MatrixPoints;
   targets: MatrixPoints;
-  /** Greatest distance to compute. A lower one saves time. */
+  /** Greatest distance to compute. A lower value saves time. */
   max_distance?: number;
 };
 
@@ -161,13 +169,19 @@ export type MatrixPoints = Point[];
 export type MatrixAnswer = {
   /** A row per source, in the order of the request, with a distance per target. */
   distances: Array<Distance[]>;
-  /** Present if a distance is `null`. Rows of the same shape, with the reason where the distance is `null`, else `null`. `no_path`: the two points lie on different components. `beyond_max_distance`: they are farther apart. */
+  /**
+   * Present if a distance is `null`. It has the shape of `distances`, with the reason for each
+   * distance that is `null`, and `null` for each other distance. `no_path`: the two points lie on
+   * different components. `beyond_max_distance`: their distance exceeds `max_distance`.
+   */
   reasons?: ("no_path" | "beyond_max_distance" | null)[][];
 };
 
 export type PairsRequest = {
-  from: BulkPoints;
-  to: BulkPoints;
+  from?: BulkPoints;
+  to?: BulkPoints;
+  /** Pairs of points. Replaces `from` and `to`. */
+  pairs?: Array<[Point, Point]>;
 };
 
 export type PairsAnswer = {
@@ -183,13 +197,19 @@ export type NearestPointsAnswer = {
   faces: number[];
   barycentric: Array<[number, number, number]>;
   xyz: Array<[number, number, number]>;
-  /** Distance by which each point was moved to the surface; `null` for points that name an element. */
+  /**
+   * Distance by which each point was moved to the surface; `null` for points given by a vertex, an
+   * edge or a face.
+   */
   snap_distances: (number | null)[];
 };
 
 export type BulkPoints = Point[];
 
-/** The body of a query, with the name of the query and, optionally, parameters of its query string. */
+/**
+ * The body of a query. It also has the name of the query, and may have parameters of its query
+ * string.
+ */
 export type BatchLine = (BatchPair | BatchNearest | BatchMatrix | BatchSetDistance | BatchCurveDistance);
 
 /** Members of the answer to return, as `a,b` or as an array. */
@@ -246,7 +266,10 @@ export type BatchSetDistance = {
   path?: boolean;
 };
 
-/** The answer of the query with `status` 200, or a problem. A problem names the line in `elements` and has a `pointer` into it. */
+/**
+ * The answer of the query with `status` 200, or a problem. In a problem, `elements` has the number
+ * of the line, and `pointer` points into the line.
+ */
 export type BatchAnswer = (BatchPairAnswer | BatchNearestAnswer | BatchMatrixAnswer | BatchSetDistanceAnswer | BatchCurveDistanceAnswer | Problem);
 
 export type BatchPairAnswer = {
@@ -295,13 +318,18 @@ export type BatchSetDistanceAnswer = {
   results?: Result[];
 };
 
-/** A polyline on the surface from the first point to the last. Consecutive points lie in one face. */
+/**
+ * A polyline on the surface from the first point to the last. Consecutive points lie in one face.
+ */
 export type Path = {
   length: number;
   points?: (PathPoint | Vector)[];
 };
 
-/** A point with the element on which it lies: `vertex`, or `edge` and `t`, or `face` and `barycentric`. */
+/**
+ * A point with the element on which it lies: `vertex`, or `edge` and `t`, or `face` and
+ * `barycentric`.
+ */
 export type PathPoint = {
   face?: Index;
   barycentric?: Vector;
@@ -313,7 +341,12 @@ export type PathPoint = {
 
 export type FieldId = string;
 
-/** A curve on the surface: points joined by shortest paths; vertices joined by edges; a boundary loop by its number in the mesh's description; or a spline, as the path that `spline` returns. Joined points within 4e-12 of an edge or a vertex, in barycentric coordinates, are moved onto it. */
+/**
+ * A curve on the surface: points joined by shortest paths; vertices joined by edges; a boundary
+ * loop, by its number in the mesh's description; or a spline, which is the path that `spline`
+ * returns. Points that are joined by paths are moved onto an edge or a vertex if they lie within
+ * 4e-12 of it in barycentric coordinates.
+ */
 export type Curve = ({
   points: Point[];
   /** Joins the last point to the first. */
@@ -328,11 +361,14 @@ export type Curve = ({
   spline: SplineCurve;
 });
 
-/** The sources of distances. Members are numbered: points first, then curves, then boundaries. At least one member is required. Distances to curves are exact, not distances to samples. */
+/**
+ * The sources of distances. Members are numbered: points first, then curves, then boundaries. At
+ * least one member is required. Distances to curves are exact; curves are not sampled.
+ */
 export type Set = {
   points?: (CompactPoint | Member)[];
   curves?: CurveMember[];
-  /** All boundary loops of the mesh, or some by their numbers in its description. */
+  /** All boundary loops of the mesh, or some loops by their numbers in its description. */
   boundaries?: ("all" | (Index | {
     boundary: Index;
     offset?: number;
@@ -354,7 +390,9 @@ export type CurveMember = {
   label?: string;
 };
 
-/** A point in one of its five forms, with an offset that is added to distances from it, and a label. */
+/**
+ * A point in one of its five forms, with an offset that is added to distances from it, and a label.
+ */
 export type Member = {
   vertex?: Index;
   edge?: Edge;
@@ -421,9 +459,15 @@ export type ResultsAnswer = {
 
 export type Result = {
   distance: Distance;
-  /** `no_path`: no member lies on the component of the point. `beyond_max_distance`: the field ends before the point. */
+  /**
+   * `no_path`: no member lies on the component of the point. `beyond_max_distance`: the field ends
+   * before the point.
+   */
   reason?: ("no_path" | "beyond_max_distance");
-  /** The nearest member; `null` without a distance. Of several equally near members it is one. */
+  /**
+   * The nearest member; `null` without a distance. If several members are equally near, one of
+   * them.
+   */
   nearest: ({
     index: Index;
     label: (string | null);
@@ -431,25 +475,36 @@ export type Result = {
   } | null);
   /** The path from the point to the nearest member, if requested; `null` if there is none. */
   path?: (Path | null);
-  /** Direction of growing distance, if requested: the straight continuation of the shortest path that arrives at the point. At a vertex it has half of the total angle on either side. At the boundary it may point off the surface; the vector then lies in the plane of the face through which the path arrives. `null` without a distance, and at a member, where the distance grows in all directions. */
+  /**
+   * Direction of growing distance, if requested: the straight continuation of the shortest path
+   * that arrives at the point. At a vertex this direction has half of the total angle on either
+   * side. At the boundary it may point away from the surface; then the vector lies in the plane of
+   * the face through which the path arrives. It is `null` without a distance, and at a member,
+   * where the distance grows in all directions.
+   */
   gradient?: (Direction | null);
 };
 
 export type FieldRequest = {
   set: Set;
-  /** Greatest distance to compute. A lower one saves time and memory. */
+  /** Greatest distance to compute. A lower value saves time and memory. */
   max_distance?: number;
 };
 
 export type Field = {
   id: FieldId;
-  /** Number of stored wedges. With `max_distance` they may belong to a field of the same set that reaches farther. */
+  /**
+   * Number of stored wedges. With `max_distance`, the number may be that of a field of the same set
+   * that reaches farther.
+   */
   wedges: number;
   /** Memory of the wedges. */
   bytes: number;
   /** Total time of their computation. */
   build_ms: number;
-  /** Greatest distance; `null` if it exceeds `max_distance`, or is too close to it to be certain. */
+  /**
+   * Greatest distance. It is `null` if it exceeds `max_distance`, or if rounding leaves this open.
+   */
   max: (number | null);
   reason?: "beyond_max_distance";
   /** The point at the greatest distance; it may lie inside a face. */
@@ -457,10 +512,12 @@ export type Field = {
   /** Number of members of the set. */
   members: number;
   max_distance: (number | null);
-  /** The `Set` of the request that created the field; `null` when its text is longer than 4,096 bytes. */
+  /**
+   * The `Set` of the request that created the field; `null` if its text is longer than 4,096 bytes.
+   */
   set: (Record<string, unknown> | null);
   created: string;
-  /** Requests that have named the field since it was created; in lists only. */
+  /** Number of requests that have used this field since it was created; in lists only. */
   uses?: number;
 };
 
@@ -477,11 +534,22 @@ export type FieldList = {
 };
 
 export type Values = {
-  /** Distances by vertex index; `null` for vertices without faces, without a path, or beyond `max_distance`. */
+  /**
+   * Distances by vertex index; `null` for vertices without faces, without a path, or beyond
+   * `max_distance`.
+   */
   values: Distance[];
 };
 
-/** A direction at a point of the surface, as an angle and as a unit vector `xyz` in the plane of the face into which it leads. Angles grow counter-clockwise, seen from outside. Angle zero is: - in a face, the direction of its first edge (from the first to the second corner, in the order of the file); - on an edge, the direction from its lower to its higher vertex, with both faces unfolded; - at an interior vertex, the edge to the lowest-numbered neighbour; angles are scaled to a total of 2 pi; - at a boundary vertex, the boundary edge from which the faces follow counter-clockwise; angles are not scaled. */
+/**
+ * A direction at a point of the surface, as an angle and as a unit vector `xyz` in the plane of the
+ * face into which it leads. Angles grow counter-clockwise, seen from outside. Angle zero is: - in a
+ * face, the direction of its first edge (from the first to the second corner, in the order of the
+ * file); - on an edge, the direction from its lower to its higher vertex, with both faces unfolded;
+ * - at an interior vertex, the edge to the lowest-numbered neighbour; angles are scaled to a total
+ * of 2 pi; - at a boundary vertex, the boundary edge from which the faces follow counter-clockwise;
+ * angles are not scaled.
+ */
 export type Direction = {
   angle: number;
   xyz: Vector;
@@ -490,9 +558,12 @@ export type Direction = {
 /** Either `levels` or `count`. */
 export type IsolinesRequest = {
   levels?: number[];
-  /** Number of levels, evenly spaced between 0 and the field's maximum, without both ends. */
+  /** Number of levels, evenly spaced between 0 and the field's maximum, both excluded. */
   count?: number;
-  /** Greatest distance, a length, of a polyline from its line. The default is that of GET. */
+  /**
+   * Greatest distance, as a length, between a line and the polyline that approximates it. The
+   * default is that of GET.
+   */
   tolerance?: number;
   arcs?: boolean;
 };
@@ -503,12 +574,18 @@ export type IsolinesAnswer = {
 
 export type VoronoiRequest = {
   set: Set;
-  /** Greatest distance, a length, of a polyline from its bisector. The default is 1/2000 of the diagonal of the mesh's bounding box. */
+  /**
+   * Greatest distance, as a length, between a bisector and the polyline that approximates it. The
+   * default is 1/2000 of the diagonal of the mesh's bounding box.
+   */
   tolerance?: number;
 };
 
 export type VoronoiAnswer = {
-  /** Number of the nearest member by vertex index; `null` for vertices without a path or without faces. */
+  /**
+   * Number of the nearest member by vertex index; `null` for vertices without a path or without
+   * faces.
+   */
   labels: (number | null)[];
   /** Ordered by their members. */
   bisectors: Bisector[];
@@ -520,7 +597,10 @@ export type Bisector = {
   closed: boolean;
   /** Length of the polyline. */
   length: number;
-  /** A polyline as in a path. Both members are equally near to each point. A closed polyline ends in its first point. */
+  /**
+   * A polyline as in a path. Each of its points is equally near to both members. A closed polyline
+   * ends in its first point.
+   */
   points?: (PathPoint | Vector)[];
 };
 
@@ -547,13 +627,21 @@ export type CutPiece = {
   vertices?: number;
   faces: number;
   area: number;
-  /** For each vertex of the piece the vertex of the parent, or `null` if it is new. Vertices of the parent come first, in order. Absent with `select_only`. */
+  /**
+   * For each vertex of the piece the vertex of the parent, or `null` for a new vertex. Vertices of
+   * the parent are first, in their order. Absent with `select_only`.
+   */
   vertex_map?: (Index | null)[];
-  /** For each face of the piece the face of the parent in which it lies, ascending. */
+  /** For each face of the piece the face of the parent in which it lies, in ascending order. */
   face_map: Index[];
 };
 
-/** A direction at a point: an angle, a vector of any length, or an object with either, as in answers; the angle takes precedence. A vector is projected: in a face at right angles to the face, at a vertex along its normal. A direction that leads over the boundary is rejected. */
+/**
+ * A direction at a point: an angle, a vector of any length, or an object with either, as in
+ * answers. If an object has both, the angle is used. In a face, a vector is projected
+ * perpendicularly onto the face; at a vertex, along the vertex normal. A direction that points
+ * across the boundary is rejected.
+ */
 export type DirectionRequest = (number | Vector | {
   angle?: number;
   xyz?: Vector;
@@ -563,7 +651,10 @@ export type DirectionRequest = (number | Vector | {
 export type TraceRequest = {
   start: Point;
   directions?: DirectionRequest[];
-  /** Number of directions at equal angles around the point, starting at zero; at the boundary, from one side of it to the other. */
+  /**
+   * Number of directions at equal angles around the point, starting at zero. At a boundary point,
+   * they extend from one side of the boundary to the other.
+   */
   fan?: number;
   length: number;
   vertex_rule?: ("bisect" | "limit_normal");
@@ -573,7 +664,10 @@ export type TraceRequest = {
   step_limit?: number;
 };
 
-/** A path and its end. `end_direction` is the direction of its continuation; at the boundary this points off the surface. */
+/**
+ * A path and its end. `end_direction` is the direction in which the path would continue; at the
+ * boundary it points away from the surface.
+ */
 export type TracedPath = {
   length: number;
   points?: (PathPoint | Vector)[];
@@ -586,20 +680,28 @@ export type TraceAnswer = {
   paths: TracedPath[];
 };
 
-/** `direction` and `length`, or `segments`, or a vector of `log`, unchanged. Of a vector with both, `exp` traces the segments, `transport` and `combine` use direction and length. The direction of a vector of length 0 may be `null`. The length `null` means that there is no path. `reason` and `cut_locus` are ignored. */
+/**
+ * `direction` and `length`, or `segments`, or a vector from an answer of `log`, unchanged. If a
+ * vector has both, `exp` traces the segments, while `transport` and `combine` use direction and
+ * length. The direction of a vector of length 0 may be `null`. The length `null` means that there
+ * is no path. `reason` and `cut_locus` are ignored.
+ */
 export type VectorRequest = {
   direction?: (DirectionRequest | null);
   length?: (number | null);
   reason?: string;
   cut_locus?: boolean;
-  /** Segments in turn. After the first, a direction is an angle. */
+  /**
+   * Segments in the order in which they are traced. After the first segment, a direction is an
+   * angle.
+   */
   segments?: Array<{
     direction: DirectionRequest;
     length: number;
   }>;
 };
 
-/** A vector. `direction` is `null` if the length is 0 or there is no path. */
+/** A vector. `direction` is `null` if the length is 0 or if there is no path. */
 export type TangentVector = {
   direction: (Direction | null);
   length: (number | null);
@@ -614,9 +716,15 @@ export type TangentVector = {
 
 export type ExpRequest = {
   start: Point;
-  /** At most 10,000 vectors, and as many segments in total. `null`, as `log` returns for a vertex without faces, is a vector without a path. */
+  /**
+   * At most 10,000 vectors, with at most 10,000 segments in total. `null`, which `log` returns for
+   * a vertex without faces, is a vector without a path.
+   */
   vectors: (VectorRequest | null)[];
-  /** A factor for each vector. No vector may be `null`, without a path, or have segments alone. */
+  /**
+   * A factor for each vector. Each vector needs a direction and a length; `null`, and vectors
+   * without a path, are rejected.
+   */
   combine?: number[];
 };
 
@@ -643,9 +751,12 @@ export type LogAnswer = {
 export type TransportRequest = {
   from: Point;
   to: Point;
-  /** Each has a direction and a length, or one segment. A vector without a path stays without one. */
+  /**
+   * Each vector has a direction and a length, or one segment. For a vector without a path, the
+   * result has no path either.
+   */
   vectors: (VectorRequest | null)[];
-  /** A factor for each vector. No vector may be `null` or without a path. */
+  /** A factor for each vector. `null`, and vectors without a path, are rejected. */
   combine?: number[];
 };
 
@@ -681,11 +792,14 @@ export type SplineCurve = {
   closed?: boolean;
   /** 0 uniform, 0.5 centripetal, 1 chordal. */
   alpha?: number;
-  /** 1 makes the curve a geodesic polyline. */
+  /** With 1 the curve is a geodesic polyline. */
   tension?: number;
   tangent_rule?: ("symmetric" | "paper");
   end_rule?: ("natural" | "zero");
-  /** A tangent for each point, per unit of the parameter; `null` selects the rule. The vectors of `log` are accepted unchanged; their direction and length count. */
+  /**
+   * A tangent for each point, per unit of the parameter; `null` selects the rule. The vectors of
+   * `log` are accepted unchanged; their direction and length are used.
+   */
   tangents?: ({
     direction: (DirectionRequest | null);
     length: number;
@@ -708,7 +822,7 @@ export type SplineRequest = {
   closed?: boolean;
   /** 0 uniform, 0.5 centripetal, 1 chordal. */
   alpha?: number;
-  /** 1 makes the curve a geodesic polyline. */
+  /** With 1 the curve is a geodesic polyline. */
   tension?: number;
   tangent_rule?: ("symmetric" | "paper");
   end_rule?: ("natural" | "zero");
@@ -723,7 +837,7 @@ export type SplineRequest = {
   speed?: ("parameter" | "constant");
   tolerance?: number;
   spacing?: number;
-  /** Parameters, ascending, from 0 to the last of the answer's `parameters`. */
+  /** Parameters in ascending order, from 0 to the last of the answer's `parameters`. */
   at?: number[];
   frames?: boolean;
 };
@@ -737,7 +851,9 @@ export type SplineAnswer = {
     clipped: boolean;
     cut_locus: boolean;
   }>;
-  /** Parameters of the points; for a closed curve also that of the first point after a full round. */
+  /**
+   * Parameters of the points; for a closed curve also that of the first point after a full round.
+   */
   parameters: number[];
   /** One for each point. */
   joints: Array<{
@@ -763,7 +879,7 @@ export type CurveOperationRequest = {
   operation: ("length" | "resample" | "shorten" | "closed-geodesic" | "offset");
   /** For `resample`. */
   count?: number;
-  /** For `shorten`. By default the curve is shortened to a geodesic. */
+  /** For `shorten`. By default the curve is shortened until it is a geodesic. */
   rounds?: number;
   /** For `shorten` with `rounds`. */
   pieces?: number;
@@ -778,7 +894,7 @@ export type CurveOperationAnswer = {
   path?: Path;
   /** For `resample`. */
   points?: PointAnswer[];
-  /** For `shorten` and `closed-geodesic`, as are `rounds` and `geodesic`. */
+  /** `turn`, `rounds` and `geodesic` are present for `shorten` and `closed-geodesic`. */
   turn?: number;
   rounds?: number;
   geodesic?: boolean;
@@ -791,14 +907,18 @@ export type CurveOperationAnswer = {
 
 export type SamplingRequest = {
   count: number;
-  /** The first point; by default the vertex of least index that has faces. */
+  /** The first point; by default the lowest-numbered vertex that has faces. */
   start?: Point;
 };
 
 export type SamplingAnswer = {
   /** Points; [x, y, z] with `geometry=xyz`. */
   points?: (PointAnswer | Vector)[];
-  /** Entry i is the covering radius of points 0 to i: the distance of the surface's farthest point from the nearest of them, which is the distance of point i + 1 from the points before it. It never grows. `null` while a component has no point. */
+  /**
+   * Entry i is the covering radius of points 0 to i: the greatest distance of a point of the
+   * surface from the nearest of these points. This is the distance of point i + 1 from the points
+   * before it. Entries never increase. An entry is `null` while a component has no point.
+   */
   radii: (number | null)[];
 };
 
@@ -806,15 +926,27 @@ export type Isoline = {
   level: number;
   lines: Array<{
     closed: boolean;
-    /** Length of the line itself, not of its polyline. */
+    /** Length of the exact line, not of the polyline. */
     length: number;
-    /** A polyline as in a path: the points where the line crosses edges, the joints of arcs inside faces, and points between them as the tolerance requires. A closed polyline ends in its first point. With `arcs` and without a tolerance, arc i runs from point i to point i + 1. */
+    /**
+     * A polyline as in a path: the points where the line crosses edges, the points where arcs meet
+     * inside faces, and more points between them as the tolerance requires. A closed polyline ends
+     * in its first point. With `arcs` and without a tolerance, arc i leads from point i to point i
+     * + 1.
+     */
     points?: (PathPoint | Vector)[];
     arcs?: Arc[];
   }>;
 };
 
-/** A circular arc in the plane of a face, counter-clockwise (seen from outside) from the angle `start`, in [0, 2 pi), to `end`. Angles about the centre are those of directions in the face: zero is the direction of its first edge, from its first to its second corner in the order of the file. Let x be the unit vector of that edge and y the unit vector at right angles to its left, in the plane of the face. The points of the arc are then centre + radius (cos(angle) x + sin(angle) y). Where the source is a curve, the piece is `straight` from point to point instead. */
+/**
+ * A circular arc in the plane of a face. Seen from outside, it runs counter-clockwise from the
+ * angle `start`, in [0, 2 pi), to the angle `end`. Angle zero at the centre is the direction of the
+ * first edge of the face, from its first to its second corner in the order of the file. Let x be
+ * the unit vector of this edge, and y the unit vector in the plane of the face, 90 degrees to the
+ * left of x. Then the points of the arc are centre + radius (cos(angle) x + sin(angle) y). Where
+ * the source is a curve, `straight` is true, and the piece is a straight segment.
+ */
 export type Arc = ({
   face: number;
   /** The source, unfolded into the plane; usually outside the face. */
@@ -840,7 +972,10 @@ export type WedgesAnswer = {
     sigma: number;
     /** The pseudo-source lies to the left of the edge, seen from its lower vertex. */
     tau: boolean;
-    /** Present for a segment of a curve that is seen at right angles everywhere: the distance grows linearly from d0 to d1. */
+    /**
+     * Present if the source is a segment of a curve, and the paths leave this segment at right
+     * angles. Then the distance changes linearly from d0 to d1.
+     */
     linear?: true;
     /** The pseudo-source, a vertex of the mesh or a member of the set. */
     source: {
@@ -853,6 +988,17 @@ export type WedgesAnswer = {
 export type MeshJson = {
   vertices: Vector[];
   faces: Array<Index[]>;
+};
+
+/** The text that the client gave with `?description=` or PATCH. Absent if there is none. */
+export type SurfaceDescription = string;
+
+export type SurfaceChange = {
+  /**
+   * The new text, in UTF-8 without control characters; `null` or an empty text removes the
+   * description.
+   */
+  description?: (string | null);
 };
 
 export type MeshList = {
@@ -868,17 +1014,23 @@ export type BoundaryLoop = {
 
 export type Mesh = {
   name: Name;
-  /** Of the uploaded bytes. */
+  /** Of the uploaded bytes; of a mesh that the daemon made, of its file. */
   sha256: string;
-  /** Vertices of the upload, including unreferenced ones, and the copies that `repair` appended. */
+  /**
+   * Number of vertices of the upload, including unreferenced vertices, plus the copies that
+   * `repair` appended.
+   */
   index_count: number;
-  /** Vertices that have faces. */
+  /** Number of vertices that have faces. */
   vertices: number;
-  /** Triangles. */
+  /** Number of triangles. */
   faces: number;
   edges: Count;
   components: Count;
-  /** Number of boundary loops. Absent while the mesh is not in memory, if a version without this member stored it. */
+  /**
+   * Number of boundary loops. Absent if the mesh is not in memory and an old version of the daemon
+   * stored it.
+   */
   boundary_count?: number;
   /** The first boundary loops; `/v1/meshes/{name}/boundaries` lists all. */
   boundaries: BoundaryLoop[];
@@ -899,29 +1051,51 @@ export type Mesh = {
     mean: number;
     max: number;
   };
-  /** Nearly degenerate faces (height less than 1e-6 of the longest edge). They are valid; faces without area are rejected. */
+  /**
+   * Nearly degenerate faces (height less than 1e-6 of the longest edge). These faces are valid;
+   * faces without area are rejected.
+   */
   degenerate_faces: number;
   /** Interior vertices with a total angle above 2 pi. */
   saddle_vertices: number;
   unreferenced_vertices: Count;
   repair: {
-    /** Edges with more than two faces that were cut. */
+    /** Edges with more than two faces that were split. */
     edges_split: number;
-    /** Vertices that were copied. */
+    /** Number of vertices that were copied. */
     vertices_split: number;
-    /** Indices that name another vertex because of `weld`. */
+    /** Number of indices that denote another vertex because of `weld`. */
     vertices_welded: number;
-    /** Indices that name another vertex because an edge of length zero joined both, or an edge of less than 1e-6 of the longest edge of a face without area. */
+    /**
+     * Number of indices that denote another vertex, because an edge of length zero joined the two
+     * vertices, or an edge shorter than 1e-6 of the longest edge of a face without area.
+     */
     vertices_merged: number;
     /** Unused face indices: an earlier face has the same vertices. */
     duplicate_faces: number;
-    /** Unused face indices: the face collapsed, or has no area and no single neighbour at its longest edge. */
+    /**
+     * Unused face indices: the face collapsed, or has no area and no single neighbour at its
+     * longest edge.
+     */
     degenerate_faces: number;
     /** Flipped longest edges of faces without area. */
     edges_flipped: number;
-    /** Greatest distance by which a point of the surface may have moved: by welding or merging vertices, or flipping edges. */
+    /**
+     * Number of faces with a repeated corner (a bridge joins the face to its hole) that were
+     * divided into triangles.
+     */
+    faces_cut?: number;
+    /**
+     * Number of lines of the file that were wholly or partly skipped: faces with fewer than three
+     * corners, extra values after a record in PLY text, unknown lines of a PLY header.
+     */
+    lines_skipped?: number;
+    /**
+     * Greatest distance by which welding or merging vertices, or flipping edges, may have moved a
+     * point of the surface.
+     */
     largest_shift: number;
-    /** Copies in total. They have the last indices, up to `index_count`. */
+    /** Number of all copies. They have the last indices below `index_count`. */
     vertices_copied: number;
     /** The first copies, each with its original vertex. */
     copies: IndexPair[];
@@ -931,26 +1105,47 @@ export type Mesh = {
       edges_split?: IndexPair[];
       /** The vertex and the number of its copies. */
       vertices_split?: IndexPair[];
-      /** The index and the vertex that it names. */
+      /** The index and the vertex that it denotes. */
       vertices_welded?: IndexPair[];
-      /** The index and the vertex that it names. */
+      /** The index and the vertex that it denotes. */
       vertices_merged?: IndexPair[];
-      /** The removed face and the remaining one. */
+      /** The removed face and the remaining face. */
       duplicate_faces?: IndexPair[];
       /** The removed face. */
       degenerate_faces?: Index[];
       /** The face without area and its neighbour. */
       edges_flipped?: IndexPair[];
+      /** The first index of the face and the repeated vertex. */
+      faces_cut?: IndexPair[];
+      /** The number of the line, which starts at 1. For binary files, the byte. */
+      lines_skipped?: Index[];
     };
+  };
+  /** Of a mesh that `derive` made, or that was uploaded with edits. */
+  derived_from?: {
+    mesh?: Name;
+    /**
+     * Version of the original mesh at that time. For an upload with edits, `mesh` is absent, and
+     * this is the ETag of its file without edits.
+     */
+    etag: string;
+    /** Largest distance found between both surfaces. */
+    largest_distance: number;
+    /** As in a request to `derive`. */
+    operations: Array<Record<string, unknown>>;
   };
   memory_bytes: Count;
   fields_cached: Count;
   created: string;
-  /** The ETag header without its quotes. */
+  /** ETag of the file and its options, without quotes. */
   etag: string;
+  description?: SurfaceDescription;
 };
 
-/** Parameters [u, v]: any number in a closed direction, else a number in the domain. */
+/**
+ * Parameters [u, v]. In a closed direction, a parameter may be any number; otherwise it lies in the
+ * domain.
+ */
 export type Place = [number, number];
 
 /** Knots in ascending order; knots may repeat. */
@@ -966,7 +1161,7 @@ export type SubdivisionJson = (MeshJson | {
   creaseIndices?: Index[];
   /** Number of vertices of each chain. */
   creaseLengths?: number[];
-  /** One for each chain or one for each edge; 10 and above is infinitely sharp. */
+  /** One for each chain or one for each edge; 10 and above are infinitely sharp. */
   creaseSharpnesses?: number[];
   cornerIndices?: Index[];
   cornerSharpnesses?: number[];
@@ -980,7 +1175,7 @@ export type Subdivision = {
   /** Of the uploaded bytes. */
   sha256: string;
   scheme: ("catmull_clark" | "loop");
-  /** Vertices of the control mesh; `edges` and `faces` are also those of the control mesh. */
+  /** Vertices of the control mesh. `edges` and `faces` also count elements of the control mesh. */
   vertices: Count;
   edges: Count;
   faces: Count;
@@ -989,7 +1184,7 @@ export type Subdivision = {
     valence: Count;
     count: Count;
   }>;
-  /** Edges and vertices with a tag, without boundary edges. */
+  /** Edges and vertices with a tag, except boundary edges. */
   crease_edges: Count;
   corner_vertices: Count;
   boundary_edges: Count;
@@ -1001,8 +1196,9 @@ export type Subdivision = {
   usual_level: Count;
   memory_bytes: Count;
   created: string;
-  /** The ETag header without its quotes. */
+  /** ETag of the file and its options, without quotes. */
   etag: string;
+  description?: SurfaceDescription;
 };
 
 export type SubdivisionList = {
@@ -1011,7 +1207,13 @@ export type SubdivisionList = {
   next: (string | null);
 };
 
-/** A place on the limit surface, by a face of the control mesh: u from the first corner to the second, v from the first to the fourth (Loop: to the third, u + v at most 1). A polygon of n != 4 corners has n parts, one for each `corner`: u from that corner to the middle of the next edge, v to the middle of the previous edge, (1,1) in the middle of the face. */
+/**
+ * A place on the limit surface: a face of the control mesh, and (u, v) in it. u grows from the
+ * first corner to the second, v from the first to the fourth (Loop: to the third, with u + v at
+ * most 1). A polygon with n != 4 corners has n parts, one for each `corner`. There u grows from
+ * this corner to the middle of the next edge, and v to the middle of the previous edge; (1,1) is
+ * the middle of the face.
+ */
 export type LimitPlace = {
   face: Index;
   uv: [number, number];
@@ -1063,7 +1265,10 @@ export type LimitTraceRequest = {
   vertex_rule?: ("bisect" | "limit_normal");
   /** Traces on the limit surface itself. */
   smooth?: boolean;
-  /** Level of the discretization: each edge of the control mesh becomes 2^level edges. From `least_level` up; `usual_level` by default. The description of the surface has both. */
+  /**
+   * Level of the discretization: each edge of the control mesh becomes 2^level edges. At least
+   * `least_level`, by default `usual_level`; the description of the surface has both.
+   */
   level?: number;
 };
 
@@ -1079,7 +1284,10 @@ export type LimitTraceAnswer = {
   }>;
 };
 
-/** A direction at a place, as an angle and as a vector. Angle zero is the first edge of the face (du). */
+/**
+ * A direction at a place, as an angle and as a vector. Angle zero is the first edge of the face
+ * (du).
+ */
 export type LimitDirection = {
   /** `null` if the surface has no normal there. */
   angle: (number | null);
@@ -1091,7 +1299,10 @@ export type LimitPoints = (LimitPoint | Vector)[];
 export type LimitPairRequest = {
   from: LimitPlace;
   to: LimitPlace;
-  /** Level of the discretization: each edge of the control mesh becomes 2^level edges. From `least_level` up; `usual_level` by default. The description of the surface has both. */
+  /**
+   * Level of the discretization: each edge of the control mesh becomes 2^level edges. At least
+   * `least_level`, by default `usual_level`; the description of the surface has both.
+   */
   level?: number;
 };
 
@@ -1111,17 +1322,98 @@ export type LimitPairAnswer = {
   } | null);
 };
 
+/** Either `mesh` or `format`. */
+export type DeriveRequest = {
+  operations: EditOperation[];
+  mesh?: Name;
+  /** Each component becomes a mesh, `mesh`-1 and so on. */
+  split?: boolean;
+  /** Format of the file. */
+  format?: ("obj" | "ply" | "off" | "stl" | "glb" | "gltf");
+};
+
+export type DeriveAnswer = (Mesh | MeshParts);
+
+/** The answer to a request with `split`. */
+export type MeshParts = {
+  /** By decreasing area. */
+  meshes: Mesh[];
+};
+
+export type EditOperation = (SimplifyRequest | ComponentsRequest | FillRequest | SmoothRequest | SubdivideRequest);
+
+/** `faces`, `max_distance` or both. */
+export type SimplifyRequest = {
+  operation: "simplify";
+  /** Stops at this number of faces. */
+  faces?: number;
+  /** Greatest distance (a length) from the mesh that is simplified. */
+  max_distance?: number;
+  /** Keeps all boundary edges. */
+  keep_boundary?: boolean;
+};
+
+export type ComponentsRequest = {
+  operation: "components";
+  /** Number of components to keep. */
+  keep?: number;
+  /** Number of the largest components to leave out. */
+  skip?: number;
+};
+
+export type PreviewProgress = {
+  progress: number;
+};
+
+export type FillRequest = {
+  operation: "fill";
+  /** Longer boundary loops stay open. */
+  max_edges?: number;
+};
+
+export type SmoothRequest = {
+  operation: "smooth";
+  iterations?: number;
+  along?: ("tangent" | "normal" | "both");
+  /**
+   * Angle in degrees. If the normals of two faces differ by at least this angle, their common edge
+   * does not move.
+   */
+  feature_angle?: number;
+};
+
+export type SubdivideRequest = {
+  operation: "subdivide";
+  scheme?: ("midpoint" | "loop" | "sqrt3");
+  levels?: number;
+};
+
+export type VertexOrigins = {
+  /**
+   * The original mesh, and its version when the operations ran. For an upload with edits, only
+   * `etag` is present.
+   */
+  mesh: {
+    name?: Name;
+    etag: string;
+  };
+  origins: Array<[number, number, number, number]>;
+};
+
 /** Either `level` or `tolerance`. */
 export type DiscretizeRequest = {
   mesh: Name;
-  /** Level of the discretization: each edge of the control mesh becomes 2^level edges. From `least_level` up. The description of the surface has it. */
+  /**
+   * Level of the discretization: each edge of the control mesh becomes 2^level edges. At least
+   * `least_level` of the description of the surface.
+   */
   level?: number;
   /** A length. */
   tolerance?: number;
 };
 
 export type VertexPlaces = {
-  /** The surface of which the mesh was made, and its version at that time. */
+  /** The surface of which the mesh was made, and the version of this surface at that time. */
   subdivision: {
     name: Name;
     etag: string;
@@ -1134,9 +1426,12 @@ export type NurbsFile = ({
   degreeV: number;
   knotsU: Knots;
   knotsV: Knots;
-  /** Row i follows u, element j of a row follows v: [x, y, z], or all of them [x, y, z, weight]. At most 4096 x 4096. */
+  /**
+   * Row i belongs to step i in the direction u, element j of a row to step j in the direction v.
+   * All elements are [x, y, z], or all are [x, y, z, weight]. At most 4096 x 4096.
+   */
   controlPoints: Array<Array<number[]>>;
-  /** Positive, as many as control points. All 1 by default. */
+  /** Positive numbers, one for each control point. All are 1 by default. */
   weights?: Array<number[]>;
   convention?: ("canonical" | "three" | "verb" | "rhino");
 } | {
@@ -1153,13 +1448,19 @@ export type NurbsFile = ({
       u: Interval;
       v: Interval;
     };
-    /** (u, v, sum of coefficients[i][j] u^i v^j). Rows have equal length; the degrees are at most 16. */
+    /**
+     * (u, v, sum of coefficients[i][j] u^i v^j). Rows have equal length. The degrees are at most
+     * 16.
+     */
     graph?: {
       coefficients: Array<number[]>;
       u: Interval;
       v: Interval;
     };
-    /** (r(v) cos u, r(v) sin u, h(v)). Control points are [radius, height] of a B-spline or, with weights, a NURBS curve. An end on the axis is a pole. */
+    /**
+     * (r(v) cos u, r(v) sin u, h(v)). Control points are [radius, height] of a B-spline or, with
+     * weights, a NURBS curve. If the curve ends on the axis, this end is a pole.
+     */
     revolution?: {
       degree: number;
       knots: Knots;
@@ -1171,7 +1472,7 @@ export type NurbsFile = ({
 
 export type NurbsAxis = {
   range: Interval;
-  /** Both borders are one curve. Any parameter is valid; the range is the period. */
+  /** The two borders coincide. Any parameter is valid; the range is the period. */
   closed: boolean;
   /** Number of smooth pieces of the range. Derivatives may jump between pieces. */
   pieces: number;
@@ -1191,24 +1492,27 @@ export type Nurbs = {
   degree?: [Count, Count];
   /** Number of control points in u and in v. */
   control_points?: [Count, Count];
-  /** The weights differ. */
+  /** The weights are not all equal. */
   rational?: boolean;
   domain: {
     u: NurbsAxis;
     v: NurbsAxis;
   };
-  /** Length of the order of the extent: the diagonal of the bounding box of some points. */
+  /** Approximate size of the surface: the diagonal of the bounding box of sample points. */
   size: number;
   /** The surface supports shortest paths. */
   geodesics: boolean;
-  /** Faces of the tessellation that finds candidates for shortest paths; absent if there is none. */
+  /**
+   * Faces of the tessellation that finds candidates for shortest paths; absent if there is none.
+   */
   seeding_faces?: number;
   /** Why the surface does not support shortest paths. */
   reason?: string;
   memory_bytes: Count;
   created: string;
-  /** The ETag header without its quotes. */
+  /** ETag of the file and its options, without quotes. */
   etag: string;
+  description?: SurfaceDescription;
 };
 
 export type NurbsList = {
@@ -1218,7 +1522,7 @@ export type NurbsList = {
 };
 
 export type VertexParameters = {
-  /** The surface of which the mesh was made, and its version at that time. */
+  /** The surface of which the mesh was made, and the version of this surface at that time. */
   nurbs: {
     name: Name;
     etag: string;
@@ -1246,13 +1550,9 @@ export type EvaluateAnswer = {
   }>;
 };
 
-export type FootRequest = {
-  xyz: Vector;
-};
-
-/** As `nearest` of meshes has it; the point is one in space. */
+/** A point of space, as for `nearest` of meshes. */
 export type FootPointRequest = {
-  point: (string | FootRequest);
+  point: (string | SpacePoint);
 };
 
 export type FootAnswer = {
@@ -1261,7 +1561,11 @@ export type FootAnswer = {
   distance: number;
 };
 
-/** A curve in the domain: `polyline`, `bspline` or `iso`. The parameter of a polyline is the number of the corner, that of a B-spline follows its knots, that of an iso line is the other coordinate. A curve whose ends are one point of the surface is always closed. */
+/**
+ * A curve in the domain: `polyline`, `bspline` or `iso`. The parameter of a polyline is i at its
+ * corner i, the parameter of a B-spline is that of its knots, and the parameter of an iso line is
+ * its variable coordinate. A curve whose ends are one point of the surface is always closed.
+ */
 export type DomainCurve = ({
   polyline: Place[];
   /** Joins the last corner to the first. */
@@ -1272,20 +1576,23 @@ export type DomainCurve = ({
     knots: Knots;
     control_points: Place[];
   };
-  /** `true` rejects a B-spline that does not end in its start. */
+  /** With `true` a B-spline that does not end at its start is rejected. */
   closed?: boolean;
 } | {
   /** The constant parameter. */
   iso: ("u" | "v");
   value: number;
-  /** Range of the other parameter; all by default. */
+  /** Range of the variable parameter; the whole domain by default. */
   range?: Interval;
 });
 
 /** Degree of the spline. */
 export type SplineDegree = number;
 
-/** Number of control points of one spline across all knot lines; more than the degree. By default as many as the tolerance needs. */
+/**
+ * Number of control points of one spline across all knot lines; more than the degree. By default as
+ * many as the tolerance needs.
+ */
 export type SplineControlPoints = number;
 
 /** Relative error of the length. */
@@ -1340,15 +1647,21 @@ export type GeodesicAnswer = {
   length: number;
   /** Absent if the length is 0. */
   degree?: number;
-  /** From 0 to the number of pieces. Where two pieces meet, the multiplicity of the knot is the degree, at a pole one more. */
+  /**
+   * From 0 to the number of pieces. Where two pieces meet, the multiplicity of the knot is the
+   * degree, at a pole one more.
+   */
   knots: number[];
   control_points: Place[];
-  /** At equally spaced parameters of the spline, from its start to its end. */
+  /** Points at equally spaced parameters of the spline, from its start to its end. */
   points?: (Vector | {
     uv: Place;
     xyz: Vector;
   })[];
-  /** `from` and `to` for `path`, `curve` for `point-curve-distance`, `a` and `b` for `curve-distance`. */
+  /**
+   * `from` and `to` for `path`, `curve` for `point-curve-distance`, `a` and `b` for
+   * `curve-distance`.
+   */
   ends: {
     from?: GeodesicEnd;
     to?: GeodesicEnd;
@@ -1358,20 +1671,23 @@ export type GeodesicAnswer = {
   };
   /** Relative norm of the gradient of the length. */
   residual: number;
-  /** Estimated error of the length, a length. */
+  /** Estimated error of the length, in the same unit. */
   error_estimate: number;
   /** Integral of the squared geodesic curvature along the path: 0 for an exact geodesic. */
   geodesic_curvature: number;
   /** Unevenness of the speed: (2 E - L^2) / L^2 with the energy E. */
   speed_defect: number;
   iterations: Count;
-  /** The length meets the tolerance. */
+  /** The error of the length is at most the tolerance. */
   converged: boolean;
   /** The path is proved to be a local minimum. */
   is_minimum: boolean;
   boundary_contact: boolean;
   warnings: ("not_converged" | "boundary_contact" | "curve_corner" | "through_pole" | "not_minimal")[];
-  /** With `all_minima`: the local minima by length, each in the form of this answer. */
+  /**
+   * Present with `all_minima`: the local minima in the order of their lengths. Each has the members
+   * of this answer.
+   */
   minima?: GeodesicAnswer[];
 };
 
@@ -1391,7 +1707,7 @@ export type Service = {
     max_faces: Count;
     timeout_ms: Count;
     memory_budget_bytes: Count;
-    /** Limit of an answer that is not a stream. */
+    /** Greatest size of an answer that is not a stream. */
     max_answer_bytes: Count;
     workers: Count;
   };
@@ -1402,7 +1718,11 @@ export type Service = {
 };
 
 export type Health = {
-  /** read_only: a write to the disk failed; reads work, changes return 507. degraded: the database of `--store` does not respond; meshes in memory can be queried, other requests return 503. */
+  /**
+   * read_only: a write to the disk failed. Reads work, and changes return 507. degraded: the
+   * database of `--store` does not respond. Meshes in memory can be queried, and other requests
+   * return 503.
+   */
   status: ("ok" | "starting" | "draining" | "read_only" | "degraded");
   /** Why the store is read-only or unreachable. */
   reason?: string;
@@ -1410,9 +1730,12 @@ export type Health = {
 
 export type Job = {
   id: JobId;
-  /** `done` and `failed` jobs have an answer. */
+  /** Only `done` and `failed` jobs have an answer. */
   state: ("queued" | "running" | "done" | "failed" | "cancelled");
-  /** Fraction of the work done, as the engine counts it (faces reached, rows finished). It never falls. It stays constant while the job waits for work that another job started. */
+  /**
+   * Fraction of the work that is done, such as the reached faces or the finished rows. It never
+   * decreases. It stays constant while the job waits for work that another job started.
+   */
   progress: number;
   created: string;
   /** Method and path of the request. */
@@ -1424,7 +1747,10 @@ export type Job = {
     bytes: Count;
     headers: Record<string, string>;
   };
-  /** JSON answer of the operation; for other media types a link to it. Absent in lists and events. */
+  /**
+   * JSON answer of the operation. For other media types, a link to the answer. Absent in lists and
+   * events.
+   */
   result?: unknown;
   /** Why the operation failed. Absent in lists. */
   problem?: Problem;
@@ -1436,7 +1762,7 @@ export type JobList = {
   next: (string | null);
 };
 
-/** A problem in the sense of RFC 9457. */
+/** A problem as defined by RFC 9457. */
 export type Problem = {
   type: string;
   title: string;
@@ -1462,7 +1788,7 @@ export type Problem = {
   }>;
 };
 
-/** What can be asked of `/v1/meshes/{name}`, by its name: what is sent and what comes back. */
+/** The queries of `/v1/meshes/{name}` by name: request and answer. */
 export interface MeshQueries {
   /** Get the geodesic distance between two points */
   "distance": {
@@ -1559,9 +1885,14 @@ export interface MeshQueries {
     body: CutRequest;
     answer: CutAnswer;
   };
+  /** Make a new mesh by edits */
+  "derive": {
+    body: DeriveRequest;
+    answer: DeriveAnswer;
+  };
 }
 
-/** What can be asked of `/v1/subdivisions/{name}`, by its name: what is sent and what comes back. */
+/** The queries of `/v1/subdivisions/{name}` by name: request and answer. */
 export interface SubdivisionQueries {
   /** Get position, derivatives, normal and curvatures of the limit surface */
   "evaluate": {
@@ -1570,7 +1901,7 @@ export interface SubdivisionQueries {
   };
   /** Get the point of the limit surface nearest to a point in space */
   "nearest": {
-    body: (FootRequest | FootPointRequest);
+    body: (SpacePoint | FootPointRequest);
     answer: LimitFootAnswer;
   };
   /** Trace geodesics from a place */
@@ -1600,7 +1931,7 @@ export interface SubdivisionQueries {
   };
 }
 
-/** What can be asked of `/v1/nurbs/{name}`, by its name: what is sent and what comes back. */
+/** The queries of `/v1/nurbs/{name}` by name: request and answer. */
 export interface NurbsQueries {
   /** Get position, derivatives, normal and curvatures at parameters */
   "evaluate": {
@@ -1609,7 +1940,7 @@ export interface NurbsQueries {
   };
   /** Get the point of the surface nearest to a point in space */
   "nearest": {
-    body: (FootRequest | FootPointRequest);
+    body: (SpacePoint | FootPointRequest);
     answer: FootAnswer;
   };
   /** Get the shortest path between two points of the surface */

@@ -1,11 +1,12 @@
 #!/bin/sh
-# Makes the pages that the daemon serves, out of the tree.
+# Builds the pages that the daemon serves, outside the checkout.
 #
-#     build.sh install PLACE    the packages of package-lock.json, into PLACE/node_modules
-#     build.sh bundle PLACE     the pages, into PLACE/pages
-#     build.sh check PLACE      types, nothing else
+#     build.sh install PLACE    installs the packages of package-lock.json into PLACE/node_modules
+#     build.sh bundle PLACE     writes the pages into PLACE/pages
+#     build.sh check PLACE      checks types only
 #
-# PLACE gets a link to the sources beside node_modules, so that imports are found from them; complaints name files as they stand here.
+# `install` links the sources into PLACE, beside node_modules, so that their imports resolve and
+# error messages name the files of the checkout.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 place=$2
@@ -30,9 +31,9 @@ compile() {
     node_modules/.bin/esbuild "$@" --bundle --minify --format=esm --target=es2022 --preserve-symlinks --legal-comments=eof --log-level=warning
 }
 
-# What the bundles contain of others, with their terms.
+# Prints the licences of the packages that the bundles contain.
 print_notices() {
-    for package in three swagger-ui-dist; do
+    for package in three d3-scale-chromatic d3-color d3-interpolate swagger-ui-dist; do
         printf '%s\n\n' "=== $package ==="
         for notice in "node_modules/$package/LICENSE" "node_modules/$package/NOTICE" "node_modules/$package/swagger-ui-es-bundle.js.LICENSE.txt"; do
             [ ! -e "$notice" ] || cat "$notice"
@@ -49,6 +50,7 @@ bundle() {
     cp clients/web/index.html clients/web/style.css clients/web/icon.svg pages
     cp clients/web/docs/index.html pages/docs
     compile clients/web/src/main.ts --outfile=pages/app.js
+    compile clients/web/src/worker.ts --outfile=pages/worker.js
     compile clients/web/docs/main.ts --outfile=pages/docs/app.js
     print_notices >pages/licenses.txt
 }

@@ -1,4 +1,4 @@
-/* Memory budget: what one call holds of its budget, kept by all who take memory for it.
+/* Memory budget of one call: counts the bytes that all its allocations have charged.
  *
  * One call, one thread. */
 #ifndef GD_BASE_BUDGET_H
@@ -7,11 +7,11 @@
 #include "gd/control.h"
 
 struct gd__budget {
-    const struct gd_control *control; /* its budget; may be NULL */
-    size_t held;                      /* bytes */
+    const struct gd_control *control; /* its memory limit applies; may be NULL */
+    size_t held;                      /* bytes charged */
 };
 
-/* Takes bytes from the budget, all or none of them. A NULL budget has no end. GD_BUDGET. */
+/* Charges `bytes`. On GD_BUDGET it charges nothing. A NULL budget is unlimited. */
 GD_MUST_USE static inline enum gd_status gd__budget_take(struct gd__budget *budget, size_t bytes)
 {
     enum gd_status status =

@@ -2,25 +2,25 @@
 
 #include <math.h>
 
-/* The longest such helix within sRGB. */
+/* The longest helix of this kind within sRGB. */
 #define CHROMA          0.117
 #define LIGHTNESS_FIRST 0.45
 #define LIGHTNESS_LAST  0.92
 #define HUE_FIRST       (310 * M_PI / 180)
 #define HUE_LAST        (110 * M_PI / 180)
 
-static double cut(double component)
+static double colour_map_cut(double component)
 {
     return fmin(fmax(component, 0), 1);
 }
 
 double gd_colour_encode(double linear)
 {
-    double light = cut(linear);
+    double light = colour_map_cut(linear);
     return light <= 0.0031308 ? 12.92 * light : 1.055 * pow(light, 1 / 2.4) - 0.055;
 }
 
-/* By the matrices of its definition. */
+/* Converts a colour by the matrices in the definition of Oklab. */
 static struct gd_colour from_oklab(double lightness, double a, double b)
 {
     double l = lightness + 0.3963377774 * a + 0.2158037573 * b,
@@ -29,14 +29,15 @@ static struct gd_colour from_oklab(double lightness, double a, double b)
     l = l * l * l;
     m = m * m * m;
     s = s * s * s;
-    return (struct gd_colour){cut(4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * s),
-                              cut(-1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * s),
-                              cut(-0.0041960863 * l - 0.7034186147 * m + 1.7076147010 * s)};
+    return (struct gd_colour){
+        colour_map_cut(4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * s),
+        colour_map_cut(-1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * s),
+        colour_map_cut(-0.0041960863 * l - 0.7034186147 * m + 1.7076147010 * s)};
 }
 
 struct gd_colour gd_colour_map(double part)
 {
-    double t = cut(part), hue = HUE_FIRST + t * (HUE_LAST - HUE_FIRST);
+    double t = colour_map_cut(part), hue = HUE_FIRST + t * (HUE_LAST - HUE_FIRST);
     return from_oklab(LIGHTNESS_FIRST + t * (LIGHTNESS_LAST - LIGHTNESS_FIRST), CHROMA * cos(hue),
                       CHROMA * sin(hue));
 }

@@ -1,8 +1,7 @@
-/* Decimals: the shortest decimals of many doubles at a time, as what number.h writes is put
- * together from.
+/* Decimals: computes the shortest decimals of several doubles at a time, for number.h.
  *
- * One algorithm (decimals_lanes.h) is compiled for each set of lanes; what it leaves out, and what
- * it finds, is shortest.h's. Stateless; any thread. */
+ * One algorithm (decimals_lanes.h) is compiled for each SIMD width. shortest.h converts the numbers
+ * that the algorithm leaves out. Stateless; any thread. */
 #ifndef GD_BASE_DECIMALS_H
 #define GD_BASE_DECIMALS_H
 
@@ -14,31 +13,30 @@ extern "C" {
 #endif
 
 enum {
-    GD__DECIMALS = 24, /* that are found at a time, at most; a multiple of all lanes */
-    /* the point of 1e-6: decimals with an exponent, below it and from 1e17 on, are not found
-       here */
+    GD__DECIMALS = 24, /* largest number of values of one call; a multiple of every lane count */
+    /* Decimal point of 1e-6. Numbers below 1e-6 and numbers from 1e17 on are written with an
+     * exponent; the kernels leave them out. */
     GD__DECIMAL_LEAST = -5
 };
 
-/* 0.DIGITS x 10^point: of 17 digits, the first of them not 0, with zeros behind the last one that
- * counts. */
+/* The decimals 0.DIGITS x 10^point. DIGITS are 17 digits, padded by zeros; the first is not 0. */
 struct gd__decimals {
-    uint64_t head[GD__DECIMALS];     /* see gd__decimal_head */
-    uint16_t counting[GD__DECIMALS]; /* bit i: digit i of those behind the first is not 0 */
-    /* those behind the first, as text; the last row may be read, but says nothing */
+    uint64_t head[GD__DECIMALS];     /* packed by gd__decimal_head */
+    uint16_t counting[GD__DECIMALS]; /* bit i: the digit at index i of `digits` is not 0 */
+    /* The digits after the first, as text. The last row is padding for reads. */
     char digits[GD__DECIMALS + 1][16];
 };
 
-/* First digit (text), sign, and point, counted from the least. */
+/* Packs the first digit (text), the sign, and the point relative to GD__DECIMAL_LEAST. */
 static inline uint64_t gd__decimal_head(char first, bool is_negative, int point)
 {
     return (uint64_t)(unsigned char)first | (uint64_t)is_negative << 8 |
            (uint64_t)(point - GD__DECIMAL_LEAST) << 16;
 }
 
-/* Finds the decimals of the first `count` values. Returns which it has left out, bit i for value i:
- * zero, what is not finite, what is written with an exponent, and, in lanes, what is not often met.
- * Of the rows behind `count` it may write some. */
+/* Converts the first `count` values. Returns a mask with bit i set for each value i left out:
+ * zeros, infinities, NaNs, values that are written with an exponent, and in SIMD kernels some rare
+ * values. May write rows behind `count`. */
 typedef uint32_t gd__decimals_kernel(const double *values, uint32_t count,
                                      struct gd__decimals *out);
 
@@ -47,24 +45,24 @@ extern gd__decimals_kernel gd__decimals_plain;
 extern gd__decimals_kernel gd__decimals_avx2, gd__decimals_avx512;
 #endif
 
-/* Decimal i of given digits, and a point from the least to 17. */
+/* Sets decimal i from its digits and its point, which is GD__DECIMAL_LEAST to 17. */
 void gd__decimals_set(struct gd__decimals *decimals, uint32_t i, uint64_t digits, int point,
                       bool is_negative);
 
-/* The fastest that this machine has. */
+/* Returns the fastest kernel of this machine. */
 gd__decimals_kernel *gd__decimals_kernel_here(void);
 
-/* --- of one binary exponent ------------------------------------------------------------------- */
+/* --- scales by binary exponent ---------------------------------------------------------------- */
 
-/* A double c 2^q, 2^52 <= c < 2^53, is what reals up to (c + 1/2) 2^q are rounded to, an interval
- * 2^q long. Where 10^k is the least power of ten above 2^q, that upper end is (2c + 1) 2^8 / 2^128
- * times the scale, and the length 0.1 to 1 units of 10^k. */
+/* A double c 2^q, 2^52 <= c < 2^53, represents an interval of reals that round to it. The interval
+ * has length 2^q and ends at (c + 1/2) 2^q. Let 10^k be the least power of ten above 2^q. In units
+ * of 10^k, the upper end is (2c + 1) 2^8 / 2^128 times the scale, and the length is 0.1 to 1. */
 struct gd__decimal_scale {
-    uint64_t high;       /* of the scale, and the 32 bits below them */
-    uint32_t low, width; /* the length x 2^32, rounded down */
+    uint64_t high;       /* upper 64 bits of the scale; `low`: the 32 bits below them */
+    uint32_t low, width; /* the interval's length x 2^32, rounded down */
 };
 
-/* For 2^-19 <= value < 2^56, by the value's biased exponent. */
+/* Scales for 2^-19 <= value < 2^56, indexed by the value's biased exponent. */
 enum { GD__DECIMAL_SCALES = 75, GD__DECIMAL_EXPONENT = 1023 - 19 };
 extern const struct gd__decimal_scales {
     struct gd__decimal_scale of[GD__DECIMAL_SCALES];

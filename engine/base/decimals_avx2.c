@@ -116,7 +116,7 @@ static inline lanes two_scales(uint64_t a, uint64_t b)
     return _mm256_inserti128_si256(_mm256_castsi128_si256(scale_at(a)), scale_at(b), 1);
 }
 
-/* Entries are read whole: a gather is slower. */
+/* Loads whole entries, because a gather is slower. */
 static inline void load_scales(lanes index, lanes *high, lanes *low)
 {
     uint64_t at[LANES];
@@ -126,7 +126,6 @@ static inline void load_scales(lanes index, lanes *high, lanes *low)
     *low = odds(even, odd);
 }
 
-/* The digits of every second number. */
 static inline void put_every_second(lanes digits, struct gd__decimals *out, uint32_t at)
 {
     lanes text = _mm256_add_epi8(digits, _mm256_set1_epi8('0'));

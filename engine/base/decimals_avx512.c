@@ -112,7 +112,7 @@ static inline __m128i scale_at(uint64_t index)
     return _mm_loadu_si128((const __m128i *)&gd__decimal_scales.of[index]);
 }
 
-/* Of every second index. */
+/* Returns the scales of every second index. */
 static inline lanes four_scales(const uint64_t *at)
 {
     lanes scales = _mm512_castsi128_si512(scale_at(at[0]));
@@ -121,7 +121,7 @@ static inline lanes four_scales(const uint64_t *at)
     return _mm512_inserti64x2(scales, scale_at(at[6]), 3);
 }
 
-/* Entries are read whole: a gather is slower. */
+/* Loads whole entries, because a gather is slower. */
 static inline void load_scales(lanes index, lanes *high, lanes *low)
 {
     uint64_t at[LANES];
@@ -131,7 +131,6 @@ static inline void load_scales(lanes index, lanes *high, lanes *low)
     *low = odds(even, odd);
 }
 
-/* The digits of every second number. */
 static inline void put_every_second(lanes digits, struct gd__decimals *out, uint32_t at)
 {
     lanes text = _mm512_add_epi8(digits, _mm512_set1_epi8('0'));

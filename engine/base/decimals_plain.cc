@@ -9,21 +9,21 @@
 
 #ifdef __SSE2__
 
-/* Writes the digits of a number below 10^16, leading zeros included; returns which are not 0.
- * Halves, quarters and so on stand beside each other in one register, as in decimals_lanes.h. */
+/* Writes the digits of a number below 10^16 with leading zeros. Returns a mask of the digits that
+ * are not 0. Splits halves, quarters and bytes within one register, as in decimals_lanes.h. */
 static unsigned put16(char *to, std::uint64_t value)
 {
     const __m128i halves =
         _mm_set_epi64x((std::int64_t)(value % 100000000), (std::int64_t)(value / 100000000));
-    /* / 10000 */
+    /* divides by 10000 */
     const __m128i upper4 = _mm_srli_epi64(_mm_mul_epu32(halves, _mm_set1_epi64x(3518437209)), 45);
     const __m128i lower4 = _mm_sub_epi32(halves, _mm_mul_epu32(upper4, _mm_set1_epi64x(10000)));
     const __m128i fours = _mm_or_si128(upper4, _mm_slli_epi64(lower4, 32));
-    /* / 100 */
+    /* divides by 100 */
     const __m128i upper2 = _mm_srli_epi16(_mm_mulhi_epu16(fours, _mm_set1_epi32(5243)), 3);
     const __m128i lower2 = _mm_sub_epi16(fours, _mm_mullo_epi16(upper2, _mm_set1_epi32(100)));
     const __m128i twos = _mm_or_si128(upper2, _mm_slli_epi32(lower2, 16));
-    const __m128i upper = _mm_mulhi_epu16(twos, _mm_set1_epi16(6554)); /* / 10 */
+    const __m128i upper = _mm_mulhi_epu16(twos, _mm_set1_epi16(6554)); /* divides by 10 */
     const __m128i lower = _mm_sub_epi16(twos, _mm_mullo_epi16(upper, _mm_set1_epi16(10)));
     const __m128i digits = _mm_or_si128(upper, _mm_slli_epi16(lower, 8));
     _mm_storeu_si128((__m128i *)to, _mm_add_epi8(digits, _mm_set1_epi8('0')));
@@ -52,7 +52,7 @@ void gd__decimals_set(struct gd__decimals *decimals, std::uint32_t i, std::uint6
     decimals->counting[i] = (std::uint16_t)put16(decimals->digits[i], digits - first * e16);
 }
 
-/* In two passes, so that a processor has several numbers in each. */
+/* Converts in two passes, so that the processor works on several numbers at a time in each. */
 std::uint32_t gd__decimals_plain(const double *values, std::uint32_t count,
                                  struct gd__decimals *out)
 {

@@ -22,14 +22,15 @@ gd__decimals_kernel *gd__decimals_kernel_here(void)
 namespace
 {
 
-constexpr int POINTS = 23; /* places for it: five zeros behind it, to behind the last digit */
+/* number of decimal points: up to five zeros before the digits, and up to the end of the last
+ * digit */
+constexpr int POINTS = 23;
 
-/* Where a number's digits go. All of them are written at `digits`, and once more, from `tail` on,
+/* Where the digits of a number are written: all of them at `digits`, and those from `tail` on again
  * behind the point. */
 struct layout {
     unsigned char digits, point, tail;
-    /* the point stands behind some digits; else all is there already, and it goes where nobody
-       looks */
+    /* False: there is no point within the digits, and it is written to scratch space. */
     bool is_pointed_within;
 };
 
@@ -46,14 +47,14 @@ constexpr std::array<layout, POINTS> make_layouts()
 
 constexpr std::array<layout, POINTS> layouts = make_layouts();
 
-/* Writes one that was found; up to SLACK bytes more than it is long. Without branches: what they
- * would depend on is as good as random. */
+/* Writes a converted number; may write up to SLACK bytes past its end. Branchless, because the
+ * branches are unpredictable. */
 inline char *put(char *at, const gd__decimals &decimals, std::size_t i)
 {
     const std::uint64_t head = decimals.head[i];
     const layout &layout = layouts[head >> 16];
     const char *const digits = decimals.digits[i];
-    /* that count */
+    /* number of significant digits */
     const unsigned count = 32 - unsigned(__builtin_clz(2u * decimals.counting[i] + 1));
     char tail[16];
     *at = '-';
@@ -77,7 +78,7 @@ char *put_zero(char *at, double value)
     return at;
 }
 
-/* Of a number that is written with an exponent. */
+/* Writes a number with an exponent. */
 char *put_scientific(char *at, double value)
 {
     gd__decimals decimal;
@@ -88,7 +89,7 @@ char *put_scientific(char *at, double value)
     return std::to_chars(at, at + 4, found.point - 1).ptr;
 }
 
-/* Of one that a kernel has left out. */
+/* Writes a number that the kernel left out. */
 char *put_left_out(char *at, double value)
 {
     if (std::isfinite(value)) return gd_number_format(at, value);
@@ -96,13 +97,13 @@ char *put_left_out(char *at, double value)
     return at + 4;
 }
 
-/* What has been found of a run of values. */
+/* The converted numbers of a run of values. */
 struct run {
     gd__decimals decimals;
     std::uint32_t left_out;
 };
 
-/* A number of the run and a comma. */
+/* Writes a number of the run and a comma. */
 inline char *put_item(char *at, const run &run, const double *values, std::size_t i)
 {
     at = __builtin_expect(run.left_out >> i & 1, 0) ? put_left_out(at, values[i])

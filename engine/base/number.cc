@@ -1,5 +1,5 @@
-/* C has no bounded, locale-free, correctly rounded conversion. C++17's <charconv> reads, five times
- * as fast as strtod; what it writes takes three times as long as what format.cc does. */
+/* C has no bounded, locale-free, correctly rounded conversion. C++17's <charconv> reads five times
+ * as fast as strtod; its writing takes three times as long as format.cc. */
 #include "gd/number.h"
 
 #include <charconv>
@@ -21,8 +21,9 @@ static int64_t saturated_integer(const char *at, const char *end)
     return negative ? -value : value;
 }
 
-/* Whether the well-formed number in [at, end), known to be nearer to zero than any double or larger
- * than all, is the former: its leading digit's decimal exponent tells. */
+/* Returns true if the well-formed number in [at, end) is nearer to zero than any double, and false
+ * if it is larger than all doubles. The decimal exponent of its leading digit decides. The caller
+ * knows that one of the two applies. */
 static bool is_tiny(const char *at, const char *end)
 {
     int64_t exponent = 0;
@@ -41,12 +42,12 @@ static bool is_tiny(const char *at, const char *end)
     return exponent < 0;
 }
 
-/* whole numbers and powers of ten of so many are doubles, and one division of the two rounds
-   correctly */
+/* Integers and powers of ten up to this number of digits are exact doubles, and one division rounds
+ * correctly. */
 #define EXACT_DIGITS 15
 
-/* Reads "-0.25" and the like: digits, a point, digits, not many of them, and nothing behind them
- * that might belong to the number. NULL: it is something else. */
+/* Reads a short number such as "-0.25": digits, a point, digits, and no further character that may
+ * belong to it. Returns NULL for any other form. */
 static const char *parse_short(const char *at, const char *end, double *out)
 {
     static const double tens[EXACT_DIGITS + 1] = {1,   1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,

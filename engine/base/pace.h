@@ -1,12 +1,12 @@
-/* Pace: checks a control now and then, in loops whose steps are too short to check it at each.
+/* Pace: checks a control once in many steps, for loops whose steps are too short for a check each.
  *
  *     struct gd__pace pace = {.control = control, .fraction = 0.5};
  *     for (...; gd__pace(&pace, 1); ...) step();
  *     GD__PACED (&pace, i, count) step_of_element(i);
  *     return pace.status;
  *
- * Once a pace has stopped, its loops run no further step. So only code that reads the result of a
- * loop has to look at the status in between. */
+ * After a pace has stopped, its loops execute no further step. So the status must be checked only
+ * before the result of a loop is read. */
 #ifndef GD_BASE_PACE_H
 #define GD_BASE_PACE_H
 
@@ -16,41 +16,42 @@
 
 #include "gd/control.h"
 
-#define GD__PACE_STEPS 8192 /* between two looks; a step takes some 50 ns */
+#define GD__PACE_STEPS 8192 /* steps between two checks; a step takes about 50 ns */
 
 struct gd__pace {
-    const struct gd_control *control; /* NULL: none */
-    double fraction;                  /* of the work, that is reported meanwhile */
-    uint64_t since;                   /* steps */
-    enum gd_status status;            /* GD_OK, or why it is to end */
+    const struct gd_control *control; /* NULL: never stops */
+    double fraction;                  /* progress to report to the control */
+    uint64_t count;                   /* steps since the last check */
+    enum gd_status status;            /* sticky: the error that stopped the work */
 };
 
-/* Counts steps. False: the work must stop. */
+/* Counts steps. Returns false if the work must stop. */
 static inline bool gd__pace(struct gd__pace *pace, uint64_t steps)
 {
-    pace->since += steps;
-    if (pace->since < GD__PACE_STEPS || pace->status) return !pace->status;
-    pace->since = 0;
+    pace->count += steps;
+    if (pace->count < GD__PACE_STEPS || pace->status) return !pace->status;
+    pace->count = 0;
     pace->status = gd_control_check(pace->control, pace->fraction);
     return !pace->status;
 }
 
-/* The end of the slice that begins at element `done` of `count`; `done` itself: the loop ends. */
+/* Returns the end of the slice of [0, count) that begins at `done`. Returns `done` if the loop must
+ * end. */
 static inline uint32_t gd__pace_slice(struct gd__pace *pace, uint32_t done, uint32_t count)
 {
     uint32_t rest = count - done, slice = rest < GD__PACE_STEPS ? rest : GD__PACE_STEPS;
     return gd__pace(pace, slice) ? done + slice : done;
 }
 
-/* Runs its body for each i in [0, count); `count` must not change meanwhile. The inner loop is
- * plain: counting costs nothing there. `break` would end a slice only, and a body that steps the
- * pace itself runs on to the end of its slice. */
+/* Runs its body for each i in [0, count); the body must not change `count`. The inner loop is
+ * plain, so counting costs nothing in it. `break` ends the slice only. A body that calls gd__pace
+ * itself still runs to the end of its slice. */
 #define GD__PACED(pace, i, count)                                                                  \
     for (uint32_t i = 0, i##_slice; (i##_slice = gd__pace_slice(pace, i, count)) != i;)            \
         for (; i < i##_slice; i++)
 
-/* Writes a zero to each page of an array that was just allocated, so that the system provides them
- * in order. Scattered writes would wait for nearly all of them within one slice. */
+/* Writes a zero to each page of a new array, so that the system provides the pages in order.
+ * Scattered writes would fault on nearly all pages within one slice. */
 static inline void gd__pace_touch(struct gd__pace *pace, void *array, size_t bytes)
 {
     const size_t page = 4096;

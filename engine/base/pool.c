@@ -17,8 +17,8 @@ struct gd__pool_chunk {
 
 #define CHUNK_HEADER 64 /* keeps blocks on cache lines */
 
-/* Blocks come from this chunk now. */
-static void adopt(struct gd__pool *pool, struct gd__pool_chunk *chunk)
+/* Makes the chunk the source of new blocks. */
+static void pool_adopt(struct gd__pool *pool, struct gd__pool_chunk *chunk)
 {
     pool->chunks = chunk;
     pool->bytes += chunk->size;
@@ -48,7 +48,7 @@ void gd__pool_destroy(struct gd__pool *pool)
 
 void gd__pool_restart(struct gd__pool *pool, size_t item_size, struct gd__budget *budget)
 {
-    struct gd__pool_chunk *kept = pool->chunks; /* the newest: the largest */
+    struct gd__pool_chunk *kept = pool->chunks; /* the newest chunk is the largest */
     size_t before = pool->bytes;
     bool is_all = kept && !kept->next, is_largest = kept && kept->size >= CHUNK_LAST;
     if (is_all || is_largest) {
@@ -60,11 +60,11 @@ void gd__pool_restart(struct gd__pool *pool, size_t item_size, struct gd__budget
     }
     gd__pool_init(pool, item_size, budget);
     pool->before = before;
-    if (kept) adopt(pool, kept);
+    if (kept) pool_adopt(pool, kept);
     if (budget) budget->held += pool->bytes;
 }
 
-/* Large ones lie on huge pages, which saves most page faults. */
+/* Returns the size of a chunk. Large chunks lie on huge pages, which avoids most page faults. */
 static size_t chunk_size(size_t wanted, size_t need)
 {
     size_t size = wanted < CHUNK_FIRST ? CHUNK_FIRST : wanted > CHUNK_LAST ? CHUNK_LAST : wanted;
@@ -72,16 +72,17 @@ static size_t chunk_size(size_t wanted, size_t need)
     return size > HUGE_PAGE ? (size + HUGE_PAGE - 1) & ~(HUGE_PAGE - 1) : (size + 63) & ~(size_t)63;
 }
 
-/* What is not needed for sure may not be missed elsewhere. */
+/* Returns true if the chunk is small compared with the budget. A larger chunk might leave too
+ * little for other allocations. */
 static bool is_small_beside_budget(const struct gd__budget *budget, size_t bytes)
 {
     size_t limit = budget && budget->control ? budget->control->budget_bytes : 0;
     return !limit || bytes <= limit / BUDGET_PART;
 }
 
-/* Each chunk is as large as all before it together, within bounds; the first one as all of the last
- * time. */
-static enum gd_status grow(struct gd__pool *pool, size_t need)
+/* Adds a chunk as large as all chunks before it together, within limits. The first chunk is as
+ * large as all chunks of the last use together. */
+static enum gd_status pool_grow(struct gd__pool *pool, size_t need)
 {
     bool again = !pool->bytes && is_small_beside_budget(pool->budget, pool->before);
     size_t size = chunk_size(again ? pool->before : pool->bytes, need);
@@ -90,13 +91,13 @@ static enum gd_status grow(struct gd__pool *pool, size_t need)
     struct gd__pool_chunk *chunk = gd__large_array(1, size);
     if (!chunk) return GD_NO_MEMORY;
     *chunk = (struct gd__pool_chunk){.next = pool->chunks, .size = size};
-    adopt(pool, chunk);
+    pool_adopt(pool, chunk);
     return GD_OK;
 }
 
 void *gd__pool_take_new(struct gd__pool *pool, uint32_t size_class)
 {
-    enum gd_status status = grow(pool, pool->item_size * gd__pool_items(size_class));
+    enum gd_status status = pool_grow(pool, pool->item_size * gd__pool_items(size_class));
     if (!status) return gd__pool_take(pool, size_class);
     pool->status = status;
     return NULL;

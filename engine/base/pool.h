@@ -1,8 +1,8 @@
-/* Pool: blocks of so many items from few large chunks, each size with its own free list; everything
- * is given back at once.
+/* Pool: allocates blocks of one or more items from a few large chunks. Each block size has its own
+ * free list. All memory is freed together.
  *
- * One owner, one thread. Blocks are never moved. A block may be released and is then reused for the
- * same size; destroying the pool frees all. */
+ * One owner, one thread. Blocks never move. A released block is reused for a request of the same
+ * size. */
 #ifndef GD_BASE_POOL_H
 #define GD_BASE_POOL_H
 
@@ -16,42 +16,42 @@
 struct gd__pool_chunk;
 
 struct gd__pool {
-    size_t item_size;          /* >= sizeof(void *) */
-    struct gd__budget *budget; /* pays for the chunks; may be NULL */
+    size_t item_size;          /* at least sizeof(void *) */
+    struct gd__budget *budget; /* charged for the chunks; may be NULL */
     struct gd__pool_chunk *chunks;
     char *cursor, *end; /* the unused rest of the newest chunk */
     void *free_blocks[GD__POOL_CLASSES];
-    size_t bytes;          /* of all chunks */
-    size_t before;         /* what it had when it began anew */
-    enum gd_status status; /* why the last request failed */
+    size_t bytes;          /* bytes of all chunks */
+    size_t before;         /* `bytes` at the last restart */
+    enum gd_status status; /* reason of the last failed request */
 };
 
 void gd__pool_init(struct gd__pool *pool, size_t item_size, struct gd__budget *budget);
 void gd__pool_destroy(struct gd__pool *pool);
 
-/* Takes all blocks back and begins anew as gd__pool_init does, but keeps the chunk if it is the
- * only one, or one of the largest; the budget is charged with it unasked. After several the next one
- * is as large as all of them were, so that who does the same for the third time has one chunk,
- * without page faults. An all-zero pool will do. */
+/* Releases all blocks, as if the pool were new. Keeps the newest chunk and charges the budget for
+ * it, if it is the only chunk or of the largest size. Otherwise the next chunk is as large as all
+ * released chunks together. So the third repetition of the same work uses one chunk without page
+ * faults. The pool may be all zero. */
 void gd__pool_restart(struct gd__pool *pool, size_t item_size, struct gd__budget *budget);
 
-/* Items of a block: 1 to 16 of them, then powers of two. */
+/* Returns the items of a block: 1 to 16 by class, then powers of two. */
 static inline uint32_t gd__pool_items(uint32_t size_class)
 {
     return size_class < 16 ? size_class + 1 : 16u << (size_class - 15);
 }
 
-/* Smallest class whose blocks hold `count` >= 1 items. */
+/* Returns the smallest class whose blocks hold `count` >= 1 items. */
 static inline uint32_t gd__pool_class(uint32_t count)
 {
     return count <= 16 ? count - 1 : 47 - (uint32_t)__builtin_clz((count - 1) >> 4);
 }
 
-/* A block of a new chunk: see gd__pool_take. */
+/* Takes a block from a new chunk. Otherwise as gd__pool_take. */
 void *gd__pool_take_new(struct gd__pool *pool, uint32_t size_class);
 
-/* A block of gd__pool_items(size_class) items, uninitialised; NULL when out of memory or budget
- * (pool->status says which). */
+/* Takes a block of gd__pool_items(size_class) items, uninitialised. Returns NULL on an error, which
+ * is in pool->status. */
 static inline void *gd__pool_take(struct gd__pool *pool, uint32_t size_class)
 {
     void *block = pool->free_blocks[size_class];

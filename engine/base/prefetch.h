@@ -1,8 +1,8 @@
-/* GD__ASKING: a function that does nothing but ask for memory ahead. GCC takes such a function for
- * one without effects and leaves its calls out, unless it is inlined first. */
+/* GD__PREFETCH: declares a function that only prefetches memory. GCC assumes that such a function
+ * has no effect and drops its calls, unless it inlines the function first. */
 #ifndef GD_BASE_PREFETCH_H
 #define GD_BASE_PREFETCH_H
 
-#define GD__ASKING static inline __attribute__((always_inline)) void
+#define GD__PREFETCH static inline __attribute__((always_inline)) void
 
 #endif

@@ -7,11 +7,11 @@
 
 #define HUGE_PAGE ((size_t)2 << 20)
 #define PAGE      ((size_t)4096)
-#define STEP      ((size_t)256 << 10) /* the budget is asked for at least so much at a time */
+#define STEP      ((size_t)256 << 10) /* least increment charged to the budget */
 #define LEAST     ((size_t)4 << 20)
 #define SPARES    8
 
-static size_t up(size_t size, size_t unit)
+static size_t region_up(size_t size, size_t unit)
 {
     return (size + unit - 1) & ~(unit - 1);
 }
@@ -28,7 +28,8 @@ static void unmap(const struct gd__kept *kept)
     munmap(kept->base, kept->reserved);
 }
 
-/* Under the lock: gives spares back, the oldest first, until they are within the limits. */
+/* Frees the oldest spares until their bytes and their number are within the limits. The lock is
+ * held. */
 static void trim_spares(uint32_t most)
 {
     while (spare_count && (spare_bytes > spare_limit || spare_count > most)) {
@@ -70,7 +71,7 @@ void gd__region_release(const struct gd__kept *kept)
     pthread_mutex_unlock(&lock);
 }
 
-/* The newest spare with that much address space. */
+/* Removes and returns the newest spare with at least that much address space. */
 static struct gd__kept take_spare(size_t reserved)
 {
     struct gd__kept found = {0};
@@ -88,18 +89,19 @@ static struct gd__kept take_spare(size_t reserved)
 
 /* --- regions ---------------------------------------------------------------------------------- */
 
-/* Address space from a huge page's border on, LEAST or more: only what is touched becomes memory.
- * The first huge page's worth and the rest are two mappings for ever: Linux before 6.17 moves no
- * range that spans several. */
-static char *reserve(size_t size)
+/* Reserves address space of LEAST or more, aligned to a huge page. Only touched pages take memory.
+ * The first huge page and the rest stay two mappings, because Linux before 6.17 cannot move a range
+ * that spans several. */
+static char *region_reserve(size_t size)
 {
     char *pages = mmap(NULL, size + HUGE_PAGE, PROT_READ | PROT_WRITE,
                        MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     if (pages == MAP_FAILED) return NULL;
-    char *base = (char *)up((uintptr_t)pages, HUGE_PAGE);
+    char *base = (char *)region_up((uintptr_t)pages, HUGE_PAGE);
     if (base > pages) munmap(pages, (size_t)(base - pages));
     munmap(base + size, HUGE_PAGE - (size_t)(base - pages));
-    madvise(base + HUGE_PAGE, size - HUGE_PAGE, MADV_HUGEPAGE); /* small arrays stay small */
+    /* huge pages would waste memory for small arrays, so the first one is excluded */
+    madvise(base + HUGE_PAGE, size - HUGE_PAGE, MADV_HUGEPAGE);
     return base;
 }
 
@@ -107,27 +109,28 @@ enum gd_status gd__region_open(struct gd__region *region, size_t most, struct gd
 {
     struct gd__kept have = {
         .base = region->base, .bytes = region->touched, .reserved = region->reserved};
-    if (!have.base) have = take_spare(up(most, HUGE_PAGE));
+    if (!have.base) have = take_spare(region_up(most, HUGE_PAGE));
     *region = (struct gd__region){
         .base = have.base, .touched = have.bytes, .reserved = have.reserved, .budget = budget};
-    for (size_t size = up(most < LEAST ? LEAST : most, HUGE_PAGE); !region->base; size /= 2) {
+    for (size_t size = region_up(most < LEAST ? LEAST : most, HUGE_PAGE); !region->base;
+         size /= 2) {
         if (size < LEAST) return GD_NO_MEMORY;
         region->reserved = size & ~(HUGE_PAGE - 1);
-        region->base = reserve(region->reserved);
+        region->base = region_reserve(region->reserved);
     }
     return GD_OK;
 }
 
-/* Twice the address space, at another place. The second mapping's pages move along, and it grows on
- * the way, so that it stays one; what is in the first is copied. Where moving fails the kernel may
- * have unmapped the new place already: what lies there now need not be ours. */
+/* Moves the region to twice the address space or more. The second mapping moves with its pages and
+ * grows, so it stays one mapping; the first one is copied. If the move fails, the kernel may have
+ * unmapped the new range, so it is not unmapped again. */
 static enum gd_status extend(struct gd__region *region, size_t need)
 {
     size_t size = region->reserved;
     while (size < need) size *= 2;
     if (need > GD__REGION_MOST) return GD_BUDGET;
     if (size > GD__REGION_MOST) size = GD__REGION_MOST;
-    char *base = reserve(size);
+    char *base = region_reserve(size);
     if (!base) return GD_NO_MEMORY;
     if (mremap(region->base + HUGE_PAGE, region->reserved - HUGE_PAGE, size - HUGE_PAGE,
                MREMAP_MAYMOVE | MREMAP_FIXED, base + HUGE_PAGE) == MAP_FAILED) {
@@ -145,7 +148,7 @@ enum gd_status gd__region_reserve(struct gd__region *region, size_t bytes)
 {
     size_t need = region->used + bytes;
     if (need <= region->granted) return GD_OK;
-    size_t granted = up(need + region->granted / 8, STEP);
+    size_t granted = region_up(need + region->granted / 8, STEP);
     enum gd_status status = gd__budget_take(region->budget, granted - region->granted);
     if (status) status = gd__budget_take(region->budget, (granted = need) - region->granted);
     if (!status && granted > region->reserved) status = extend(region, granted);
@@ -155,19 +158,19 @@ enum gd_status gd__region_reserve(struct gd__region *region, size_t bytes)
     return GD_OK;
 }
 
-/* Gives back the pages behind `used`, those of the last huge page too. */
-static void trim(const struct gd__region *region, size_t used)
+/* Returns the pages behind `used` to the system, also within the last huge page. */
+static void region_trim(const struct gd__region *region, size_t used)
 {
-    size_t touched = up(region->touched > used ? region->touched : used, HUGE_PAGE);
+    size_t touched = region_up(region->touched > used ? region->touched : used, HUGE_PAGE);
     if (touched > used) madvise(region->base + used, touched - used, MADV_DONTNEED);
 }
 
 struct gd__kept gd__region_close(struct gd__region *region)
 {
-    size_t used = up(region->used, PAGE);
+    size_t used = region_up(region->used, PAGE);
     struct gd__kept kept = {.base = region->base, .bytes = used, .reserved = region->reserved};
     if (used) {
-        trim(region, used);
+        region_trim(region, used);
     } else {
         gd__region_destroy(region);
         kept.base = NULL;

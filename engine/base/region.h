@@ -1,9 +1,9 @@
-/* Region: one array of bytes of unknown size that grows in place, up to 32 GB; what is not used in
- * the end is given back.
+/* Region: an array of bytes that grows in place, up to 32 GB, for results of unknown size. Closing
+ * the region returns its unused memory.
  *
- * Growing costs page faults only: address space is reserved for `most` bytes and more of it sought
- * when that is not enough, memory comes with the first touch, on huge pages where it can; memory of
- * released regions is used again. One owner, one thread. */
+ * A region reserves address space for `most` bytes and extends it if necessary. The system provides
+ * memory at the first touch, on huge pages if possible. So growing costs page faults only. Memory
+ * of released regions is reused. One owner, one thread. */
 #ifndef GD_BASE_REGION_H
 #define GD_BASE_REGION_H
 
@@ -15,38 +15,39 @@
 
 struct gd__region {
     char *base;     /* 64-byte aligned; NULL: not open */
-    size_t used;    /* bytes, counted by the owner */
-    size_t granted; /* bytes that the budget was asked for */
-    /* bytes that were in use at some time, by earlier owners too: they are memory */
+    size_t used;    /* bytes in use; the owner sets it */
+    size_t granted; /* bytes charged to the budget */
+    /* Bytes that this or an earlier owner has used. They are backed by memory. */
     size_t touched;
     struct gd__budget *budget; /* may be NULL */
     size_t reserved;
 };
 
-/* Begins anew; an all-zero region, or one that was used before and keeps its memory. GD_NO_MEMORY:
- * not even a few megabytes of address space are left. */
+/* Opens a region. The struct is all zero, or a region that was open before, whose memory is reused.
+ * GD_NO_MEMORY: not even a few megabytes of address space are available. */
 GD_MUST_USE enum gd_status gd__region_open(struct gd__region *region, size_t most,
                                            struct gd__budget *budget);
 
-/* Room for that many bytes behind those in use. GD_NO_MEMORY, GD_BUDGET. */
+/* Makes room for `bytes` behind the bytes in use. GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__region_reserve(struct gd__region *region, size_t bytes);
 
-/* An array that outlives its region. */
+/* The array of a closed region. */
 struct gd__kept {
-    char *base;   /* NULL: nothing was used */
-    size_t bytes; /* of memory */
+    char *base;   /* NULL: the region was empty */
+    size_t bytes; /* bytes backed by memory */
     size_t reserved;
 };
 
-/* Keeps base[0, used); the region is closed. gd__region_release gives it back, from any thread. */
+/* Closes the region and returns base[0, used). The caller frees it by gd__region_release, on any
+ * thread. */
 struct gd__kept gd__region_close(struct gd__region *region);
 void gd__region_release(const struct gd__kept *kept);
 
-/* Gives everything back. */
+/* Frees the region and its array. */
 void gd__region_destroy(struct gd__region *region);
 
-/* Released memory is kept for later regions up to so many bytes in all, 0 at first; more than that
- * goes back to the system at once. Thread-safe. */
+/* Sets the limit on the bytes of released memory that are kept for later regions, 0 at first.
+ * Returns memory beyond the limit to the system at once. Thread-safe. */
 void gd__region_keep_spare(size_t bytes);
 size_t gd__region_spare(void);
 

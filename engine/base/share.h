@@ -1,18 +1,20 @@
-/* Share: one long call that is done by several, each with a control of its own that tells the
- * caller's of the whole. */
+/* Share: divides the control of a long call among its parts, which run one after another. Each part
+ * has its own control, which reports to the caller's control. */
 #ifndef GD_BASE_SHARE_H
 #define GD_BASE_SHARE_H
 
 #include "gd/control.h"
 
 struct gd__share {
-    const struct gd_control *control; /* the caller's; may be NULL */
-    /* parts, which count as equally long; the owner counts `done` up */
+    const struct gd_control *control; /* the caller's control; may be NULL */
+    /* Number of parts, assumed equally long. The owner increments `done`. */
     uint32_t done, total;
+    double most; /* the largest fraction reported so far */
 };
 
-/* The parts' control: progress goes on where the last part ended; the `held` bytes that the caller
- * has meanwhile are off the budget. Valid as long as `share`, which it refers to. */
+/* Returns the control of the current part. Its progress continues where the last part ended, even
+ * if the part restarts from 0. Its budget is the caller's less `held` bytes, which the caller has
+ * allocated. The control refers to `share`. */
 struct gd_control gd__share_control(struct gd__share *share, size_t held);
 
 #endif

@@ -1,15 +1,14 @@
-/* See shortest.h.
+/* Computes the shortest decimal of a double. See shortest.h.
  *
  * Dragonbox: J. Jeon, "Dragonbox: a new floating-point binary-to-decimal conversion algorithm"
- * (2022), a descendant of R. Giulietti's Schubfach (2021). A double c 2^q is what all reals of an
- * interval about it are rounded to. Scaled by a power of ten, so that it is 100 to 1000 units long,
- * the interval may hold a multiple of 1000 units: that is the shortest decimal then, else the
- * multiple of 100 units that is nearest to the double is. The whole part of the interval's scaled
- * upper end, which takes one product with a power of 128 bits, tells both, unless a remainder is
- * just that of the other end, or of the middle: then the parity of their whole parts decides, for
- * there are but two candidates.
+ * (2022), derived from R. Giulietti's Schubfach (2021). All reals in an interval around a double c
+ * 2^q round to it. The interval is scaled by a power of ten to a length of 100 to 1000 units. If it
+ * contains a multiple of 1000 units, that multiple is the shortest decimal. Otherwise the multiple
+ * of 100 units nearest to the double is. The whole part of the interval's scaled upper end decides
+ * both; it is one product with a power of 128 bits. If a remainder equals that of the lower end or
+ * of the middle, the parities of the whole parts decide between the two candidates.
  *
- * The powers are computed exactly when this is compiled. */
+ * The powers are computed exactly at compile time. */
 #include "base/shortest.h"
 
 #include <array>
@@ -22,17 +21,19 @@ namespace
 
 using wide = unsigned __int128;
 
-struct power { /* high 2^64 + low: 10^k scaled to 128 bits, rounded up */
+/* high 2^64 + low: a power 10^k scaled to 128 bits, rounded up */
+struct power {
     std::uint64_t high, low;
 };
 
-constexpr int LEAST = -292, MOST = 326; /* exponents of ten that doubles need */
+constexpr int LEAST = -292, MOST = 326; /* range of the exponents of ten that doubles need */
 
 /* --- powers of ten ---------------------------------------------------------------------------- */
 
-constexpr int WORDS = 14; /* 896 bits: 5^326 takes 757, and 128 are left of 2^895 / 5^292 */
+/* 896 bits: 5^326 takes 757, and 2^895 / 5^292 has 128 significant bits */
+constexpr int WORDS = 14;
 
-/* A big integer, from its least significant word on. */
+/* A big integer; the least significant word comes first. */
 struct big {
     std::uint64_t words[WORDS];
 };
@@ -47,7 +48,8 @@ constexpr void times5(big &value)
     }
 }
 
-/* Rounds down: after n times it is the quotient by 5^n, rounded down. */
+/* Divides by 5 and rounds down. After n divisions the value is the quotient by 5^n, rounded
+ * down. */
 constexpr void over5(big &value)
 {
     wide rest = 0;
@@ -58,7 +60,7 @@ constexpr void over5(big &value)
     }
 }
 
-/* The 64 bits from the bit `low` on; what lies below the number is 0. */
+/* Returns the 64 bits from bit `low` on. Bits below the number are 0. */
 constexpr std::uint64_t bits_from(const big &value, int low)
 {
     std::uint64_t bits = 0;
@@ -77,7 +79,7 @@ constexpr int length_of(const big &value)
     return 64 * word + bits;
 }
 
-/* The leading 128 bits; one more in the last place unless they are all there is. */
+/* Returns the leading 128 bits, rounded up unless they are exact. */
 constexpr power leading(const big &value, bool is_exact)
 {
     const int length = length_of(value);
@@ -103,7 +105,8 @@ constexpr std::array<power, MOST - LEAST + 1> powers = make_powers();
 
 /* --- scaling ---------------------------------------------------------------------------------- */
 
-/* floor(log10(2^q)), or of 3/4 2^q; floor(log2(10^k)). Right for all exponents of doubles. */
+/* Return floor(log10(2^q)) or floor(log10(3/4 2^q)), and floor(log2(10^k)). Correct for all
+ * exponents of doubles. */
 constexpr int log10_of_2(int q, bool is_less)
 {
     return (q * 1262611 - (is_less ? 524031 : 0)) >> 22;
@@ -115,8 +118,8 @@ constexpr int log2_of_10(int k)
 }
 
 struct product {
-    std::uint64_t whole; /* part of a power times x / 2^128 */
-    bool is_whole;       /* nothing is cut off */
+    std::uint64_t whole; /* the whole part of a power times x / 2^128 */
+    bool is_whole;       /* the product is whole: no bits are cut off */
 };
 
 inline product multiply(const power &power, std::uint64_t x)
@@ -126,8 +129,8 @@ inline product multiply(const power &power, std::uint64_t x)
 }
 
 struct parity {
-    bool is_odd;   /* the whole part of a power times x / 2^(128 - shift) */
-    bool is_whole; /* nothing is cut off */
+    bool is_odd;   /* parity of the whole part of a power times x / 2^(128 - shift) */
+    bool is_whole; /* the product is whole: no bits are cut off */
 };
 
 inline parity find_parity(const power &power, std::uint64_t x, int shift)
@@ -141,16 +144,16 @@ inline parity find_parity(const power &power, std::uint64_t x, int shift)
 
 constexpr std::uint64_t E15 = 1000000000000000, E16 = 10 * E15;
 
-/* One or the other without a branch, which would be as good as random here. */
+/* Selects one of two values. Branchless, because the branch is unpredictable. */
 inline std::uint64_t select(bool condition, std::uint64_t yes, std::uint64_t no)
 {
     return no ^ ((yes ^ no) & -std::uint64_t(condition));
 }
 
-/* Makes 17 digits of fewer. */
+/* Pads a decimal to 17 digits. */
 inline gd::decimal with_zeros(std::uint64_t digits, int exponent)
 {
-    /* of the smallest doubles, and of powers of two */
+    /* more than one step for the smallest doubles and for powers of two */
     while (digits < E15) digits *= 10, exponent--;
     const bool has_16 = digits < E16;
     return {select(has_16, 10 * digits, digits), exponent - has_16 + 17};
@@ -161,14 +164,16 @@ inline bool is_rare(bool condition)
     return __builtin_expect(condition, 0);
 }
 
-/* Of an interval that reaches as far down as up. Its ends belong to it if c is even. */
+/* Finds the decimal for an interval that is symmetric about the double. Its ends belong to the
+ * interval if c is even. */
 inline gd::decimal search(std::uint64_t c, int q)
 {
     const int k = log10_of_2(q, false) - 2, shift = q + log2_of_10(-k);
     const power &power = powers[-k - LEAST];
     const bool is_even = !(c & 1);
     const std::uint32_t length =
-        std::uint32_t(power.high >> (63 - shift)); /* in units, rounded down, as is half of it */
+        /* length of the interval in units, rounded down; also half of it */
+        std::uint32_t(power.high >> (63 - shift));
     const product upper = multiply(power, (2 * c + 1) << shift);
     std::uint64_t thousands = upper.whole / 1000;
     std::uint32_t rest = std::uint32_t(upper.whole - 1000 * thousands);
@@ -177,14 +182,15 @@ inline gd::decimal search(std::uint64_t c, int q)
         const parity lower = find_parity(power, 2 * c - 1, shift);
         is_thousands = lower.is_odd || (lower.is_whole && is_even);
     } else if (is_rare(rest == 0 && upper.is_whole &&
-                       !is_even)) { /* the upper end itself, which does not belong to it */
+                       /* the upper end itself, which does not belong to the interval */
+                       !is_even)) {
         thousands--;
         rest = 1000;
         is_thousands = false;
     }
     const std::uint32_t distance = rest - length / 2 + 50, hundreds = distance / 100;
     std::uint64_t nearest = 10 * thousands + hundreds;
-    /* just above the middle of two, in it, or just below */
+    /* the middle of two candidates is just above the double, at it, or just below */
     if (is_rare(hundreds * 100 == distance && !is_thousands)) {
         const parity middle = find_parity(power, 2 * c, shift);
         const bool is_below = middle.is_odd != bool((distance ^ 50) & 1);
@@ -193,7 +199,8 @@ inline gd::decimal search(std::uint64_t c, int q)
     return with_zeros(select(is_thousands, 10 * thousands, nearest), k + 2);
 }
 
-/* Of 2^(q + 52), whose interval reaches only half as far down; it is 1 to 10 units long here. */
+/* Finds the decimal for 2^(q + 52), whose interval extends only half as far below it. Here the
+ * interval is 1 to 10 units long. */
 inline gd::decimal search_close(int q)
 {
     const int k = log10_of_2(q, true), shift = q + log2_of_10(-k);
@@ -227,8 +234,8 @@ gd::decimal gd::shortest(double value)
 namespace
 {
 
-/* Of the unit 10^k, the least power of ten above 2^q: 2^(q + 119) / 10^k, which is a power
- * shifted. */
+/* Returns the scale for the unit 10^k, the least power of ten above 2^q. It is 2^(q + 119) / 10^k,
+ * a shifted power. */
 constexpr gd__decimal_scale make_scale(int q)
 {
     const int k = log10_of_2(q, false) + 1;

@@ -1,5 +1,5 @@
-/* Shortest: the shortest decimal that reads back as the same double; of several as short, the
- * nearest to it; of two as near, the one whose last digit is even. */
+/* Computes the shortest decimal that reads back as the same double. Among the decimals of that
+ * length it returns the nearest to the double; in a tie, the one with an even last digit. */
 #ifndef GD_BASE_SHORTEST_H
 #define GD_BASE_SHORTEST_H
 
@@ -8,14 +8,14 @@
 namespace gd
 {
 
-/* 0.DIGITS x 10^point. */
+/* The decimal 0.DIGITS x 10^point. */
 struct decimal {
-    /* 17 of them, the first one not 0; zeros behind the last one that counts */
+    /* 17 digits, padded by zeros; the first is not 0 */
     std::uint64_t digits;
     int point;
 };
 
-/* Of a positive finite double. Thread-safe, some 10 ns. */
+/* Converts a positive finite double. Thread-safe, about 10 ns. */
 decimal shortest(double value);
 
 } // namespace gd

@@ -38,6 +38,11 @@ enum gd_status gd_fail(struct gd_detail *detail, enum gd_status status, const ch
     return status;
 }
 
+enum gd_status gd_fail_status(struct gd_detail *detail, enum gd_status status)
+{
+    return gd_fail(detail, status, "%s", gd_status_sentence(status));
+}
+
 void gd_detail_add(struct gd_detail *detail, enum gd_element kind, uint64_t a, uint64_t b)
 {
     if (!detail) return;

@@ -3,48 +3,50 @@
 #ifndef GD_BASE_TOLERANCE_H
 #define GD_BASE_TOLERANCE_H
 
-/* "Strictly shorter" means by more than this times the compared quantities (distances and the
- * edge's length): some 45 ulps. Ties stay with what exists, so that rounding can't make two equal
- * wedges replace each other for ever. Never a global constant: a small part in a large assembly has
- * its own scale. */
+/* "Strictly shorter" means shorter by more than this times the compared quantities (distances and
+ * the edge's length), about 45 ulps. A tie changes nothing, so rounding cannot make two equal
+ * wedges replace each other forever. The tolerance is relative, because a small part in a large
+ * assembly has its own scale. */
 #define GD_TOL_BETTER 1e-14
 
-/* A window gives way to what its source casts again once the source is nearer by more than this
- * times the window's distance: some ties of a contest. */
+/* A window is stale if its source has come nearer since it cast the window, by more than this times
+ * the window's distance. The source casts new windows, which replace a stale one. The tolerance
+ * absorbs some ties of a contest. */
 #define GD_TOL_STALE 1e-13
 
-/* A window narrower than this part of its edge is dropped; the vertex candidates close the gap to
- * second order in the angle that it subtends, which is at most GD_TOL_WIDTH / GD_TOL_FLAT. */
+/* A window narrower than this part of its edge is dropped. The vertex candidates close the gap. The
+ * error is of second order in the angle that the gap subtends, at most GD_TOL_WIDTH /
+ * GD_TOL_FLAT. */
 #define GD_TOL_WIDTH 1e-13
 
-/* ... and where several seeds are put together only a part as narrow as rounding makes them: to a
- * seed beside the edge, whose view others end there, it may be half of what it sees. */
+/* Where several seeds meet, only windows as narrow as rounding are dropped: a seed beside the edge
+ * may see the edge through a window that is only slightly wider. */
 #define GD_TOL_NARROW 1e-15
 
-/* A face whose height over its longest edge is less than this part of that edge is refused as
- * degenerate: a source in its corner lies so close to the edge that parameters along the edge no
- * longer tell the angle at which it is seen. */
+/* A face is rejected as degenerate if its height over its longest edge is less than this part of
+ * that edge. A source in a corner of such a face lies so close to the edge that parameters along
+ * the edge do not determine the angle at which the source is seen. */
 #define GD_TOL_FLAT 1e-7
 
-/* A source outside an edge's ends and less than this part of its length off its line sees it end
- * on: the end's candidate covers it. */
+/* A source sees an edge end on if it lies beyond the edge's ends and less than this part of the
+ * edge's length off its line. The candidate of the edge's end covers this case. */
 #define GD_TOL_GRAZING 1e-13
 
-/* ... unless the source lies within this part of the length of the edge itself: then it sees the
- * edge at all angles. */
+/* Exception: a source within this part of the length of the edge itself sees the edge at all
+ * angles. */
 #define GD_TOL_BESIDE 1e-6
 
-/* A point nearer to a vertex than this part of the least altitude of the vertex' faces is beside
- * it: it sees out of the vertex' fan all that the vertex sees, and its rays leave the fan's edges
- * near the vertex. From farther away the ends of windows, which are places on edges rounded by
- * 2e-16, tell angles to 1e-13 (doc 002). */
+/* A point is beside a vertex if it is nearer to it than this part of the least altitude of the
+ * vertex' faces. Outside the vertex' fan it sees what the vertex sees, and its rays leave the fan's
+ * edges near the vertex. From farther away the ends of windows, which are rounded by 2e-16 of their
+ * edges, determine angles to 1e-13 (doc 002). */
 #define GD_TOL_BESIDE_VERTEX 1e-2
 
-/* The bisector's quadratic: a discriminant this far below zero (relative to b^2) has no root but
- * for rounding; a root may miss the branch condition by this part of its terms; its residual in the
- * distances shows whether it is a root at all; Newton polishes it once, only where there is a slope
- * (at a tangential double root the step would jump far) and only by this part of the interval;
- * closer roots are one. */
+/* The quadratic of a bisector. A discriminant this far below zero (relative to b^2) has no root, up
+ * to rounding. A root may miss the branch condition by this part of its terms. Its residual in the
+ * distances decides whether it is a root. One step of Newton's method improves a root if the slope
+ * is not zero (at a double root the step would be far too large) and the step is at most this part
+ * of the interval. Closer roots count as one. */
 #define GD_TOL_DISCRIMINANT    1e-12
 #define GD_TOL_BRANCH          1e-10
 #define GD_TOL_ROOT_RESIDUAL   1e-6
@@ -52,280 +54,307 @@
 #define GD_TOL_POLISH_STEP     1e-4
 #define GD_TOL_ROOT_SEPARATION 1e-12
 
-/* An edge shorter than this part of the distance of its end is no more than rounding to distances
- * there: the way along it is as good as any other. */
+/* An edge shorter than this part of the distance of its end is below the rounding of that distance.
+ * Any path to its end is then as good as the path along the edge. */
 #define GD_TOL_LOST 1e-12
 
-/* Two windows of one pseudo-source are one when their unfolded sources agree to this part of their
+/* Two windows of one pseudo-source are joined if their unfolded sources agree to this part of their
  * distance. */
 #define GD_TOL_SAME_SOURCE 1e-13
 
-/* Windows of one source that are this part of their width apart leave no gap between them. */
+/* Windows of one source that are less than this part of their width apart leave no gap between
+ * them. */
 #define GD_TOL_ADJACENT 1e-9
 
-/* A vertex is a saddle when its total angle exceeds 2 pi by more than this: below it no shortest
- * path can bend there measurably, and a flat vertex, whose angles sum to 2 pi only up to rounding,
- * must not become a source. */
+/* A vertex is a saddle if its total angle exceeds 2 pi by more than this. At a smaller excess no
+ * shortest path bends measurably. A flat vertex, whose angles sum to 2 pi only up to rounding, must
+ * not become a source. */
 #define GD_TOL_SADDLE 1e-9
 
-/* An edge of a fan lies in a saddle's shadow cone when it is inside it or within this angle of
+/* An edge of a fan lies in a saddle's shadow cone if it is inside the cone or within this angle of
  * it. */
 #define GD_TOL_CONE 1e-7
 
-/* A face flatter than this (height over its longest edge) counts as nearly degenerate. A vertex so
- * close to its opposite edge casts its whole window through the face: the ends of a clipped one
- * would not tell the angle. The cone saves work only; more than it is never wrong. */
+/* A face flatter than this (height over its longest edge) counts as nearly degenerate. A vertex
+ * that close to its opposite edge casts its whole window through the face, because the ends of a
+ * clipped window would not determine the angle. The shadow cone only saves work, so a wider window
+ * is correct. */
 #define GD_TOL_CAP 1e-6
 
-/* A traced path that passes a vertex closer than this part of the edge goes through the vertex:
- * which side rounding picks is no matter, the length changes by its square. Well above what
- * unfolding a thousand faces rounds away. */
+/* A traced path that passes a vertex closer than this part of the edge goes through the vertex. The
+ * side that rounding picks does not matter: the length changes only by the square of the offset.
+ * The tolerance is well above the rounding of a thousand unfolded faces. */
 #define GD_TOL_SNAP 1e-10
 
-/* A path whose length disagrees with the distance is traced again with care. A leg then passes
- * through a vertex that is this part of the way to the leg's nearer end aside. The detour is the
- * square of this part. The first attempt uses the least value, each further one a step more. */
+/* A path whose length disagrees with the distance is traced again with a wider tolerance. A leg
+ * then passes through a vertex if the vertex is off the leg by less than this part of the distance
+ * to the leg's nearer end. The detour is the square of this part. The first attempt uses LEAST,
+ * each further one STEP times more. */
 #define GD_TOL_ASIDE_LEAST 1e-16
 #define GD_TOL_ASIDE_STEP  100
 
-/* ... added to it: this part of the crossed edge at most, because wedges' ends are stored to 2^-32
- * of the edge; and this part of the distance, because rounding decides between wedges in faces that
- * are smaller. */
+/* Also added to that tolerance: this part of the crossed edge at most, because the ends of wedges
+ * are stored to 2^-32 of the edge; and this part of the distance, because in smaller faces rounding
+ * decides between wedges. */
 #define GD_TOL_ASIDE_END   1e-9
 #define GD_TOL_ASIDE_NOISE 1e-14
 
-/* ... and when less than this part of a leg is left, its source is looked up again: its place in
- * the frame of the face has the rounding of the whole leg. */
+/* A leg is recomputed when less than this part of it is left, because the position of its source in
+ * the face's frame has the rounding of the whole leg. */
 #define GD_TOL_ANEW 1e-4
 
-/* A traced ray has reached its pseudo-source when the image lies this close to it, relative to the
- * ray and the face. */
+/* A traced ray has reached its pseudo-source if the unfolded source lies this close to it, relative
+ * to the ray and the face. */
 #define GD_TOL_ARRIVED 1e-6
 
-/* Barycentric coordinates and edge parameters this close to the border are on it: the rounding of
- * their own sum. */
+/* Barycentric coordinates and edge parameters this close to the border are on it. This is the
+ * rounding of their own sum. */
 #define GD_TOL_ON_BORDER 4e-15
 
-/* A curve's corner this close to the border is put there. What it sees ends right beside its foot
- * on the edge, where the ends of windows are places on the edge: from nearer by they would not tell
- * the angle well enough for distances to be right to 1e-9. */
+/* A corner of a curve this close to an edge is moved onto it. The corner's view ends right beside
+ * its perpendicular foot on the edge, and the ends of windows are parameters of the edge. At a
+ * smaller distance they would not determine the angle well enough for distances to 1e-9. */
 #define GD_TOL_CORNER 4e-12
 
-/* How far a caller's barycentrics may be from summing to one, or t from [0,1], before they are an
- * error and not rounding. */
+/* A caller's barycentrics may differ from a sum of one, and its t may lie outside [0,1], by this
+ * much. More is an error. */
 #define GD_TOL_INPUT 1e-9
 
-/* A field that reaches less far than this part of the longest edge is not resumed but built anew.
- * So is one of a graded mesh: its shortest edge is less than that part of the longest one. */
+/* A field with a reach below this part of the longest edge is not resumed but rebuilt from the
+ * seeds. A field of a graded mesh is not resumed either: a mesh is graded if its shortest edge is
+ * less than this part of the longest one. */
 #define GD_TOL_COARSE_REACH 1e-3
 #define GD_TOL_GRADED       1e-6
 
-/* A leg that crosses an edge within this part of it from where it would do so straight is straight:
- * wedges' ends are stored to 2^-32. */
+/* Wedges are packed if the shortest edge is at least this long, in the normalised unit. Packed
+ * coordinates have an absolute precision of 2^-115. For sources within GD_TOL_ON_BORDER of an edge
+ * this is below rounding. */
+#define GD_TOL_PACKED 1e-6
+
+/* A leg is straight if it crosses an edge within this part of the edge from the straight line: the
+ * ends of wedges are stored to 2^-32. */
 #define GD_TOL_STRAIGHT 1e-9
 
-/* One source that a face sees through several wedges has images that differ by this part of its
- * distance, as each was unfolded on its own way; and places in a face are rounded by this part of
- * its size. Envelopes take sources for tied that differ by no more than both. */
+/* A source that is seen through several wedges has unfolded images that differ by this part of its
+ * distance, because each image is unfolded along its own faces. Positions in a face are rounded by
+ * this part of the face's size. In an envelope, sources tie if they differ by no more than the sum
+ * of both. */
 #define GD_TOL_ENVELOPE 1e-12
 #define GD_TOL_PLACE    4e-15
 
-/* In a Voronoi diagram each member is taken to be farther than it is by less than this part of the
- * field's greatest distance, another one for each: well above what rounding makes of ties, well
- * below the promise of the interface. */
+/* The nudge of a Voronoi diagram: it increases each member's distance by less than this part of the
+ * field's greatest distance, by a different amount for each member. It is well above the rounding
+ * of ties and well below the promised precision. */
 #define GD_TOL_TIE 1e-11
 
-/* ... and its nodes are looked for this close, relative to the edge or the face, to where the nudge
- * put them; ends that lie so close together are one. Where a bisector meets an edge of two sources'
- * sight at a small angle, the nudge and rounding move its end by much more than they are. */
+/* Nodes of a diagram are searched within this distance of their nudged positions, relative to the
+ * edge or the face. Ends that close are one node. Where a bisector meets the border of two sources'
+ * views at a small angle, nudge and rounding move its end by much more than their size. */
 #define GD_TOL_NODE 1e-6
 
-/* Where two bisectors of three sources meet at a smaller angle, their place in common is not told
- * well by the distances: a line and its end have one tangent there. Left where it is, it is off by
- * no more than the nudge. */
+/* If two bisectors of three sources meet at a smaller angle, the distances do not determine the
+ * common point: a line and its end have one tangent there. The nudged position is kept; its error
+ * is at most the nudge. */
 #define GD_TOL_TANGENT 1e-3
 
-/* A line may be taken to see more than it does by this part of its distance there, where rounding
- * would leave a gap: it is too near then by half that part of what it is lengthened by. */
+/* The view of a line may be widened by this part of its distance, to close gaps due to rounding.
+ * The distance is then too short by half this part of the widening. */
 #define GD_TOL_LENGTHENED 1e-3
 
-/* Ends of an isoline's arcs this close together, relative to the face, are looked at first to find
- * which of them are one. It bounds the work, not what is matched. */
+/* Ends of arcs this close together, relative to the face, are matched first. The tolerance limits
+ * the work, not which ends may match. */
 #define GD_TOL_MEET 1e-6
 
-/* A path's own length against the distance from the wedges, relative: the promise of the
- * interface. */
+/* Largest relative difference between a path's own length and the distance of the wedges. The
+ * interface promises this precision. */
 #define GD_TOL_CHECK 1e-9
 
-/* A point of space this close to a vertex or an edge is on it, relative to the largest coordinate
- * in play: the rounding of a position that was computed, printed or stored, 8 ulps. */
+/* A point in space this close to a vertex or an edge is on it, relative to the largest coordinate.
+ * This is 8 ulps, the rounding of a computed, printed or stored position. */
 #define GD_TOL_LOCATE 1.8e-15
 
-/* Bounds that prune a search are rounded to the safe side by this part, and by this part of the
- * coordinates. Not for their own rounding: across faces as flat as GD_TOL_FLAT a distance along the
- * way may be off by some 1e-10, and what is pruned there has no other way on. */
+/* Bounds that prune a search are rounded to the safe side by this part of the bound, and by this
+ * part of the coordinates. Their own rounding is smaller. But across faces as flat as GD_TOL_FLAT
+ * the distance of a path may be off by about 1e-10, and no other path replaces a wrongly pruned
+ * one. */
 #define GD_TOL_BOUND 1e-8
 
-/* Rounding of a distance that is kept as a float, or of a difference of such: by this part, and in
- * components so small that floats no longer tell lengths well by a few of the smallest one. */
+/* Rounding of a distance that is stored as a float, or of a difference of two: this part of it. In
+ * components so small that floats do not represent lengths well, the rounding is a few times the
+ * smallest float. */
 #define GD_TOL_FLOAT       6e-8
 #define GD_TOL_FLOAT_LEAST 1e-44
 
-/* A straight line that comes this close to a vertex, relative to the edge that it crosses there and
- * to the way from its start, whichever is shorter, goes through it (GD_TOL_PLACE of the edge is
- * added); and its end lies on the edge or the vertex that it is this close to, relative to the edge
- * and to its length, whichever is shorter. Also, as an angle, how far half a turn may miss a
- * boundary edge: straight boundaries are so up to rounding. */
+/* A straight line goes through a vertex if it passes this close, relative to the shorter of the
+ * edge that it crosses there and the length from its start (plus GD_TOL_PLACE of the edge). Its end
+ * is put on an edge or a vertex this close, relative to the shorter of the edge and the line. This
+ * is also the largest angle by which a direction may miss a boundary edge and still run along
+ * it. */
 #define GD_TOL_HIT 1e-12
 
-/* ... and this part of the way that it has come is added: what unfolding face after face rounds
- * away. */
+/* Added to GD_TOL_HIT: this part of the length walked, for the rounding of unfolded faces. */
 #define GD_TOL_DRIFT 1e-15
 
-/* A segment of a vector that is followed by another ends in the vertex that it comes this close to,
- * relative to its length; and a segment that meets the boundary with so little left has come to its
- * end. Faces as flat as GD_TOL_FLAT round away almost as much. */
+/* A segment of a vector that another segment follows ends at a vertex this close, relative to the
+ * segment's length. A segment that meets the boundary with so little left has reached its end.
+ * Faces as flat as GD_TOL_FLAT have nearly as much rounding. */
 #define GD_TOL_JOINT 1e-9
 
-/* A line touches a segment of itself that it misses by this part of the two: it has come round with
- * the rounding of its whole way. */
+/* A line touches an earlier segment of itself if it misses it by less than this part of both. The
+ * rounding of a line is that of its whole length. */
 #define GD_TOL_TOUCH 1e-9
 
-/* What a cut's curve passes more closely than this part of a face's longest edge it is moved to:
- * ten times what a face must not be flatter than. In faces that are nearly flat themselves more is
- * tried, up to the second, by steps of the third. */
+/* A cut's curve is moved onto a vertex or an edge within this part of a face's longest edge: ten
+ * times the flatness below which a face is rejected. In faces that are nearly flat themselves,
+ * larger parts are tried, multiplied by STEP each time, up to MOST. */
 #define GD_TOL_SEAM      1e-6
 #define GD_TOL_SEAM_MOST 1.5e-2
 #define GD_TOL_SEAM_STEP 10
 
-/* A side of a triangulation is flipped when the sine of its opposite angles' sum is this far below
- * zero: the rounding of both, so that no flip is undone. */
+/* An edge of a triangulation is flipped if the sine of the sum of its opposite angles is this far
+ * below zero. Rounding is smaller, so no flip is undone. */
 #define GD_TOL_DELAUNAY 1e-12
 
-/* A mean is found when the step that would be next is this part of how far the points lie from it:
- * directions and lengths of some searches, rounded. */
+/* The iteration for a mean has converged if the next step is this part of its distance from the
+ * points: the rounding of directions and lengths. */
 #define GD_TOL_MEAN 1e-11
 
-/* A line that bends at a vertex by less than this angle is straight there: going round on the other
- * side would shorten it by the square. */
+/* A line that bends at a vertex by less than this angle is straight there. Passing the vertex on
+ * the other side would shorten it only by the square of the angle. */
 #define GD_TOL_BEND 1e-10
 
-/* A closed curve is a geodesic when it misses being straight by less than this angle where it
- * begins and ends: its length is off by the square. */
+/* A closed curve is a geodesic if it bends by less than this angle where it begins and ends. The
+ * error of its length is the square of the angle. */
 #define GD_TOL_CLOSED_TURN 1e-9
 
-/* A closed curve that is no longer than this part of what it was shrinks to a point. */
+/* A closed curve that shrinks to less than this part of its first length shrinks to a point. */
 #define GD_TOL_VANISH 1e-9
 
-/* Points of a spline that are closer than this part of the distance to the farthest of their
- * neighbours are one point: what is between them has no direction. */
+/* Points of a spline closer than this part of the distance to the farthest of their neighbours are
+ * one point: no direction between them is defined. */
 #define GD_TOL_SAME_POINT 1e-12
 
-/* Coordinates and extents beyond this and its inverse are refused: their squares leave the range of
- * doubles. */
+/* Simplification makes no face flatter than this. The faces that gd_mesh_build warns about are much
+ * flatter. A face that is nearly a line has no reliable normal. */
+#define GD_TOL_EDIT_FLAT 1e-2
+
+/* A filled hole avoids triangles flatter than this: their normals have few digits, and later edge
+ * flips need a normal. */
+#define GD_TOL_EDIT_PATCH 1e-5
+
+/* Coordinates and extents beyond this and its inverse are rejected: their squares leave the range
+ * of doubles. */
 #define GD_EXTENT_MAX 1e150
 
-/* Within one mesh lengths and coordinates stay within this factor of the mean edge: fourth powers
- * stay in range. */
+/* Within one mesh, lengths and coordinates stay within this factor of the mean edge, so fourth
+ * powers stay in range. */
 #define GD_EXTENT_RATIO 1e75
 
 /* --- parametric surfaces (nurbs) -------------------------------------------------------------- */
 
-/* Two borders of a surface are one curve, or a border is one point, when they agree to this part of
- * the surface's size: lengths across are off by no more. */
+/* Two borders of a surface are one curve, or a border is one point, if they agree to this part of
+ * the surface's size. Lengths across the border are off by no more. */
 #define GD_TOL_CLOSED 1e-11
 
-/* Derivatives in u and v that enclose an area of less than this part of their squares are parallel:
- * a pole. */
+/* Derivatives in u and v are parallel, as at a pole, if they enclose an area of less than this part
+ * of their squares. */
 #define GD_TOL_REGULAR 1e-14
 
-/* A pivot of Cholesky's method below this part of its diagonal entry is zero but for rounding: the
+/* A pivot of Cholesky's method below this part of its diagonal entry is zero up to rounding: the
  * matrix is not positive definite. */
 #define GD_TOL_PIVOT 1e-13
 
-/* The second derivative of a length by the place of its end, relative to 1 / length, is zero but
- * for rounding below this. */
+/* The second derivative of a length by the position of its end, relative to 1 / length, is zero up
+ * to rounding below this. */
 #define GD_TOL_DEGENERATE 1e-9
 
-/* Newton's method on a length has arrived when the next step promises less than this part of it:
- * the square of what rounding leaves of the gradient. */
+/* Newton's method on a length has converged if the next step would save less than this part of the
+ * length: the square of the gradient's rounding. */
 #define GD_TOL_STATIONARY 1e-24
 
-/* ... and below this promise lengths no longer tell steps apart: steps are taken as they come, as
- * long as the promise falls. */
+/* Below this saving, lengths do not distinguish steps. Steps are then accepted as long as the
+ * expected saving decreases. */
 #define GD_TOL_BLIND 1e-12
 
-/* A curve may leave its smooth cell of a surface by this part of the cell's width: the cell goes on
- * smoothly, and differs from its neighbour by the square of that at most. */
+/* A curve may leave its smooth cell of a surface by this part of the cell's width. There the cell's
+ * polynomial continues smoothly and differs from the neighbour's by the square of that part at
+ * most. */
 #define GD_TOL_CELL 1e-8
 
-/* Two curves on a surface meet when places of them are this close in space, relative to the
- * surface's size; then their distance is 0. */
+/* Two curves on a surface meet if points of them are this close in space, relative to the surface's
+ * size. Their distance is then 0. */
 #define GD_TOL_COINCIDE 1e-13
 
-/* ... and this close in the domain, relative to its width: a surface may pass through itself. */
+/* The two points must also be this close in the domain, relative to its width, because a surface
+ * may intersect itself. */
 #define GD_TOL_ONE_PLACE 1e-6
 
-/* Ends of a spline that meet a curve at less than a right angle by more than this are refined. */
+/* The end of a spline on a curve is refined if its angle with the curve is off a right angle by
+ * more than this. */
 #define GD_TOL_END 1e-9
 
-/* A path through a pole is straight there, and so a geodesic, when its direction changes by less
- * than this: the length is off by the square. */
+/* A path through a pole is straight there, and so a geodesic, if its direction changes by less than
+ * this. The error of its length is the square of the change. */
 #define GD_TOL_POLE_BEND 1e-6
 
-/* Geodesics of a subdivision surface: the error of an integration step relative to the patch and
- * the speed, a few hundred times rounding; towards a spike, where the derivatives become parallel,
- * over the sine of their angle; */
+/* Geodesics of a subdivision surface: the largest error of an integration step, relative to the
+ * patch and the speed. It is a few hundred times rounding. Near a spike, where the derivatives
+ * become parallel, it is divided by the sine of their angle. */
 #define GD_TOL_GEODESIC 1e-13
 
-/* ... how far beyond the border of a patch, relative to it, a path that runs along the border
- * counts as inside: the polynomial goes on there, and is off by the third power of that; */
+/* A path along the border of a patch counts as inside up to this distance beyond the border,
+ * relative to the patch. The polynomial continues there, with an error of the third power of the
+ * distance. */
 #define GD_TOL_PATCH 1e-12
 
-/* ... and a vertex this near, relative to the surface's extent, is met: that moves the path no
- * more. */
+/* A path meets a vertex this near, relative to the surface's extent. A smaller distance does not
+ * move the path. */
 #define GD_TOL_VERTEX 1e-11
 
-/* Two directions from a corner of a limit surface whose cross product is shorter than this part of
- * them are one, and there is no normal: where there is one, what lies across is after the last
- * halving more than that of what lies along, however many faces meet. */
+/* Two directions from a corner of a limit surface are parallel, and there is no normal, if their
+ * cross product is shorter than this part of them. If there is a normal, the component across
+ * exceeds that part of the component along, even after the last halving and for any number of
+ * faces. */
 #define GD_TOL_SPIKE 1e-10
 
-/* A foot on a limit surface is found when Newton's step is this small in the face's coordinates. */
+/* Newton's method for the closest point of a limit surface has converged if its step is this small
+ * in the face's coordinates. */
 #define GD_TOL_FOOT 1e-14
 
-/* Shooting: the direction beside that measures how a geodesic's end moves, in radians; an end this
- * near to its aim, relative to the length, has arrived; and a length that differs from the
- * polyline's by more than this part is another geodesic's. */
+/* Shooting. BESIDE_SHOT: the change of direction, in radians, by which the derivative of a
+ * geodesic's end is measured. SHOT: an end this near to its target, relative to the length, has
+ * arrived. SAME_WAY: a geodesic whose length differs from the polyline's by more than this part is
+ * another geodesic. */
 #define GD_TOL_BESIDE_SHOT 1e-6
 #define GD_TOL_SHOT        1e-11
 #define GD_TOL_SAME_WAY    0.1
 
-/* Gaps between neighbouring strips of a segment's profile are narrower than this part of it: 2^-32
- * of an edge, seen at a slant. */
+/* Neighbouring strips of a segment's profile leave gaps narrower than this part of it: 2^-32 of an
+ * edge, seen at a slant. */
 #define GD_TOL_GAP 1e-6
 
-/* Two paths to a point that come from directions this far apart, in radians, are two: those round
- * both sides of a vertex that they all but pass through differ by less. The point lies on the cut
- * locus if it is no farther from it than this part of its distance: what rounding leaves of a
- * tie. */
+/* Two paths to a point are different if their arrival directions differ by this angle, in radians.
+ * Paths around both sides of a vertex that they nearly pass differ by less. The point lies on the
+ * cut locus if the lengths of the paths differ by no more than the second part of its distance: the
+ * rounding of a tie. */
 #define GD_TOL_CUT_ANGLE 1e-3
 #define GD_TOL_CUT       1e-10
 
-/* A way that bounds a search is pulled tight until that makes it shorter by less than this part of
- * its length: what is left of it, some times as much, makes the search wider by next to nothing. */
+/* A path that bounds a search is straightened until a round shortens it by less than this part of
+ * its length. The excess that remains is a few times this part and hardly widens the search. */
 #define GD_TOL_TETHER 1e-5
 
-/* A step from ring to ring (kernel/ring.h) in floats is rounded by this at most, over the search's
- * bound, where no coordinate is larger than that. */
+/* Largest rounding of a step from ring to ring (kernel/ring.h) in floats, relative to the search's
+ * bound. No coordinate exceeds that bound. */
 #define GD_TOL_RING 2e-6
 
-/* Segments of a curve that turn by less than this go on straight: what lies behind their joint is a
- * sector of that angle, to which ways round the ends of the segments' windows are as short but for
- * its square. A place so near to the line across a joint is its own, too. */
+/* Segments of a curve that turn by less than this at their joint are straight there. The sector
+ * behind the joint has that angle. The paths around the ends of the segments' windows are as short
+ * in the sector, up to the square of the angle. A point this near to the line across a joint also
+ * belongs to the joint. */
 #define GD_TOL_ONWARD 1e-10
 
-/* And by how much the foot of its perpendicular is rounded, over the lengths of its face's
+/* Rounding of the foot of the joint's perpendicular, relative to the lengths of its face's
  * sides. */
 #define GD_TOL_ONWARD_ROUNDING 2e-15
 

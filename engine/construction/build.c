@@ -1,4 +1,4 @@
-/* The recipe of gd_mesh_build. */
+/* gd_mesh_build: runs the steps in order. */
 #include <stdlib.h>
 
 #include "construction/steps.h"
@@ -7,7 +7,7 @@
 
 struct step {
     enum gd_status (*run)(struct gd__construction *work);
-    double done; /* part of the whole work after it, as measured on a sphere of 328k faces */
+    double done; /* progress after the step, measured on a sphere of 328k faces */
 };
 
 static const struct step steps[] = {
@@ -22,18 +22,19 @@ static const struct step steps[] = {
 
 static enum gd_status run_steps(struct gd__construction *work)
 {
-    work->until = 0;
+    work->progress_end = 0;
     for (size_t i = 0; i < sizeof steps / sizeof *steps; i++) {
-        work->begun = work->pace.fraction = work->until;
-        work->until = steps[i].done;
-        enum gd_status status = gd_control_check(work->control, work->begun);
+        work->progress = work->pace.fraction = work->progress_end;
+        work->progress_end = steps[i].done;
+        enum gd_status status = gd_control_check(work->control, work->progress);
         if (!status) status = steps[i].run(work);
         if (status || work->pace.status) return status;
     }
     return gd_control_check(work->control, 1);
 }
 
-/* A step that was stopped may have judged what it had not finished. */
+/* Returns the status of a step. An interrupted step may report an error about unfinished data, so
+ * the status of the pace replaces it. */
 static enum gd_status outcome(const struct gd__construction *work, enum gd_status status)
 {
     if (!work->pace.status) return status;

@@ -1,5 +1,4 @@
-/* Which faces share an edge; refuses what no surface has: edges of more than two faces, and faces
- * given twice. */
+/* Finds the faces that share an edge. Rejects edges of more than two faces, and duplicate faces. */
 #include <stdlib.h>
 
 #include "base/large.h"
@@ -14,8 +13,9 @@ static uint32_t opposite_corner(const struct gd__construction *work, uint32_t si
 }
 
 struct findings {
-    struct gd__offenders duplicates; /* a: a face, witness: an earlier one with the same vertices */
-    /* a, b: an edge of more than two faces, witness: its first entry in the table */
+    /* a: a face; witness: an earlier face with the same vertices */
+    struct gd__offenders duplicates;
+    /* a, b: an edge of more than two faces; witness: its first entry in the table */
     struct gd__offenders crowded;
 };
 
@@ -33,8 +33,8 @@ static int compare_apices(const void *x, const void *y)
     return a->side < b->side ? -1 : a->side > b->side;
 }
 
-/* Faces with the same vertices meet at the edge of their two lowest ones: looks there only, so that
- * each is found once. */
+/* Finds equal faces. They share the edge of their two lowest vertices. Only that edge is searched,
+ * so each duplicate is found once. */
 static enum gd_status find_duplicates(const struct gd__construction *work,
                                       const struct gd__edge_use *use, uint32_t count,
                                       struct findings *findings)
@@ -52,7 +52,7 @@ static enum gd_status find_duplicates(const struct gd__construction *work,
     return GD_OK;
 }
 
-/* An edge with more faces than a surface can have there. */
+/* Records an edge with more than two faces. */
 static enum gd_status note_crowded(const struct gd__construction *work,
                                    const struct gd__edge_table *table,
                                    const struct gd__edge_run *run, struct findings *findings)

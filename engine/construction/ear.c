@@ -1,20 +1,20 @@
-/* DESIGN. The polygon is projected to its Newell plane, where it runs counter-clockwise, and kept
- * as a ring of corners. Every corner has a score, the higher the better its triangle (previous,
- * corner, next) as the next one to cut off:
+/* DESIGN. The polygon is projected to its Newell plane, where it runs counter-clockwise, and stored
+ * as a ring of corners. Each corner has a score for its triangle (previous, corner, next) as the
+ * next one to cut off. The best score is cut first:
  *
- *   -INFINITY        the diagonal exists already or has length zero: never
+ *   -INFINITY        the diagonal exists already or has length zero: never cut
  *   shape - 2        the corner is reflex in the plane
- *   shape - 1        convex, but another corner lies within
+ *   shape - 1        the corner is convex, but its triangle contains another corner
  *   shape, in [0,1]  an ear
  *
- * shape: 4 sqrt(3) area / (sum of squared sides), 1 for an equilateral triangle, in space. Of four
- * corners left, cutting one off decides both triangles: the worse one counts. Cutting changes the
- * triangles of the two neighbours only, and in the plane no corner becomes an ear but those: what
- * lies within a triangle stays there.
+ * shape is 4 sqrt(3) area / (sum of squared sides) in space: 1 for an equilateral triangle. If four
+ * corners are left, cutting one off determines both triangles, and the worse of the two counts. A
+ * cut changes only the triangles of the two neighbours, and only these can become ears: the corners
+ * within other triangles stay there.
  *
- * Greed can end with corners that may not be cut off although another order would have gone
- * through: then the ears are cut again, but the last corners are left to an exhaustive search
- * (interval.c). */
+ * This greedy order can end with corners that may not be cut off, although another order would
+ * succeed. Then the ears are cut again, and an exhaustive search (interval.c) handles the last
+ * corners. */
 #include "construction/ear.h"
 
 #include <stdlib.h>
@@ -26,9 +26,10 @@
 
 struct gd__ear_clipper {
     struct gd__ring_corner *corner;
-    uint32_t *reflex; /* the corners that can lie within an ear */
+    uint32_t *reflex; /* the corners that another ear may contain */
     uint32_t reflex_count;
-    uint32_t left; /* corners in the ring */
+    uint32_t left; /* number of corners in the ring */
+    double least;  /* lowest score at which a corner may be cut off */
     const struct gd__edge_set *edges;
     struct gd__interval_table table;
 };
@@ -52,14 +53,34 @@ void gd__ear_clipper_free(struct gd__ear_clipper *clipper)
     free(clipper);
 }
 
-/* Is another reflex corner in the closed triangle of corner i, which is convex? */
+/* Returns true if the ring at p, a second occurrence of vertex b, continues within the angle at
+ * b. */
+static bool is_within_angle(const struct gd__ear_clipper *clipper, const struct gd__ring_corner *a,
+                            const struct gd__ring_corner *b, const struct gd__ring_corner *c,
+                            const struct gd__ring_corner *p)
+{
+    const uint32_t ends[] = {p->previous, p->next};
+    for (int i = 0; i < 2; i++) {
+        const struct gd__ring_corner *q = &clipper->corner[ends[i]];
+        if (q->vertex != a->vertex && q->vertex != c->vertex && gd__ring_turn(a, b, q) > 0 &&
+            gd__ring_turn(b, c, q) > 0)
+            return true;
+    }
+    return false;
+}
+
+/* Returns true if the closed triangle of the convex corner i contains another reflex corner. */
 static bool is_blocked(const struct gd__ear_clipper *clipper, uint32_t i)
 {
     const struct gd__ring_corner *corner = clipper->corner, *b = &corner[i],
                                  *a = &corner[b->previous], *c = &corner[b->next];
     for (uint32_t r = 0; r < clipper->reflex_count; r++) {
         const struct gd__ring_corner *p = &corner[clipper->reflex[r]];
-        if (p == a || p == b || p == c) continue;
+        if (p == b || p->vertex == a->vertex || p->vertex == c->vertex) continue;
+        if (p->vertex == b->vertex) {
+            if (is_within_angle(clipper, a, b, c, p)) return true;
+            continue;
+        }
         if (gd__ring_turn(a, b, p) >= 0 && gd__ring_turn(b, c, p) >= 0 &&
             gd__ring_turn(c, a, p) >= 0)
             return true;
@@ -104,7 +125,7 @@ static bool is_reflex(const struct gd__ear_clipper *clipper, uint32_t i)
     return gd__ring_turn(&clipper->corner[c->previous], c, &clipper->corner[c->next]) <= 0;
 }
 
-/* The corner of the highest score around the ring of `any`; of equal ones the first. */
+/* Returns the corner with the highest score in the ring of `any`; in a tie the first. */
 static uint32_t best_corner(const struct gd__ear_clipper *clipper, uint32_t any)
 {
     uint32_t best = any;
@@ -114,7 +135,7 @@ static uint32_t best_corner(const struct gd__ear_clipper *clipper, uint32_t any)
     return best;
 }
 
-/* Takes corner i out of the ring; the scores of what it leaves are made new. */
+/* Removes corner i from the ring and updates the scores of its neighbours. */
 static void cut_off(struct gd__ear_clipper *clipper, uint32_t i)
 {
     uint32_t a = clipper->corner[i].previous, c = clipper->corner[i].next;
@@ -131,7 +152,7 @@ static void cut_off(struct gd__ear_clipper *clipper, uint32_t i)
         clipper->corner[k].score = score_of(clipper, k);
 }
 
-static void emit(const struct gd__ear_clipper *clipper, uint32_t i, uint32_t triangle[3])
+static void ear_emit(const struct gd__ear_clipper *clipper, uint32_t i, uint32_t triangle[3])
 {
     const struct gd__ring_corner *c = &clipper->corner[i];
     triangle[0] = clipper->corner[c->previous].vertex;
@@ -139,15 +160,15 @@ static void emit(const struct gd__ear_clipper *clipper, uint32_t i, uint32_t tri
     triangle[2] = clipper->corner[c->next].vertex;
 }
 
-/* Cuts off ears until `stop` >= 3 corners are left. Returns a corner of what is left, GD_NONE when
- * no corner may be cut off. */
+/* Cuts off ears until `stop` >= 3 corners are left. Returns a remaining corner, or GD_NONE if no
+ * corner may be cut off. */
 static uint32_t cut_ears(struct gd__ear_clipper *clipper, uint32_t stop, uint32_t (*triangle)[3])
 {
     uint32_t at = 0;
     while (clipper->left > stop) {
         at = best_corner(clipper, at);
-        if (clipper->corner[at].score == NEVER) return GD_NONE;
-        emit(clipper, at, *triangle++);
+        if (clipper->corner[at].score < clipper->least) return GD_NONE;
+        ear_emit(clipper, at, *triangle++);
         cut_off(clipper, at);
         at = clipper->corner[at].next;
     }
@@ -164,17 +185,30 @@ static void start(struct gd__ear_clipper *clipper, const double (*positions)[3],
     for (uint32_t i = 0; i < count; i++) clipper->corner[i].score = score_of(clipper, i);
 }
 
+uint32_t gd__repeated_corner(const uint32_t *vertex, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        for (uint32_t k = 0; k < i; k++)
+            if (vertex[k] == vertex[i]) return vertex[i];
+    }
+    return GD_NONE;
+}
+
 bool gd__ear_clip(struct gd__ear_clipper *clipper, const double (*positions)[3],
                   const uint32_t *vertex, uint32_t count, const struct gd__edge_set *edges,
                   uint32_t (*triangle)[3])
 {
+    /* where a ring touches itself, a corner that is not an ear may lie outside the polygon */
+    bool is_simple = gd__repeated_corner(vertex, count) == GD_NONE;
     clipper->edges = edges;
+    clipper->least = is_simple ? -2 : 0;
     start(clipper, positions, vertex, count);
     uint32_t at = cut_ears(clipper, 3, triangle);
     if (at != GD_NONE) {
-        emit(clipper, at, triangle[count - 3]);
+        ear_emit(clipper, at, triangle[count - 3]);
         return true;
     }
+    if (!is_simple) return false;
     start(clipper, positions, vertex, count);
     at = cut_ears(clipper, GD_INTERVAL_MAX_CORNERS, triangle);
     return at != GD_NONE && gd__interval_cut(&clipper->table, clipper->corner, at, clipper->left,

@@ -1,4 +1,4 @@
-/* A set of undirected edges: open addressing, sized once. */
+/* A set of undirected edges: a hash table with open addressing and a fixed size. */
 #ifndef GD_CONSTRUCTION_EDGE_SET_H
 #define GD_CONSTRUCTION_EDGE_SET_H
 
@@ -12,7 +12,8 @@ struct gd__edge_set {
     uint64_t mask, seed;
 };
 
-/* Room for `most` edges. GD_NO_MEMORY, and the status of the pace. Free by gd__edge_set_free. */
+/* Allocates a set for up to `most` edges; free by gd__edge_set_free. GD_NO_MEMORY, and the status
+ * of the pace. */
 enum gd_status gd__edge_set_create(uint64_t most, struct gd__pace *pace, struct gd__edge_set *out);
 void gd__edge_set_free(struct gd__edge_set *set);
 

@@ -1,14 +1,15 @@
-/* The faces around each vertex, counter-clockwise, with their angles. */
+/* Lists the faces around each vertex, counter-clockwise, with their angles. */
 #include "construction/steps.h"
 
-/* The next outgoing side counter-clockwise around the vertex; at the end of an open fan the
+/* Returns the next outgoing side counter-clockwise around the vertex; at the end of an open fan the
  * boundary side. */
 static uint32_t next_in_fan(const struct gd_mesh *mesh, uint32_t side)
 {
     return mesh->side[side].left;
 }
 
-/* Where the fan of the vertex of `side` begins: at the boundary, or at `side` itself. */
+/* Returns the side where the fan of the origin of `side` starts: at the boundary if there is one,
+ * otherwise `side` itself. */
 static uint32_t fan_start(struct gd__construction *work, uint32_t side)
 {
     const struct gd_mesh *mesh = work->mesh;
@@ -20,20 +21,20 @@ static uint32_t fan_start(struct gd__construction *work, uint32_t side)
     return side;
 }
 
-static enum gd_vertex_kind kind_of(double total_angle, bool open)
+static enum gd_vertex_kind fans_kind_of(double total_angle, bool open)
 {
     if (open) return GD_VERTEX_BOUNDARY;
     return total_angle > 2 * M_PI + GD_TOL_SADDLE ? GD_VERTEX_SADDLE : GD_VERTEX_CONVEX;
 }
 
-/* The corner behind the edge opposite to the origin of a side in its face. */
-static uint32_t beyond(const struct gd_mesh *mesh, uint32_t side)
+/* Returns the corner behind the edge that is opposite to the origin of a side in its face. */
+static uint32_t corner_beyond(const struct gd_mesh *mesh, uint32_t side)
 {
     uint32_t across = mesh->side[side].right;
     return gd__side_is_boundary(mesh, across) ? GD_NONE : gd__side_apex(mesh, across);
 }
 
-/* Writes the fan that begins at `start` from entry `first` on; returns one past its last entry. */
+/* Writes the fan that begins at `start` to the entries from `first` on. Returns the end. */
 static uint32_t write_fan(struct gd__construction *work, uint32_t start, uint32_t first)
 {
     struct gd_mesh *mesh = work->mesh;
@@ -41,19 +42,19 @@ static uint32_t write_fan(struct gd__construction *work, uint32_t start, uint32_
     double angle = 0;
     do {
         mesh->fan[entry] = (struct gd_fan){angle, h, gd__side_destination(mesh, h)};
-        mesh->beyond[entry] = beyond(mesh, h);
+        mesh->beyond[entry] = corner_beyond(mesh, h);
         mesh->side_fan[h] = entry++;
         angle += atan2(mesh->side[h].left_y, mesh->side[h].left_x);
         h = next_in_fan(mesh, h);
     } while (h != start && !gd__side_is_boundary(mesh, h) && gd__pace(&work->pace, 1));
     mesh->total_angle[vertex] = angle;
-    mesh->vertex_kind[vertex] = (uint8_t)kind_of(angle, h != start);
+    mesh->vertex_kind[vertex] = (uint8_t)fans_kind_of(angle, h != start);
     mesh->summary.saddle_vertices += mesh->vertex_kind[vertex] == GD_VERTEX_SADDLE;
     return entry;
 }
 
-/* Some outgoing side with a face of each vertex, left in fan_first: the fans follow in order of
- * vertex. */
+/* Stores in fan_first, for each vertex, an outgoing side that has a face. The fans are then written
+ * in the order of the vertices. */
 static void find_any_side(struct gd__construction *work)
 {
     struct gd_mesh *mesh = work->mesh;

@@ -1,15 +1,16 @@
-/* Dynamic programming over the intervals of the ring, as in G. Klincsek, "Minimal triangulations of
- * polygonal domains", 1980. */
+/* Dynamic programming over the intervals of the ring (G. Klincsek, "Minimal triangulations of
+ * polygonal domains", 1980). */
 #include "construction/interval.h"
 
 struct ring {
-    const struct gd__ring_corner *corner[GD_INTERVAL_MAX_CORNERS]; /* in order */
+    const struct gd__ring_corner *corner[GD_INTERVAL_MAX_CORNERS]; /* in the order of the ring */
     uint32_t count;
     const struct gd__edge_set *edges;
 };
 
-/* A triangle that is turned over costs more than any number of badly shaped ones. */
-static double cost_of(const struct ring *ring, uint32_t i, uint32_t k, uint32_t j)
+/* Returns the cost of a triangle. One flipped triangle costs more than any number of badly shaped
+ * ones. */
+static double interval_cost_of(const struct ring *ring, uint32_t i, uint32_t k, uint32_t j)
 {
     const struct gd__ring_corner *a = ring->corner[i], *b = ring->corner[k], *c = ring->corner[j];
     return 1 - gd__ring_shape(a, b, c) + (gd__ring_turn(a, b, c) > 0 ? 0 : GD_INTERVAL_MAX_CORNERS);
@@ -23,16 +24,17 @@ static void solve_interval(struct gd__interval_table *table, const struct ring *
     if (!is_side && !gd__ring_may_join(ring->edges, ring->corner[i], ring->corner[j])) return;
     for (uint32_t k = i + 1; k < j; k++) {
         double cost = table->cost[i][k] + table->cost[k][j];
-        if (cost < INFINITY) cost += cost_of(ring, i, k, j);
+        if (cost < INFINITY) cost += interval_cost_of(ring, i, k, j);
         if (cost >= table->cost[i][j]) continue;
         table->cost[i][j] = cost;
         table->apex[i][j] = (uint8_t)k;
     }
 }
 
-/* Writes the triangles of the whole ring; the intervals still to be cut wait on a stack. */
-static void emit(const struct gd__interval_table *table, const struct ring *ring,
-                 uint32_t (*triangle)[3])
+/* Writes the triangles of the whole ring. A stack holds the intervals that are still to be
+ * divided. */
+static void interval_emit(const struct gd__interval_table *table, const struct ring *ring,
+                          uint32_t (*triangle)[3])
 {
     uint32_t waiting[GD_INTERVAL_MAX_CORNERS][2] = {{0, ring->count - 1}}, count = 1;
     while (count) {
@@ -62,6 +64,6 @@ bool gd__interval_cut(struct gd__interval_table *table, const struct gd__ring_co
         for (uint32_t i = 0; i + span < count; i++) solve_interval(table, &ring, i, i + span);
     }
     if (table->cost[0][count - 1] == INFINITY) return false;
-    emit(table, &ring, triangle);
+    interval_emit(table, &ring, triangle);
     return true;
 }

@@ -1,4 +1,5 @@
-/* Interval: the best triangulation of a small ring among all that its forbidden diagonals allow. */
+/* Interval: finds the best of all triangulations of a small ring that have no forbidden
+ * diagonals. */
 #ifndef GD_CONSTRUCTION_INTERVAL_H
 #define GD_CONSTRUCTION_INTERVAL_H
 
@@ -6,16 +7,16 @@
 
 #define GD_INTERVAL_MAX_CORNERS 64
 
-/* Of the corners from the i-th to the j-th around the ring: the least cost of triangulating them,
- * and the corner that makes a triangle with both. */
+/* For each interval of corners, from the i-th to the j-th around the ring: the least cost of a
+ * triangulation, and the corner that forms a triangle with corners i and j. */
 struct gd__interval_table {
     double cost[GD_INTERVAL_MAX_CORNERS][GD_INTERVAL_MAX_CORNERS];
     uint8_t apex[GD_INTERVAL_MAX_CORNERS][GD_INTERVAL_MAX_CORNERS];
 };
 
 /* Triangulates the ring of `count` corners, at most GD_INTERVAL_MAX_CORNERS, that starts at
- * corner[first], into (count - 2) triangles: none turned over in the plane if that can be, then as
- * well-shaped as can be. False: there is no triangulation. O(count^3). */
+ * corner[first], into count - 2 triangles. Prefers triangulations without flipped triangles, then
+ * well-shaped triangles. Returns false if there is no triangulation. O(count^3). */
 bool gd__interval_cut(struct gd__interval_table *table, const struct gd__ring_corner *corner,
                       uint32_t first, uint32_t count, const struct gd__edge_set *edges,
                       uint32_t (*triangle)[3]);

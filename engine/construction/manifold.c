@@ -1,5 +1,5 @@
-/* Each vertex must have one fan of faces, open or closed: counts the fans by walking each from its
- * first corner. */
+/* Checks that each vertex has one fan of faces, open or closed. Counts the fans of a vertex by
+ * walking around it from each first corner. */
 #include <stdlib.h>
 
 #include "base/large.h"
@@ -7,8 +7,8 @@
 #include "construction/offenders.h"
 #include "repair/repair.h"
 
-/* A corner is numbered as the side that starts there: 3 face + k. The next corners around its
- * vertex: */
+/* A corner has the number of the side that starts there: 3 face + k. The next two functions return
+ * the neighbouring corners around its vertex. */
 
 static uint32_t counter_clockwise(const uint32_t *neighbour, uint32_t corner)
 {
@@ -41,7 +41,8 @@ static void count_fans(struct gd__construction *work, uint8_t *visited, uint32_t
     }
 }
 
-static enum gd_status refuse(const struct gd__construction *work, const struct gd__offenders *split)
+static enum gd_status manifold_refuse(const struct gd__construction *work,
+                                      const struct gd__offenders *split)
 {
     gd_fail(work->detail, GD_NON_MANIFOLD_VERTEX,
             "the faces around vertex %u form %u separate fans; give each fan a vertex of its own",
@@ -65,5 +66,5 @@ enum gd_status gd__check_vertices(struct gd__construction *work)
     enum gd_status status = visited && fans ? GD_OK : GD_NO_MEMORY;
     free(visited);
     free(fans);
-    return split.total ? refuse(work, &split) : status;
+    return split.total ? manifold_refuse(work, &split) : status;
 }

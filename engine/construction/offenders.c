@@ -2,7 +2,7 @@
 
 #include <stdbool.h>
 
-static bool precedes(const struct gd__offender *x, const struct gd__offender *y)
+static bool offenders_precedes(const struct gd__offender *x, const struct gd__offender *y)
 {
     return x->a != y->a ? x->a < y->a : x->b < y->b;
 }
@@ -13,10 +13,10 @@ void gd__offenders_add(struct gd__offenders *offenders, uint64_t a, uint64_t b, 
     offenders->total++;
     if (offenders->count < GD_DETAIL_ELEMENTS)
         offenders->count++;
-    else if (!precedes(&offender, &offenders->lowest[GD_DETAIL_ELEMENTS - 1]))
+    else if (!offenders_precedes(&offender, &offenders->lowest[GD_DETAIL_ELEMENTS - 1]))
         return;
     uint32_t i = offenders->count - 1;
-    for (; i > 0 && precedes(&offender, &offenders->lowest[i - 1]); i--)
+    for (; i > 0 && offenders_precedes(&offender, &offenders->lowest[i - 1]); i--)
         offenders->lowest[i] = offenders->lowest[i - 1];
     offenders->lowest[i] = offender;
 }

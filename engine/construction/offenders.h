@@ -1,5 +1,5 @@
-/* Offenders: what a check found wrong, the lowest-numbered elements first, however they were
- * met. */
+/* Offenders: collects the lowest-numbered elements that a check rejects, in any order of
+ * discovery. */
 #ifndef GD_CONSTRUCTION_OFFENDERS_H
 #define GD_CONSTRUCTION_OFFENDERS_H
 
@@ -7,7 +7,7 @@
 
 struct gd__offender {
     uint64_t a, b;    /* as in struct gd_detail */
-    uint32_t witness; /* whatever the check needs to word its sentence */
+    uint32_t witness; /* another element, for the wording of the error */
 };
 
 struct gd__offenders {
@@ -18,8 +18,8 @@ struct gd__offenders {
 
 void gd__offenders_add(struct gd__offenders *offenders, uint64_t a, uint64_t b, uint32_t witness);
 
-/* Appends the elements to `detail`, whose sentence is written already; NULL: does nothing. Returns
- * `status`. */
+/* Appends the elements to `detail`, which already has its sentence. Does nothing if `detail` is
+ * NULL. Returns `status`. */
 enum gd_status gd__offenders_report(const struct gd__offenders *offenders, enum gd_element kind,
                                     enum gd_status status, struct gd_detail *detail);
 

@@ -1,5 +1,5 @@
-/* The inside numbering: vertices by the Morton code of their position, faces by their lowest vertex
- * in that order. */
+/* Computes the internal numbering: vertices by the Morton code of their position, faces by their
+ * lowest vertex in that order. */
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
@@ -7,7 +7,7 @@
 #include "base/large.h"
 #include "construction/steps.h"
 
-#define CODE_BITS   21 /* per coordinate */
+#define CODE_BITS   21 /* bits per coordinate */
 #define DIGIT_BITS  9
 #define DIGIT_COUNT (1u << DIGIT_BITS)
 #define PASSES      (3 * CODE_BITS / DIGIT_BITS)
@@ -17,7 +17,7 @@ struct keyed_vertex {
     uint32_t index;
 };
 
-/* Puts two zero bits before each of the 21 low bits. */
+/* Inserts two zero bits before each of the 21 low bits. */
 static uint64_t spread(uint64_t x)
 {
     x = (x | x << 32) & 0x001f00000000ffffu;
@@ -55,7 +55,7 @@ static void find_bounding_box(struct gd__construction *work)
     mesh->summary.max = high;
 }
 
-/* Codes of the referenced vertices, in order of index. */
+/* Computes the codes of the referenced vertices, in the order of their indices. */
 static void encode(struct gd__construction *work, struct keyed_vertex *keyed)
 {
     const struct gd_mesh *mesh = work->mesh;
@@ -71,7 +71,7 @@ static void encode(struct gd__construction *work, struct keyed_vertex *keyed)
     }
 }
 
-/* Radix sort by code; equal codes keep their order. The result is in `spare`, which is as large. */
+/* Sorts by code (radix sort, stable). The result is in `spare`, which has the same size. */
 static void sort_by_code(struct keyed_vertex *keyed, struct keyed_vertex *spare, uint32_t count,
                          struct gd__pace *pace)
 {
@@ -128,7 +128,7 @@ static void place_face(struct gd__construction *work, uint32_t triangle, uint32_
         work->corner[face][k] = mesh->vertex_of_index[work->triangle[triangle][k]];
 }
 
-/* Counting sort by the lowest vertex; faces of one vertex keep their order. */
+/* Numbers the faces by their lowest vertex (counting sort, stable). */
 static enum gd_status number_faces(struct gd__construction *work)
 {
     struct gd_mesh *mesh = work->mesh;
@@ -159,7 +159,7 @@ static void copy_positions(struct gd__construction *work)
             work->mesh->input_position[work->mesh->copy_of[c]];
 }
 
-/* The index of a merged vertex names the surface vertex of its representative. */
+/* Maps the index of each merged vertex to the vertex of its representative. */
 static void name_merged_vertices(struct gd__construction *work)
 {
     struct gd_mesh *mesh = work->mesh;

@@ -1,4 +1,4 @@
-/* A consistent orientation of the whole mesh, or the refusal of a one-sided one. */
+/* Makes the orientation of the whole mesh consistent. Rejects non-orientable components. */
 #include <stdlib.h>
 
 #include "base/large.h"
@@ -43,8 +43,8 @@ static void turn_over(struct gd__construction *work)
     }
 }
 
-static enum gd_status refuse(const struct gd__construction *work,
-                             const struct gd__offenders *contradictions)
+static enum gd_status orient_refuse(const struct gd__construction *work,
+                                    const struct gd__offenders *contradictions)
 {
     const struct gd__offender *edge = &contradictions->lowest[0];
     gd_fail(work->detail, GD_NON_ORIENTABLE,
@@ -77,7 +77,7 @@ enum gd_status gd__orient(struct gd__construction *work)
     };
     enum gd_status status = gd__orient_faces(&orientation);
     if (status) return status;
-    if (contradictions.edges.total) return refuse(work, &contradictions.edges);
+    if (contradictions.edges.total) return orient_refuse(work, &contradictions.edges);
     work->component_count = orientation.component_count;
     mesh->summary.flipped_faces = orientation.flipped_count;
     turn_over(work);

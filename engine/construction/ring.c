@@ -22,8 +22,8 @@ static void link_ring(const double (*positions)[3], const uint32_t *vertex, uint
     }
 }
 
-/* Newell's normal: the sum of the cross products along the ring, twice the area vector. */
-static struct gd_vec3 normal_of(const struct gd__ring_corner *corner, uint32_t count)
+/* Returns Newell's normal: the sum of the cross products along the ring, twice the area vector. */
+static struct gd_vec3 ring_normal_of(const struct gd__ring_corner *corner, uint32_t count)
 {
     struct gd_vec3 normal = {0, 0, 0};
     for (uint32_t i = 0; i < count; i++)
@@ -32,11 +32,11 @@ static struct gd_vec3 normal_of(const struct gd__ring_corner *corner, uint32_t c
     return normal;
 }
 
-/* Drops the normal's largest coordinate, which keeps the orientation and which corner lies within
- * which triangle. */
-static void project(struct gd__ring_corner *corner, uint32_t count)
+/* Projects the ring by dropping the coordinate in which its normal is largest. That preserves
+ * orientations and containment in triangles. */
+static void ring_project(struct gd__ring_corner *corner, uint32_t count)
 {
-    struct gd_vec3 n = normal_of(corner, count), size = {fabs(n.x), fabs(n.y), fabs(n.z)};
+    struct gd_vec3 n = ring_normal_of(corner, count), size = {fabs(n.x), fabs(n.y), fabs(n.z)};
     for (uint32_t i = 0; i < count; i++) {
         struct gd_vec3 p = corner[i].position;
         struct gd__ring_corner *c = &corner[i];
@@ -57,7 +57,7 @@ void gd__ring_make(const double (*positions)[3], const uint32_t *vertex, uint32_
                    struct gd__ring_corner *corner)
 {
     link_ring(positions, vertex, count, corner);
-    project(corner, count);
+    ring_project(corner, count);
 }
 
 double gd__ring_shape(const struct gd__ring_corner *a, const struct gd__ring_corner *b,

@@ -1,5 +1,5 @@
-/* Ring: the corners of one polygon that are still to be triangulated, in space and in the polygon's
- * mean plane, where they run counter-clockwise. */
+/* Ring: the remaining corners of one polygon, in space and in the polygon's mean plane. In the
+ * plane they run counter-clockwise. */
 #ifndef GD_CONSTRUCTION_RING_H
 #define GD_CONSTRUCTION_RING_H
 
@@ -9,30 +9,32 @@
 
 struct gd__ring_corner {
     double x, y;  /* in the plane */
-    double score; /* as the next ear, see ear.c */
-    /* from corner 0, in units of the polygon's extent: no product overflows or vanishes */
+    double score; /* score as the next ear to cut, see ear.c */
+    /* relative to corner 0, in units of the polygon's extent, so that products neither overflow nor
+     * underflow */
     struct gd_vec3 position;
     uint32_t vertex, previous, next;
-    uint32_t reflex_slot; /* in the list of reflex corners, GD_NONE: convex or cut off */
+    uint32_t reflex_slot; /* index in the list of reflex corners; GD_NONE: convex or cut off */
 };
 
 /* Fills corner[0 .. count-1] with the whole polygon. */
 void gd__ring_make(const double (*positions)[3], const uint32_t *vertex, uint32_t count,
                    struct gd__ring_corner *corner);
 
-/* Twice the signed area of abc in the plane: > 0 where the ring turns left. */
+/* Returns twice the signed area of abc in the plane: positive for a left turn. */
 static inline double gd__ring_turn(const struct gd__ring_corner *a, const struct gd__ring_corner *b,
                                    const struct gd__ring_corner *c)
 {
     return (b->x - a->x) * (c->y - a->y) - (b->y - a->y) * (c->x - a->x);
 }
 
-/* 4 sqrt(3) area / (sum of squared sides) in space: 1 for an equilateral triangle, 0 for one of
- * area zero. */
+/* Returns 4 sqrt(3) area / (sum of squared sides) in space: 1 for an equilateral triangle, 0 for a
+ * triangle of area zero. */
 double gd__ring_shape(const struct gd__ring_corner *a, const struct gd__ring_corner *b,
                       const struct gd__ring_corner *c);
 
-/* May a and b be joined by a diagonal: no edge does yet, and it would not have length zero. */
+/* Returns true if a diagonal may join a and b: the edge does not exist yet, and its length is not
+ * zero. */
 bool gd__ring_may_join(const struct gd__edge_set *edges, const struct gd__ring_corner *a,
                        const struct gd__ring_corner *b);
 

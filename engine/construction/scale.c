@@ -1,5 +1,5 @@
-/* The inside unit: an exact power of two near the mean edge length, so that no square overflows or
- * vanishes. */
+/* Chooses the normalised unit: an exact power of two near the mean edge length, so that no square
+ * overflows or underflows. */
 #include "construction/steps.h"
 
 struct edge_range {
@@ -25,7 +25,7 @@ static struct edge_range measure_edges(struct gd__construction *work, double sca
     return range;
 }
 
-/* Largest absolute coordinate of the bounding box. */
+/* Returns the largest absolute coordinate of the bounding box. */
 static double farthest_coordinate(const struct gd_mesh_summary *s)
 {
     return fmax(fmax(fmax(fabs(s->min.x), fabs(s->max.x)), fmax(fabs(s->min.y), fabs(s->max.y))),

@@ -1,18 +1,18 @@
-/* The sides of the edges: numbered from the faces' neighbours, with frames from the corners'
- * positions. */
+/* Builds the sides of the edges: their numbers from the faces' neighbours, their frames from the
+ * positions of the corners. */
 #include "construction/steps.h"
 #include "construction/offenders.h"
 #include "mesh/triangle.h"
 
-static struct gd__triangle measure(const struct gd_mesh *mesh, const uint32_t corner[3])
+static struct gd__triangle sides_measure(const struct gd_mesh *mesh, const uint32_t corner[3])
 {
     struct gd_vec3 a = mesh->position[corner[0]], b = mesh->position[corner[1]],
                    c = mesh->position[corner[2]];
     return gd__triangle_measure(gd_vec3_sub(b, a), gd_vec3_sub(c, b), gd_vec3_sub(a, c));
 }
 
-/* Side k of the triangle: its frame sees the apex at the end of the side before it and at the start
- * of the side after it. */
+/* Computes the frame of side k of the triangle. The apex is the end of the side before it and the
+ * start of the side after it. */
 static void frame_side(const struct gd__triangle *t, uint32_t k, struct gd_side *side)
 {
     uint32_t after = gd__next_corner(k), before = gd__previous_corner(k);
@@ -31,7 +31,7 @@ static void make_face(struct gd__construction *work, uint32_t face, struct gd__o
 {
     struct gd_mesh *mesh = work->mesh;
     const uint32_t *h = mesh->face_side[face];
-    struct gd__triangle t = measure(mesh, work->corner[face]);
+    struct gd__triangle t = sides_measure(mesh, work->corner[face]);
     for (uint32_t k = 0; k < 3; k++) {
         struct gd_side *side = &mesh->side[h[k]];
         frame_side(&t, k, side);
@@ -47,8 +47,8 @@ static void make_face(struct gd__construction *work, uint32_t face, struct gd__o
         gd__offenders_add(flat, gd__input_polygon(mesh, face), 0, face);
 }
 
-/* An edge is met first by its lower-numbered face, which gets side 2e of it, and from the other
- * one, if there is one, as 2e + 1. */
+/* Counts the edges. The lower-numbered face of an edge comes first and gets side 2e; the other
+ * face, if any, gets 2e + 1. */
 static uint32_t count_edges(struct gd__construction *work)
 {
     uint32_t count = 0;
@@ -73,7 +73,7 @@ static void number_sides(struct gd__construction *work)
     }
 }
 
-/* A corner by its index in the input. */
+/* Returns the input index of a corner. */
 static uint32_t named(const struct gd_mesh *mesh, uint32_t vertex)
 {
     return gd_mesh_original(mesh, (struct gd_vertex){mesh->index_of_vertex[vertex]}).index;

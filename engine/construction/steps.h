@@ -1,4 +1,4 @@
-/* The steps of gd_mesh_build that are in this room, in order. */
+/* The steps of gd_mesh_build in this folder, in order. */
 #ifndef GD_CONSTRUCTION_STEPS_H
 #define GD_CONSTRUCTION_STEPS_H
 

@@ -1,4 +1,4 @@
-/* What is known of the mesh as a whole: components, boundary loops, Euler characteristic,
+/* Computes properties of the whole mesh: components, boundary loops, Euler characteristic,
  * extents. */
 #include <stdlib.h>
 
@@ -39,7 +39,7 @@ static enum gd_status count_components(struct gd__construction *work)
     return GD_OK;
 }
 
-/* The side without a face that starts at a boundary vertex: it closes the vertex' fan. */
+/* Returns the boundary side that starts at a boundary vertex and closes its fan. */
 static uint32_t boundary_side_from(const struct gd_mesh *mesh, uint32_t vertex)
 {
     return mesh->side[mesh->fan[mesh->fan_first[vertex + 1] - 1].side].left;
@@ -61,7 +61,7 @@ static struct gd_boundary walk_loop(struct gd__construction *work, uint32_t star
     return loop;
 }
 
-/* Loops in order of their lowest input index: each is met there first. */
+/* Measures the boundary loops in the order of their lowest input index. */
 static void walk_loops(struct gd__construction *work, uint8_t *visited)
 {
     struct gd_mesh *mesh = work->mesh;
@@ -106,7 +106,8 @@ static void measure_edges(struct gd__construction *work)
     mesh->summary.edge_length.max = most * mesh->unit;
 }
 
-/* chi = V - E + F and, for each orientable component, chi = 2 - 2 genus - boundaries. */
+/* Computes the topology: chi = V - E + F and, for each orientable component, chi = 2 - 2 genus -
+ * boundaries. */
 static void sum_up(struct gd__construction *work)
 {
     struct gd_mesh *mesh = work->mesh;

@@ -1,5 +1,4 @@
-/* What can be told from the polygons one by one: indices, coordinates, repeated corners, edges of
- * length zero. */
+/* Checks single polygons: indices, coordinates, repeated corners, edges of length zero. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -90,18 +89,23 @@ static enum gd_status check_coordinates(struct gd__construction *work)
     return GD_OK;
 }
 
-/* `seen_in[v]`: the last polygon + 1 that was found to have corner v. */
+/* Finds repeated corners. `seen_in[v]`: 1 + the last polygon with corner v. A polygon with a bridge
+ * to a hole contains the ends of the bridge twice, which ear clipping handles. */
 static void find_repeated_corners(struct gd__construction *work, uint32_t *seen_in,
                                   struct gd__offenders *offenders)
 {
     const struct gd_polygons *polygons = work->polygons;
     GD__PACED (&work->pace, i, polygons->polygon_count) {
         bool repeated = false;
+        uint32_t face = gd_polygons_first(work->input, i) - 2 * i;
         for (uint32_t c = gd_polygons_first(polygons, i); c < gd_polygons_first(polygons, i + 1);
              c++) {
             uint32_t v = polygons->corners[c];
             if (seen_in[v] == i + 1 && !repeated) {
-                gd__offenders_add(offenders, i, 0, v);
+                if (work->options.repair_split)
+                    gd_mended_add(&work->mesh->repair->faces_cut, face, v);
+                else
+                    gd__offenders_add(offenders, i, 0, v);
                 repeated = true;
             }
             seen_in[v] = i + 1;
@@ -118,7 +122,8 @@ static enum gd_status check_repeated_corners(struct gd__construction *work)
     find_repeated_corners(work, seen_in, &offenders);
     free(seen_in);
     if (!offenders.total) return GD_OK;
-    gd_fail(detail, GD_DEGENERATE_FACE, "face %u has vertex %u as two of its corners",
+    gd_fail(detail, GD_DEGENERATE_FACE,
+            "face %u has vertex %u as two of its corners; repair=split cuts it there",
             (unsigned)offenders.lowest[0].a, offenders.lowest[0].witness);
     return gd__offenders_report(&offenders, GD_ELEMENT_FACE, GD_DEGENERATE_FACE, detail);
 }

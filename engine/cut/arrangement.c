@@ -5,9 +5,8 @@
 
 #include "mesh/segment.h"
 
-#define FIRST_CAPACITY 64
-#define MOST_SEGMENTS  (UINT32_C(1) << 24)
-#define WORK_A_SEGMENT 4096 /* of the curve; and as many for a short one */
+/* limit on work for each point of the curve; also the least limit on total work */
+#define WORK_A_SEGMENT 4096
 #define WORK_AT_LEAST  (UINT64_C(1) << 22)
 
 void gd__arrangement_free(struct gd__arrangement *arrangement)
@@ -19,31 +18,15 @@ void gd__arrangement_free(struct gd__arrangement *arrangement)
     *arrangement = (struct gd__arrangement){0};
 }
 
-/* Makes room for one more item of `size` bytes. */
-static enum gd_status reserve(struct gd__budget *budget, void **items, uint32_t count,
-                              uint32_t *capacity, size_t size)
-{
-    if (count < *capacity) return GD_OK;
-    uint32_t more = *capacity ? 2 * *capacity : FIRST_CAPACITY;
-    if (more > MOST_SEGMENTS) return GD_TOO_LARGE;
-    enum gd_status status = gd__budget_take(budget, (more - *capacity) * size);
-    void *grown = status ? NULL : realloc(*items, more * size);
-    if (!grown) return status ? status : GD_NO_MEMORY;
-    *items = grown;
-    *capacity = more;
-    return GD_OK;
-}
+/* --- the stack of waiting segments ------------------------------------------------------------ */
 
-/* --- the stack of those that wait ------------------------------------------------------------- */
-
-static enum gd_status push(struct gd__arrangement *arrangement, uint32_t face, uint32_t a,
-                           uint32_t b)
+static enum gd_status arrangement_push(struct gd__arrangement *arrangement, uint32_t face,
+                                       uint32_t a, uint32_t b)
 {
     if (a == b) return GD_OK;
-    void *items = arrangement->segments;
-    enum gd_status status = reserve(arrangement->nodes.budget, &items, arrangement->segment_count,
-                                    &arrangement->segment_capacity, sizeof *arrangement->segments);
-    arrangement->segments = items;
+    enum gd_status status = gd__cut_extend(
+        arrangement->nodes.budget, &arrangement->segments, &arrangement->segment_capacity,
+        arrangement->segment_count + 1, sizeof *arrangement->segments);
     if (status) return status;
     arrangement->segments[arrangement->segment_count] =
         (struct gd__segment){a, b, face, arrangement->waiting};
@@ -54,21 +37,22 @@ static enum gd_status push(struct gd__arrangement *arrangement, uint32_t face, u
 static enum gd_status push_through(struct gd__arrangement *arrangement, struct gd__segment segment,
                                    uint32_t node)
 {
-    enum gd_status status = push(arrangement, segment.face, segment.a, node);
-    return status ? status : push(arrangement, segment.face, node, segment.b);
+    enum gd_status status = arrangement_push(arrangement, segment.face, segment.a, node);
+    return status ? status : arrangement_push(arrangement, segment.face, node, segment.b);
 }
 
-/* Takes a kept segment out of its face's list; `link` is what points at it. */
-static struct gd__segment take(struct gd__arrangement *arrangement, uint32_t *link)
+/* Removes a kept segment from its face's list; `link` points at it. */
+static struct gd__segment arrangement_take(struct gd__arrangement *arrangement, uint32_t *link)
 {
     struct gd__segment segment = arrangement->segments[*link];
     *link = segment.next;
     return segment;
 }
 
-/* --- passing closely -------------------------------------------------------------------------- */
+/* --- segments that pass nodes ----------------------------------------------------------------- */
 
-/* How far a place is from the inside of the segment a-b; INFINITY: it lies beyond its ends. */
+/* Returns the distance of a place from the interior of the segment a-b; INFINITY if its projection
+ * is beyond the ends. */
 static double distance_from(struct gd__local a, struct gd__local b, struct gd__local p)
 {
     double dx = b.x - a.x, dy = b.y - a.y, px = p.x - a.x, py = p.y - a.y;
@@ -89,8 +73,7 @@ static double distance_of_node(const struct gd__arrangement *arrangement,
     return distance_from(place[0], place[1], place[2]);
 }
 
-/* The node that the segment passes most closely, by less than half a reach; GD_NONE: it passes
- * none. */
+/* Returns the node nearest to the segment within half a reach; GD_NONE: none. */
 static uint32_t find_passed(struct gd__arrangement *arrangement, const struct gd__segment *segment)
 {
     struct gd__nodes *nodes = &arrangement->nodes;
@@ -108,7 +91,7 @@ static uint32_t find_passed(struct gd__arrangement *arrangement, const struct gd
     return found;
 }
 
-/* Sends back the kept segments of a face that a new node lies close to. */
+/* Moves the kept segments of a face that pass near a new node back to the stack. */
 static enum gd_status revisit_face(struct gd__arrangement *arrangement, uint32_t face,
                                    uint32_t node)
 {
@@ -116,8 +99,8 @@ static enum gd_status revisit_face(struct gd__arrangement *arrangement, uint32_t
     enum gd_status status = GD_OK;
     for (uint32_t *link = &arrangement->of_face[face]; *link != GD_NONE && !status;) {
         if (distance_of_node(arrangement, &arrangement->segments[*link], node) < reach) {
-            struct gd__segment segment = take(arrangement, link);
-            status = push(arrangement, face, segment.a, segment.b);
+            struct gd__segment segment = arrangement_take(arrangement, link);
+            status = arrangement_push(arrangement, face, segment.a, segment.b);
             link = &arrangement->of_face[face]; /* the segments may have moved */
         } else {
             link = &arrangement->segments[*link].next;
@@ -141,7 +124,7 @@ static enum gd_status revisit(struct gd__arrangement *arrangement, uint32_t node
 
 /* --- crossings -------------------------------------------------------------------------------- */
 
-/* What points at the kept segment that `segment` crosses; NULL: it crosses none. */
+/* Returns the link to a kept segment that `segment` crosses; NULL: none. */
 static uint32_t *find_crossed(struct gd__arrangement *arrangement,
                               const struct gd__segment *segment)
 {
@@ -159,7 +142,6 @@ static uint32_t *find_crossed(struct gd__arrangement *arrangement,
     return NULL;
 }
 
-/* The node where two segments that cross do so. */
 static enum gd_status node_of_crossing(struct gd__arrangement *arrangement,
                                        const struct gd__segment *segment,
                                        const struct gd__segment *other, uint32_t *out)
@@ -179,10 +161,10 @@ static enum gd_status node_of_crossing(struct gd__arrangement *arrangement,
     return status || nodes->count == known ? status : revisit(arrangement, *out);
 }
 
-static enum gd_status split(struct gd__arrangement *arrangement, struct gd__segment segment,
-                            uint32_t *link)
+static enum gd_status arrangement_split(struct gd__arrangement *arrangement,
+                                        struct gd__segment segment, uint32_t *link)
 {
-    struct gd__segment other = take(arrangement, link);
+    struct gd__segment other = arrangement_take(arrangement, link);
     uint32_t node = GD_NONE;
     enum gd_status status = node_of_crossing(arrangement, &segment, &other, &node);
     if (!status) status = push_through(arrangement, other, node);
@@ -195,10 +177,9 @@ static enum gd_status add_run(struct gd__arrangement *arrangement,
                               const struct gd__segment *segment, uint32_t sides)
 {
     uint32_t k = sides & 1 ? 0 : sides & 2 ? 1 : 2;
-    void *items = arrangement->runs;
-    enum gd_status status = reserve(arrangement->nodes.budget, &items, arrangement->run_count,
-                                    &arrangement->run_capacity, sizeof *arrangement->runs);
-    arrangement->runs = items;
+    enum gd_status status =
+        gd__cut_extend(arrangement->nodes.budget, &arrangement->runs, &arrangement->run_capacity,
+                       arrangement->run_count + 1, sizeof *arrangement->runs);
     if (status) return status;
     uint32_t edge = arrangement->nodes.mesh->face_side[segment->face][k] / 2;
     arrangement->runs[arrangement->run_count++] = (struct gd__run){edge, segment->a, segment->b};
@@ -217,8 +198,8 @@ static bool is_kept(const struct gd__arrangement *arrangement, const struct gd__
     return false;
 }
 
-/* Takes up the top one of those that wait. */
-static enum gd_status settle(struct gd__arrangement *arrangement)
+/* Processes the segment at the top of the stack. */
+static enum gd_status arrangement_settle(struct gd__arrangement *arrangement)
 {
     const struct gd__nodes *nodes = &arrangement->nodes;
     uint32_t top = arrangement->waiting;
@@ -231,7 +212,7 @@ static enum gd_status settle(struct gd__arrangement *arrangement)
     uint32_t passed = find_passed(arrangement, &segment);
     if (passed != GD_NONE) return push_through(arrangement, segment, passed);
     uint32_t *crossed = find_crossed(arrangement, &segment);
-    if (crossed) return split(arrangement, segment, crossed);
+    if (crossed) return arrangement_split(arrangement, segment, crossed);
     arrangement->segments[top].next = arrangement->of_face[segment.face];
     arrangement->of_face[segment.face] = top;
     return GD_OK;
@@ -242,14 +223,14 @@ static enum gd_status settle_all(struct gd__arrangement *arrangement, uint32_t p
     uint64_t most = WORK_AT_LEAST + (uint64_t)points * WORK_A_SEGMENT;
     enum gd_status status = GD_OK;
     while (arrangement->waiting != GD_NONE && !status) {
-        status = settle(arrangement);
+        status = arrangement_settle(arrangement);
         if (!status && ++arrangement->work > most) status = GD_RUNAWAY;
         if (!status) status = gd_control_check(arrangement->nodes.budget->control, 0);
     }
     return status;
 }
 
-/* --- from the curve --------------------------------------------------------------------------- */
+/* --- segments of the curve -------------------------------------------------------------------- */
 
 static enum gd_status push_segment(struct gd__arrangement *arrangement,
                                    const struct gd_curve *curve, uint32_t i,
@@ -263,11 +244,12 @@ static enum gd_status push_segment(struct gd__arrangement *arrangement,
                        "points %u and %u of the curve do not lie within one face", i, j);
     enum gd_status status = gd__node_of_point(&arrangement->nodes, p, &a);
     if (!status) status = gd__node_of_point(&arrangement->nodes, q, &b);
-    return status ? status : push(arrangement, face, a, b);
+    return status ? status : arrangement_push(arrangement, face, a, b);
 }
 
-static enum gd_status prepare(struct gd__arrangement *arrangement, const struct gd_mesh *mesh,
-                              double snap, struct gd__budget *budget)
+static enum gd_status arrangement_prepare(struct gd__arrangement *arrangement,
+                                          const struct gd_mesh *mesh, double snap,
+                                          struct gd__budget *budget)
 {
     enum gd_status status = gd__nodes_init(&arrangement->nodes, mesh, snap, budget);
     if (!status) status = gd__budget_take(budget, mesh->face_count * sizeof *arrangement->of_face);
@@ -284,7 +266,7 @@ enum gd_status gd__arrange(const struct gd_mesh *mesh, const struct gd_curve *cu
                            struct gd_detail *detail)
 {
     struct gd__arrangement arrangement = {0};
-    enum gd_status status = prepare(&arrangement, mesh, snap, budget);
+    enum gd_status status = arrangement_prepare(&arrangement, mesh, snap, budget);
     uint32_t segments = curve->closed ? curve->count : curve->count - 1;
     for (uint32_t i = 0; i < segments && !status; i++)
         status = push_segment(&arrangement, curve, i, detail);

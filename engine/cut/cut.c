@@ -1,28 +1,8 @@
 #include "gd/cut.h"
 
+#include "base/share.h"
 #include "base/tolerance.h"
 #include "cut/pieces.h"
-
-/* Progress of several attempts as that of one: it never falls. */
-struct reporting {
-    const struct gd_control *control;
-    double most;
-};
-
-static bool on_progress(void *user, double fraction)
-{
-    struct reporting *reporting = user;
-    if (fraction > reporting->most) reporting->most = fraction;
-    return reporting->control->progress(reporting->control->user, reporting->most);
-}
-
-static struct gd_control control_of(struct reporting *reporting)
-{
-    struct gd_control own = reporting->control ? *reporting->control : (struct gd_control){0};
-    if (own.progress) own.progress = on_progress;
-    own.user = reporting;
-    return own;
-}
 
 /* --- the curve -------------------------------------------------------------------------------- */
 
@@ -34,7 +14,7 @@ static bool is_on_boundary(const struct gd_mesh *mesh, const struct gd_point *po
                                             gd__side_is_boundary(mesh, 2 * point->element + 1));
 }
 
-/* An open curve ends on the boundary, unless it ends where it begins. */
+/* Rejects an open curve whose ends are not on the boundary, unless it ends where it begins. */
 static enum gd_status check_ends(const struct gd_mesh *mesh, const struct gd_curve *curve,
                                  struct gd_detail *detail)
 {
@@ -51,7 +31,7 @@ static enum gd_status check_ends(const struct gd_mesh *mesh, const struct gd_cur
 
 /* --- attempts --------------------------------------------------------------------------------- */
 
-/* From a curve to a refined mesh, by one snap. What refined borrows is in the arrangement. */
+/* One attempt to refine the mesh, with one snap distance. `refined` borrows from `arrangement`. */
 struct attempt {
     struct gd__arrangement arrangement;
     struct gd__seam seam;
@@ -59,7 +39,7 @@ struct attempt {
     uint32_t flat_face;
 };
 
-static void clear(struct attempt *attempt)
+static void cut_clear(struct attempt *attempt)
 {
     gd__refined_free(&attempt->refined);
     gd__seam_free(&attempt->seam);
@@ -71,7 +51,7 @@ static enum gd_status try(struct attempt *attempt, const struct gd_mesh *mesh,
                           const struct gd_curve *curve, double snap, struct gd__budget *budget,
                           struct gd_detail *detail)
 {
-    clear(attempt);
+    cut_clear(attempt);
     budget->held = 0;
     enum gd_status status = gd__arrange(mesh, curve, snap, budget, &attempt->arrangement, detail);
     if (!status) status = gd__seam_make(&attempt->arrangement, &attempt->seam);
@@ -83,7 +63,7 @@ static enum gd_status try(struct attempt *attempt, const struct gd_mesh *mesh,
                                &attempt->flat_face);
 }
 
-/* With a larger snap each time, until one does. */
+/* Tries increasing snap distances until an attempt succeeds. */
 static enum gd_status try_snaps(struct attempt *attempt, const struct gd_mesh *mesh,
                                 const struct gd_curve *curve, struct gd__budget *budget,
                                 struct gd_detail *detail)
@@ -107,8 +87,8 @@ enum gd_status gd_cut_along(const struct gd_mesh *mesh, const struct gd_cut_requ
                             const struct gd_control *control, struct gd_cut *out,
                             struct gd_detail *detail)
 {
-    struct reporting reporting = {.control = control};
-    const struct gd_control own = control_of(&reporting);
+    struct gd__share attempts = {.control = control, .total = 1};
+    const struct gd_control own = gd__share_control(&attempts, 0);
     struct gd__budget budget = {.control = &own};
     struct attempt attempt = {0};
     struct gd_cut cut = {0};
@@ -116,7 +96,7 @@ enum gd_status gd_cut_along(const struct gd_mesh *mesh, const struct gd_cut_requ
     if (!status) status = try_snaps(&attempt, mesh, request->curve, &budget, detail);
     double shift = attempt.arrangement.nodes.shift * mesh->unit;
     if (!status) status = gd__pieces_make(&attempt.refined, request, &budget, &cut, detail);
-    clear(&attempt);
+    cut_clear(&attempt);
     if (status) return status;
     *out = cut;
     out->largest_shift = shift;

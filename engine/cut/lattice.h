@@ -1,10 +1,9 @@
-/* Lattice: places in a face as whole numbers, so that every question of orientation has an exact
- * answer.
+/* Lattice: integer places in a face, so that every orientation test is exact.
  *
  * A site holds the barycentric coordinates of corners 1 and 2 of the face (mesh/topology.h) in
- * parts of 2^-50. Barycentric coordinates are an affine picture of the face: which way three points
- * turn is the same in both. Points of the three sides are on them exactly: on side 1 the numbers
- * sum to GD__LATTICE. Determinants of 51-bit differences fit in 128 bits. */
+ * units of 2^-50. Barycentric coordinates are an affine map of the face, which preserves the
+ * orientation of three points. Points of the face's sides are exactly on the sides: on side 1 the
+ * coordinates sum to GD__LATTICE. Determinants of 51-bit differences fit in 128 bits. */
 #ifndef GD_CUT_LATTICE_H
 #define GD_CUT_LATTICE_H
 
@@ -27,20 +26,20 @@ static inline double gd__from_lattice(int64_t part)
     return (double)part / (double)GD__LATTICE; /* exact */
 }
 
-/* Twice the area of a, b, c, exactly. */
+/* Returns twice the signed area of a, b, c, exactly. */
 static inline __int128 gd__site_area(struct gd__site a, struct gd__site b, struct gd__site c)
 {
     return (__int128)(b.u - a.u) * (c.v - a.v) - (__int128)(b.v - a.v) * (c.u - a.u);
 }
 
-/* 1: a, b, c turn counter-clockwise; -1: clockwise; 0: they lie on one line. */
+/* Returns the orientation of a, b, c: 1 counter-clockwise; -1 clockwise; 0 collinear. */
 static inline int gd__site_turn(struct gd__site a, struct gd__site b, struct gd__site c)
 {
     __int128 area = gd__site_area(a, b, c);
     return (area > 0) - (area < 0);
 }
 
-/* Segments a-b and c-d cross in one point that is an end of neither. */
+/* Returns true if segments a-b and c-d cross in a point that is an end of neither. */
 static inline int gd__sites_cross(struct gd__site a, struct gd__site b, struct gd__site c,
                                   struct gd__site d)
 {

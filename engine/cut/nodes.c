@@ -3,10 +3,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/array.h"
 #include "mesh/canonical.h"
 
-#define FIRST_CAPACITY 64
-#define MOST_NODES     (UINT32_C(1) << 24)
+#define MOST_ITEMS (UINT32_C(1) << 24)
 
 static uint32_t *array_of_none(size_t count)
 {
@@ -45,7 +45,7 @@ double gd__nodes_reach(const struct gd__nodes *nodes, uint32_t face)
     return nodes->snap * fmax(side->length, fmax(side->left_length, side->right_length));
 }
 
-/* Of the larger one of the faces on both sides of an edge. */
+/* Returns the reach of an edge, the greater of its faces' reaches. */
 static double reach_of_edge(const struct gd__nodes *nodes, uint32_t edge)
 {
     double reach = 0;
@@ -61,34 +61,31 @@ static void note_shift(struct gd__nodes *nodes, double length)
     nodes->shift = fmax(nodes->shift, length);
 }
 
-/* --- adding ----------------------------------------------------------------------------------- */
+/* --- new nodes -------------------------------------------------------------------------------- */
 
-static enum gd_status grow(struct gd__nodes *nodes)
+enum gd_status gd__cut_extend(struct gd__budget *budget, void *array, uint32_t *capacity,
+                              uint32_t count, size_t size)
 {
-    uint32_t capacity = nodes->capacity ? 2 * nodes->capacity : FIRST_CAPACITY;
-    if (capacity > MOST_NODES) return GD_TOO_LARGE;
-    enum gd_status status =
-        gd__budget_take(nodes->budget, (capacity - nodes->capacity) * sizeof *nodes->items);
-    if (status) return status;
-    struct gd__node *items = realloc(nodes->items, capacity * sizeof *items);
-    if (!items) return GD_NO_MEMORY;
-    nodes->items = items;
-    nodes->capacity = capacity;
-    return GD_OK;
+    if (count <= *capacity) return GD_OK;
+    if (gd__array_capacity(*capacity, count) > MOST_ITEMS) return GD_TOO_LARGE;
+    size_t more = gd__array_capacity(*capacity, count) - *capacity;
+    enum gd_status status = gd__budget_take(budget, more * size);
+    return status ? status : gd__array_extend(array, capacity, count, size, NULL);
 }
 
-/* A new node at the front of the list of its edge or face. */
-static enum gd_status add(struct gd__nodes *nodes, struct gd_point point, struct gd__site site,
-                          uint32_t *first, uint32_t *out)
+/* Inserts a new node at the front of the list of its edge or face. */
+static enum gd_status nodes_add(struct gd__nodes *nodes, struct gd_point point,
+                                struct gd__site site, uint32_t *first, uint32_t *out)
 {
-    enum gd_status status = nodes->count == nodes->capacity ? grow(nodes) : GD_OK;
+    enum gd_status status = gd__cut_extend(nodes->budget, &nodes->items, &nodes->capacity,
+                                           nodes->count + 1, sizeof *nodes->items);
     if (status) return status;
     nodes->items[nodes->count] = (struct gd__node){point, site, *first};
     *out = *first = nodes->mesh->vertex_count + nodes->count++;
     return GD_OK;
 }
 
-/* The nearest node of an edge within `reach` of parameter `part`, or GD_NONE. */
+/* Returns the nearest node of an edge within `reach` of parameter `part`, or GD_NONE. */
 static uint32_t find_on_edge(struct gd__nodes *nodes, uint32_t edge, int64_t part, double reach)
 {
     uint32_t found = GD_NONE;
@@ -119,10 +116,9 @@ static enum gd_status node_on_edge(struct gd__nodes *nodes, uint32_t edge, doubl
         return GD_OK;
     }
     struct gd_point point = gd__point_within_side(2 * edge, gd__from_lattice(site.u));
-    return add(nodes, point, site, &nodes->of_edge[edge], out);
+    return nodes_add(nodes, point, site, &nodes->of_edge[edge], out);
 }
 
-/* The side nearest to a place in a face, and how far it is. */
 static uint32_t nearest_side(const struct gd_mesh *mesh, uint32_t face, const double weight[3],
                              double *distance)
 {
@@ -139,7 +135,7 @@ static uint32_t nearest_side(const struct gd_mesh *mesh, uint32_t face, const do
     return best;
 }
 
-/* Onto a side of the face: the foot of the place there. */
+/* Returns the node at the projection of a place onto a side of the face. */
 static enum gd_status node_on_side(struct gd__nodes *nodes, uint32_t face, uint32_t k,
                                    struct gd__local place, uint32_t *out)
 {
@@ -188,7 +184,7 @@ enum gd_status gd__node_in_face(struct gd__nodes *nodes, uint32_t face, double u
     double w1 = gd__from_lattice(site.u), w2 = gd__from_lattice(site.v);
     struct gd_point point = {
         .kind = GD_POINT_FACE, .element = face, .weight = {1 - w1 - w2, w1, w2}};
-    return add(nodes, point, site, &nodes->of_face[face], out);
+    return nodes_add(nodes, point, site, &nodes->of_face[face], out);
 }
 
 enum gd_status gd__node_of_point(struct gd__nodes *nodes, const struct gd_point *point,
@@ -264,7 +260,7 @@ uint32_t gd__nodes_walk(const struct gd__nodes *nodes, uint32_t face, struct gd_
 {
     const uint32_t *side = nodes->mesh->face_side[face];
     if (walk->stage < 3) return nodes->mesh->origin[side[walk->stage++]];
-    while (walk->next == 0 || walk->next == GD_NONE) { /* no new node has number 0 */
+    while (walk->next == 0 || walk->next == GD_NONE) { /* 0: no new node */
         if (walk->stage == 7) return GD_NONE;
         uint32_t list = walk->stage++ - 3;
         walk->next = list < 3 ? nodes->of_edge[side[list] / 2] : nodes->of_face[face];

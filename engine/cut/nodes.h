@@ -1,9 +1,9 @@
-/* Nodes: the points that a cut runs through. Vertices of the mesh, and new points of edges and
- * faces.
+/* Nodes: the points of a cut, which are vertices of the mesh and new points on edges and in faces.
  *
- * Numbers below the mesh's vertex_count are its vertices; the others are new nodes. What lies
- * closer than `snap` times the longest edge of a face to a vertex, to a side or to another node IS
- * there: so nodes of one edge or inside one face keep that distance. Inside unit. */
+ * Numbers below the mesh's vertex_count are its vertices; larger numbers are new nodes. The reach
+ * of a face is `snap` times its longest edge. A point within the reach of a vertex, a side or
+ * another node is moved onto it, so that nodes on one edge or inside one face are at least the
+ * reach apart. Normalised unit. */
 #ifndef GD_CUT_NODES_H
 #define GD_CUT_NODES_H
 
@@ -12,58 +12,67 @@
 #include "mesh/local.h"
 
 struct gd__node {
-    struct gd_point point; /* of an edge or a face */
-    struct gd__site site;  /* edge: u is the parameter, v 0; face: in the face */
-    uint32_t next;         /* of the same edge or face; GD_NONE: the last */
+    struct gd_point point; /* on an edge or in a face */
+    /* on an edge: u is the parameter along the edge, v is 0; in a face: the place in the face */
+    struct gd__site site;
+    uint32_t next; /* the next node of the same edge or face; GD_NONE: the last */
 };
 
 struct gd__nodes {
     const struct gd_mesh *mesh;
     struct gd__budget *budget;
     double snap;
-    double shift; /* the farthest that a point was moved */
+    double shift; /* largest displacement of a point */
     struct gd__node *items;
     uint32_t count, capacity;
-    uint32_t *of_edge, *of_face; /* the first one of each; GD_NONE: there is none */
+    uint32_t *of_edge, *of_face; /* first node of each edge and face; GD_NONE: none */
 };
 
 GD_MUST_USE enum gd_status gd__nodes_init(struct gd__nodes *nodes, const struct gd_mesh *mesh,
                                           double snap, struct gd__budget *budget);
-void gd__nodes_free(struct gd__nodes *nodes); /* of one that is all zero: harmless */
+void gd__nodes_free(struct gd__nodes *nodes); /* an all-zero struct is allowed */
 
-/* The node where a point is, which may be a new one. GD_NO_MEMORY, GD_BUDGET, GD_TOO_LARGE. */
+/* Makes room for `count` items in an array, within the budget. `array` is the address of the
+ * array's pointer. Errors: GD_NO_MEMORY, GD_BUDGET, GD_TOO_LARGE (more than 2^24 items). */
+GD_MUST_USE enum gd_status gd__cut_extend(struct gd__budget *budget, void *array,
+                                          uint32_t *capacity, uint32_t count, size_t size);
+
+/* Finds or creates the node at a point. Errors: GD_NO_MEMORY, GD_BUDGET, GD_TOO_LARGE. */
 GD_MUST_USE enum gd_status gd__node_of_point(struct gd__nodes *nodes, const struct gd_point *point,
                                              uint32_t *out);
 
-/* The same of a place in a face, by the barycentric coordinates of its corners 1 and 2. */
+/* Finds or creates the node at a place in a face, given by the barycentric coordinates of corners 1
+ * and 2. Errors: those of gd__node_of_point. */
 GD_MUST_USE enum gd_status gd__node_in_face(struct gd__nodes *nodes, uint32_t face, double u,
                                             double v, uint32_t *out);
 
-/* A node of a new number; NULL: a vertex. */
+/* Returns the new node with a number; NULL for a vertex. */
 static inline const struct gd__node *gd__node(const struct gd__nodes *nodes, uint32_t node)
 {
     return node < nodes->mesh->vertex_count ? NULL
                                             : &nodes->items[node - nodes->mesh->vertex_count];
 }
 
-/* As a point of the mesh. */
+/* Returns a node as a point of the mesh. */
 struct gd_point gd__node_point(const struct gd__nodes *nodes, uint32_t node);
 
-/* The sides of the face that a node of it lies on, as bits: two for a corner, none inside. */
+/* Returns a bit for each side of the face that contains a node of the face: two bits for a corner,
+ * none inside. */
 uint32_t gd__node_sides(const struct gd__nodes *nodes, uint32_t face, uint32_t node);
 
-/* Where a point is in a face that it lies in or on. */
+/* Return the place, in a face, of a point or a node of the face. */
 struct gd__site gd__site_of_point(const struct gd_mesh *mesh, uint32_t face,
                                   const struct gd_point *point);
 struct gd__site gd__node_site(const struct gd__nodes *nodes, uint32_t face, uint32_t node);
 
-/* A site in the frame of the face's side 0. */
+/* Returns a site's place in the frame of the face's side 0. */
 struct gd__local gd__site_local(const struct gd_mesh *mesh, uint32_t face, struct gd__site site);
 
-/* The distance below which things are one in a face. */
+/* Returns the reach of a face: closer places are the same node. */
 double gd__nodes_reach(const struct gd__nodes *nodes, uint32_t face);
 
-/* Walks the nodes of a face: its corners, those on its sides, those inside.
+/* Iterates over the nodes of a face: its corners, the nodes on its sides, the nodes inside.
+ *
  *     struct gd__node_walk walk = {0};
  *     while ((node = gd__nodes_walk(nodes, face, &walk)) != GD_NONE) … */
 struct gd__node_walk {

@@ -11,9 +11,10 @@ struct cutting {
     struct gd_detail *detail;
     struct gd_cut cut;
     uint32_t *piece; /* per triangle */
-    /* per corner that names a vertex: which one of its piece it is; else GD_NONE */
+    /* per corner: the number of its vertex in its piece if the corner represents the vertex, else
+       GD_NONE */
     uint32_t *number;
-    uint32_t wanted; /* the only piece that is; GD_NONE: all */
+    uint32_t wanted; /* the only piece that is returned; GD_NONE: all */
 };
 
 static void free_piece(struct gd_cut_piece *piece)
@@ -32,8 +33,9 @@ void gd_cut_free(struct gd_cut *cut)
     *cut = (struct gd_cut){0};
 }
 
-/* An array of `count` items of `size` bytes that passes to the caller. */
-static void *take(struct cutting *cutting, size_t count, size_t size, enum gd_status *status)
+/* Allocates an array of `count` items of `size` bytes that the caller will own. */
+static void *cut_pieces_take(struct cutting *cutting, size_t count, size_t size,
+                             enum gd_status *status)
 {
     if (*status) return NULL;
     *status = gd__budget_take(cutting->budget, count * size);
@@ -55,12 +57,12 @@ static enum gd_status number_regions(struct cutting *cutting)
     struct gd__refined *refined = cutting->refined;
     enum gd_status status = GD_OK;
     for (uint32_t t = 0; t < refined->count; t++) {
-        uint32_t root = gd__find(refined->region, t); /* the lowest */
+        uint32_t root = gd__union_find_root(refined->region, t); /* the lowest */
         cutting->piece[t] = root == t ? cutting->cut.piece_count++ : cutting->piece[root];
     }
     cutting->cut.separates = cutting->cut.piece_count > refined->mesh->summary.components;
     cutting->cut.pieces =
-        take(cutting, cutting->cut.piece_count, sizeof *cutting->cut.pieces, &status);
+        cut_pieces_take(cutting, cutting->cut.piece_count, sizeof *cutting->cut.pieces, &status);
     if (status) cutting->cut.piece_count = 0;
     return status;
 }
@@ -71,8 +73,9 @@ static double area_of_face(const struct gd_mesh *mesh, uint32_t face)
     return side->length * side->left_length * side->left_y / 2;
 }
 
-/* Compensated sums: the pieces of a large mesh have as many terms as it has faces. */
-static enum gd_status measure(struct cutting *cutting)
+/* Sums the area of each piece, with compensation, because the sums have as many terms as the mesh
+ * has faces. */
+static enum gd_status cut_pieces_measure(struct cutting *cutting)
 {
     const struct gd__refined *refined = cutting->refined;
     double unit = refined->mesh->unit;
@@ -93,7 +96,7 @@ static enum gd_status measure(struct cutting *cutting)
     return GD_OK;
 }
 
-/* --- inside ----------------------------------------------------------------------------------- */
+/* --- the piece that contains a point ---------------------------------------------------------- */
 
 static bool holds(const struct gd__refined *refined, uint32_t triangle, struct gd__site point)
 {
@@ -106,8 +109,8 @@ static bool holds(const struct gd__refined *refined, uint32_t triangle, struct g
            gd__site_turn(site[2], site[0], point) >= 0;
 }
 
-/* Looks for the point in a face's triangles. False: they are of other pieces than `*found`, unless
- * that is GD_NONE. */
+/* Searches the request's point in the triangles of a face, and sets *found to the piece. Returns
+ * false if *found is already another piece. */
 static bool look_in_face(const struct cutting *cutting, uint32_t face, uint32_t *found)
 {
     const struct gd__refined *refined = cutting->refined;
@@ -122,7 +125,7 @@ static bool look_in_face(const struct cutting *cutting, uint32_t face, uint32_t 
     return true;
 }
 
-/* The piece that holds the request's point. */
+/* Finds the piece that contains the request's point. */
 static enum gd_status find_inside(struct cutting *cutting)
 {
     const struct gd_mesh *mesh = cutting->refined->mesh;
@@ -142,7 +145,7 @@ static enum gd_status find_inside(struct cutting *cutting)
         "the point inside lies on the curve; choose one that is clearly on one side of it");
 }
 
-/* Leaves the wanted piece only. */
+/* Keeps only the wanted piece. */
 static void leave_wanted(struct cutting *cutting)
 {
     struct gd_cut *cut = &cutting->cut;
@@ -155,8 +158,8 @@ static void leave_wanted(struct cutting *cutting)
 
 /* --- faces of a selection --------------------------------------------------------------------- */
 
-/* The piece that has most of a face; of equal ones the first. `area` is all zero, per piece, before
- * and after. */
+/* Returns the piece with most of a face's area; in a tie the first. `area` is scratch with one
+ * entry for each piece, all zero before and after the call. */
 static uint32_t owner_of_face(const struct cutting *cutting, uint32_t face, double *area)
 {
     const struct gd__refined *refined = cutting->refined;
@@ -190,7 +193,8 @@ static enum gd_status select_faces(struct cutting *cutting)
     for (uint32_t p = 0; p < cutting->cut.piece_count && !status; p++) {
         struct gd_cut_piece *piece = &cutting->cut.pieces[p];
         if (is_wanted(cutting, p))
-            piece->face_map = take(cutting, piece->face_count, sizeof(uint32_t), &status);
+            piece->face_map =
+                cut_pieces_take(cutting, piece->face_count, sizeof(uint32_t), &status);
         piece->face_count = 0;
     }
     for (uint32_t i = 0; i < indices && !status; i++) {
@@ -205,25 +209,27 @@ static enum gd_status select_faces(struct cutting *cutting)
 
 /* --- meshes ----------------------------------------------------------------------------------- */
 
-/* A vertex' place in the order: vertices of the parent by index, then new ones. */
-static uint32_t key_of(const struct gd__refined *refined, uint32_t node)
+/* Returns the sort key of a vertex: vertices of the parent by index, then new vertices. */
+static uint32_t cut_pieces_key_of(const struct gd__refined *refined, uint32_t node)
 {
     const struct gd_mesh *mesh = refined->mesh;
     return node < mesh->vertex_count ? mesh->index_of_vertex[node]
                                      : mesh->summary.index_count + (node - mesh->vertex_count);
 }
 
-/* Sorts the corners that name vertices by key: a counting sort. `begin` has a place for each key
- * and one more, all zero; afterwards key k's are sorted[begin[k - 1]] to sorted[begin[k] - 1]. */
+/* Sorts the corners that represent vertices by key (counting sort). `begin` has one entry for each
+ * key and one more, all zero before the call; afterwards key k has the corners sorted[begin[k - 1]]
+ * to sorted[begin[k] - 1]. */
 static void sort_vertices(const struct gd__refined *refined, uint32_t keys, uint32_t *begin,
                           uint32_t *sorted)
 {
     for (uint32_t c = 0; c < 3 * refined->count; c++)
-        if (refined->vertex[c] == c) begin[key_of(refined, refined->node[c / 3][c % 3]) + 1]++;
+        if (refined->vertex[c] == c)
+            begin[cut_pieces_key_of(refined, refined->node[c / 3][c % 3]) + 1]++;
     for (uint32_t k = 0; k < keys; k++) begin[k + 1] += begin[k];
     for (uint32_t c = 0; c < 3 * refined->count; c++)
         if (refined->vertex[c] == c)
-            sorted[begin[key_of(refined, refined->node[c / 3][c % 3])]++] = c;
+            sorted[begin[cut_pieces_key_of(refined, refined->node[c / 3][c % 3])]++] = c;
 }
 
 static enum gd_status allocate_piece(struct cutting *cutting, struct gd_cut_piece *piece)
@@ -231,12 +237,13 @@ static enum gd_status allocate_piece(struct cutting *cutting, struct gd_cut_piec
     enum gd_status status = GD_OK;
     struct gd_polygons *polygons = &piece->polygons;
     polygons->polygon_count = piece->face_count;
-    piece->face_map = take(cutting, piece->face_count, sizeof *piece->face_map, &status);
+    piece->face_map = cut_pieces_take(cutting, piece->face_count, sizeof *piece->face_map, &status);
     polygons->corners =
-        take(cutting, 3 * (size_t)piece->face_count, sizeof *polygons->corners, &status);
+        cut_pieces_take(cutting, 3 * (size_t)piece->face_count, sizeof *polygons->corners, &status);
     polygons->positions =
-        take(cutting, polygons->position_count, sizeof *polygons->positions, &status);
-    piece->vertex_map = take(cutting, polygons->position_count, sizeof *piece->vertex_map, &status);
+        cut_pieces_take(cutting, polygons->position_count, sizeof *polygons->positions, &status);
+    piece->vertex_map =
+        cut_pieces_take(cutting, polygons->position_count, sizeof *piece->vertex_map, &status);
     return status;
 }
 
@@ -265,7 +272,7 @@ static void place_triangle(struct cutting *cutting, uint32_t t)
         piece->polygons.corners[3 * i + k] = cutting->number[refined->vertex[3 * t + k]];
 }
 
-/* Counts what each piece has, takes memory for it, and leaves the counts at zero again. */
+/* Counts the elements of each piece, allocates memory, and resets the counts to zero. */
 static enum gd_status allocate_pieces(struct cutting *cutting)
 {
     struct gd__refined *refined = cutting->refined;
@@ -273,7 +280,7 @@ static enum gd_status allocate_pieces(struct cutting *cutting)
     for (uint32_t t = 0; t < refined->count; t++)
         cutting->cut.pieces[cutting->piece[t]].face_count++;
     for (uint32_t c = 0; c < 3 * refined->count; c++) {
-        refined->vertex[c] = gd__find(refined->vertex, c);
+        refined->vertex[c] = gd__union_find_root(refined->vertex, c);
         if (refined->vertex[c] == c)
             cutting->cut.pieces[cutting->piece[c / 3]].polygons.position_count++;
     }
@@ -309,7 +316,7 @@ static enum gd_status make_meshes(struct cutting *cutting)
     return status;
 }
 
-/* --- the whole -------------------------------------------------------------------------------- */
+/* --- result ----------------------------------------------------------------------------------- */
 
 enum gd_status gd__pieces_make(struct gd__refined *refined, const struct gd_cut_request *request,
                                struct gd__budget *budget, struct gd_cut *out,
@@ -324,7 +331,7 @@ enum gd_status gd__pieces_make(struct gd__refined *refined, const struct gd_cut_
     if (status) return status;
     cutting.piece = malloc(refined->count * sizeof *cutting.piece);
     status = cutting.piece ? number_regions(&cutting) : GD_NO_MEMORY;
-    if (!status) status = measure(&cutting);
+    if (!status) status = cut_pieces_measure(&cutting);
     if (!status && request->inside) status = find_inside(&cutting);
     if (!status) status = request->select_only ? select_faces(&cutting) : make_meshes(&cutting);
     free(cutting.piece);

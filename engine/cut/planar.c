@@ -7,11 +7,13 @@
 
 #define FIRST_CAPACITY 64
 #define MOST_SITES     (UINT32_C(1) << 14)
-/* that a segment crosses, times their number: far more than it takes */
-#define FLIPS_A_SIDE     16
-#define TRIANGLES(count) (2 * (size_t)(count)) /* a bound of what so many sites have */
+/* Factor of the limit on flips for a segment that crosses n sides, FLIPS_A_SIDE (n + 1)^2: far more
+ * than needed. */
+#define FLIPS_A_SIDE 16
+/* upper bound on the triangles of a triangulation with `count` sites */
+#define TRIANGLES(count) (2 * (size_t)(count))
 
-struct gd__planar_side { /* from corner a to corner b */
+struct gd__planar_side { /* a side from corner a to corner b */
     uint32_t a, b;
 };
 
@@ -29,17 +31,17 @@ void gd__planar_free(struct gd__planar *planar)
     *planar = (struct gd__planar){0};
 }
 
-static size_t bytes_of(uint32_t capacity)
+static size_t planar_bytes_of(uint32_t capacity)
 {
     return capacity * (sizeof(struct gd__site) + sizeof(struct gd__local) + sizeof(uint32_t)) +
            TRIANGLES(capacity) *
                (sizeof(struct gd__planar_triangle) + 3 * sizeof(struct gd__planar_side));
 }
 
-static enum gd_status reserve(struct gd__planar *planar, uint32_t capacity)
+static enum gd_status planar_reserve(struct gd__planar *planar, uint32_t capacity)
 {
     struct gd__budget *budget = planar->budget;
-    enum gd_status status = gd__budget_take(budget, bytes_of(capacity));
+    enum gd_status status = gd__budget_take(budget, planar_bytes_of(capacity));
     if (status) return status;
     gd__planar_free(planar);
     planar->budget = budget;
@@ -59,7 +61,8 @@ enum gd_status gd__planar_begin(struct gd__planar *planar, uint32_t count)
     uint32_t capacity = FIRST_CAPACITY;
     if (count > MOST_SITES) return GD_TOO_LARGE;
     while (capacity < count) capacity *= 2;
-    enum gd_status status = capacity > planar->site_capacity ? reserve(planar, capacity) : GD_OK;
+    enum gd_status status =
+        capacity > planar->site_capacity ? planar_reserve(planar, capacity) : GD_OK;
     planar->site_count = count;
     planar->triangle_count = 0;
     return status;
@@ -67,29 +70,29 @@ enum gd_status gd__planar_begin(struct gd__planar *planar, uint32_t count)
 
 /* --- triangles -------------------------------------------------------------------------------- */
 
-static int turn(const struct gd__planar *planar, uint32_t a, uint32_t b, uint32_t c)
+static int planar_turn(const struct gd__planar *planar, uint32_t a, uint32_t b, uint32_t c)
 {
     return gd__site_turn(planar->sites[a], planar->sites[b], planar->sites[c]);
 }
 
-static uint32_t next(uint32_t k)
+static uint32_t corner_after(uint32_t k)
 {
     return k == 2 ? 0 : k + 1;
 }
 
-static uint32_t before(uint32_t k)
+static uint32_t corner_before(uint32_t k)
 {
     return k == 0 ? 2 : k - 1;
 }
 
-/* The side of triangle `t` that has `neighbour` across. */
+/* Returns the side of triangle `t` across which `neighbour` lies. */
 static uint32_t side_towards(const struct gd__planar *planar, uint32_t t, uint32_t neighbour)
 {
     const uint32_t *across = planar->triangles[t].across;
     return across[0] == neighbour ? 0 : across[1] == neighbour ? 1 : 2;
 }
 
-/* What lies across a side: a triangle, and whether the side is a segment. */
+/* The triangle across a side; is_fixed: the side is a segment. */
 struct border {
     uint32_t across;
     bool is_fixed;
@@ -105,7 +108,6 @@ static struct border inner(uint32_t across)
     return (struct border){across, false};
 }
 
-/* Makes triangle `t` of three corners and the borders of its sides. */
 static void set(struct gd__planar *planar, uint32_t t, const uint32_t corner[3],
                 const struct border border[3])
 {
@@ -118,7 +120,7 @@ static void set(struct gd__planar *planar, uint32_t t, const uint32_t corner[3],
     }
 }
 
-/* A neighbour has `t` across now where it had `old`. */
+/* Replaces `old` by `t` in the links of the triangle `neighbour`. */
 static void redirect(struct gd__planar *planar, uint32_t neighbour, uint32_t old, uint32_t t)
 {
     if (neighbour != GD_NONE)
@@ -127,7 +129,7 @@ static void redirect(struct gd__planar *planar, uint32_t neighbour, uint32_t old
 
 /* --- inserting sites -------------------------------------------------------------------------- */
 
-/* Cuts triangle `t` into three that meet in site `s`, strictly inside. */
+/* Divides triangle `t` into three at site `s`, strictly inside. */
 static void split_triangle(struct gd__planar *planar, uint32_t t, uint32_t s)
 {
     const struct gd__planar_triangle old = planar->triangles[t];
@@ -137,24 +139,28 @@ static void split_triangle(struct gd__planar *planar, uint32_t t, uint32_t s)
     planar->triangle_count += 2;
     for (uint32_t k = 0; k < 3; k++) redirect(planar, border[k].across, t, part[k]);
     for (uint32_t k = 0; k < 3; k++)
-        set(planar, part[k], (uint32_t[]){old.corner[k], old.corner[next(k)], s},
-            (struct border[]){border[k], inner(part[next(k)]), inner(part[before(k)])});
+        set(planar, part[k], (uint32_t[]){old.corner[k], old.corner[corner_after(k)], s},
+            (struct border[]){border[k], inner(part[corner_after(k)]),
+                              inner(part[corner_before(k)])});
 }
 
-/* Cuts the two triangles at side k of `t` (or the one, on the border of the face) at site `s`,
+/* Divides the triangles on both sides of side k of `t` (only `t` at the face's border) at site `s`,
  * strictly inside that side. */
 static void split_side(struct gd__planar *planar, uint32_t t, uint32_t k, uint32_t s)
 {
-    uint32_t a = planar->triangles[t].corner[k], b = planar->triangles[t].corner[next(k)],
-             c = planar->triangles[t].corner[before(k)], other = planar->triangles[t].across[k];
-    struct border bc = border_of(planar, t, next(k)), ca = border_of(planar, t, before(k));
+    uint32_t a = planar->triangles[t].corner[k], b = planar->triangles[t].corner[corner_after(k)],
+             c = planar->triangles[t].corner[corner_before(k)],
+             other = planar->triangles[t].across[k];
+    struct border bc = border_of(planar, t, corner_after(k)),
+                  ca = border_of(planar, t, corner_before(k));
     uint32_t new = planar->triangle_count++,
              other_new = other == GD_NONE ? GD_NONE : planar->triangle_count++;
     bool is_fixed = planar->triangles[t].is_fixed[k];
     if (other != GD_NONE) {
-        uint32_t m = side_towards(planar, other, t), d = planar->triangles[other].corner[before(m)];
-        struct border ad = border_of(planar, other, next(m)),
-                      db = border_of(planar, other, before(m));
+        uint32_t m = side_towards(planar, other, t),
+                 d = planar->triangles[other].corner[corner_before(m)];
+        struct border ad = border_of(planar, other, corner_after(m)),
+                      db = border_of(planar, other, corner_before(m));
         redirect(planar, db.across, other, other_new);
         set(planar, other, (uint32_t[]){s, a, d},
             (struct border[]){{t, is_fixed}, ad, inner(other_new)});
@@ -166,14 +172,14 @@ static void split_side(struct gd__planar *planar, uint32_t t, uint32_t k, uint32
     set(planar, new, (uint32_t[]){s, b, c}, (struct border[]){{other_new, is_fixed}, bc, inner(t)});
 }
 
-/* Inserts a site into the triangle that it lies in. */
-static enum gd_status insert(struct gd__planar *planar, uint32_t s)
+/* Inserts a site into the triangle that contains it. */
+static enum gd_status planar_insert(struct gd__planar *planar, uint32_t s)
 {
     for (uint32_t t = 0; t < planar->triangle_count; t++) {
         const uint32_t *corner = planar->triangles[t].corner;
-        const int turns[3] = {turn(planar, corner[0], corner[1], s),
-                              turn(planar, corner[1], corner[2], s),
-                              turn(planar, corner[2], corner[0], s)};
+        const int turns[3] = {planar_turn(planar, corner[0], corner[1], s),
+                              planar_turn(planar, corner[1], corner[2], s),
+                              planar_turn(planar, corner[2], corner[0], s)};
         if (turns[0] < 0 || turns[1] < 0 || turns[2] < 0) continue;
         uint32_t zeros = !turns[0] + !turns[1] + !turns[2];
         if (zeros > 1) return GD_RUNAWAY;
@@ -193,7 +199,7 @@ enum gd_status gd__planar_triangulate(struct gd__planar *planar)
     set(planar, 0, (uint32_t[]){0, 1, 2},
         (struct border[]){inner(GD_NONE), inner(GD_NONE), inner(GD_NONE)});
     for (uint32_t s = 3; s < planar->site_count && !status; s++) {
-        status = insert(planar, s);
+        status = planar_insert(planar, s);
         if (!status) status = gd_control_check(planar->budget->control, 0);
     }
     return status;
@@ -201,27 +207,30 @@ enum gd_status gd__planar_triangulate(struct gd__planar *planar)
 
 /* --- flips ------------------------------------------------------------------------------------ */
 
-/* The two triangles at a side make a convex quadrilateral, without straight corners. */
+/* Returns true if the two triangles at a side form a strictly convex quadrilateral. */
 static bool is_convex(const struct gd__planar *planar, struct side side)
 {
     const struct gd__planar_triangle *t = &planar->triangles[side.triangle];
     uint32_t other = t->across[side.k], m = side_towards(planar, other, side.triangle);
-    uint32_t a = t->corner[side.k], b = t->corner[next(side.k)], c = t->corner[before(side.k)],
-             d = planar->triangles[other].corner[before(m)];
-    return turn(planar, c, a, d) > 0 && turn(planar, d, b, c) > 0;
+    uint32_t a = t->corner[side.k], b = t->corner[corner_after(side.k)],
+             c = t->corner[corner_before(side.k)],
+             d = planar->triangles[other].corner[corner_before(m)];
+    return planar_turn(planar, c, a, d) > 0 && planar_turn(planar, d, b, c) > 0;
 }
 
-/* Replaces the side a-b of triangles abc and bad by c-d. */
-static void flip(struct gd__planar *planar, struct side side)
+/* Flips a side: replaces a-b, the common side of triangles abc and bad, by c-d. */
+static void planar_flip(struct gd__planar *planar, struct side side)
 {
     uint32_t t = side.triangle, other = planar->triangles[t].across[side.k],
              m = side_towards(planar, other, t);
-    uint32_t a = planar->triangles[t].corner[side.k], b = planar->triangles[t].corner[next(side.k)],
-             c = planar->triangles[t].corner[before(side.k)],
-             d = planar->triangles[other].corner[before(m)];
-    struct border bc = border_of(planar, t, next(side.k)),
-                  ca = border_of(planar, t, before(side.k)), ad = border_of(planar, other, next(m)),
-                  db = border_of(planar, other, before(m));
+    uint32_t a = planar->triangles[t].corner[side.k],
+             b = planar->triangles[t].corner[corner_after(side.k)],
+             c = planar->triangles[t].corner[corner_before(side.k)],
+             d = planar->triangles[other].corner[corner_before(m)];
+    struct border bc = border_of(planar, t, corner_after(side.k)),
+                  ca = border_of(planar, t, corner_before(side.k)),
+                  ad = border_of(planar, other, corner_after(m)),
+                  db = border_of(planar, other, corner_before(m));
     redirect(planar, bc.across, t, other);
     redirect(planar, ad.across, other, t);
     set(planar, t, (uint32_t[]){c, a, d}, (struct border[]){ca, ad, inner(other)});
@@ -230,7 +239,7 @@ static void flip(struct gd__planar *planar, struct side side)
 
 /* --- segments --------------------------------------------------------------------------------- */
 
-/* The triangle around site `a` for which `is_wanted` holds at a's corner, and that corner; false:
+/* Finds the triangle around site `a` whose corner at `a` satisfies `is_wanted`. Returns false if
  * there is none. */
 static bool find_around(const struct gd__planar *planar, uint32_t a, uint32_t b,
                         bool (*is_wanted)(const struct gd__planar *planar, struct side at,
@@ -245,39 +254,40 @@ static bool find_around(const struct gd__planar *planar, uint32_t a, uint32_t b,
             uint32_t k = corner[0] == a ? 0 : corner[1] == a ? 1 : 2;
             *out = (struct side){t, k};
             if (is_wanted(planar, *out, b)) return true;
-            t = planar->triangles[t].across[clockwise ? k : before(k)];
+            t = planar->triangles[t].across[clockwise ? k : corner_before(k)];
         } while (t != GD_NONE && t != start);
         if (t == start) return false;
     }
     return false;
 }
 
-/* The side that leaves the corner ends in b. */
+/* Returns true if the side that leaves the corner ends in b. */
 static bool leads_to(const struct gd__planar *planar, struct side at, uint32_t b)
 {
-    return planar->triangles[at.triangle].corner[next(at.k)] == b;
+    return planar->triangles[at.triangle].corner[corner_after(at.k)] == b;
 }
 
-/* The side that comes to the corner begins in b: on the border of the face only one triangle has
- * it. */
+/* Returns true if the side that ends in the corner begins in b. Needed for sides on the border of
+ * the face, which have only one triangle. */
 static bool comes_from(const struct gd__planar *planar, struct side at, uint32_t b)
 {
-    return planar->triangles[at.triangle].corner[before(at.k)] == b;
+    return planar->triangles[at.triangle].corner[corner_before(at.k)] == b;
 }
 
-/* The way to b leaves the triangle across the side opposite to the corner. */
+/* Returns true if the line to b leaves the triangle across the side opposite to the corner. */
 static bool opens_to(const struct gd__planar *planar, struct side at, uint32_t b)
 {
     const uint32_t *corner = planar->triangles[at.triangle].corner;
-    uint32_t a = corner[at.k], right = corner[next(at.k)], left = corner[before(at.k)];
-    return turn(planar, a, b, right) < 0 && turn(planar, a, b, left) > 0;
+    uint32_t a = corner[at.k], right = corner[corner_after(at.k)],
+             left = corner[corner_before(at.k)];
+    return planar_turn(planar, a, b, right) < 0 && planar_turn(planar, a, b, left) > 0;
 }
 
 static bool find_side(const struct gd__planar *planar, uint32_t a, uint32_t b, struct side *out)
 {
     if (find_around(planar, a, b, leads_to, out)) return true;
     if (!find_around(planar, a, b, comes_from, out)) return false;
-    out->k = before(out->k);
+    out->k = corner_before(out->k);
     return true;
 }
 
@@ -290,26 +300,27 @@ static void fix_side(struct gd__planar *planar, struct side side)
         planar->triangles[other].is_fixed[side_towards(planar, other, side.triangle)] = true;
 }
 
-/* Queues the sides that a-b crosses, from a on. False: it passes a site or crosses a segment. */
+/* Queues the sides that a-b crosses, in order from a. Returns false if a-b passes a site or crosses
+ * a segment. */
 static bool queue_crossed(struct gd__planar *planar, uint32_t a, uint32_t b, uint32_t *count)
 {
     struct side at;
     if (!find_around(planar, a, b, opens_to, &at)) return false;
-    uint32_t t = at.triangle, k = next(at.k);
+    uint32_t t = at.triangle, k = corner_after(at.k);
     for (*count = 0;;) {
         const struct gd__planar_triangle *triangle = &planar->triangles[t];
         uint32_t other = triangle->across[k];
         if (triangle->is_fixed[k] || other == GD_NONE) return false;
         planar->queue[(*count)++] =
-            (struct gd__planar_side){triangle->corner[k], triangle->corner[next(k)]};
+            (struct gd__planar_side){triangle->corner[k], triangle->corner[corner_after(k)]};
         uint32_t m = side_towards(planar, other, t),
-                 apex = planar->triangles[other].corner[before(m)];
+                 apex = planar->triangles[other].corner[corner_before(m)];
         if (apex == b) return true;
-        int side = turn(planar, a, b, apex);
+        int side = planar_turn(planar, a, b, apex);
         if (side == 0) return false;
         t = other;
-        /* the apex at the left: on across the side at the right of it */
-        k = side > 0 ? next(m) : before(m);
+        /* if the apex is on the left, continues across the right side */
+        k = side > 0 ? corner_after(m) : corner_before(m);
     }
 }
 
@@ -319,20 +330,20 @@ static bool crosses(const struct gd__planar *planar, uint32_t a, uint32_t b, uin
     return gd__sites_cross(s[a], s[b], s[c], s[d]);
 }
 
-/* Flips a side that a-b crosses, if it can be; `*crossed` is the one that is in its place then.
- * True: that one does not cross. */
+/* Flips a side that a-b crosses, if possible, and sets *crossed to the new side. Returns true if
+ * the side was flipped and the new side does not cross a-b. */
 static bool flip_away(struct gd__planar *planar, uint32_t a, uint32_t b, struct side side,
                       struct gd__planar_side *crossed)
 {
     if (!is_convex(planar, side)) return false;
-    flip(planar, side);
+    planar_flip(planar, side);
     crossed->a = planar->triangles[side.triangle].corner[2];
     crossed->b = planar->triangles[side.triangle].corner[0];
     return !crosses(planar, a, b, crossed->a, crossed->b);
 }
 
-/* Takes the sides of the queue, a ring of `count` places, in turn, and queues again what still
- * crosses a-b. */
+/* Processes the queue of sides, a ring of `count` places. Sides that still cross a-b are queued
+ * again. */
 static enum gd_status flip_crossed(struct gd__planar *planar, uint32_t a, uint32_t b,
                                    uint32_t count)
 {
@@ -366,43 +377,43 @@ enum gd_status gd__planar_fix(struct gd__planar *planar, uint32_t a, uint32_t b)
 
 /* --- Delaunay --------------------------------------------------------------------------------- */
 
-/* Sine and cosine of the angle at `apex` from `p` to `q`, times the lengths of both legs, whose
- * product is `legs`. */
+/* Sine and cosine of the angle at `apex` from `p` to `q`, times the lengths of both legs; `legs` is
+ * their product. */
 struct angle {
     double sine, cosine, legs;
 };
 
-static struct angle angle_at(struct gd__local apex, struct gd__local p, struct gd__local q)
+static struct angle planar_angle_at(struct gd__local apex, struct gd__local p, struct gd__local q)
 {
     double px = p.x - apex.x, py = p.y - apex.y, qx = q.x - apex.x, qy = q.y - apex.y;
     return (struct angle){px * qy - py * qx, px * qx + py * qy, hypot(px, py) * hypot(qx, qy)};
 }
 
-/* The angles opposite to the side sum to more than pi. */
+/* Returns true if a side is not Delaunay: the angles opposite to it sum to more than pi. */
 static bool is_bad(const struct gd__planar *planar, struct side side)
 {
     const struct gd__planar_triangle *t = &planar->triangles[side.triangle];
     uint32_t other = t->across[side.k];
     if (other == GD_NONE || t->is_fixed[side.k]) return false;
     uint32_t m = side_towards(planar, other, side.triangle),
-             d = planar->triangles[other].corner[before(m)];
+             d = planar->triangles[other].corner[corner_before(m)];
     const struct gd__local *place = planar->places;
-    struct gd__local a = place[t->corner[side.k]], b = place[t->corner[next(side.k)]];
-    struct angle at_c = angle_at(place[t->corner[before(side.k)]], a, b),
-                 at_d = angle_at(place[d], b, a);
+    struct gd__local a = place[t->corner[side.k]], b = place[t->corner[corner_after(side.k)]];
+    struct angle at_c = planar_angle_at(place[t->corner[corner_before(side.k)]], a, b),
+                 at_d = planar_angle_at(place[d], b, a);
     return at_c.sine * at_d.cosine + at_c.cosine * at_d.sine <
                -GD_TOL_DELAUNAY * at_c.legs * at_d.legs &&
            is_convex(planar, side);
 }
 
-/* Goes once over the sides. Returns how many were flipped. */
+/* Makes one pass over the sides. Returns the number of flips. */
 static uint32_t improve_once(struct gd__planar *planar)
 {
     uint32_t flips = 0;
     for (uint32_t t = 0; t < planar->triangle_count; t++) {
         for (uint32_t k = 0; k < 3; k++) {
             if (!is_bad(planar, (struct side){t, k})) continue;
-            flip(planar, (struct side){t, k});
+            planar_flip(planar, (struct side){t, k});
             flips++;
         }
     }

@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 
+#include "base/array.h"
 #include "base/tolerance.h"
 #include "cut/planar.h"
 #include "mesh/triangle.h"
@@ -14,8 +15,8 @@ struct refining {
     const struct gd__seam *seam;
     struct gd__refined refined;
     struct gd__planar planar;
-    uint32_t *site_node; /* per site of the face at hand: its node */
-    /* per piece: 3 triangle + side of the first triangle there; GD_NONE: none as yet */
+    uint32_t *site_node; /* per site of the current face: its node */
+    /* per piece: 3 * triangle + side, of the first triangle at the piece; GD_NONE: none yet */
     uint32_t *first_side;
     uint32_t site_capacity;
 };
@@ -53,31 +54,32 @@ static void positions_of(const struct gd__refined *refined, uint32_t triangle,
 
 /* --- joining ---------------------------------------------------------------------------------- */
 
-static uint32_t next(uint32_t k)
+static uint32_t cut_refine_next(uint32_t k)
 {
     return k == 2 ? 0 : k + 1;
 }
 
-/* Joins two triangles at a side, which runs opposite ways in them. */
-static void join(struct gd__refined *refined, uint32_t t, uint32_t k, uint32_t other, uint32_t m)
+/* Joins two triangles at a common side. The triangles traverse the side in opposite directions. */
+static void cut_refine_join(struct gd__refined *refined, uint32_t t, uint32_t k, uint32_t other,
+                            uint32_t m)
 {
-    gd__unite(refined->region, t, other);
-    gd__unite(refined->vertex, 3 * t + k, 3 * other + next(m));
-    gd__unite(refined->vertex, 3 * t + next(k), 3 * other + m);
+    gd__union_find_join(refined->region, t, other);
+    gd__union_find_join(refined->vertex, 3 * t + k, 3 * other + cut_refine_next(m));
+    gd__union_find_join(refined->vertex, 3 * t + cut_refine_next(k), 3 * other + m);
 }
 
-/* Side k of triangle t is that piece of an edge: joins it to the triangle that was there before,
- * unless the seam runs between. */
+/* Joins triangle t, whose side k is `piece`, to the other triangle at that piece, unless the seam
+ * separates them. */
 static void join_at_piece(struct refining *refining, uint32_t t, uint32_t k, uint32_t piece)
 {
     uint32_t first = refining->first_side[piece];
     if (first == GD_NONE)
         refining->first_side[piece] = 3 * t + k;
     else if (!refining->seam->is_cut[piece])
-        join(&refining->refined, t, k, first / 3, first % 3);
+        cut_refine_join(&refining->refined, t, k, first / 3, first % 3);
 }
 
-static uint32_t add(struct gd__refined *refined, uint32_t face, const uint32_t node[3])
+static uint32_t cut_refine_add(struct gd__refined *refined, uint32_t face, const uint32_t node[3])
 {
     uint32_t t = refined->count++;
     for (int k = 0; k < 3; k++) refined->node[t][k] = node[k];
@@ -92,28 +94,16 @@ static void keep_face(struct refining *refining, uint32_t face)
 {
     const struct gd_mesh *mesh = refining->refined.mesh;
     const uint32_t *side = mesh->face_side[face];
-    uint32_t t =
-        add(&refining->refined, face,
-            (uint32_t[]){mesh->origin[side[0]], mesh->origin[side[1]], mesh->origin[side[2]]});
+    uint32_t t = cut_refine_add(
+        &refining->refined, face,
+        (uint32_t[]){mesh->origin[side[0]], mesh->origin[side[1]], mesh->origin[side[2]]});
     for (uint32_t k = 0; k < 3; k++)
         join_at_piece(refining, t, k, refining->seam->first[side[k] / 2]);
 }
 
 /* --- crossed faces ---------------------------------------------------------------------------- */
 
-static enum gd_status reserve_sites(struct refining *refining, uint32_t count)
-{
-    if (count <= refining->site_capacity) return GD_OK;
-    uint32_t capacity = refining->site_capacity ? 2 * refining->site_capacity : 64;
-    while (capacity < count) capacity *= 2;
-    uint32_t *grown = realloc(refining->site_node, capacity * sizeof *grown);
-    if (!grown) return GD_NO_MEMORY;
-    refining->site_node = grown;
-    refining->site_capacity = capacity;
-    return GD_OK;
-}
-
-/* The face's nodes become the sites. */
+/* Makes the face's nodes the sites of the triangulation. */
 static enum gd_status gather_sites(struct refining *refining, uint32_t face)
 {
     const struct gd__nodes *nodes = &refining->arrangement->nodes;
@@ -121,7 +111,8 @@ static enum gd_status gather_sites(struct refining *refining, uint32_t face)
     struct gd__node_walk walk = {0};
     enum gd_status status = GD_OK;
     while ((node = gd__nodes_walk(nodes, face, &walk)) != GD_NONE) {
-        status = reserve_sites(refining, count + 1);
+        status = gd__array_extend(&refining->site_node, &refining->site_capacity, count + 1ULL,
+                                  sizeof *refining->site_node, NULL);
         if (status) return status;
         refining->site_node[count++] = node;
     }
@@ -164,18 +155,20 @@ static bool is_flat(const struct gd__refined *refined, uint32_t t)
     return !(gd__triangle_flatness(&triangle) >= GD_TOL_FLAT);
 }
 
-/* Side k of a triangle of the face lies on the face's border: the piece of the edge that it is. */
-static uint32_t piece_of(const struct refining *refining, uint32_t face, uint32_t t, uint32_t k)
+/* Returns the piece of an edge that is side k of a triangle at the face's border. */
+static uint32_t cut_refine_piece_of(const struct refining *refining, uint32_t face, uint32_t t,
+                                    uint32_t k)
 {
     const struct gd__refined *refined = &refining->refined;
-    uint32_t a = refined->node[t][k], b = refined->node[t][next(k)];
+    uint32_t a = refined->node[t][k], b = refined->node[t][cut_refine_next(k)];
     uint32_t sides =
         gd__node_sides(refined->nodes, face, a) & gd__node_sides(refined->nodes, face, b);
     uint32_t edge = refined->mesh->face_side[face][sides & 1 ? 0 : sides & 2 ? 1 : 2] / 2;
     return gd__seam_piece(refining->seam, edge, a, b);
 }
 
-/* Joins triangle i of the face to those before it, and over the face's border. */
+/* Joins triangle i of the face to neighbours with lower numbers, and to neighbours across the
+ * face's border. */
 static void join_in_face(struct refining *refining, uint32_t face, uint32_t i)
 {
     const struct gd__planar_triangle *triangles = refining->planar.triangles;
@@ -183,26 +176,28 @@ static void join_in_face(struct refining *refining, uint32_t face, uint32_t i)
     for (uint32_t k = 0; k < 3; k++) {
         uint32_t other = triangles[i].across[k];
         if (other == GD_NONE) {
-            join_at_piece(refining, first + i, k, piece_of(refining, face, first + i, k));
+            join_at_piece(refining, first + i, k,
+                          cut_refine_piece_of(refining, face, first + i, k));
         } else if (other < i && !triangles[i].is_fixed[k]) {
             uint32_t m = 0;
             while (triangles[other].across[m] != i) m++;
-            join(&refining->refined, first + i, k, first + other, m);
+            cut_refine_join(&refining->refined, first + i, k, first + other, m);
         }
     }
 }
 
-static enum gd_status triangulate(struct refining *refining, uint32_t face)
+static enum gd_status cut_refine_triangulate(struct refining *refining, uint32_t face)
 {
     enum gd_status status = gather_sites(refining, face);
     if (!status) status = gd__planar_triangulate(&refining->planar);
-    if (!status) gd__planar_improve(&refining->planar); /* then most segments are sides already */
+    /* after this improvement most segments are sides already */
+    if (!status) gd__planar_improve(&refining->planar);
     if (!status) status = draw_segments(refining, face);
     if (!status) gd__planar_improve(&refining->planar);
     return status;
 }
 
-/* The triangles tile the face: their areas add up to it, exactly. */
+/* Returns true if the triangles tile the face: their exact areas sum to the face's area. */
 static bool is_whole(const struct gd__planar *planar)
 {
     __int128 area = 0;
@@ -218,7 +213,7 @@ static bool is_whole(const struct gd__planar *planar)
 
 static enum gd_status split_face(struct refining *refining, uint32_t face)
 {
-    enum gd_status status = triangulate(refining, face);
+    enum gd_status status = cut_refine_triangulate(refining, face);
     if (status) return status;
     if (!is_whole(&refining->planar)) return GD_INTERNAL;
     bool has_flat = false;
@@ -226,21 +221,22 @@ static enum gd_status split_face(struct refining *refining, uint32_t face)
         const uint32_t *corner = refining->planar.triangles[i].corner;
         uint32_t node[3];
         for (int k = 0; k < 3; k++) node[k] = refining->site_node[corner[k]];
-        has_flat |= is_flat(&refining->refined, add(&refining->refined, face, node));
+        has_flat |= is_flat(&refining->refined, cut_refine_add(&refining->refined, face, node));
     }
     for (uint32_t i = 0; i < refining->planar.triangle_count; i++) join_in_face(refining, face, i);
     return has_flat ? GD_RUNAWAY : GD_OK;
 }
 
-/* --- the whole -------------------------------------------------------------------------------- */
+/* --- all faces -------------------------------------------------------------------------------- */
 
-/* A node of an edge adds a triangle to each of its faces, one inside a face adds two. */
+/* Returns an upper bound on triangles: a node on an edge adds one triangle to each of the edge's
+ * faces; a node inside a face adds two. */
 static size_t triangle_count(const struct gd__nodes *nodes)
 {
     return nodes->mesh->face_count + 2 * (size_t)nodes->count;
 }
 
-static bool allocate(struct refining *refining, size_t triangles, size_t pieces)
+static bool cut_refine_allocate(struct refining *refining, size_t triangles, size_t pieces)
 {
     struct gd__refined *refined = &refining->refined;
     uint32_t faces = refined->mesh->face_count;
@@ -254,13 +250,13 @@ static bool allocate(struct refining *refining, size_t triangles, size_t pieces)
     bool ok = refined->node && refined->face && refined->region && refined->vertex &&
               refined->of_face && refined->in_face && refining->first_side;
     if (!ok) return false;
-    gd__each_alone(refined->region, (uint32_t)triangles);
-    gd__each_alone(refined->vertex, (uint32_t)(3 * triangles));
+    gd__union_find_init(refined->region, (uint32_t)triangles);
+    gd__union_find_init(refined->vertex, (uint32_t)(3 * triangles));
     for (size_t i = 0; i < pieces; i++) refining->first_side[i] = GD_NONE;
     return true;
 }
 
-static enum gd_status prepare(struct refining *refining)
+static enum gd_status cut_refine_prepare(struct refining *refining)
 {
     const struct gd__nodes *nodes = &refining->arrangement->nodes;
     size_t triangles = triangle_count(nodes),
@@ -270,7 +266,7 @@ static enum gd_status prepare(struct refining *refining)
         nodes->budget,
         (8 * triangles + 2 * (size_t)nodes->mesh->face_count + pieces) * sizeof(uint32_t));
     if (status) return status;
-    return allocate(refining, triangles, pieces) ? GD_OK : GD_NO_MEMORY;
+    return cut_refine_allocate(refining, triangles, pieces) ? GD_OK : GD_NO_MEMORY;
 }
 
 static enum gd_status refine_faces(struct refining *refining, uint32_t *flat_face)
@@ -301,7 +297,7 @@ enum gd_status gd__refine(const struct gd__arrangement *arrangement, const struc
     struct refining refining = {.arrangement = arrangement, .seam = seam};
     refining.refined = (struct gd__refined){.mesh = nodes->mesh, .nodes = nodes};
     refining.planar.budget = nodes->budget;
-    enum gd_status status = prepare(&refining);
+    enum gd_status status = cut_refine_prepare(&refining);
     if (!status) status = refine_faces(&refining, flat_face);
     gd__planar_free(&refining.planar);
     free(refining.site_node);

@@ -40,7 +40,8 @@ static void number_pieces(struct gd__seam *seam)
     seam->first[nodes->mesh->edge_count] = nodes->mesh->edge_count + used;
 }
 
-/* 0 at the origin of the edge's side 0, then one more for each node. */
+/* Returns the ordinal of a node on an edge: 0 for the origin of side 0, then 1, 2, … along the
+ * edge. */
 static uint32_t place_on_edge(const struct gd__seam *seam, uint32_t edge, uint32_t node)
 {
     const struct gd_mesh *mesh = seam->nodes->mesh;
@@ -54,14 +55,14 @@ uint32_t gd__seam_piece(const struct gd__seam *seam, uint32_t edge, uint32_t a, 
     return seam->first[edge] + (p < q ? p : q);
 }
 
-/* --- what cuts -------------------------------------------------------------------------------- */
+/* --- parts that cut --------------------------------------------------------------------------- */
 
 static bool is_on_boundary(const struct gd_mesh *mesh, uint32_t edge)
 {
     return gd__side_is_boundary(mesh, 2 * edge) || gd__side_is_boundary(mesh, 2 * edge + 1);
 }
 
-static void mark(struct gd__seam *seam, const struct gd__arrangement *arrangement)
+static void seam_mark(struct gd__seam *seam, const struct gd__arrangement *arrangement)
 {
     const struct gd_mesh *mesh = seam->nodes->mesh;
     for (uint32_t i = 0; i < arrangement->run_count; i++) {
@@ -80,13 +81,15 @@ static void mark(struct gd__seam *seam, const struct gd__arrangement *arrangemen
 
 /* --- dead ends -------------------------------------------------------------------------------- */
 
-/* What meets in a node: how many parts of the seam, and the exclusive or of their numbers, which
- * names the last one that is left. Parts are pieces, then segments. */
+/* The parts of the seam that meet at a node: `degree` counts them, `parts` is the exclusive or of
+ * their numbers, and so the number of the last part if one is left. Pieces are numbered first, then
+ * segments. */
 struct meeting {
     uint32_t degree, parts;
 };
 
-#define BOUNDARY_DEGREE (UINT32_C(1) << 30) /* never a dead end */
+/* added to the degree of boundary nodes, which are never dead ends */
+#define BOUNDARY_DEGREE (UINT32_C(1) << 30)
 
 struct pruning {
     struct gd__seam *seam;
@@ -96,7 +99,7 @@ struct pruning {
     uint32_t pieces;
 };
 
-/* Marks, or takes back, a part. */
+/* Returns the address of a part's mark. */
 static uint8_t *flag_of(const struct pruning *pruning, uint32_t part)
 {
     return part < pruning->pieces ? &pruning->seam->is_cut[part]
@@ -119,7 +122,7 @@ static void ends_of(const struct pruning *pruning, uint32_t part, uint32_t ends[
         part + 1 == seam->first[edge + 1] ? seam->nodes->mesh->origin[2 * edge + 1] : node[place];
 }
 
-static void meet(struct pruning *pruning)
+static void seam_mark_boundary(struct pruning *pruning)
 {
     const struct gd__nodes *nodes = pruning->seam->nodes;
     const struct gd_mesh *mesh = nodes->mesh;
@@ -144,7 +147,7 @@ static void change(struct pruning *pruning, uint32_t part, uint32_t by, uint32_t
     }
 }
 
-/* Takes off the dead end at a node, then what has become one by it. */
+/* Removes the dead end at a node, then further dead ends that the removal creates. */
 static void take_off(struct pruning *pruning, uint32_t node)
 {
     while (pruning->meetings[node].degree == 1) {
@@ -155,21 +158,21 @@ static void take_off(struct pruning *pruning, uint32_t node)
     }
 }
 
-static void prune(struct pruning *pruning)
+static void seam_prune(struct pruning *pruning)
 {
     struct gd__seam *seam = pruning->seam;
     uint32_t parts = pruning->pieces + pruning->arrangement->segment_count, ends[2];
     uint32_t nodes = seam->nodes->mesh->vertex_count + seam->nodes->count;
-    meet(pruning);
+    seam_mark_boundary(pruning);
     for (uint32_t part = 0; part < parts; part++)
         if (*flag_of(pruning, part)) change(pruning, part, 1, ends);
     for (uint32_t node = 0; node < nodes; node++) take_off(pruning, node);
     for (uint32_t part = 0; part < parts; part++) seam->cuts += *flag_of(pruning, part);
 }
 
-/* --- the whole -------------------------------------------------------------------------------- */
+/* --- result ----------------------------------------------------------------------------------- */
 
-static size_t bytes_of(const struct gd__arrangement *arrangement)
+static size_t seam_bytes_of(const struct gd__arrangement *arrangement)
 {
     const struct gd__nodes *nodes = &arrangement->nodes;
     size_t pieces = (size_t)nodes->mesh->edge_count + nodes->count,
@@ -178,8 +181,8 @@ static size_t bytes_of(const struct gd__arrangement *arrangement)
            all * sizeof(struct meeting) + arrangement->segment_count;
 }
 
-static bool allocate(struct gd__seam *seam, struct pruning *pruning,
-                     const struct gd__arrangement *arrangement)
+static bool seam_allocate(struct gd__seam *seam, struct pruning *pruning,
+                          const struct gd__arrangement *arrangement)
 {
     uint32_t edges = seam->nodes->mesh->edge_count, count = seam->nodes->count;
     seam->first = malloc((edges + (size_t)1) * sizeof *seam->first);
@@ -198,13 +201,13 @@ enum gd_status gd__seam_make(const struct gd__arrangement *arrangement, struct g
 {
     struct gd__seam seam = {.nodes = &arrangement->nodes};
     struct pruning pruning = {.seam = &seam, .arrangement = arrangement};
-    enum gd_status status = gd__budget_take(arrangement->nodes.budget, bytes_of(arrangement));
-    if (!status && !allocate(&seam, &pruning, arrangement)) status = GD_NO_MEMORY;
+    enum gd_status status = gd__budget_take(arrangement->nodes.budget, seam_bytes_of(arrangement));
+    if (!status && !seam_allocate(&seam, &pruning, arrangement)) status = GD_NO_MEMORY;
     if (!status) {
         number_pieces(&seam);
         pruning.pieces = seam.first[seam.nodes->mesh->edge_count];
-        mark(&seam, arrangement);
-        prune(&pruning);
+        seam_mark(&seam, arrangement);
+        seam_prune(&pruning);
     }
     free(pruning.meetings);
     free(pruning.edge_of_part);

@@ -1,32 +1,34 @@
-/* Seam: where the mesh comes apart. The pieces that nodes cut edges into, and which of them and of
- * the segments in faces belong to the seam.
+/* Seam: the line along which the mesh is cut open. Nodes divide edges into pieces; the seam
+ * consists of pieces and of segments of the arrangement.
  *
- * Edge e has pieces first[e] to first[e + 1] - 1, from the origin of its side 0 on; one when no
- * node lies on it. */
+ * Edge e has the pieces first[e] to first[e + 1] - 1, in order from the origin of its side 0; an
+ * edge without nodes is one piece. */
 #ifndef GD_CUT_SEAM_H
 #define GD_CUT_SEAM_H
 
 #include "cut/arrangement.h"
 
-struct gd__seam { /* all zero: none */
+struct gd__seam { /* an all-zero struct is empty */
     const struct gd__nodes *nodes;
-    uint32_t *first; /* per edge, and one behind the last */
-    /* the nodes on edges, by edge, in order of their parameters: those of e from first[e] - e on */
+    uint32_t *first; /* per edge, and one more entry */
+    /* nodes on edges, by edge, in order of their parameters; the nodes of edge e begin at first[e]
+       - e */
     uint32_t *edge_node;
-    uint32_t *place;     /* per new node of an edge: 1 + how many nodes of the edge lie before it */
-    uint8_t *is_cut;     /* per piece */
-    uint8_t *is_cutting; /* per segment of the arrangement */
-    uint32_t cuts;       /* pieces and segments that cut */
+    /* per new node on an edge: 1 + the number of preceding nodes on that edge */
+    uint32_t *place;
+    uint8_t *is_cut;     /* per piece: true if it belongs to the seam */
+    uint8_t *is_cutting; /* per segment of the arrangement: true if it belongs to the seam */
+    uint32_t cuts;       /* number of pieces and segments of the seam */
 };
 
-/* The seam of an arrangement, without what lies on the boundary, and without dead ends: parts with
- * an end that nothing of the seam goes on from and that is not on the boundary either. Linear in
- * the mesh. GD_NO_MEMORY, GD_BUDGET. On failure nothing is held. */
+/* Computes the seam of an arrangement, without parts on the boundary and without dead ends. A dead
+ * end is a part with an end that is not on the boundary and belongs to no other part. Linear in the
+ * mesh. Errors: GD_NO_MEMORY, GD_BUDGET. On failure nothing is allocated. */
 GD_MUST_USE enum gd_status gd__seam_make(const struct gd__arrangement *arrangement,
                                          struct gd__seam *out);
-void gd__seam_free(struct gd__seam *seam); /* of one that is all zero: harmless */
+void gd__seam_free(struct gd__seam *seam); /* an all-zero struct is allowed */
 
-/* The piece of an edge between two nodes on it that follow each other. */
+/* Returns the piece of an edge between two consecutive nodes. */
 uint32_t gd__seam_piece(const struct gd__seam *seam, uint32_t edge, uint32_t a, uint32_t b);
 
 #endif

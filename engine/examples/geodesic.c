@@ -1,5 +1,5 @@
-/* The five steps of gd/geodesic.h, in C and in C++: load a mesh file, name points, measure the
- * distance and the path between them, and the distances of all vertices.
+/* The five steps of gd/geodesic.h, in C and in C++: loads a mesh file, makes two points, computes
+ * the distance and the path between them, and the distances of all vertices.
  *
  *     cc geodesic.c $(pkg-config --cflags --libs geodesic) -o example
  *     ./example mesh.obj 0 7
@@ -33,7 +33,7 @@ static int fail(enum gd_status status, const char *text)
     return 1;
 }
 
-/* The shortest path between two points, as text. */
+/* Prints the shortest path between two points. */
 static enum gd_status print_path(const struct gd_mesh *mesh, const struct gd_point *a,
                                  const struct gd_point *b)
 {
@@ -49,7 +49,8 @@ static enum gd_status print_path(const struct gd_mesh *mesh, const struct gd_poi
     return GD_OK;
 }
 
-/* Distances from one point to all vertices: one field answers them all. */
+/* Computes the distances from one point to all vertices with one field, and prints the farthest
+ * vertex. */
 static enum gd_status print_farthest(const struct gd_mesh *mesh, const struct gd_point *a)
 {
     struct gd_seed seed;

@@ -2,17 +2,17 @@
 
 #include <stdlib.h>
 
-#include "field/array.h"
+#include "base/array.h"
 #include "field/sources.h"
 
-/* Each shortest path's last leg is a source (sources.h) that sees the point through the face that
- * the leg lies in; a way over a corner at which no path bends is longer by more than a tie. Two
- * that are nearly as long and come from directions an angle apart are as long at a place that is
- * their difference over twice the sine of half of that angle away. */
+/* The last leg of each shortest path is a source (sources.h) that sees the point through the face
+ * of the leg. A path through a corner where no shortest path bends is longer by more than the tie
+ * tolerance. Two paths of nearly equal length that arrive at an angle are equally long at a nearby
+ * point: its distance is the difference of the lengths over twice the sine of half of the angle. */
 
 struct arrival {
     double distance;
-    double turn; /* of the direction that it comes from, round the point */
+    double turn; /* direction that the path comes from, as a turn around the point */
 };
 
 struct arrivals {
@@ -21,11 +21,12 @@ struct arrivals {
     struct gd__sources sources;
     struct arrival *arrival;
     uint32_t count, capacity;
-    double total; /* the turn all around; at the boundary no turn is the same as another */
+    /* total turn around the point; INFINITY at the boundary, where turns are not periodic */
+    double total;
 };
 
-/* Next to a source the way round by it is as short as any, and no other: so near that the angle
- * between them can't make up for it. */
+/* Returns true if the point is so near to the source that the straight path is the only shortest
+ * path: no other path can arrive at a distinct angle. */
 static bool is_beside(const struct gd__source *source, struct gd__local to, double slack)
 {
     double away = hypot(to.x, to.y);
@@ -33,7 +34,7 @@ static bool is_beside(const struct gd__source *source, struct gd__local to, doub
            away <= fmax(slack, 2 * GD_TOL_CUT / GD_TOL_CUT_ANGLE * (source->sigma + away));
 }
 
-static bool sees(const struct gd__source *source, struct gd__local at, double slack)
+static bool source_sees(const struct gd__source *source, struct gd__local at, double slack)
 {
     if (!source->has_sector) return true;
     return source->left.x * (at.x - source->left_at.x) +
@@ -44,15 +45,14 @@ static bool sees(const struct gd__source *source, struct gd__local at, double sl
                -slack;
 }
 
-/* The direction from the point to where the source is. */
-static struct gd__local towards(const struct gd__source *source, struct gd__local at)
+static struct gd__local direction_to_source(const struct gd__source *source, struct gd__local at)
 {
     if (source->linear) return (struct gd__local){-source->gradient.x, -source->gradient.y};
     return (struct gd__local){source->at.x - at.x, source->at.y - at.y};
 }
 
-/* What comes through a face, whose directions at the point are `extent` wide from its side k, which
- * has the turn `begin`. */
+/* Adds the paths that arrive through a face. The directions of the face at the point begin at its
+ * side k, with turn `begin`, and extend over `extent`. */
 static enum gd_status add_face(struct arrivals *arrivals, uint32_t face, int k, double begin,
                                double extent)
 {
@@ -67,11 +67,11 @@ static enum gd_status add_face(struct arrivals *arrivals, uint32_t face, int k, 
     double slack = gd__stored_slack(sources->frame.size);
     for (uint32_t i = 0; i < sources->count; i++) {
         const struct gd__source *source = &sources->source[i];
-        struct gd__local to = towards(source, at);
+        struct gd__local to = direction_to_source(source, at);
         double angle = atan2(zero.x * to.y - zero.y * to.x, zero.x * to.x + zero.y * to.y);
         if (angle < -GD_TOL_CUT_ANGLE) angle += 2 * M_PI;
         if (is_beside(source, to, slack) || angle > extent + GD_TOL_CUT_ANGLE ||
-            !sees(source, at, slack))
+            !source_sees(source, at, slack))
             continue;
         struct arrival *grown = gd__array_reserve(arrivals->arrival, &arrivals->capacity,
                                                   arrivals->count + 1, sizeof *grown);
@@ -116,7 +116,7 @@ static enum gd_status add_sides(struct arrivals *arrivals, uint32_t edge)
     return status;
 }
 
-static enum gd_status gather(struct arrivals *arrivals)
+static enum gd_status gather_arrivals(struct arrivals *arrivals)
 {
     const struct gd_point *point = arrivals->point;
     switch (point->kind) {
@@ -140,7 +140,8 @@ static bool is_another(const struct arrivals *arrivals, const struct arrival *a,
     return away <= GD_TOL_CUT * fmin(a->distance, b->distance);
 }
 
-/* The shortest one has to be among them: at the seed it has no direction. */
+/* Returns true if several shortest paths arrive. The path with the distance `distance` must be
+ * among them, except at a seed, where it has no direction. */
 static bool are_several(const struct arrivals *arrivals, double distance)
 {
     const struct arrival *best = NULL;
@@ -157,10 +158,10 @@ enum gd_status gd__field_is_cut(const struct gd_field *field, const struct gd_po
                                 bool *out)
 {
     struct arrivals arrivals = {.field = field, .point = point, .total = 2 * M_PI};
-    struct gd__way way;
-    gd__field_way(field, point, &way);
+    struct gd__leg_key way;
+    gd__field_leg_key(field, point, &way);
     enum gd_status status =
-        way.distance > 0 && way.kind != GD__LEG_NONE ? gather(&arrivals) : GD_OK;
+        way.distance > 0 && way.kind != GD__LEG_NONE ? gather_arrivals(&arrivals) : GD_OK;
     *out = !status && are_several(&arrivals, way.distance);
     gd__sources_destroy(&arrivals.sources);
     free(arrivals.arrival);

@@ -1,18 +1,18 @@
-/* Arrivals: how many shortest paths there are to a point. Where there are several the point lies on
- * the cut locus: directions of paths jump there. */
+/* Arrivals: the number of shortest paths to a point. If there are several, the point lies on the
+ * cut locus, where the direction of the shortest path jumps. */
 #ifndef GD_FIELD_ARRIVALS_H
 #define GD_FIELD_ARRIVALS_H
 
 #include "field/layout.h"
 
-/* *out: do paths that are as short as the shortest one, to GD_TOL_CUT of its length aside, come to
- * the point from directions that are GD_TOL_CUT_ANGLE apart or more? False at the seeds and where
- * no path leads. GD_NO_MEMORY. O(wedges of the edges of the faces that contain it). */
+/* Sets *out to true if paths whose lengths agree with the shortest to GD_TOL_CUT arrive from
+ * directions at least GD_TOL_CUT_ANGLE apart. *out is false at seeds and at points without a path.
+ * GD_NO_MEMORY. O(wedges of the edges of the faces that contain the point). */
 GD_MUST_USE enum gd_status gd__field_is_cut(const struct gd_field *field,
                                             const struct gd_point *point, bool *out);
 
-/* The same of a path that the field gave, at its first point or at any vertex that it passes:
- * others may join it before the end. */
+/* As gd__field_is_cut, but also sets *out if several paths arrive at a vertex that a path of the
+ * field passes, where other paths may join. Tests the path's first point and its vertices. */
 GD_MUST_USE enum gd_status gd__field_path_is_cut(const struct gd_field *field,
                                                  const struct gd_path *path, bool *out);
 

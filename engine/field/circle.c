@@ -2,15 +2,11 @@
 
 #include <stdlib.h>
 
-#include "field/array.h"
+#include "base/array.h"
 
-/* All that bounds an arc is a disk or a half-plane, and meets a circle where cos(angle - phi) >= q
- * for some phi and q, a line between two places. */
-
-static double dot(struct gd__local a, struct gd__local b)
-{
-    return a.x * b.x + a.y * b.y;
-}
+/* The part of a circle that lies in the face and is not nearer to another source is bounded by
+ * disks and half-planes. On a circle each of them is a condition cos(angle - phi) >= q; on a line,
+ * an interval. */
 
 static struct gd__local from_to(struct gd__local from, struct gd__local to)
 {
@@ -26,10 +22,10 @@ static struct gd__local opposite(struct gd__local v)
 
 static double angle_of(const struct gd__circle *circle, struct gd__local v)
 {
-    return atan2(dot(gd__circle_along(circle), v), dot(circle->towards, v));
+    return atan2(gd__local_dot(gd__circle_along(circle), v), gd__local_dot(circle->towards, v));
 }
 
-/* Of a line: the angle that stands for a place so far along it. */
+/* Returns the angle that represents the length `way` along a line (see circle.h). */
 static double angle_along(const struct gd__circle *line, double way)
 {
     return 2 * atan2(way, line->radius);
@@ -76,14 +72,14 @@ struct gd__local gd__circle_place(const struct gd__circle *circle, double angle)
 double gd__circle_angle(const struct gd__circle *circle, struct gd__local at)
 {
     struct gd__local v = from_to(circle->centre, at);
-    return circle->straight ? angle_along(circle, dot(gd__circle_along(circle), v))
+    return circle->straight ? angle_along(circle, gd__local_dot(gd__circle_along(circle), v))
                             : angle_of(circle, v);
 }
 
-/* --- what bounds its arcs --------------------------------------------------------------------- */
+/* --- borders of the arcs ---------------------------------------------------------------------- */
 
-/* Where a line has a height of at least 0, which is `height` at its centre and grows by `slope`
- * along it. */
+/* Returns the part of a line where a linear function is at least 0. Its value is `height` at the
+ * line's centre, and its derivative along the line is `slope`. */
 static struct gd__turn line_above(const struct gd__circle *line, double height, double slope)
 {
     if (slope == 0) return height >= 0 ? gd__turn_all : (struct gd__turn){0};
@@ -92,38 +88,41 @@ static struct gd__turn line_above(const struct gd__circle *line, double height, 
                      : (struct gd__turn){1, {{.from = -M_PI, .to = bound}}};
 }
 
-/* In a half-plane: on the side of a line to which its unit normal points, the side on which the
- * centre lies that high. */
+/* Returns the part inside a half-plane with the given unit normal. `height` is the height of the
+ * circle's centre above the border. */
 static struct gd__turn in_half_plane(const struct gd__circle *circle, struct gd__local normal,
                                      double height)
 {
-    if (circle->straight) return line_above(circle, height, dot(normal, gd__circle_along(circle)));
+    if (circle->straight)
+        return line_above(circle, height, gd__local_dot(normal, gd__circle_along(circle)));
     return gd__turn_around(angle_of(circle, normal), -height / circle->radius);
 }
 
-/* How high the centre lies over a line that passes `through`. */
+/* Returns the height of the centre above the line through `through`. */
 static double height_over(const struct gd__circle *circle, struct gd__local normal,
                           struct gd__local through)
 {
-    return dot(normal, from_to(through, circle->centre));
+    return gd__local_dot(normal, from_to(through, circle->centre));
 }
 
-static bool touches(const struct gd__circle *circle, struct gd__local normal, double height,
-                    double slack)
+static bool circle_touches(const struct gd__circle *circle, struct gd__local normal, double height,
+                           double slack)
 {
     if (!circle->straight) return fabs(fabs(height) - circle->radius) <= slack;
-    return fabs(height) + fabs(dot(normal, gd__circle_along(circle))) * circle->radius <= slack;
+    return fabs(height) + fabs(gd__local_dot(normal, gd__circle_along(circle))) * circle->radius <=
+           slack;
 }
 
-/* On the other side of a line. A circle that touches it up to `slack` stays on its centre's side, a
- * line that lies in it on its source's. */
+/* Returns the part on the negative side of a line. A circle that touches the line within `slack`
+ * counts as on the centre's side; a straight circle that coincides with it counts as on its
+ * source's side. */
 static struct gd__turn beyond_line(const struct gd__circle *circle, struct gd__local normal,
                                    struct gd__local through, double slack)
 {
     double height = height_over(circle, normal, through);
-    if (!touches(circle, normal, height, slack))
+    if (!circle_touches(circle, normal, height, slack))
         return in_half_plane(circle, opposite(normal), -height);
-    bool stays = circle->straight ? dot(normal, circle->towards) < 0 : height > 0;
+    bool stays = circle->straight ? gd__local_dot(normal, circle->towards) < 0 : height > 0;
     return stays ? (struct gd__turn){0} : gd__turn_all;
 }
 
@@ -131,7 +130,8 @@ static struct gd__turn line_in_disk(const struct gd__circle *line, struct gd__lo
                                     double radius)
 {
     struct gd__local v = from_to(line->centre, centre);
-    double along = dot(v, gd__circle_along(line)), away = fabs(dot(v, line->towards));
+    double along = gd__local_dot(v, gd__circle_along(line)),
+           away = fabs(gd__local_dot(v, line->towards));
     if (!(radius > away)) return (struct gd__turn){0};
     double half = sqrt((radius - away) * (radius + away));
     return (struct gd__turn){
@@ -143,14 +143,16 @@ static struct gd__turn in_disk(const struct gd__circle *circle, struct gd__local
 {
     if (circle->straight) return line_in_disk(circle, centre, radius);
     struct gd__local v = from_to(circle->centre, centre);
-    double apart = sqrt(dot(v, v)), excess = (circle->radius - radius) * (circle->radius + radius);
+    double apart = sqrt(gd__local_dot(v, v)),
+           excess = (circle->radius - radius) * (circle->radius + radius);
     if (radius <= 0) return (struct gd__turn){0};
     if (apart == 0) return excess <= 0 ? gd__turn_all : (struct gd__turn){0};
     return gd__turn_around(angle_of(circle, v),
                            (apart * apart + excess) / (2 * apart * circle->radius));
 }
 
-/* Where a linear source gives no more than a level, and no less than it can. */
+/* Returns the part where the distance from a linear source is at most the level. A linear source
+ * only counts where its distance is at least its `nearest`. */
 static struct gd__turn in_band(const struct gd__circle *circle, const struct gd__source *source,
                                double level)
 {
@@ -160,7 +162,7 @@ static struct gd__turn in_band(const struct gd__circle *circle, const struct gd_
     return gd__turn_both(&above, &below);
 }
 
-/* Where a source gives no more than a level. */
+/* Returns the part where the source is visible and its distance is at most the level. */
 static struct gd__turn seen_by(const struct gd__circle *circle, const struct gd__source *source,
                                double level)
 {
@@ -176,7 +178,7 @@ static struct gd__turn seen_by(const struct gd__circle *circle, const struct gd_
 }
 
 static enum gd_status cover_outside_face(const struct gd__circle *circle,
-                                         const struct gd__frame *frame, double slack,
+                                         const struct gd__face_frame *frame, double slack,
                                          struct gd__spans *covered)
 {
     enum gd_status status = GD_OK;
@@ -199,7 +201,7 @@ static enum gd_status cover_outside_sector(const struct gd__circle *circle,
     return status ? status : gd__spans_put(covered, &beyond_right, 0);
 }
 
-/* A span as the disk about its middle that holds it. */
+/* The smallest disk around the middle of a span that contains the span. */
 struct probe {
     struct gd__local at;
     double reach;
@@ -211,39 +213,39 @@ static struct probe probe_of(const struct gd__circle *circle, const struct gd__s
         struct gd__local a = gd__circle_place(circle, span->from),
                          b = gd__circle_place(circle, span->to);
         struct gd__local half = {0.5 * (b.x - a.x), 0.5 * (b.y - a.y)};
-        return (struct probe){{a.x + half.x, a.y + half.y}, sqrt(dot(half, half))};
+        return (struct probe){{a.x + half.x, a.y + half.y}, sqrt(gd__local_dot(half, half))};
     }
     return (struct probe){gd__circle_place(circle, 0.5 * (span->from + span->to)),
                           0.5 * circle->radius * (span->to - span->from)};
 }
 
-/* Might the source give less than a level at a point of the probe that it sees? Most do not, and
- * need no angles. */
+/* Returns true if the source may be nearer than the level at a point of the probe that it sees. The
+ * test needs no angles and rejects most sources. */
 static bool may_cover(const struct gd__source *source, double level, const struct probe *probe)
 {
     struct gd__local v = from_to(source->left_at, probe->at),
                      u = from_to(source->right_at, probe->at);
     double far = level - source->sigma + probe->reach;
     if (source->linear ? gd__source_distance(source, probe->at) - probe->reach >= level
-                       : far <= 0 || dot(v, v) >= far * far)
+                       : far <= 0 || gd__local_dot(v, v) >= far * far)
         return false;
-    return !source->has_sector ||
-           (dot(source->left, v) >= -probe->reach && dot(source->right, u) >= -probe->reach);
+    return !source->has_sector || (gd__local_dot(source->left, v) >= -probe->reach &&
+                                   gd__local_dot(source->right, u) >= -probe->reach);
 }
 
-/* Do two sources reach the level from opposite sides where they tie? Neither one's place is within
- * the level of the other then. */
+/* Returns true if two sources reach the level from opposite sides where they tie. Then neither
+ * source lies within the level's distance of the other. */
 static bool face_each_other(const struct gd__source *a, const struct gd__source *b, double level)
 {
-    if (a->linear && b->linear) return dot(a->gradient, b->gradient) < 0;
+    if (a->linear && b->linear) return gd__local_dot(a->gradient, b->gradient) < 0;
     return (a->linear || gd__source_distance(b, a->at) >= level) &&
            (b->linear || gd__source_distance(a, b->at) >= level);
 }
 
-/* Whether source k counts where it ties with source i. A linear one does, whose line a circle
- * touches where its segment ends, so that they join there and not somewhere close by. Two that face
- * each other touch in a place, or two lines all along a ridge of the level's height: neither covers
- * the other there. Else the source that comes first counts. */
+/* Returns true if source k wins a tie with source i. Sources that face each other touch in one
+ * point, or along a ridge at the level; then neither wins. A linear source wins against a point, so
+ * that a line and the circle around its segment's end join exactly. Otherwise the source with the
+ * lower number wins. */
 static bool takes_tie(const struct gd__sources *sources, uint32_t k, uint32_t i, double level)
 {
     const struct gd__source *a = &sources->source[k], *b = &sources->source[i];
@@ -251,7 +253,6 @@ static bool takes_tie(const struct gd__sources *sources, uint32_t k, uint32_t i,
     return a->linear == b->linear ? k < i : a->linear;
 }
 
-/* Covers what others see of the span. */
 static enum gd_status cover_by_others(const struct gd__sources *sources, uint32_t i,
                                       const struct gd__circle *circle, double level, double slack,
                                       const struct gd__span *span, struct gd__spans *covered)
@@ -268,17 +269,17 @@ static enum gd_status cover_by_others(const struct gd__sources *sources, uint32_
     return status;
 }
 
-/* --- its arcs --------------------------------------------------------------------------------- */
+/* --- arcs ------------------------------------------------------------------------------------- */
 
-/* Does the circle enclose the face? Then no point of it is in the face. A line up to `slack` off a
- * side may lie in it. */
-static bool encloses_face(const struct gd__circle *circle, const struct gd__frame *frame,
+/* Returns true if no point of the circle is in the face, because the circle encloses the face. A
+ * line within `slack` of a side may lie in the face. */
+static bool encloses_face(const struct gd__circle *circle, const struct gd__face_frame *frame,
                           double slack)
 {
     for (int k = 0; k < 3; k++) {
         struct gd__local v = from_to(circle->centre, frame->corner[k]);
-        if (circle->straight ? dot(v, circle->towards) >= -slack
-                             : dot(v, v) >= circle->radius * circle->radius)
+        if (circle->straight ? gd__local_dot(v, circle->towards) >= -slack
+                             : gd__local_dot(v, v) >= circle->radius * circle->radius)
             return false;
     }
     return true;

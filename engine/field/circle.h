@@ -1,9 +1,9 @@
-/* Circle: the points of a face at a level's distance from one source, and which of them no other
- * source is nearer to.
+/* Circle: the points of a face's plane at a level's distance from one source, and the arcs of it
+ * where no other source is nearer.
  *
- * Of a linear source they form a line, a circle that never comes round: in place of an angle at its
- * centre it has one whose half has the way along the line for its tangent. So the whole line has
- * the angles from -pi to pi, too, in the order in which a circle has them, counter-clockwise. */
+ * For a linear source the circle is a straight line, which is parametrised by an angle too: the
+ * tangent of half the angle is the length along the line. The whole line has the angles from -pi to
+ * pi, in the order of a counter-clockwise circle. */
 #ifndef GD_FIELD_CIRCLE_H
 #define GD_FIELD_CIRCLE_H
 
@@ -11,34 +11,35 @@
 #include "field/spans.h"
 
 struct gd__circle {
-    bool straight;           /* a line */
-    struct gd__local centre; /* of a line its place that is nearest to the face's middle */
-    double radius;           /* of a line the way, the face's size, that has the angle pi / 2 */
-    /* the direction towards the face's middle: angles are counted from it, so that those that
-       matter are small; of a line 0 */
+    bool straight;           /* the circle is a line */
+    struct gd__local centre; /* for a line: the point nearest to the face's middle */
+    double radius; /* for a line: the length whose angle is pi / 2, which is the face's size */
+    /* Direction towards the face's middle, from which angles are counted, so that angles in the
+       face are small. 0 for a line. */
     double zero;
-    /* unit vector in that direction; of a line away from its source, at right angles */
+    /* unit vector in the direction `zero`; for a line: perpendicular to the line, away from its
+       source */
     struct gd__local towards;
 };
 
-/* Unit vector in which the circle passes the angle 0, and a line runs. */
+/* Returns the unit tangent at the angle 0. */
 static inline struct gd__local gd__circle_along(const struct gd__circle *circle)
 {
     return (struct gd__local){-circle->towards.y, circle->towards.x};
 }
 
-/* The circle of source `i` at a level above its nearest distance. */
+/* Returns the circle around source `i` at `level`. */
 struct gd__circle gd__circle_of(const struct gd__sources *sources, uint32_t i, double level);
 
 struct gd__local gd__circle_place(const struct gd__circle *circle, double angle);
 
-/* Angle at which a place is seen from the centre, in [-pi, pi]; of a line that of the place's foot
- * on it. */
+/* Returns the angle of a place seen from the centre, in [-pi, pi]; for a line, the angle of the
+ * place's projection onto the line. */
 double gd__circle_angle(const struct gd__circle *circle, struct gd__local at);
 
-/* The spans of source i's circle in the face on which the distance is the level: which the source
- * sees and where no other is nearer. Sorted and disjoint; the last may reach beyond pi. `covered`
- * is scratch. GD_NO_MEMORY. O(k log k) of k sources. */
+/* Computes the spans of source i's circle in the face that the source sees and where no other
+ * source is nearer, so that the distance is the level. The spans are sorted and disjoint; the last
+ * may extend beyond pi. `covered` is scratch. Error: GD_NO_MEMORY. O(k log k) for k sources. */
 GD_MUST_USE enum gd_status gd__circle_arcs(const struct gd__sources *sources, uint32_t i,
                                            double level, struct gd__spans *covered,
                                            struct gd__spans *arcs);

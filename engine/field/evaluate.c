@@ -2,23 +2,22 @@
 
 #include <stdlib.h>
 
-/* Distances of one field at many points. Most of a query is waiting for memory that nobody asked
- * for in time. So the points are taken in the order in which the mesh keeps its faces, where
- * neighbours share what they read, and in blocks: while one block is evaluated, the next ones ask
- * for what they will need, one step after the other, as each step needs what the one before it
- * asked for. */
+/* Distances of one field at many points. Most of a query's time is memory latency. Therefore points
+ * are sorted in the mesh's order of faces, where neighbours share data, and evaluated in blocks.
+ * While one block is evaluated, the data of the next blocks is prefetched, one pointer indirection
+ * at a time. */
 
 enum {
-    BLOCK = 16,         /* points */
-    STEPS = 4,          /* by which a block is ahead when it is opened */
-    RING = 8,           /* blocks in work; a power of two, more than STEPS */
+    BLOCK = 16, /* points */
+    STEPS = 4,  /* the number of blocks between the step that opens a block and its evaluation */
+    RING = 8,   /* blocks in progress; a power of two, more than STEPS */
     CHECK_INTERVAL = 64 /* blocks */
 };
 
 /* --- the order -------------------------------------------------------------------------------- */
 
-/* Where points lie on the surface, as the mesh keeps it: one of so many places. Elements of each
- * kind are numbered along it. */
+/* Buckets for sorting points. The bucket of an element is proportional to its number among the
+ * elements of its kind. */
 struct places {
     uint32_t count;
     double per_element[3];
@@ -38,8 +37,8 @@ static inline uint32_t place_of(const struct places *places, const struct gd_poi
     return (uint32_t)(point->element * places->per_element[point->kind]);
 }
 
-/* Counting sort: `order` becomes the points' numbers by place, those of one place as they came;
- * `start`: count + 1 of the places. */
+/* Sorts points by bucket, stably (counting sort). Writes the numbers of the points to `order`;
+ * `start` is scratch with an entry for each bucket and one more. */
 static void sort_points(const struct places *places, const struct gd_point *points, uint32_t count,
                         uint32_t *start, uint32_t *order)
 {
@@ -63,7 +62,7 @@ struct batch {
 struct block {
     uint32_t count, faces;
     const struct gd_point *point[BLOCK];
-    uint32_t face[BLOCK]; /* in which they lie, so many; without neighbours that are the same */
+    uint32_t face[BLOCK]; /* the faces of the points of a block, without repeated neighbours */
     uint32_t side[3 * BLOCK];
 };
 
@@ -80,8 +79,8 @@ static void open_block(const struct batch *batch, uint32_t number, struct block 
     }
 }
 
-/* The face of a point that asks: for an edge's point the first one, for a vertex, whose distance is
- * at hand, GD_NONE. */
+/* Returns the face in which a point is evaluated: for a point of an edge, the edge's first face;
+ * GD_NONE for a vertex, whose distance is stored. */
 static inline uint32_t face_of(const struct gd_mesh *mesh, const struct gd_point *point)
 {
     if (point->kind == GD_POINT_FACE) return point->element;
@@ -90,7 +89,7 @@ static inline uint32_t face_of(const struct gd_mesh *mesh, const struct gd_point
     return face != GD_NONE ? face : mesh->side_face[2 * point->element + 1];
 }
 
-static void ask_for_faces(const struct gd_mesh *mesh, struct block *block)
+static void prefetch_faces(const struct gd_mesh *mesh, struct block *block)
 {
     uint32_t last = GD_NONE;
     for (uint32_t i = 0; i < block->count; i++) {
@@ -101,7 +100,7 @@ static void ask_for_faces(const struct gd_mesh *mesh, struct block *block)
     }
 }
 
-static void ask_for_sides(const struct gd_field *field, struct block *block)
+static void prefetch_sides(const struct gd_field *field, struct block *block)
 {
     const struct gd_mesh *mesh = field->mesh;
     for (uint32_t i = 0; i < 3 * block->faces; i++) {
@@ -112,10 +111,10 @@ static void ask_for_sides(const struct gd_field *field, struct block *block)
     }
 }
 
-/* GCC takes a function that does nothing but prefetch for one without effects and leaves its calls
- * out, unless it is inlined first. */
-static inline __attribute__((always_inline)) void ask_for_chunks(const struct gd_field *field,
-                                                                 const struct block *block)
+/* Prefetches the newest chunks and the origins' distances of a block's sides. Inlined, because GCC
+ * drops calls of a function that only prefetches. */
+static inline __attribute__((always_inline)) void prefetch_chunks(const struct gd_field *field,
+                                                                  const struct block *block)
 {
     for (uint32_t i = 0; i < 3 * block->faces; i++) {
         uint32_t newest = field->newest[block->side[i] >> 1];
@@ -128,8 +127,8 @@ static void evaluate_block(const struct batch *batch, uint32_t number, const str
 {
     const struct gd_field *field = batch->field;
     for (uint32_t i = 0; i < block->count; i++) {
-        struct gd__way way;
-        gd__field_way(field, block->point[i], &way);
+        struct gd__leg_key way;
+        gd__field_leg_key(field, block->point[i], &way);
         batch->distance[(uint64_t)number * BLOCK + i] = way.distance > field->reach ? NAN
                                                         : way.kind == GD__LEG_NONE
                                                             ? INFINITY
@@ -139,16 +138,16 @@ static void evaluate_block(const struct batch *batch, uint32_t number, const str
 
 /* --- the batch -------------------------------------------------------------------------------- */
 
-static enum gd_status evaluate(const struct batch *batch, const struct gd_control *control)
+static enum gd_status evaluate_batch(const struct batch *batch, const struct gd_control *control)
 {
     enum gd_status status = GD_OK;
     struct block blocks[RING] = {0};
     uint32_t end = batch->count / BLOCK + 1 + STEPS;
     for (uint32_t n = 0; n < end && !status; n++) {
         open_block(batch, n, &blocks[n % RING]);
-        ask_for_faces(batch->field->mesh, &blocks[(n - 1) % RING]);
-        ask_for_sides(batch->field, &blocks[(n - 2) % RING]);
-        ask_for_chunks(batch->field, &blocks[(n - 3) % RING]);
+        prefetch_faces(batch->field->mesh, &blocks[(n - 1) % RING]);
+        prefetch_sides(batch->field, &blocks[(n - 2) % RING]);
+        prefetch_chunks(batch->field, &blocks[(n - 3) % RING]);
         if (n >= STEPS) evaluate_block(batch, n - STEPS, &blocks[(n - STEPS) % RING]);
         if (n % CHECK_INTERVAL == 0) status = gd_control_check(control, (double)n / end);
     }
@@ -167,7 +166,7 @@ enum gd_status gd_field_distances(const struct gd_field *field, const struct gd_
     if (!distance) return GD_NO_MEMORY;
     uint32_t *order = (uint32_t *)(distance + count), *start = order + count;
     sort_points(&places, points, count, start, order);
-    status = evaluate(&(struct batch){field, points, count, order, distance}, control);
+    status = evaluate_batch(&(struct batch){field, points, count, order, distance}, control);
     for (uint32_t i = 0; i < count && !status; i++) out[order[i]] = distance[i];
     free(distance);
     return status;

@@ -8,18 +8,20 @@
 enum {
     DIGIT_BITS = 8,
     DIGIT = 1 << DIGIT_BITS,
-    FEW = 32 /* are sorted in place */,
+    FEW = 32 /* runs are sorted in place */,
     SEEDS_AHEAD = 24
 };
 
 /* --- by face ---------------------------------------------------------------------------------- */
 
-/* Where a seed is inside of, or GD_NONE twice. False: a segment in no face. */
-static bool home_of(const struct gd_mesh *mesh, const struct gd__seed *seed, struct gd__home *home)
+/* Finds the edge or the face whose interior contains a seed; both are GD_NONE for a seed at a
+ * vertex. Returns false if no face contains a segment. */
+static bool home_of(const struct gd_mesh *mesh, const struct gd__seed *seed,
+                    struct gd__segment_location *location)
 {
-    if (seed->is_segment) return gd__segment_home(mesh, &seed->point, &seed->end, home);
-    home->face = seed->point.kind == GD_POINT_FACE ? seed->point.element : GD_NONE;
-    home->edge = seed->point.kind == GD_POINT_EDGE ? seed->point.element : GD_NONE;
+    if (seed->is_segment) return gd__segment_locate(mesh, &seed->point, &seed->end, location);
+    location->face = seed->point.kind == GD_POINT_FACE ? seed->point.element : GD_NONE;
+    location->edge = seed->point.kind == GD_POINT_EDGE ? seed->point.element : GD_NONE;
     return true;
 }
 
@@ -33,7 +35,7 @@ static void insert_in_place(struct gd__face_seed *list, uint32_t count)
     }
 }
 
-/* Seeds that follow each other in one face. */
+/* A run of consecutive seeds in one face. */
 struct run {
     uint32_t face, first, count;
 };
@@ -49,7 +51,7 @@ static uint32_t find_runs(const struct gd__face_seed *list, uint32_t count, stru
     return found;
 }
 
-/* Orders `from` into `to` by one digit of the face. */
+/* Sorts runs by one digit of the face: one pass of a radix sort. */
 static void sort_by_digit(const struct run *from, struct run *to, uint32_t count, int shift)
 {
     uint32_t place[DIGIT] = {0}, before = 0;
@@ -62,7 +64,7 @@ static void sort_by_digit(const struct run *from, struct run *to, uint32_t count
     for (uint32_t i = 0; i < count; i++) to[place[from[i].face >> shift & (DIGIT - 1)]++] = from[i];
 }
 
-/* The list in the order of the runs. */
+/* Writes the entries in the order of the runs. */
 static void put_runs(const struct run *runs, uint32_t count, const struct gd__face_seed *list,
                      struct gd__face_seed *out)
 {
@@ -70,8 +72,8 @@ static void put_runs(const struct run *runs, uint32_t count, const struct gd__fa
         for (uint32_t i = run->first; i < run->first + run->count; i++) *out++ = list[i];
 }
 
-/* By face; those of one face stay in their order. Runs are sorted instead of seeds, as there are
- * fewer. O(n) a digit. GD_NO_MEMORY. */
+/* Sorts the entries by face, stably. Sorts runs instead of single entries, because there are fewer.
+ * O(n) for each digit. Error: GD_NO_MEMORY. */
 static enum gd_status sort_by_face(struct gd_field *field)
 {
     uint32_t count = field->face_seed_count;
@@ -97,7 +99,7 @@ static enum gd_status sort_by_face(struct gd_field *field)
     return has_room ? GD_OK : GD_NO_MEMORY;
 }
 
-/* --- taking them in --------------------------------------------------------------------------- */
+/* --- adding seeds ----------------------------------------------------------------------------- */
 
 static enum gd_status open_index(struct gd_field *field)
 {
@@ -105,33 +107,34 @@ static enum gd_status open_index(struct gd_field *field)
     return field->face_seeds ? GD_OK : GD_NO_MEMORY;
 }
 
-static void enter(struct gd_field *field, uint32_t face, uint32_t seed)
+static void append_face_seed(struct gd_field *field, uint32_t face, uint32_t seed)
 {
     if (face != GD_NONE)
         field->face_seeds[field->face_seed_count++] = (struct gd__face_seed){face, seed};
 }
 
-/* First the one that the seed before was entered in, if it is one of them: seeds of a curve come in
- * runs. */
+/* Adds a seed for both faces of an edge. The face of the previous seed comes first, so that the
+ * seeds of a curve form long runs. */
 static void enter_both(struct gd_field *field, const uint32_t face[2], uint32_t seed)
 {
     uint32_t count = field->face_seed_count;
     bool second = count && field->face_seeds[count - 1].face == face[1];
-    enter(field, face[second], seed);
-    enter(field, face[!second], seed);
+    append_face_seed(field, face[second], seed);
+    append_face_seed(field, face[!second], seed);
 }
 
-/* False: a segment in no face. */
+/* Adds the entries of a seed. Returns false if no face contains a segment. */
 static bool enter_seed(struct gd_field *field, uint32_t seed)
 {
     struct gd__seed *s = &field->seeds[seed];
-    struct gd__home home;
-    if (!home_of(field->mesh, s, &home)) return false;
+    struct gd__segment_location location;
+    if (!home_of(field->mesh, s, &location)) return false;
     field->has_segments |= s->is_segment;
-    /* images are not written to, and not propagated from */
-    if (s->is_segment && !field->is_image) s->face = home.face;
-    enter(field, home.face, seed);
-    if (home.edge != GD_NONE) enter_both(field, &field->mesh->side_face[2 * home.edge], seed);
+    /* seeds of an image are neither written nor propagated */
+    if (s->is_segment && !field->is_image) s->face = location.face;
+    append_face_seed(field, location.face, seed);
+    if (location.edge != GD_NONE)
+        enter_both(field, &field->mesh->side_face[2 * location.edge], seed);
     return true;
 }
 
@@ -152,27 +155,27 @@ enum gd_status gd__field_index_seeds(struct gd_field *field)
 
 static void copy_seed(struct gd__seed *to, const struct gd_seed *from, double unit)
 {
-    memset(to, 0, sizeof *to); /* its gaps, too: they are written to images */
+    memset(to, 0, sizeof *to); /* zeroes the padding too, because images contain it */
     to->point = from->point;
     to->offset = from->offset / unit;
     to->is_segment = from->is_segment;
     if (from->is_segment) to->end = from->end;
 }
 
-/* Asks for the faces of an edge: those of a curve are nowhere near each other in memory. */
-GD__ASKING ask_for_faces(const struct gd_mesh *mesh, const struct gd_seed *seed)
+/* Prefetches the faces of a seed's edge: along a curve they are not neighbours in memory. */
+GD__PREFETCH prefetch_faces(const struct gd_mesh *mesh, const struct gd_seed *seed)
 {
     if (seed->point.kind == GD_POINT_EDGE)
         __builtin_prefetch(&mesh->side_face[2 * seed->point.element]);
 }
 
-/* Checks, copies and enters each while it is at hand. */
+/* Checks, copies and indexes each seed while it is in the cache. */
 static enum gd_status take_each(struct gd_field *field, const struct gd_field_request *request,
                                 struct gd_detail *detail)
 {
     for (uint32_t i = 0; i < request->seed_count; i++) {
         const struct gd_seed *seed = &request->seeds[i];
-        if (i + SEEDS_AHEAD < request->seed_count) ask_for_faces(field->mesh, seed + SEEDS_AHEAD);
+        if (i + SEEDS_AHEAD < request->seed_count) prefetch_faces(field->mesh, seed + SEEDS_AHEAD);
         if (!(seed->offset >= 0 && isfinite(seed->offset)))
             return gd_fail(detail, GD_INVALID_ARGUMENT,
                            "source %u: the offset must be a finite number, zero or more", i);
@@ -195,10 +198,10 @@ enum gd_status gd__field_take_seeds(struct gd_field *field, const struct gd_fiel
         if (status) return status;
         status = close_index(field);
     }
-    return status ? gd_fail(detail, status, "%s", gd_status_sentence(status)) : GD_OK;
+    return status ? gd_fail_status(detail, status) : GD_OK;
 }
 
-/* --- looking them up -------------------------------------------------------------------------- */
+/* --- lookup ----------------------------------------------------------------------------------- */
 
 const struct gd__face_seed *gd__field_seeds_in(const struct gd_field *field, uint32_t face)
 {

@@ -1,22 +1,22 @@
 #include <stdlib.h>
 
-#include "field/array.h"
+#include "base/array.h"
 #include "field/circle.h"
 #include "window/contest.h"
 
-/* The farthest point. The distance has no maximum where it comes from one source only, as it grows
- * away from it. Where it comes from two, inside a face, it has one only if they pull in opposite
- * directions: a point of the way between two points is a saddle of it, and one between a point and
- * a segment is, too; but midway between two parallel segments runs a ridge of one height. It ends
- * where there is a third source, or on the boundary, or it goes on through edges and round. So a
- * maximum is a vertex, a point of a boundary edge between two sources, a point of any edge between
- * two segments, or a point between three sources. Vertices come first; then only faces that may
- * rise above the best so far are searched, and in them only the sources that do. */
+/* The farthest point. Inside a region with one nearest source the distance has no maximum. On a
+ * line between two sources inside a face it can only have one where the gradients are opposite.
+ * Between two points, or a point and a segment, such a place is a saddle. Between two parallel
+ * segments it belongs to a ridge of constant height, which ends at a third source or on the
+ * boundary, or crosses edges and closes. Therefore a maximum is a vertex, a point of a boundary
+ * edge between two sources, a point of any edge between two segments, or a point between three
+ * sources. Vertices are tried first. Then only faces that may exceed the best point so far are
+ * searched, with only the sources that may exceed it. */
 
 enum { CHECK_INTERVAL = 64 /* faces */ };
 
 struct candidate {
-    double most; /* no point of the face is farther */
+    double most; /* upper bound of the distances in the face */
     uint32_t face;
 };
 
@@ -29,7 +29,7 @@ struct search {
     uint32_t candidate_count, candidate_capacity;
     struct gd__sources sources;
     struct gd__spans covered, spans;
-    uint32_t *rising; /* sources of the face at hand that may give more than the best */
+    uint32_t *rising; /* sources of the current face that may exceed the best distance */
     uint32_t rising_count, rising_capacity;
 };
 
@@ -53,22 +53,22 @@ static void take_farthest_vertex(struct search *search)
     }
 }
 
-/* A place of the face at hand: takes it if its distance, asked for like any other's, is greater
- * than the best. */
-static void offer(struct search *search, struct gd__local at)
+/* Offers a place of the current face, which becomes the best if its exact distance is greater. */
+static void offer_place(struct search *search, struct gd__local at)
 {
     struct gd_point point =
-        gd__frame_point(search->mesh, search->sources.face, &search->sources.frame, at);
-    struct gd__way way;
-    gd__field_way(search->field, &point, &way);
+        gd__face_frame_point(search->mesh, search->sources.face, &search->sources.frame, at);
+    struct gd__leg_key way;
+    gd__field_leg_key(search->field, &point, &way);
     if (way.kind == GD__LEG_NONE || way.distance <= search->best) return;
     search->best = way.distance;
     search->point = point;
 }
 
-/* --- which faces ------------------------------------------------------------------------------ */
+/* --- candidate faces -------------------------------------------------------------------------- */
 
-/* Every point of a face is within an edge of each corner. */
+/* Returns an upper bound of the distances in a face: each point is within an edge's length of each
+ * corner. */
 static double most_in_face(const struct search *search, uint32_t face)
 {
     const struct gd_mesh *mesh = search->mesh;
@@ -105,11 +105,12 @@ static enum gd_status find_candidates(struct search *search)
     return GD_OK;
 }
 
-/* --- which sources ---------------------------------------------------------------------------- */
+/* --- candidate sources ------------------------------------------------------------------------ */
 
-/* A source that is nearest to a point beyond the best is so on all of the straight way back: it
- * enters the face beyond the best, or passes it. A seed may be the farthest vertex so far, and a
- * segment's line may enter along an edge that is as far as the best. */
+/* Sets *out if a source may give a distance beyond the best at some point of the face. The straight
+ * line from the source to that point either enters the face beyond the best distance, or passes it
+ * inside the face. A segment's line may enter along an edge at the best distance, and the best
+ * point may be a seed at a vertex: hence the slack. */
 static enum gd_status is_rising(struct search *search, uint32_t i, bool *out)
 {
     const struct gd__source *source = &search->sources.source[i];
@@ -139,28 +140,17 @@ static enum gd_status find_rising(struct search *search, uint32_t face)
     return status;
 }
 
-/* --- between three ---------------------------------------------------------------------------- */
+/* --- points between three sources ------------------------------------------------------------- */
 
-static double cross(struct gd__local a, struct gd__local b)
-{
-    return a.x * b.y - a.y * b.x;
-}
-
-static double dot(struct gd__local a, struct gd__local b)
-{
-    return a.x * b.x + a.y * b.y;
-}
-
-/* A source as a surface in space, where a place of the face's plane has its distance for a height:
- * all below are a plane of points q with normal . q = value. */
+/* A plane in the space of (place, distance): the points q with normal . q = value. */
 struct plane {
     struct gd_vec3 normal;
     double value;
 };
 
-/* The places as far from a source as from `first`, a point, which is the origin: |p| = r for it;
- * for another point |p - a| = r - k, and the difference of the squares is a p - k r = (a^2 - k^2) /
- * 2; a linear source's distance is a plane itself. */
+/* Returns the plane that contains all (p, r) where a source and `first`, a point at the origin,
+ * give the same distance. For `first` |p| = r. For another point |p - a| = r - k, so a p - k r =
+ * (a^2 - k^2) / 2. The distance of a linear source is itself a plane. */
 static struct plane plane_between(const struct gd__source *first, const struct gd__source *source)
 {
     if (source->linear)
@@ -168,10 +158,10 @@ static struct plane plane_between(const struct gd__source *first, const struct g
                               first->sigma - gd__source_distance(source, first->at)};
     struct gd__local a = {source->at.x - first->at.x, source->at.y - first->at.y};
     double k = source->sigma - first->sigma;
-    return (struct plane){{a.x, a.y, -k}, 0.5 * (dot(a, a) - k * k)};
+    return (struct plane){{a.x, a.y, -k}, 0.5 * (gd__local_dot(a, a) - k * k)};
 }
 
-/* The point of three planes; not finite where there is none. */
+/* Returns the intersection of three planes; not finite if there is none. */
 static struct gd_vec3 meet_planes(const struct plane *a, const struct plane *b,
                                   const struct plane *c)
 {
@@ -183,15 +173,15 @@ static struct gd_vec3 meet_planes(const struct plane *a, const struct plane *b,
     return gd_vec3_scale(sum, 1 / gd_vec3_dot(a->normal, bc));
 }
 
-/* How far the square of a vector's height falls short of the square of its way in the plane: 0 on
- * the cone |p| = r. */
+/* Returns the bilinear form of the cone: horizontal dot product minus product of heights.
+ * cone_form(q, q) is 0 on the cone |p| = r. */
 static double cone_form(struct gd_vec3 a, struct gd_vec3 b)
 {
     return a.x * b.x + a.y * b.y - a.z * b.z;
 }
 
-/* Where the line in which two planes meet passes the cone |p| = |r|: u + t w, a quadratic in t.
- * Returns how many points there are. */
+/* Intersects the line of two planes, u + t w, with the cone |p| = |r|, which is a quadratic in t.
+ * Returns the number of intersections. */
 static int meet_cone(const struct plane *a, const struct plane *b, struct gd_vec3 point[2])
 {
     struct gd_vec3 w = gd_vec3_cross(a->normal, b->normal);
@@ -207,15 +197,14 @@ static int meet_cone(const struct plane *a, const struct plane *b, struct gd_vec
     return count;
 }
 
-/* Is a distance, counted from the first source's, that of a point at all, and not its image beyond
- * the cone's apex? */
+/* Returns true if a solution r is a distance, that is, not on the other half of the cone. */
 static bool is_distance(const struct gd__source *first, const struct gd__source *source, double r)
 {
     return source->linear || r >= source->sigma - first->sigma;
 }
 
-/* Places as far from a source as from two others; the first is a point, or all are linear. Returns
- * how many there are. */
+/* Computes the places equally far from three sources, of which the first is a point, or all are
+ * linear. Returns the number of places. */
 static int places_between(const struct gd__source *const s[3], struct gd__local place[2])
 {
     struct gd_vec3 point[2];
@@ -236,11 +225,11 @@ static int places_between(const struct gd__source *const s[3], struct gd__local 
     return kept;
 }
 
-static bool is_in_face(const struct gd__frame *frame, struct gd__local at)
+static bool is_in_face(const struct gd__face_frame *frame, struct gd__local at)
 {
     for (int k = 0; k < 3; k++) {
         struct gd__local from = {at.x - frame->corner[k].x, at.y - frame->corner[k].y};
-        if (cross(frame->along[k], from) < -GD_TOL_CHECK * frame->size) return false;
+        if (gd__local_cross(frame->along[k], from) < -GD_TOL_CHECK * frame->size) return false;
     }
     return true;
 }
@@ -249,14 +238,14 @@ static void search_between(struct search *search, uint32_t i, uint32_t k, uint32
 {
     const struct gd__source *all = search->sources.source, *s[3] = {&all[i], &all[k], &all[l]};
     struct gd__local place[2];
-    int point = s[0]->linear ? s[1]->linear ? 2 : 1 : 0; /* the first, if there is one */
+    int point = s[0]->linear ? s[1]->linear ? 2 : 1 : 0; /* the first point source, if any */
     s[0] = s[point];
     s[point] = &all[i];
     int count = places_between(s, place);
     for (int p = 0; p < count; p++)
         if (gd__source_distance(s[0], place[p]) > search->best &&
             is_in_face(&search->sources.frame, place[p]))
-            offer(search, place[p]);
+            offer_place(search, place[p]);
 }
 
 static void search_inside(struct search *search)
@@ -270,9 +259,9 @@ static void search_inside(struct search *search)
 
 /* --- along edges ------------------------------------------------------------------------------ */
 
-/* A source as a window of side k; whether it lies above or below the side makes no difference along
- * it. */
-static struct gd__window window_of(const struct gd__frame *frame, int k,
+/* Returns a source as a window of side k. For distances along the side it does not matter on which
+ * side of the line the source lies. */
+static struct gd__window window_of(const struct gd__face_frame *frame, int k,
                                    const struct gd__source *source)
 {
     struct gd__local corner = frame->corner[k],
@@ -280,8 +269,8 @@ static struct gd__window window_of(const struct gd__frame *frame, int k,
                      towards = {-source->gradient.x, -source->gradient.y},
                      image = source->linear ? towards : from;
     return (struct gd__window){.b1 = frame->length[k],
-                               .x = dot(frame->along[k], image),
-                               .y = fabs(cross(frame->along[k], image)),
+                               .x = gd__local_dot(frame->along[k], image),
+                               .y = fabs(gd__local_cross(frame->along[k], image)),
                                .sigma = source->linear ? gd__source_distance(source, corner)
                                                        : source->sigma,
                                .source = source->linear ? GD__SOURCE_LINEAR : 0};
@@ -290,12 +279,12 @@ static struct gd__window window_of(const struct gd__frame *frame, int k,
 static void search_pair_along(struct search *search, int k, const struct gd__source *first,
                               const struct gd__source *second)
 {
-    const struct gd__frame *frame = &search->sources.frame;
+    const struct gd__face_frame *frame = &search->sources.frame;
     struct gd__window a = window_of(frame, k, first), b = window_of(frame, k, second);
-    struct gd__verdict verdict = gd__contest(&a, &b, 0, frame->length[k]);
+    struct gd__contest_result verdict = gd__contest(&a, &b, 0, frame->length[k]);
     for (int s = 0; s < verdict.switches; s++)
         if (gd__window_distance(&a, verdict.at[s]) > search->best)
-            offer(search, gd__frame_place(frame, k, verdict.at[s], 0));
+            offer_place(search, gd__face_frame_place(frame, k, verdict.at[s], 0));
 }
 
 static void search_along(struct search *search, int k, bool is_boundary)
@@ -319,7 +308,8 @@ static enum gd_status search_face(struct search *search, uint32_t face)
     return GD_OK;
 }
 
-/* Has no seed of a partial field come too late, or reached no corner of its face? */
+/* Returns true if the field reaches every seed that is a vertex, and corner 0 of the face of every
+ * other seed. */
 static bool is_heard_of_all_seeds(const struct gd_field *field)
 {
     const struct gd_mesh *mesh = field->mesh;
@@ -334,8 +324,8 @@ static bool is_heard_of_all_seeds(const struct gd_field *field)
     return true;
 }
 
-/* Does the reach of a partial field hold all that paths lead to? From one corner at least of a face
- * that it holds in part, some of the face may lie beyond. */
+/* Returns true if a field covers everything that paths reach. If it reaches some corners of a face
+ * but not all, points of that face may be beyond its reach. */
 static bool is_within_reach(const struct search *search)
 {
     const struct gd_field *field = search->field;

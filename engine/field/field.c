@@ -5,7 +5,7 @@
 #include "partition/run.h"
 
 #define CHECK_PARTS 8
-#define CHECK_LEAST 30000 /* edges; fewer are checked before a second thread has begun */
+#define CHECK_LEAST 30000 /* edges; a smaller mesh is checked before a second thread starts */
 
 /* --- building --------------------------------------------------------------------------------- */
 
@@ -28,14 +28,14 @@ size_t gd__field_bytes(const struct gd_field *field)
            field->seed_count * (sizeof *field->seeds + 2 * sizeof *field->face_seeds);
 }
 
-/* Parts of the edges are checked at a time. */
+/* The context of the check's tasks, each of which checks a part of the edges. */
 struct check {
     const struct gd_field *field;
     bool failed[CHECK_PARTS];
 };
 
-/* The metric's own law on an edge within reach: a neighbour is no farther than the edge between (so
- * no vertex was left out either). */
+/* Returns true if the distances of an edge's ends differ by more than the edge's length, within the
+ * field's reach. If no edge breaks this law, every vertex is reached. */
 static bool breaks_law(const struct gd_field *field, uint32_t side)
 {
     const struct gd_mesh *mesh = field->mesh;
@@ -64,8 +64,8 @@ static bool obeys_law(const struct gd_field *field, const struct gd_executor *ex
     return !failed;
 }
 
-/* Gives the farther end of an edge the way along the edge, which must be no more than rounding to
- * the nearer end's distance. */
+/* Lowers the distance of an edge's farther end to that of the path along the edge, if shorter.
+ * Applies only to edges shorter than the rounding of the nearer end's distance. */
 static bool mend_edge(struct gd_field *field, uint32_t side)
 {
     const struct gd_mesh *mesh = field->mesh;
@@ -78,10 +78,10 @@ static bool mend_edge(struct gd_field *field, uint32_t side)
     return true;
 }
 
-/* Where windows tie to the last bit all along, rounding may displace all of them, and vertices keep
- * a distance that is too long, or none. In faces as small as rounding the ways along edges are as
- * good. Elsewhere, as round a very thin tube, there is no answer rather than a wrong one. Distances
- * only fall, so that this ends. */
+/* Repairs distances in faces as small as rounding. If windows tie to the last bit, rounding may
+ * discard all of them, and vertices keep a distance that is too long, or none. In such small faces
+ * paths along edges are equally good. Elsewhere, as around a very thin tube, the field is an error.
+ * Distances only decrease, so the loop ends. */
 static enum gd_status mend_field(struct gd_field *field)
 {
     bool is_mended = true;
@@ -99,16 +99,16 @@ enum gd_status gd__field_take(void *user, struct gd__wavefront *front,
     (void)executor;
     struct gd_field *field = user;
     field->statistics =
-        (struct gd_field_statistics){.windows_created = front->effort.windows_created,
-                                     .windows_propagated = front->effort.windows_propagated,
+        (struct gd_field_statistics){.windows_created = front->counts.windows_created,
+                                     .windows_propagated = front->counts.windows_propagated,
                                      .wedges = front->wedge_count,
-                                     .sides_propagated = front->effort.sides_propagated,
-                                     .vertices_emitted = front->effort.vertices_emitted};
+                                     .sides_propagated = front->counts.sides_propagated,
+                                     .vertices_emitted = front->counts.vertices_emitted};
     field->reach = front->bound;
     struct gd_workspace *work = front->work;
-    if (front->near) {
+    if (front->paged) {
         field->distance = front->distance;
-        front->near->distance = NULL;
+        front->paged->distance = NULL;
         return GD_OK;
     }
     field->distance = work->distance;
@@ -137,16 +137,17 @@ enum gd_status gd__field_propagate(struct gd_field *field,
     return status;
 }
 
-/* How a field is built, and how once more where its check fails: what rounding displaces depends on
- * which windows there are. */
+/* Options of one attempt to build a field. If the check fails, the field is built again with other
+ * options, with which rounding discards other windows. */
 struct manner {
     bool without_wedges;
-    struct gd__methods methods;
+    struct gd__variant variant;
 };
 
-static enum gd_status propagate(struct gd_field *field, const struct gd_field_request *request,
-                                const struct manner *manner, const struct gd_control *control,
-                                const struct gd_executor *executor)
+static enum gd_status propagate_field(struct gd_field *field,
+                                      const struct gd_field_request *request,
+                                      const struct manner *manner, const struct gd_control *control,
+                                      const struct gd_executor *executor)
 {
     struct gd__propagation propagation = {
         .seeds = field->seeds,
@@ -154,23 +155,24 @@ static enum gd_status propagate(struct gd_field *field, const struct gd_field_re
         .radius = request->radius > 0 ? request->radius / field->mesh->unit : GD__FAR,
         .target = request->target,
         .without_wedges = manner->without_wedges,
-        .methods = manner->methods};
+        .variant = manner->variant};
     return gd__field_propagate(field, &propagation, control, executor);
 }
 
-static enum gd_status build(const struct gd_mesh *mesh, const struct gd_field_request *request,
-                            const struct manner *manner, const struct gd_control *control,
-                            const struct gd_executor *executor, struct gd_field **out,
-                            struct gd_detail *detail)
+static enum gd_status build_field(const struct gd_mesh *mesh,
+                                  const struct gd_field_request *request,
+                                  const struct manner *manner, const struct gd_control *control,
+                                  const struct gd_executor *executor, struct gd_field **out,
+                                  struct gd_detail *detail)
 {
     enum gd_status status = check_request(request, detail);
     if (status) return status;
     struct gd_field *field = gd__field_create(mesh);
-    if (!field) return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
+    if (!field) return gd_fail_status(detail, GD_NO_MEMORY);
     status = gd__field_take_seeds(field, request, detail);
     if (!status) {
-        status = propagate(field, request, manner, control, executor);
-        if (status) gd_fail(detail, status, "%s", gd_status_sentence(status));
+        status = propagate_field(field, request, manner, control, executor);
+        if (status) gd_fail_status(detail, status);
     }
     if (status)
         gd_field_release(field);
@@ -185,16 +187,16 @@ static enum gd_status build_somehow(const struct gd_mesh *mesh,
                                     const struct gd_executor *executor, struct gd_field **out,
                                     struct gd_detail *detail)
 {
-    const struct gd__methods methods[] = {{0},
-                                          {0},
-                                          {.no_coalescing = true},
-                                          {.no_cone = true},
-                                          {.no_coalescing = true, .no_filter = true}};
+    const struct gd__variant variants[] = {{0},
+                                           {0},
+                                           {.no_coalescing = true},
+                                           {.no_cone = true},
+                                           {.no_coalescing = true, .no_filter = true}};
     enum gd_status status = GD_INTERNAL;
-    for (size_t i = executor ? 0 : 1; i < sizeof methods / sizeof *methods && status == GD_INTERNAL;
-         i++) {
-        struct manner manner = {without_wedges, methods[i]};
-        status = build(mesh, request, &manner, control, i ? NULL : executor, out, detail);
+    for (size_t i = executor ? 0 : 1;
+         i < sizeof variants / sizeof *variants && status == GD_INTERNAL; i++) {
+        struct manner manner = {without_wedges, variants[i]};
+        status = build_field(mesh, request, &manner, control, i ? NULL : executor, out, detail);
     }
     return status;
 }
@@ -242,7 +244,7 @@ static void free_arrays(struct gd_field *field)
 
 struct gd_field *gd_field_retain(const struct gd_field *field)
 {
-    /* the count is the only part that changes */
+    /* the reference count is the only mutable member */
     struct gd_field *shared = (struct gd_field *)field;
     atomic_fetch_add_explicit(&shared->references, 1, memory_order_relaxed);
     return shared;
@@ -261,8 +263,8 @@ void gd_field_release(const struct gd_field *field)
     free(shared);
 }
 
-/* Everything but the reach, and what frees it. */
-static void share(struct gd_field *to, const struct gd_field *from)
+/* Copies all members except the reach and those that own memory. */
+static void share_arrays(struct gd_field *to, const struct gd_field *from)
 {
     to->shown = gd_field_retain(from);
     to->distance = from->distance;
@@ -289,7 +291,7 @@ enum gd_status gd_field_within(const struct gd_field *field, double radius, stru
     }
     struct gd_field *view = gd__field_create(field->mesh);
     if (!view) return GD_NO_MEMORY;
-    share(view, field);
+    share_arrays(view, field);
     view->reach = reach;
     *out = view;
     return GD_OK;
@@ -328,8 +330,8 @@ double gd_field_reach(const struct gd_field *field)
 enum gd_status gd_field_distance(const struct gd_field *field, const struct gd_point *point,
                                  double *out)
 {
-    struct gd__way way;
-    gd__field_way(field, point, &way);
+    struct gd__leg_key way;
+    gd__field_leg_key(field, point, &way);
     if (way.distance > field->reach) return GD_BEYOND_REACH;
     *out = way.kind == GD__LEG_NONE ? INFINITY : way.distance * field->mesh->unit;
     return GD_OK;

@@ -1,9 +1,9 @@
-#include "field/close.h"
-#include "field/frame.h"
+#include "field/close_seed.h"
+#include "field/face_frame.h"
 #include "mesh/segment.h"
 
-/* The gradient of the distance: the direction of the last leg, from where the leg begins to the
- * point, laid into space with the face. */
+/* The gradient of the distance: the direction of the path's last leg at the point, as a vector in
+ * space. */
 
 /* A direction in the frame of a side of a face, not of unit length. */
 struct direction {
@@ -18,19 +18,19 @@ static struct gd_vec3 in_space(const struct gd_mesh *mesh, const struct directio
     return gd_vec3_scale(sum, 1 / gd_vec3_length(sum));
 }
 
-/* Between two points of a face. */
-static struct direction between(const struct gd_mesh *mesh, uint32_t face,
-                                const struct gd_point *from, const struct gd_point *to)
+static struct direction direction_between(const struct gd_mesh *mesh, uint32_t face,
+                                          const struct gd_point *from, const struct gd_point *to)
 {
     double a[3], b[3];
     gd__point_weights(mesh, from, face, a);
     gd__point_weights(mesh, to, face, b);
     int k = gd__main_corner(a);
-    struct gd__local way = gd__way_in_face(mesh, face, k, a, b);
+    struct gd__local way = gd__leg_key_in_face(mesh, face, k, a, b);
     return (struct direction){mesh->face_side[face][k], way.x, way.y};
 }
 
-/* At right angles to a segment in the face; nowhere on it. */
+/* Returns the direction from a segment in the face to the point, perpendicular to the segment; zero
+ * on the segment. */
 static struct direction from_chord(const struct gd_mesh *mesh, uint32_t face,
                                    const struct gd__seed *seed, const struct gd_point *point)
 {
@@ -44,9 +44,9 @@ static struct direction from_chord(const struct gd_mesh *mesh, uint32_t face,
     return (struct direction){side, -left * chord.along.y, left * chord.along.x};
 }
 
-/* From the source of a wedge that lies across a side of the leg's face, at (x, -y), or from where
- * the leg bends round the wedge's end. A leg that ends on that side itself has come through the
- * face across. */
+/* Returns the direction from the source of a wedge across a side of the leg's face, or from the
+ * wedge's end where the leg bends. If the point lies on that side, the leg arrives through the face
+ * across the side. */
 static struct direction through_wedge(const struct gd_mesh *mesh, const struct gd__leg *leg,
                                       const struct gd_point *point)
 {
@@ -76,13 +76,13 @@ static struct direction along_edge(const struct gd_field *field, uint32_t vertex
         side = 2 * field->seeds[source - vertices].point.element;
         if (gd__side_destination(mesh, side) != vertex) side ^= 1;
     } else {
-        return (struct direction){0}; /* the vertex is the seed */
+        return (struct direction){0}; /* the vertex is a seed */
     }
     if (!gd__side_is_boundary(mesh, side)) return (struct direction){side, 1, 0};
     return (struct direction){side ^ 1, -1, 0};
 }
 
-/* The last leg to a vertex, by its predecessor. */
+/* Returns the direction of the last leg to a vertex, from the vertex' predecessor. */
 static struct direction at_vertex(const struct gd_field *field, uint32_t vertex)
 {
     struct gd__predecessor predecessor = field->predecessor[vertex];
@@ -97,10 +97,11 @@ static struct direction at_vertex(const struct gd_field *field, uint32_t vertex)
 static struct direction from_close_seed(const struct gd_field *field, const struct gd__leg *leg,
                                         const struct gd_point *point)
 {
-    struct gd__close close;
+    struct gd__close_seed close;
     double weight[3];
     gd__point_weights(field->mesh, point, leg->face, weight);
-    if (!gd__close_find(field, leg->face, weight, GD__FAR, &close)) return (struct direction){0};
+    if (!gd__close_seed_find(field, leg->face, weight, GD__FAR, &close))
+        return (struct direction){0};
     return (struct direction){close.side, close.way.x, close.way.y};
 }
 
@@ -113,7 +114,7 @@ static struct direction of_leg(const struct gd_field *field, const struct gd__le
     struct gd_point corner = {.kind = GD_POINT_VERTEX, .element = leg->from};
     const struct gd__seed *seed = leg->kind == GD__LEG_SEED ? &field->seeds[leg->from] : NULL;
     if (seed && seed->is_segment) return from_chord(field->mesh, leg->face, seed, point);
-    return between(field->mesh, leg->face, seed ? &seed->point : &corner, point);
+    return direction_between(field->mesh, leg->face, seed ? &seed->point : &corner, point);
 }
 
 enum gd_status gd_field_gradient(const struct gd_field *field, const struct gd_point *point,
@@ -125,7 +126,7 @@ enum gd_status gd_field_gradient(const struct gd_field *field, const struct gd_p
     struct direction direction = of_leg(field, &leg, point);
     if (direction.x == 0 && direction.y == 0) return GD_INVALID_ARGUMENT;
     struct gd_vec3 gradient = in_space(field->mesh, &direction);
-    /* too short a leg for its square */
+    /* for a very short leg the square underflows */
     if (!isfinite(gd_vec3_length(gradient))) return GD_INVALID_ARGUMENT;
     *out = gradient;
     return GD_OK;

@@ -6,26 +6,26 @@
 #include "mesh/segment.h"
 #include "mesh/image_header.h"
 
-/* An image: a header that begins with gd__image_header, then the field's arrays as they are in
- * memory, each at a multiple of 8 bytes, in the order of struct layout below. */
+/* An image: a header that begins with gd__image_header, then the arrays of the field as in memory,
+ * each 8-byte aligned, in the order of struct layout below. */
 
 static const char magic[8] = "GDFIELD";
-static const uint32_t version = 3;
+static const uint32_t version = 4;
 
 struct header {
     struct gd__image_header image_header;
-    uint64_t wedge_bytes; /* of all chunks */
+    uint64_t wedge_bytes; /* total size of all chunks */
     uint32_t vertex_count, edge_count, seed_count, reserved;
     double reach;
     struct gd_field_statistics statistics;
 };
 
-/* Where the arrays begin, and the size of the whole. */
+/* Offsets of the arrays, and the size of the image. */
 struct layout {
     size_t distance, predecessor, newest, wedges, seeds, size;
 };
 
-static size_t place(size_t *end, size_t count, size_t item)
+static size_t place_array(size_t *end, size_t count, size_t item)
 {
     size_t begin = *end;
     *end += (count * item + 7) & ~(size_t)7;
@@ -36,11 +36,11 @@ static struct layout layout_of(size_t vertices, size_t edges, size_t wedge_bytes
 {
     struct layout l;
     size_t end = sizeof(struct header);
-    l.distance = place(&end, vertices, sizeof(double));
-    l.predecessor = place(&end, vertices, sizeof(struct gd__predecessor));
-    l.newest = place(&end, edges, sizeof(uint32_t));
-    l.wedges = place(&end, wedge_bytes, 1);
-    l.seeds = place(&end, seeds, sizeof(struct gd__seed));
+    l.distance = place_array(&end, vertices, sizeof(double));
+    l.predecessor = place_array(&end, vertices, sizeof(struct gd__predecessor));
+    l.newest = place_array(&end, edges, sizeof(uint32_t));
+    l.wedges = place_array(&end, wedge_bytes, 1);
+    l.seeds = place_array(&end, seeds, sizeof(struct gd__seed));
     l.size = end;
     return l;
 }
@@ -62,7 +62,8 @@ void gd_field_write_image(const struct gd_field *field, void *bytes)
 {
     const struct gd_mesh *mesh = field->mesh;
     struct layout l = layout_of_field(field);
-    char *image = memset(bytes, 0, l.size); /* the gaps too: the same field gives the same bytes */
+    /* includes the padding, so that the same field gives the same bytes */
+    char *image = memset(bytes, 0, l.size);
     struct header header = {.image_header = gd__image_header(mesh, magic, version),
                             .wedge_bytes = field->wedge_bytes,
                             .vertex_count = mesh->vertex_count,
@@ -97,8 +98,8 @@ static enum gd_status check_header(const struct gd_mesh *mesh, const struct head
     return GD_OK;
 }
 
-/* A seed or a vertex that was reached itself, so that the way back from it is known; GD_NONE stands
- * for no source. */
+/* Returns true if a source is valid: a seed, a reached vertex (from which a path continues), or
+ * GD_NONE (no source). */
 static bool is_source(const struct gd_field *field, uint32_t source)
 {
     if (source < field->mesh->vertex_count) return field->distance[source] < GD__FAR;
@@ -123,17 +124,18 @@ static bool is_point(const struct gd_mesh *mesh, const struct gd_point *point)
 
 static bool is_seed(const struct gd_mesh *mesh, const struct gd__seed *seed)
 {
-    struct gd__home home;
+    struct gd__segment_location location;
     if (!is_point(mesh, &seed->point)) return false;
-    unsigned char flag; /* any byte may stand where a bool should */
+    unsigned char flag; /* a bool of the image may hold any byte */
     memcpy(&flag, &seed->is_segment, 1);
     if (flag > 1) return false;
-    return !flag ||
-           (is_point(mesh, &seed->end) && gd__segment_home(mesh, &seed->point, &seed->end, &home));
+    return !flag || (is_point(mesh, &seed->end) &&
+                     gd__segment_locate(mesh, &seed->point, &seed->end, &location));
 }
 
-/* A vertex that was reached from its face knows a side with a face; one that was reached along an
- * edge is next to its source. Only one that was not reached knows neither. */
+/* Returns true if a vertex' predecessor is valid. A vertex reached through a face names a side with
+ * a face. A vertex reached along an edge is a neighbour of its source. Only an unreached vertex has
+ * neither. */
 static bool is_predecessor(const struct gd_field *field, uint32_t vertex)
 {
     const struct gd_mesh *mesh = field->mesh;
@@ -149,22 +151,25 @@ static bool is_predecessor(const struct gd_field *field, uint32_t vertex)
     return gd__side_between(mesh, vertex, predecessor->source) != GD_NONE;
 }
 
-/* A chunk that lies within the wedges and whose sources exist; takes its bytes from *left. */
+/* Returns true if a chunk lies within the wedges and its sources exist. Subtracts the chunk's bytes
+ * from *left. */
 static bool is_chunk(const struct gd_field *field, uint32_t at, uint64_t *left)
 {
     uint64_t begin = (uint64_t)at * GD__CHUNK_UNIT, bytes = sizeof(struct gd__chunk);
     if (begin + bytes > field->wedge_bytes) return false;
     const struct gd__chunk *chunk = gd__field_chunk(field, at);
-    bytes += (uint64_t)chunk->count * GD__WEDGE_BYTES;
+    if (chunk->form > GD__WEDGE_WIDE) return false;
+    bytes = gd__chunk_bytes(chunk);
     if (begin + bytes > field->wedge_bytes || bytes > *left) return false;
     *left -= bytes;
     struct gd__wedges wedges = gd__chunk_wedges(chunk);
     for (uint32_t i = 0; i < chunk->count; i++)
-        if (!is_source(field, gd__wedge_source(wedges.start[i]))) return false;
+        if (!is_source(field, gd__wedge_source(&wedges, i))) return false;
     return chunk->previous == GD_NONE || chunk->previous < at;
 }
 
-/* All chains together hold no more than all wedges: no chunk is in two of them. */
+/* Returns true if all chains are valid. Because all chains together must not exceed the bytes of
+ * all wedges, no chain is endless. */
 static bool are_chains_sound(const struct gd_field *field)
 {
     uint64_t left = field->wedge_bytes;
@@ -185,7 +190,8 @@ static bool are_indices_sound(const struct gd_field *field)
     return are_chains_sound(field);
 }
 
-/* The arrays are only read: a field is immutable once built. */
+/* Points the field's arrays into the image. Dropping `const` is safe, because fields are
+ * immutable. */
 static void point_into(struct gd_field *field, const char *image, const struct header *header)
 {
     struct layout l = layout_of(header->vertex_count, header->edge_count, header->wedge_bytes,
@@ -212,7 +218,7 @@ enum gd_status gd_field_open_image(const struct gd_mesh *mesh, const struct gd_f
     enum gd_status status = check_header(mesh, &header, image->size, detail);
     if (status) return status;
     struct gd_field *field = gd__field_create(mesh);
-    if (!field) return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
+    if (!field) return gd_fail_status(detail, GD_NO_MEMORY);
     point_into(field, image->bytes, &header);
     status =
         are_indices_sound(field)

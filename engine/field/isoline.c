@@ -2,26 +2,28 @@
 
 #include <string.h>
 
-#include "field/array.h"
+#include "base/array.h"
 #include "field/isoline_parts.h"
 
-/* An isoline from edge to edge and face to face: finds all crossings and chains, then follows chain
- * after chain.
+/* An isoline across edges and faces: finds all crossings and chains, then joins the chains to
+ * lines.
  *
- * DESIGN. Edges and faces are kept in blocks of BLOCK neighbours. The index has, of each block, the
- * least and the largest level whose isoline one of its elements can meet. A level visits the
- * elements of such blocks only: a small part of the surface, since the mesh keeps in one block what
- * lies close together. */
+ * DESIGN. Edges and faces are grouped in blocks of BLOCK neighbours. For each block the index has
+ * the range of levels whose isolines can meet one of its elements. Tracing a level only visits the
+ * elements of blocks whose range contains the level. Such blocks are a small part of the surface,
+ * because neighbours on the surface share a block. */
 
-#define INDEX_SHARE 0.4 /* of the work of one level */
+#define INDEX_SHARE 0.4 /* the part of gd_isoline_trace's progress that building the index takes */
 
-enum { STEPS_AN_ARC = 8 /* to put it into the caller's terms */, BLOCK = GD__CROSSING_BLOCK };
+/* STEPS_AN_ARC: work of converting an arc to the caller's units */
+enum { STEPS_AN_ARC = 8, BLOCK = GD__CROSSING_BLOCK };
 
 struct levels {
     double least, most;
 };
 
-/* Without fmin's care for NaN, of which there is none: one instruction each. */
+/* lesser and larger return the minimum and the maximum in one instruction, without the NaN handling
+ * of fmin and fmax. */
 static inline double lesser(double a, double b)
 {
     return a < b ? a : b;
@@ -34,7 +36,7 @@ static inline double larger(double a, double b)
 
 struct gd_isoline_index {
     const struct gd_field *field; /* retained */
-    struct levels *edges, *faces; /* by block; `faces` is in the memory of `edges` */
+    struct levels *edges, *faces; /* by block; `faces` points into the memory of `edges` */
     uint32_t edge_blocks, face_blocks;
 };
 
@@ -42,16 +44,15 @@ struct tracer {
     const struct gd_isoline_index *index;
     const struct gd_field *field;
     const struct gd_mesh *mesh;
-    double level; /* inside unit */
-    double begun; /* the fraction of the call that was done before */
-    struct gd__pace pace;
-    struct gd__parts parts;
+    double level;    /* normalised unit */
+    double progress; /* fraction of the call that was done before tracing */
+    struct gd__isoline_pace pace;
+    struct gd__isoline_parts parts;
     struct gd__places places;
     struct gd__face_scratch scratch;
-    /* per crossing: the chain that goes on from it; GD_NONE: it lies on the boundary and a line
-       ends there */
+    /* per crossing: the chain that starts at it; GD_NONE: a line ends at it, on the boundary */
     uint32_t *onwards;
-    uint32_t *first; /* per line: its first chain; open lines, then closed ones */
+    uint32_t *first; /* per line: its first chain; open lines first */
     uint32_t line_count, open_count;
 };
 
@@ -70,20 +71,21 @@ static void close_tracer(struct tracer *tracer)
 
 /* --- crossings and chains --------------------------------------------------------------------- */
 
-/* What is found is held twice when it is put into the caller's terms. */
-static enum gd_status step(struct tracer *tracer, double fraction)
+/* Updates the held bytes and checks the control. During the conversion to the caller's units the
+ * result exists twice. */
+static enum gd_status check_work(struct tracer *tracer, double fraction)
 {
-    const struct gd__parts *parts = &tracer->parts;
+    const struct gd__isoline_parts *parts = &tracer->parts;
     tracer->pace.held = (size_t)tracer->mesh->edge_count * sizeof *parts->first_crossing +
                         2 * (parts->crossing_capacity * sizeof *parts->crossing +
                              parts->piece_capacity * sizeof *parts->piece +
                              parts->chain_capacity * sizeof *parts->chain);
-    tracer->pace.fraction = tracer->begun + (1 - tracer->begun) * fraction;
-    return gd__pace_step(&tracer->pace, 1);
+    tracer->pace.fraction = tracer->progress + (1 - tracer->progress) * fraction;
+    return gd__isoline_pace_step(&tracer->pace, 1);
 }
 
-/* Along an edge the distance changes by no more than its length; an end that a partial field has
- * not reached counts as that far. */
+/* Returns the range of distances on an edge: along it the distance changes by at most its length.
+ * An unreached end counts as the edge's length farther than the other end. */
 static struct levels edge_levels(double a, double b, double length)
 {
     double sum = lesser(a, b + length) + lesser(b, a + length);
@@ -105,7 +107,8 @@ static bool may_cross_edge(const struct tracer *tracer, uint32_t edge)
     return levels_have(&levels, tracer->level);
 }
 
-/* The crossings of a block's edges. The entry behind them is set, too. */
+/* Finds the crossings of a block's edges. Sets the block's last, additional entry of first_crossing
+ * too. */
 static enum gd_status cross_edge_block(struct tracer *tracer, uint32_t block)
 {
     uint32_t edge = block * BLOCK, count = tracer->mesh->edge_count,
@@ -114,7 +117,7 @@ static enum gd_status cross_edge_block(struct tracer *tracer, uint32_t block)
     tracer->parts.is_crossed[block] = true;
     for (; edge < end && !status; edge++) {
         tracer->parts.first_crossing[edge] = tracer->parts.crossing_count;
-        status = step(tracer, 0.45 * edge / count);
+        status = check_work(tracer, 0.45 * edge / count);
         if (!status && may_cross_edge(tracer, edge))
             status = gd__isoline_cross_edge(tracer->field, edge, tracer->level, &tracer->pace,
                                             &tracer->places, &tracer->parts);
@@ -153,8 +156,8 @@ static bool holds_seed(const struct gd_field *field, uint32_t face)
     return seed < field->face_seeds + field->face_seed_count && seed->face == face;
 }
 
-/* Of the lines that cross no edge of the face, those around a maximum in it: no point is farther
- * than by way of a corner, and the corners are nearer. `least` may be more than `most`. */
+/* Returns the range of levels of lines around a maximum inside the face that cross no edge. The
+ * upper bound is the distance via a corner. `least` may exceed `most`. */
 static struct levels loop_levels(const struct gd_field *field, uint32_t face)
 {
     const struct gd_mesh *mesh = field->mesh;
@@ -170,7 +173,8 @@ static struct levels loop_levels(const struct gd_field *field, uint32_t face)
     return levels;
 }
 
-/* A line that crosses no edge of the face lies around a seed in it, or around a maximum. */
+/* Returns true if a line may lie inside the face without crossing its edges. Such a line encloses a
+ * seed or a maximum. */
 static bool may_hold_loop(const struct tracer *tracer, uint32_t face)
 {
     if (holds_seed(tracer->field, face)) return true;
@@ -184,7 +188,7 @@ static enum gd_status cross_face_block(struct tracer *tracer, uint32_t block)
              end = count - face < BLOCK ? count : face + BLOCK;
     enum gd_status status = GD_OK;
     for (; face < end && !status; face++) {
-        status = step(tracer, 0.45 + 0.45 * face / count);
+        status = check_work(tracer, 0.45 + 0.45 * face / count);
         if (!status && (has_crossings(tracer, face) || may_hold_loop(tracer, face)))
             status = gd__isoline_cross_face(tracer->field, face, tracer->level, &tracer->pace,
                                             &tracer->scratch, &tracer->parts);
@@ -204,16 +208,16 @@ static enum gd_status cross_faces(struct tracer *tracer)
 
 /* --- lines ------------------------------------------------------------------------------------ */
 
-/* The chain behind one, or GD_NONE. */
+/* Returns the chain that continues `chain`; GD_NONE at the end of a line. */
 static uint32_t next_chain(const struct tracer *tracer, uint32_t chain)
 {
     uint32_t exit = tracer->parts.chain[chain].exit;
     return exit == GD_NONE ? chain : tracer->onwards[exit];
 }
 
-/* Follows the chains from one on; notes it as the first of a line if there is more to the line than
- * rounding. */
-static enum gd_status follow(struct tracer *tracer, uint32_t first, bool *visited)
+/* Follows the chains from `first`. Adds a line that begins with `first`, unless all its arcs are
+ * due to rounding. */
+static enum gd_status follow_chains(struct tracer *tracer, uint32_t first, bool *visited)
 {
     bool has_arcs = false;
     enum gd_status status = GD_OK;
@@ -221,16 +225,16 @@ static enum gd_status follow(struct tracer *tracer, uint32_t first, bool *visite
          chain = next_chain(tracer, chain)) {
         visited[chain] = true;
         has_arcs |= tracer->parts.chain[chain].has_arcs;
-        status = gd__pace_step(&tracer->pace, 1);
+        status = gd__isoline_pace_step(&tracer->pace, 1);
     }
     if (has_arcs) tracer->first[tracer->line_count++] = first;
     return status;
 }
 
-/* Open lines begin at a crossing at which no chain arrives. */
+/* Finds all lines, open ones first: an open line begins at a crossing where no chain arrives. */
 static enum gd_status find_lines(struct tracer *tracer)
 {
-    const struct gd__parts *parts = &tracer->parts;
+    const struct gd__isoline_parts *parts = &tracer->parts;
     enum gd_status status = GD_NO_MEMORY;
     bool *arrives = calloc((size_t)parts->crossing_count + 1, sizeof *arrives),
          *visited = calloc((size_t)parts->chain_count + 1, sizeof *visited);
@@ -246,19 +250,20 @@ static enum gd_status find_lines(struct tracer *tracer)
     status = GD_OK;
     for (uint32_t i = 0; i < parts->crossing_count && !status; i++)
         if (!arrives[i] && tracer->onwards[i] != GD_NONE)
-            status = follow(tracer, tracer->onwards[i], visited);
+            status = follow_chains(tracer, tracer->onwards[i], visited);
     tracer->open_count = tracer->line_count;
     for (uint32_t i = 0; i < parts->chain_count && !status; i++)
-        if (!visited[i]) status = follow(tracer, i, visited);
+        if (!visited[i]) status = follow_chains(tracer, i, visited);
 done:
     free(arrives);
     free(visited);
     return status;
 }
 
-/* --- what the caller gets --------------------------------------------------------------------- */
+/* --- export ----------------------------------------------------------------------------------- */
 
-static struct gd_isoline_arc export_arc(const struct gd_mesh *mesh, const struct gd__piece *piece)
+static struct gd_isoline_arc export_arc(const struct gd_mesh *mesh,
+                                        const struct gd__isoline_piece *piece)
 {
     struct gd__axes axes = gd__axes_of_side(mesh, mesh->face_side[piece->face][0]);
     struct gd_vec3 centre = gd_vec3_along(gd_vec3_along(axes.origin, piece->centre.x, axes.along),
@@ -272,7 +277,7 @@ static struct gd_isoline_arc export_arc(const struct gd_mesh *mesh, const struct
                                    .centre = gd_vec3_scale(centre, mesh->unit)};
 }
 
-/* From a point back to it without going round: an arc of no length. */
+/* Returns true if an arc has length zero: it returns to its start without a turn. */
 static bool is_point(const struct gd_isoline_arc *arc, const struct gd_point *start,
                      const struct gd_point *stop)
 {
@@ -282,11 +287,11 @@ static bool is_point(const struct gd_isoline_arc *arc, const struct gd_point *st
 struct exporter {
     const struct gd_mesh *mesh;
     struct gd_isoline *to;
-    uint32_t arcs, points;           /* so far */
-    uint32_t first_arc, first_point; /* of the line at hand */
+    uint32_t arcs, points;           /* numbers exported so far */
+    uint32_t first_arc, first_point; /* first arc and first point of the current line */
 };
 
-/* Takes the last arc back if it has no length: then `next` lies where it starts. */
+/* Removes the last arc if its length is zero. `next` is the arc's end. */
 static void drop_point(struct exporter *exporter, const struct gd_point *next)
 {
     const struct gd_isoline *to = exporter->to;
@@ -296,17 +301,18 @@ static void drop_point(struct exporter *exporter, const struct gd_point *next)
     exporter->points--;
 }
 
-static void export_chain(struct exporter *exporter, const struct gd__parts *parts, uint32_t chain)
+static void export_chain(struct exporter *exporter, const struct gd__isoline_parts *parts,
+                         uint32_t chain)
 {
     for (uint32_t i = 0; i < parts->chain[chain].count; i++) {
-        const struct gd__piece *piece = &parts->piece[parts->chain[chain].first + i];
+        const struct gd__isoline_piece *piece = &parts->piece[parts->chain[chain].first + i];
         drop_point(exporter, &piece->start);
         exporter->to->arcs[exporter->arcs++] = export_arc(exporter->mesh, piece);
         exporter->to->points[exporter->points++] = piece->start;
     }
 }
 
-/* What was appended since the line began; an arc that is all rounding is no line. */
+/* Finishes the current line. Removes it if all its arcs are due to rounding. */
 static void end_line(struct exporter *exporter, bool closed)
 {
     struct gd_isoline *to = exporter->to;
@@ -330,8 +336,8 @@ static enum gd_status export_line(struct exporter *exporter, struct tracer *trac
     exporter->first_point = exporter->points;
     do {
         export_chain(exporter, &tracer->parts, chain);
-        status =
-            gd__pace_step(&tracer->pace, STEPS_AN_ARC * (tracer->parts.chain[chain].count + 1));
+        status = gd__isoline_pace_step(&tracer->pace,
+                                       STEPS_AN_ARC * (tracer->parts.chain[chain].count + 1));
         last = chain;
         chain = next_chain(tracer, chain);
     } while (chain != GD_NONE && chain != first && !status);
@@ -378,7 +384,8 @@ static void levels_widen(struct levels *levels, struct levels by)
     levels->most = larger(levels->most, by.most);
 }
 
-/* What may meet the face widens its block and those of its edges. */
+/* Widens the ranges of a face's block and of its edges' blocks by the levels whose isolines may
+ * meet the face. */
 static void index_face(struct gd_isoline_index *index, uint32_t face)
 {
     const struct gd_mesh *mesh = index->field->mesh;
@@ -405,13 +412,14 @@ static enum gd_status index_faces(struct gd_isoline_index *index, double share,
 {
     const struct gd_field *field = index->field;
     uint32_t count = field->mesh->face_count;
-    struct gd__pace pace = {.control = control, .held = gd_isoline_index_bytes(field->mesh)};
-    enum gd_status status = gd__pace_check(&pace);
+    struct gd__isoline_pace pace = {.control = control,
+                                    .held = gd_isoline_index_bytes(field->mesh)};
+    enum gd_status status = gd__isoline_pace_check(&pace);
     for (uint32_t i = 0; i < index->edge_blocks + index->face_blocks; i++)
         index->edges[i] = (struct levels){INFINITY, -INFINITY};
     for (uint32_t face = 0; face < count && !status; face++) {
         pace.fraction = share * face / count;
-        status = gd__pace_step(&pace, 2);
+        status = gd__isoline_pace_step(&pace, 2);
         index_face(index, face);
     }
     for (uint32_t i = 0; i < field->face_seed_count; i++)
@@ -432,7 +440,7 @@ size_t gd_isoline_index_bytes(const struct gd_mesh *mesh)
                sizeof(struct levels);
 }
 
-/* The index is that share of the control's call. */
+/* Creates an index. `share` is the part of the control's progress that it reports. */
 static enum gd_status index_create(const struct gd_field *field, double share,
                                    const struct gd_control *control, struct gd_isoline_index **out)
 {
@@ -471,8 +479,9 @@ void gd_isoline_index_destroy(struct gd_isoline_index *index)
 
 /* --- one level -------------------------------------------------------------------------------- */
 
-static enum gd_status trace_level(const struct gd_isoline_index *index, double level, double begun,
-                                  const struct gd_control *control, struct gd_isoline *out)
+static enum gd_status trace_level(const struct gd_isoline_index *index, double level,
+                                  double progress, const struct gd_control *control,
+                                  struct gd_isoline *out)
 {
     const struct gd_field *field = index->field;
     if (!(level >= 0 && isfinite(level))) return GD_INVALID_ARGUMENT;
@@ -480,13 +489,13 @@ static enum gd_status trace_level(const struct gd_isoline_index *index, double l
                             .field = field,
                             .mesh = field->mesh,
                             .level = level / field->mesh->unit,
-                            .begun = begun,
+                            .progress = progress,
                             .pace = {.control = control}};
     if (tracer.level > field->reach) return GD_BEYOND_REACH;
-    enum gd_status status = gd_control_check(control, begun);
+    enum gd_status status = gd_control_check(control, progress);
     if (!status) status = cross_edges(&tracer);
     if (!status) status = cross_faces(&tracer);
-    if (!status) status = gd__pace_check(&tracer.pace);
+    if (!status) status = gd__isoline_pace_check(&tracer.pace);
     if (!status) status = find_lines(&tracer);
     if (!status) status = export_lines(&tracer, level, out);
     close_tracer(&tracer);

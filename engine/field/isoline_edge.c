@@ -1,14 +1,15 @@
-#include "field/array.h"
+#include "base/array.h"
 #include "field/isoline_parts.h"
 
-/* Where the distance along an edge passes the level. Each source that the edge is seen from gives
- * places at which it may; between two places that follow each other the distance is all below the
- * level or not at all, so that one question in their middle tells.
+/* Crossings: where the distance along an edge passes the level. Each source seen from the edge
+ * gives candidates. Between two consecutive candidates the edge is entirely below the level or
+ * entirely not below, so one evaluation in the middle decides.
  *
- * What has the level's distance up to rounding is not below, but for vertices, on which all edges
- * agree: a segment's isoline may run along whole edges, and touch others between their ends. */
+ * A distance that equals the level up to rounding counts as not below: the isoline of a segment may
+ * run along whole edges and touch others between their ends. At a vertex the stored distance
+ * decides without slack, so that all its edges agree. */
 
-static enum gd_status put(struct gd__places *places, double t, double length)
+static enum gd_status put_place(struct gd__places *places, double t, double length)
 {
     if (!(t > 0 && t < length)) return GD_OK;
     double *grown = gd__array_reserve(places->at, &places->capacity, places->count + 1, sizeof t);
@@ -18,18 +19,18 @@ static enum gd_status put(struct gd__places *places, double t, double length)
     return GD_OK;
 }
 
-/* sigma - x t = level, within a linear window. A line in which the edge lies up to rounding does
- * not pass it (circle.c has the same). */
+/* Solves sigma - x t = level within a linear window. A line that coincides with the edge up to
+ * rounding does not cross the edge (see circle.c). */
 static enum gd_status put_root(struct gd__places *places, const struct gd__window *w, double level,
                                double length)
 {
     double t = (w->sigma - level) / w->x, more = gd__stored_slack(length);
     if (!(fabs(w->x) * length > gd__envelope_slack(level, length))) return GD_OK;
-    return t >= w->b0 - more && t <= w->b1 + more ? put(places, t, length) : GD_OK;
+    return t >= w->b0 - more && t <= w->b1 + more ? put_place(places, t, length) : GD_OK;
 }
 
-/* sigma + |(t, 0) - (x, -y)| = level, within the window. A circle that touches the edge up to
- * rounding does not pass it. */
+/* Solves sigma + |(t, 0) - (x, -y)| = level within the window. A circle that touches the edge up to
+ * rounding does not cross the edge. */
 static enum gd_status put_roots(struct gd__places *places, const struct gd__window *w, double level,
                                 double length)
 {
@@ -40,7 +41,7 @@ static enum gd_status put_roots(struct gd__places *places, const struct gd__wind
     enum gd_status status = GD_OK;
     for (int sign = -1; sign <= 1 && !status; sign += 2) {
         double t = w->x + sign * half;
-        if (t >= w->b0 && t <= w->b1) status = put(places, t, length);
+        if (t >= w->b0 && t <= w->b1) status = put_place(places, t, length);
     }
     return status;
 }
@@ -62,7 +63,8 @@ static enum gd_status put_wedges(const struct gd_field *field, uint32_t edge, do
     return status;
 }
 
-/* Points on the edge itself reach it by no wedge; along a segment on it nothing changes. */
+/* Adds the candidates of seeds on the edge itself, which have no wedges of the edge. Along a
+ * segment on the edge the distance is constant. */
 static enum gd_status put_seeds(const struct gd_field *field, uint32_t edge, double level,
                                 struct gd__places *places)
 {
@@ -90,7 +92,7 @@ static int by_place(const void *a, const void *b)
     return (*x > *y) - (*x < *y);
 }
 
-/* All places at which the edge may pass the level, sorted, its two ends among them. */
+/* Collects all candidates on the edge and its two ends, sorted. */
 static enum gd_status find_places(const struct gd_field *field, uint32_t edge, double level,
                                   struct gd__places *places)
 {
@@ -100,8 +102,8 @@ static enum gd_status find_places(const struct gd_field *field, uint32_t edge, d
     places->count = 0;
     enum gd_status status = put_wedges(field, edge, level, places);
     if (!status) status = put_seeds(field, edge, level, places);
-    if (!status) status = put(places, level - d0, length);
-    if (!status) status = put(places, length - (level - d1), length);
+    if (!status) status = put_place(places, level - d0, length);
+    if (!status) status = put_place(places, length - (level - d1), length);
     if (status) return status;
     double *grown =
         gd__array_reserve(places->at, &places->capacity, places->count + 2, sizeof *grown);
@@ -117,12 +119,12 @@ static bool is_below(const struct gd_field *field, uint32_t edge, double t, doub
 {
     double length = field->mesh->side[2 * edge].length;
     struct gd_point point = gd__point_of_edge(field->mesh, edge, t / length);
-    struct gd__way way;
-    gd__field_way(field, &point, &way);
+    struct gd__leg_key way;
+    gd__field_leg_key(field, &point, &way);
     return way.distance < level - gd__envelope_slack(level, length);
 }
 
-static enum gd_status append(struct gd__parts *parts, struct gd__crossing crossing)
+static enum gd_status append_crossing(struct gd__isoline_parts *parts, struct gd__crossing crossing)
 {
     struct gd__crossing *grown = gd__array_reserve(parts->crossing, &parts->crossing_capacity,
                                                    parts->crossing_count + 1, sizeof crossing);
@@ -133,8 +135,8 @@ static enum gd_status append(struct gd__parts *parts, struct gd__crossing crossi
 }
 
 enum gd_status gd__isoline_cross_edge(const struct gd_field *field, uint32_t edge, double level,
-                                      struct gd__pace *pace, struct gd__places *places,
-                                      struct gd__parts *parts)
+                                      struct gd__isoline_pace *pace, struct gd__places *places,
+                                      struct gd__isoline_parts *parts)
 {
     const struct gd_mesh *mesh = field->mesh;
     enum gd_status status = find_places(field, edge, level, places);
@@ -143,13 +145,13 @@ enum gd_status gd__isoline_cross_edge(const struct gd_field *field, uint32_t edg
     for (uint32_t i = 0; i < places->count && !status; i++) {
         double t = places->at[i];
         bool is_last = i + 1 == places->count, then = below;
-        status = gd__pace_step(pace, places->count);
+        status = gd__isoline_pace_step(pace, places->count);
         if (status) break;
         if (is_last)
             then = field->distance[mesh->origin[2 * edge + 1]] < level;
         else if (places->at[i + 1] - t > narrow)
             then = is_below(field, edge, 0.5 * (t + places->at[i + 1]), level);
-        if (then != below) status = append(parts, (struct gd__crossing){edge, t, below});
+        if (then != below) status = append_crossing(parts, (struct gd__crossing){edge, t, below});
         below = then;
     }
     return status;

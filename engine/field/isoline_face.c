@@ -1,24 +1,26 @@
-#include "field/array.h"
+#include "base/array.h"
 #include "field/isoline_parts.h"
 
-/* The isoline inside one face: arcs, put together to chains. */
+/* The isoline inside one face: finds its arcs and joins them to chains. */
 
-enum { STEPS_A_SOURCE = 8 /* to find the part of a circle that another one covers */ };
+/* work of one source of a face, in steps of the pace */
+enum { STEPS_A_SOURCE = 8 };
 
-/* An end from which a line goes on in the face (of an arc, or a crossing by which it comes in), or
- * at which it is to arrive (the start of an arc, or a crossing by which it leaves). */
+/* A place in the face where a part of a line must continue. A departing end (the end of an arc, or
+ * a crossing where the line enters the face) is matched with an arriving end (the start of an arc,
+ * or a crossing where the line leaves the face). */
 struct gd__end {
     struct gd__local at;
     uint32_t arc;      /* GD_NONE: a crossing */
-    uint32_t crossing; /* GD_NONE: an arc's */
+    uint32_t crossing; /* GD_NONE: an end of an arc */
     bool goes_on;
-    uint32_t match; /* the other end with which it is one; GD_NONE: not yet */
+    uint32_t match; /* the matching end; GD_NONE: not matched yet */
 };
 
 struct gd__arc {
     struct gd__circle circle;
     double from, to;
-    uint32_t start, stop; /* its ends */
+    uint32_t start, stop; /* numbers of the arc's ends */
     bool is_chained;
 };
 
@@ -27,7 +29,7 @@ struct gd__order {
     uint32_t end;
 };
 
-/* Two ends that may be one, and their distance squared. */
+/* Two ends that may match, and their distance squared. */
 struct gd__link {
     double apart;
     uint32_t from, to;
@@ -36,9 +38,9 @@ struct gd__link {
 struct work {
     const struct gd_field *field;
     double level;
-    struct gd__pace *pace;
+    struct gd__isoline_pace *pace;
     struct gd__face_scratch *scratch;
-    struct gd__parts *parts;
+    struct gd__isoline_parts *parts;
 };
 
 void gd__face_scratch_destroy(struct gd__face_scratch *scratch)
@@ -65,8 +67,8 @@ static enum gd_status append_end(struct gd__face_scratch *scratch, struct gd__en
     return GD_OK;
 }
 
-/* Walking round the face counter-clockwise, a line comes in where the walk comes from below the
- * level. */
+/* Appends the crossings of the face's sides. Walking counter-clockwise around the face, a line
+ * enters where the distance rises above the level. */
 static enum gd_status append_crossings(const struct work *work, uint32_t face)
 {
     const struct gd_mesh *mesh = work->field->mesh;
@@ -81,7 +83,7 @@ static enum gd_status append_crossings(const struct work *work, uint32_t face)
             double t = side & 1 ? length - crossing->t : crossing->t;
             status = append_end(
                 work->scratch,
-                (struct gd__end){.at = gd__frame_place(&work->scratch->sources.frame, k, t, 0),
+                (struct gd__end){.at = gd__face_frame_place(&work->scratch->sources.frame, k, t, 0),
                                  .arc = GD_NONE,
                                  .crossing = i,
                                  .goes_on = crossing->from_below != (side & 1),
@@ -93,14 +95,15 @@ static enum gd_status append_crossings(const struct work *work, uint32_t face)
 
 /* --- arcs ------------------------------------------------------------------------------------- */
 
-/* Rounding may leave an arc where wedges do not quite join: there the distance is not the
- * level's. */
+/* Returns true if the distance at a place is the level. Rounding may leave a false arc where wedges
+ * do not quite join. */
 static bool is_at_level(const struct work *work, struct gd__local at)
 {
     const struct gd__sources *sources = &work->scratch->sources;
-    struct gd_point point = gd__frame_point(work->field->mesh, sources->face, &sources->frame, at);
-    struct gd__way way;
-    gd__field_way(work->field, &point, &way);
+    struct gd_point point =
+        gd__face_frame_point(work->field->mesh, sources->face, &sources->frame, at);
+    struct gd__leg_key way;
+    gd__field_leg_key(work->field, &point, &way);
     return way.distance >=
            work->level * (1 - GD_TOL_CHECK) - gd__envelope_slack(work->level, sources->frame.size);
 }
@@ -129,7 +132,7 @@ static enum gd_status append_arcs(const struct work *work)
     enum gd_status status = GD_OK;
     for (uint32_t i = 0; i < sources->count && !status; i++) {
         struct gd__arc arc = {.circle = gd__circle_of(sources, i, work->level)};
-        status = gd__pace_step(work->pace, STEPS_A_SOURCE * sources->count);
+        status = gd__isoline_pace_step(work->pace, STEPS_A_SOURCE * sources->count);
         if (!status)
             status = gd__circle_arcs(sources, i, work->level, &scratch->covered, &scratch->spans);
         for (uint32_t k = 0; k < scratch->spans.count && !status; k++) {
@@ -159,7 +162,7 @@ static int by_distance(const void *a, const void *b)
     return (x->to > y->to) - (x->to < y->to);
 }
 
-/* The ends that have no match, in order of x. GD_NO_MEMORY. */
+/* Collects the unmatched ends, sorted by x. Error: GD_NO_MEMORY. */
 static enum gd_status sort_ends(struct gd__face_scratch *scratch, uint32_t *count)
 {
     struct gd__order *order = gd__array_reserve(scratch->order, &scratch->order_capacity,
@@ -188,7 +191,7 @@ static enum gd_status append_link(struct gd__face_scratch *scratch, uint32_t a, 
     return GD_OK;
 }
 
-/* Matches ends that lie no farther apart than `reach` along x, the nearest ones first. */
+/* Matches ends at most `reach` apart along x, the nearest first. */
 static enum gd_status match_within(struct gd__face_scratch *scratch, double reach)
 {
     uint32_t count;
@@ -210,7 +213,7 @@ static enum gd_status match_within(struct gd__face_scratch *scratch, double reac
     return GD_OK;
 }
 
-/* There are as many ends that go on as ends at which lines arrive: each gets its match. */
+/* Matches all ends: there are as many departing as arriving ends. */
 static enum gd_status match_ends(struct gd__face_scratch *scratch)
 {
     enum gd_status status = match_within(scratch, GD_TOL_MEET * scratch->sources.frame.size);
@@ -219,43 +222,45 @@ static enum gd_status match_ends(struct gd__face_scratch *scratch)
 
 /* --- chains ----------------------------------------------------------------------------------- */
 
-static enum gd_status append_piece(struct gd__parts *parts, const struct gd__piece *piece)
+static enum gd_status append_piece(struct gd__isoline_parts *parts,
+                                   const struct gd__isoline_piece *piece)
 {
-    struct gd__piece *grown = gd__array_reserve(parts->piece, &parts->piece_capacity,
-                                                parts->piece_count + 1, sizeof *grown);
+    struct gd__isoline_piece *grown = gd__array_reserve(parts->piece, &parts->piece_capacity,
+                                                        parts->piece_count + 1, sizeof *grown);
     if (!grown) return GD_NO_MEMORY;
     parts->piece = grown;
     parts->piece[parts->piece_count++] = *piece;
     return GD_OK;
 }
 
-static enum gd_status append_chain(struct gd__parts *parts, const struct gd__chain *chain)
+static enum gd_status append_chain(struct gd__isoline_parts *parts,
+                                   const struct gd__isoline_chain *chain)
 {
-    struct gd__chain *grown = gd__array_reserve(parts->chain, &parts->chain_capacity,
-                                                parts->chain_count + 1, sizeof *grown);
+    struct gd__isoline_chain *grown = gd__array_reserve(parts->chain, &parts->chain_capacity,
+                                                        parts->chain_count + 1, sizeof *grown);
     if (!grown) return GD_NO_MEMORY;
     parts->chain = grown;
     parts->chain[parts->chain_count++] = *chain;
     return GD_OK;
 }
 
-/* The point where an end lies: crossings are points of their edge. */
+/* Returns the surface point of an end; a crossing is a point of its edge. */
 static struct gd_point point_of(const struct work *work, const struct gd__end *end)
 {
     const struct gd_mesh *mesh = work->field->mesh;
     const struct gd__sources *sources = &work->scratch->sources;
     if (end->crossing != GD_NONE)
         return gd__crossing_point(mesh, &work->parts->crossing[end->crossing]);
-    return gd__frame_point(mesh, sources->face, &sources->frame, end->at);
+    return gd__face_frame_point(mesh, sources->face, &sources->frame, end->at);
 }
 
-/* The angle nearest to `angle` under which a circle's centre sees a place. */
+/* Returns the angle of a place around a circle's centre that is nearest to `angle`, modulo 2 pi. */
 static double angle_near(const struct gd__circle *circle, double angle, struct gd__local at)
 {
     return angle + remainder(gd__circle_angle(circle, at) - angle, 2 * M_PI);
 }
 
-/* How far it is to a place, less than 0 if it lies behind. */
+/* Returns the length along a line from `start` to `stop`; negative if `stop` lies behind. */
 static double way_along(const struct gd__circle *line, struct gd__local start,
                         struct gd__local stop)
 {
@@ -264,12 +269,13 @@ static double way_along(const struct gd__circle *line, struct gd__local start,
     return copysign(sqrt(dx * dx + dy * dy), dx * along.x + dy * along.y);
 }
 
-/* An arc as a piece from one end to another, at which it is taken to start and to stop. */
-static struct gd__piece piece_of(const struct work *work, const struct gd__arc *arc,
-                                 const struct gd__end *start, const struct gd__end *stop)
+/* Returns an arc as a piece between two ends, with its angles adjusted to the ends. */
+static struct gd__isoline_piece piece_of(const struct work *work, const struct gd__arc *arc,
+                                         const struct gd__end *start, const struct gd__end *stop)
 {
     const struct gd__circle *circle = &arc->circle;
-    struct gd__piece piece = {.face = work->scratch->sources.face, .start = point_of(work, start)};
+    struct gd__isoline_piece piece = {.face = work->scratch->sources.face,
+                                      .start = point_of(work, start)};
     if (circle->straight) {
         piece.centre = start->at;
         piece.to = way_along(circle, start->at, stop->at);
@@ -282,10 +288,10 @@ static struct gd__piece piece_of(const struct work *work, const struct gd__arc *
     return piece;
 }
 
-/* Two crossings between which no arc was found: there is none but by rounding. One about the source
- * that suits both best stands in for it. */
-static enum gd_status bridge(const struct work *work, const struct gd__end *entry,
-                             const struct gd__end *exit)
+/* Joins two crossings that have no arc between them because of rounding, by an arc around the
+ * source that fits both best. */
+static enum gd_status bridge_crossings(const struct work *work, const struct gd__end *entry,
+                                       const struct gd__end *exit)
 {
     const struct gd__sources *sources = &work->scratch->sources;
     double least = INFINITY;
@@ -300,29 +306,29 @@ static enum gd_status bridge(const struct work *work, const struct gd__end *entr
     }
     struct gd__arc arc = {.circle = gd__circle_of(sources, best, work->level)};
     arc.from = arc.to = gd__circle_angle(&arc.circle, entry->at);
-    struct gd__piece piece = piece_of(work, &arc, entry, exit);
+    struct gd__isoline_piece piece = piece_of(work, &arc, entry, exit);
     return append_piece(work->parts, &piece);
 }
 
-/* A loop within the face may be what rounding leaves uncovered where lines cross. It is no longer
- * than what the level is promised to. */
-static bool is_rounding(const struct work *work, const struct gd__chain *chain)
+/* Returns true for a loop inside the face that is shorter than the promised precision: an uncovered
+ * spot where arcs cross. */
+static bool is_rounding(const struct work *work, const struct gd__isoline_chain *chain)
 {
     double length = 0;
     if (chain->exit != GD_NONE) return false;
     for (uint32_t i = 0; i < chain->count; i++) {
-        const struct gd__piece *piece = &work->parts->piece[chain->first + i];
+        const struct gd__isoline_piece *piece = &work->parts->piece[chain->first + i];
         length += (piece->radius > 0 ? piece->radius : 1) * fabs(piece->to - piece->from);
     }
     return length <= GD_TOL_CHECK * work->level;
 }
 
-/* Appends the arcs that follow an end that goes on: up to the crossing where they leave, or back to
- * the first. */
+/* Appends the chain of arcs that follows a departing end, up to the crossing where the line leaves
+ * the face, or back to the first arc. */
 static enum gd_status chain_from(const struct work *work, const struct gd__end *entry)
 {
     struct gd__face_scratch *scratch = work->scratch;
-    struct gd__chain chain = {
+    struct gd__isoline_chain chain = {
         .entry = entry->crossing, .exit = GD_NONE, .first = work->parts->piece_count};
     const struct gd__end *start = &scratch->end[entry->match];
     enum gd_status status = GD_OK;
@@ -330,7 +336,7 @@ static enum gd_status chain_from(const struct work *work, const struct gd__end *
     while (start->arc != GD_NONE && !scratch->arc[start->arc].is_chained && !status) {
         struct gd__arc *arc = &scratch->arc[start->arc];
         const struct gd__end *next = &scratch->end[scratch->end[arc->stop].match];
-        struct gd__piece piece =
+        struct gd__isoline_piece piece =
             piece_of(work, arc, is_first && entry->arc == GD_NONE ? entry : start, next);
         status = append_piece(work->parts, &piece);
         arc->is_chained = chain.has_arcs = true;
@@ -338,7 +344,7 @@ static enum gd_status chain_from(const struct work *work, const struct gd__end *
         start = next;
     }
     if (!status && start->arc == GD_NONE) chain.exit = start->crossing;
-    if (!status && !chain.has_arcs) status = bridge(work, entry, start);
+    if (!status && !chain.has_arcs) status = bridge_crossings(work, entry, start);
     chain.count = work->parts->piece_count - chain.first;
     if (status || !is_rounding(work, &chain))
         return status ? status : append_chain(work->parts, &chain);
@@ -363,8 +369,9 @@ static enum gd_status append_chains(const struct work *work)
 }
 
 enum gd_status gd__isoline_cross_face(const struct gd_field *field, uint32_t face, double level,
-                                      struct gd__pace *pace, struct gd__face_scratch *scratch,
-                                      struct gd__parts *parts)
+                                      struct gd__isoline_pace *pace,
+                                      struct gd__face_scratch *scratch,
+                                      struct gd__isoline_parts *parts)
 {
     struct work work = {field, level, pace, scratch, parts};
     scratch->arc_count = scratch->end_count = 0;

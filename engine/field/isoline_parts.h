@@ -1,95 +1,98 @@
-/* An isoline from the inside: where it crosses edges, and its chains of arcs across faces.
+/* Parts of an isoline: its crossings of edges, and its chains of arcs across faces.
  *
  * DESIGN
- * - The isoline bounds the points below the level, which lie to its left. A vertex is below or not,
- *   by its distance alone; so is a point of an edge, and both faces of an edge see the same
- *   crossings. Around a face there are as many crossings by which lines come in as go out: topology
- *   can't be lost, however rounding falls.
- * - Inside a face the line is made of arcs, each the part of one source's circle, or of a segment's
- *   line, that no other source is nearer to (circle.h). Ends of arcs and crossings are matched by
- *   place, nearest first: so each arc goes on in another one or at a crossing, and what is left
- *   over closes on itself.
- * - Inside unit; places and angles in the face's frame (frame.h). */
+ * - The isoline bounds the points below the level, which lie to its left. Whether a vertex is below
+ *   depends on its stored distance alone. Whether a point of an edge is below is decided once for
+ *   both faces. Therefore as many lines enter a face as leave it: rounding cannot change the
+ *   topology.
+ * - Inside a face the line consists of arcs. An arc is a part of one source's circle, or of a
+ *   segment's parallel line, where no other source is nearer (circle.h). Ends of arcs and crossings
+ *   are matched by place, nearest pairs first, so that each arc continues in another arc or at a
+ *   crossing. Arcs without crossings form closed loops.
+ * - Normalised unit. Places and angles are in the face's frame (face_frame.h). */
 #ifndef GD_FIELD_ISOLINE_PARTS_H
 #define GD_FIELD_ISOLINE_PARTS_H
 
 #include "field/circle.h"
 
-/* The caller's control, asked whenever the steps since then, of some ten nanoseconds each, make a
- * good part of a millisecond. */
-struct gd__pace {
+/* Paces checks of the caller's control to about one every half millisecond. A step is about ten
+ * nanoseconds of work. */
+struct gd__isoline_pace {
     const struct gd_control *control;
-    double fraction; /* of the call that is done */
-    size_t held;     /* bytes */
+    double fraction; /* progress of the call */
+    size_t held;     /* bytes held, for the budget */
     uint32_t steps;
 };
 
-enum { GD__PACE = 1 << 14 };
+enum { GD__ISOLINE_PACE = 1 << 14 };
 
-/* GD_BUDGET, GD_CANCELLED, GD_DEADLINE. */
-GD_MUST_USE static inline enum gd_status gd__pace_check(const struct gd__pace *pace)
+/* Checks the budget and the control. Errors: GD_BUDGET, GD_CANCELLED, GD_DEADLINE. */
+GD_MUST_USE static inline enum gd_status gd__isoline_pace_check(const struct gd__isoline_pace *pace)
 {
     enum gd_status status = gd_control_afford(pace->control, pace->held);
     return status ? status : gd_control_check(pace->control, pace->fraction);
 }
 
-GD_MUST_USE static inline enum gd_status gd__pace_step(struct gd__pace *pace, uint32_t steps)
+GD_MUST_USE static inline enum gd_status gd__isoline_pace_step(struct gd__isoline_pace *pace,
+                                                               uint32_t steps)
 {
-    uint32_t left = GD__PACE - pace->steps;
+    uint32_t left = GD__ISOLINE_PACE - pace->steps;
     pace->steps = steps < left ? pace->steps + steps : 0;
-    return steps < left ? GD_OK : gd__pace_check(pace);
+    return steps < left ? GD_OK : gd__isoline_pace_check(pace);
 }
 
-/* Where the distance along an edge passes the level, in order of the edge; t: from the origin of
- * side 0, in [0, length]. */
+/* A point where the distance along an edge passes the level. t is measured from the origin of side
+ * 0, in [0, length]. Crossings are sorted along the edge. */
 struct gd__crossing {
     uint32_t edge;
     double t;
-    bool from_below; /* it is below the level before t */
+    bool from_below; /* the edge is below the level before t */
 };
 
-/* An arc, from its start to the start of what follows; or, of radius 0, the straight way there,
- * whose centre is its start and which has lengths in place of angles. */
-struct gd__piece {
+/* An arc, from its start to the start of the next piece. Radius 0: a straight line between them;
+ * `centre` is its start, and `from` and `to` are lengths. */
+struct gd__isoline_piece {
     uint32_t face;
     struct gd_point start;
     struct gd__local centre;
-    /* angles from the frame's x axis; to < from only where rounding has to be bridged */
+    /* Angles are measured from the frame's x axis. to < from only if the piece bridges a gap due to
+       rounding. */
     double radius, from, to;
 };
 
-/* Pieces that follow each other through one face, from the crossing by which they come in to the
- * one by which they leave; GD_NONE, both of them: they close. No pieces: the crossings lie in one
- * place. */
-struct gd__chain {
+/* Consecutive pieces through one face, from the crossing where the line enters to the crossing
+ * where it leaves. Both GD_NONE: a closed line. No pieces: both crossings are at the same place. */
+struct gd__isoline_chain {
     uint32_t entry, exit;
     uint32_t first, count;
-    bool has_arcs; /* not all of it is there to bridge rounding */
+    bool has_arcs; /* false: all pieces bridge gaps due to rounding */
 };
 
 #define GD__CROSSING_BLOCK 64 /* edges */
 
-/* What a trace has found. Crossings of edge e: see gd__edge_crossings. All zero is empty. */
-struct gd__parts {
+/* All crossings and chains of an isoline. For the crossings of an edge see gd__edge_crossings. An
+ * all-zero struct is empty. */
+struct gd__isoline_parts {
     struct gd__crossing *crossing;
-    uint32_t *first_crossing; /* by edge, one more behind each block; set in crossed blocks only */
-    bool *is_crossed;         /* by block of edges */
-    struct gd__piece *piece;
-    struct gd__chain *chain;
+    /* by edge, with one more entry after each block; only set in crossed blocks */
+    uint32_t *first_crossing;
+    bool *is_crossed; /* by block of edges */
+    struct gd__isoline_piece *piece;
+    struct gd__isoline_chain *chain;
     uint32_t crossing_count, crossing_capacity, piece_count, piece_capacity, chain_count,
         chain_capacity;
 };
 
-/* The edge's crossings are those from `*first` on, up to `*end`. */
-static inline void gd__edge_crossings(const struct gd__parts *parts, uint32_t edge, uint32_t *first,
-                                      uint32_t *end)
+/* Returns the range [*first, *end) of an edge's crossings. */
+static inline void gd__edge_crossings(const struct gd__isoline_parts *parts, uint32_t edge,
+                                      uint32_t *first, uint32_t *end)
 {
     bool is_crossed = parts->is_crossed[edge / GD__CROSSING_BLOCK];
     *first = is_crossed ? parts->first_crossing[edge] : 0;
     *end = is_crossed ? parts->first_crossing[edge + 1] : 0;
 }
 
-/* Scratch of an edge and of a face, reused; all zero is empty. */
+/* Reused scratch for an edge and for a face. An all-zero struct is empty. */
 struct gd__places {
     double *at;
     uint32_t count, capacity;
@@ -108,18 +111,18 @@ struct gd__face_scratch {
 
 void gd__face_scratch_destroy(struct gd__face_scratch *scratch);
 
-/* isoline_edge.c: appends an edge's crossings. GD_NO_MEMORY, and what the pace says. */
+/* isoline_edge.c: appends the crossings of an edge. Errors: GD_NO_MEMORY, and those of the pace. */
 GD_MUST_USE enum gd_status gd__isoline_cross_edge(const struct gd_field *field, uint32_t edge,
-                                                  double level, struct gd__pace *pace,
+                                                  double level, struct gd__isoline_pace *pace,
                                                   struct gd__places *places,
-                                                  struct gd__parts *parts);
+                                                  struct gd__isoline_parts *parts);
 
-/* isoline_face.c: appends the chains of a face, the crossings of whose edges are there.
- * GD_NO_MEMORY, and what the pace says. */
+/* isoline_face.c: appends the chains of a face. The crossings of the face's edges must exist.
+ * Errors: GD_NO_MEMORY, and those of the pace. */
 GD_MUST_USE enum gd_status gd__isoline_cross_face(const struct gd_field *field, uint32_t face,
-                                                  double level, struct gd__pace *pace,
+                                                  double level, struct gd__isoline_pace *pace,
                                                   struct gd__face_scratch *scratch,
-                                                  struct gd__parts *parts);
+                                                  struct gd__isoline_parts *parts);
 
 static inline struct gd_point gd__crossing_point(const struct gd_mesh *mesh,
                                                  const struct gd__crossing *crossing)

@@ -1,33 +1,33 @@
-#include "field/close.h"
+#include "field/close_seed.h"
 #include "field/wedge_view.h"
 #include "mesh/segment.h"
 
 enum { CACHE_LINE = 64 };
 
-/* The distance at a point of a face: the least over the face's corners, the seeds in the face, and
- * the wedges of its edges whose source lies across the edge (a source on the face's own side
- * reaches the point through another edge or through a corner). The search finds which of them it
- * is; the leg is made of that one alone. */
+/* The distance at a point of a face is the minimum over the face's corners, the seeds in the face,
+ * and the wedges of its edges whose source lies across the edge. Paths from a source on the face's
+ * own side reach the point through another edge or a corner. The search finds the best candidate
+ * and only completes the leg of that candidate. */
 
 /* --- views ----------------------------------------------------------------------------------- */
 
-/* A face from a point of it. */
+/* A face, seen from one of its points. */
 struct view {
     const uint32_t *side;
     struct gd__local at[3]; /* the point in the frame of each side */
     uint32_t newest[3];     /* chunk of each side's edge */
 };
 
-enum { WEDGE_VIEWS = 8 }; /* that are looked at together: mostly there are one or two */
+enum { WEDGE_VIEWS = 8 }; /* views evaluated together; most points have one or two */
 
-/* Where taking views has got to: a side of the view, and a chunk of its edge. */
+/* The position of the iteration over views: a side of the face, and a chunk of its edge. */
 struct cursor {
-    int k; /* 3: there are no more */
+    int k; /* 3: the end */
     uint32_t chunk;
 };
 
-static inline void look_around(const struct gd_field *field, uint32_t face, const double weight[3],
-                               struct view *view)
+static inline void view_face(const struct gd_field *field, uint32_t face, const double weight[3],
+                             struct view *view)
 {
     const struct gd_mesh *mesh = field->mesh;
     view->side = mesh->face_side[face];
@@ -39,9 +39,8 @@ static inline void look_around(const struct gd_field *field, uint32_t face, cons
     }
 }
 
-/* Asks for all wedges of the newest chunks, now that their sizes are known. GCC takes a function
- * that does nothing but prefetch for one without effects and leaves its calls out, unless it is
- * inlined first. */
+/* Prefetches the wedges of the newest chunks. The chunks' headers, which hold the sizes, must be in
+ * the cache. Inlined, because GCC drops calls of a function that only prefetches. */
 static inline __attribute__((always_inline)) void prefetch_wedges(const struct gd_field *field,
                                                                   const struct view *view)
 {
@@ -49,23 +48,14 @@ static inline __attribute__((always_inline)) void prefetch_wedges(const struct g
         if (view->newest[k] == GD_NONE) continue;
         const struct gd__chunk *chunk = gd__field_chunk(field, view->newest[k]);
         const char *first = (const char *)chunk;
-        size_t size = sizeof *chunk + (size_t)chunk->count * GD__WEDGE_BYTES;
+        size_t size = gd__chunk_bytes(chunk);
         for (size_t line = CACHE_LINE; line < size; line += CACHE_LINE)
             __builtin_prefetch(first + line);
     }
 }
 
-/* All wedges of a chunk have their source on one side of the edge; the first may be a gap. */
-static inline bool comes_from_across(const struct gd__chunk *chunk, uint32_t side)
-{
-    if (!chunk->count) return false;
-    struct gd__wedges wedges = gd__chunk_wedges(chunk);
-    uint32_t first = gd__wedge_source(wedges.start[0]) == GD_NONE;
-    return first < chunk->count && (signbit(wedges.y[first]) != 0) != (side & 1);
-}
-
-/* The next views of a view, at most WEDGE_VIEWS. Each chunk is written as one; one that is none is then
- * written over. */
+/* Fills the next views of a face, at most WEDGE_VIEWS, and returns their number. Writes a view for
+ * each chunk; the next view overwrites that of a chunk whose source is on the face's own side. */
 static inline uint32_t take_views(const struct gd_field *field, const struct view *view,
                                   struct cursor *cursor, struct gd__wedge_view *wedge_views)
 {
@@ -83,17 +73,17 @@ static inline uint32_t take_views(const struct gd_field *field, const struct vie
         wedge_view->x = view->at[k].x;
         wedge_view->y = view->at[k].y;
         wedge_view->side = view->side[k];
-        count += comes_from_across(chunk, view->side[k]);
+        count += chunk->is_far == (view->side[k] & 1);
         cursor->chunk = chunk->previous;
     }
     return count;
 }
 
-/* --- the best way ----------------------------------------------------------------------------- */
+/* --- the best path ---------------------------------------------------------------------------- */
 
-/* Keeps the shorter way; without a branch, as none could be foreseen. */
-static inline void offer(struct gd__way *best, double distance, enum gd__leg_kind kind,
-                         uint32_t from)
+/* Keeps the shorter path. Branchless, because the branch is unpredictable. */
+static inline void offer_way(struct gd__leg_key *best, double distance, enum gd__leg_kind kind,
+                             uint32_t from)
 {
     bool better = distance < best->distance;
     best->kind = better ? kind : best->kind;
@@ -102,20 +92,22 @@ static inline void offer(struct gd__way *best, double distance, enum gd__leg_kin
 }
 
 static inline void try_corner(const struct gd_field *field, uint32_t side, struct gd__local at,
-                              struct gd__way *best)
+                              struct gd__leg_key *best)
 {
     uint32_t vertex = field->mesh->origin[side];
-    offer(best, field->distance[vertex] + sqrt(at.x * at.x + at.y * at.y), GD__LEG_VERTEX, vertex);
+    offer_way(best, field->distance[vertex] + sqrt(at.x * at.x + at.y * at.y), GD__LEG_VERTEX,
+              vertex);
 }
 
-/* Of a vertex and a seed that are as near, the seed: its leg is the path's last. */
-static inline bool seed_takes_tie(const struct gd__way *best, double distance)
+/* Returns true if a seed ties with a vertex. The seed then wins, because the path passes the vertex
+ * first. */
+static inline bool seed_takes_tie(const struct gd__leg_key *best, double distance)
 {
     return distance == best->distance && best->kind == GD__LEG_VERTEX;
 }
 
-/* How far a point of a face, by its weights, is from a seed in the face; infinite where a segment
- * does not lie at right angles to it. */
+/* Returns the distance of a point, given by its weights, from a seed in the same face. GD__FAR: the
+ * seed is a segment, and the perpendicular through the point misses it. */
 static double distance_of_seed(const struct gd_mesh *mesh, const struct gd__seed *seed,
                                uint32_t face, const double to[3])
 {
@@ -127,14 +119,14 @@ static double distance_of_seed(const struct gd_mesh *mesh, const struct gd__seed
     }
     double from[3];
     gd__point_weights(mesh, &seed->point, face, from);
-    return gd__local_length(gd__way_in_face(mesh, face, gd__main_corner(from), from, to));
+    return gd__local_length(gd__leg_key_in_face(mesh, face, gd__main_corner(from), from, to));
 }
 
 static void try_seeds(const struct gd_field *field, uint32_t face, const double weight[3],
-                      struct gd__way *best)
+                      struct gd__leg_key *best)
 {
     const struct gd__face_seed *end = field->face_seeds + field->face_seed_count;
-    struct gd__close close;
+    struct gd__close_seed close;
     for (const struct gd__face_seed *f = gd__field_seeds_in(field, face);
          f < end && f->face == face; f++) {
         const struct gd__seed *seed = &field->seeds[f->seed];
@@ -145,15 +137,16 @@ static void try_seeds(const struct gd_field *field, uint32_t face, const double 
             best->from = f->seed;
         }
     }
-    if (gd__close_may_be(weight) && gd__close_find(field, face, weight, best->distance, &close)) {
+    if (gd__close_seed_may_be(weight) &&
+        gd__close_seed_find(field, face, weight, best->distance, &close)) {
         best->distance = close.distance;
         best->kind = GD__LEG_CLOSE;
         best->from = close.seed;
     }
 }
 
-/* A point of a face is beside a vertex, and the point seed that the vertex has its distance from is
- * beside it or at it. */
+/* Returns true if a point of a face lies beside a vertex, and the nearest source of that vertex is
+ * a point seed beside or at the vertex. */
 static bool are_beside(const struct gd_field *field, uint32_t vertex, uint32_t face,
                        const double weight[3])
 {
@@ -168,11 +161,12 @@ static bool are_beside(const struct gd_field *field, uint32_t vertex, uint32_t f
            (gd__polar_beside(field->mesh, &seed->point, &polar) && polar.vertex == vertex);
 }
 
-/* What a way through a wedge must be shorter by than a best way that is short for the face: the
- * rounding of places in the face. The way to a point seed close by has more digits, be it through a
- * vertex that both are beside. Through another corner it may be too long by less than that. */
+/* Returns the amount by which a path through a wedge must be shorter than the known path: if the
+ * known path is short compared with the face, the rounding of places in the face. The known path
+ * from a close point seed is more precise, also through a vertex beside both. A known path through
+ * another corner may be too long by less than this amount. */
 static inline double margin_of(const struct gd_field *field, uint32_t face, const double weight[3],
-                               const struct gd__way *best)
+                               const struct gd__leg_key *best)
 {
     double length = field->mesh->side[field->mesh->face_side[face][0]].length;
     if (best->distance >= GD_TOL_BESIDE_VERTEX * length) return 0;
@@ -182,11 +176,11 @@ static inline double margin_of(const struct gd_field *field, uint32_t face, cons
 }
 
 static void best_in_face(const struct gd_field *field, uint32_t face, const double weight[3],
-                         struct gd__way *out)
+                         struct gd__leg_key *out)
 {
     struct view view;
-    struct gd__way best = {.distance = GD__FAR, .kind = GD__LEG_NONE};
-    look_around(field, face, weight, &view);
+    struct gd__leg_key best = {.distance = GD__FAR, .kind = GD__LEG_NONE};
+    view_face(field, face, weight, &view);
     for (int k = 0; k < 3; k++) try_corner(field, view.side[k], view.at[k], &best);
     prefetch_wedges(field, &view);
     double margin = 0;
@@ -199,9 +193,9 @@ static void best_in_face(const struct gd_field *field, uint32_t face, const doub
     struct cursor cursor = {0, view.newest[0]};
     for (uint32_t passed = 0; cursor.k < 3;) {
         uint32_t count = take_views(field, &view, &cursor, wedge_views);
-        struct gd__seen seen = kernel(field, wedge_views, count, best.distance - margin);
+        struct gd__wedge_view_best seen = kernel(field, wedge_views, count, best.distance - margin);
         if (margin > 0 && seen.place == GD_NONE) seen.distance = best.distance;
-        offer(&best, seen.distance, GD__LEG_WEDGE, passed + seen.place);
+        offer_way(&best, seen.distance, GD__LEG_WEDGE, passed + seen.place);
         margin = best.kind == GD__LEG_WEDGE ? 0 : margin;
         for (uint32_t s = 0; s < count && cursor.k < 3; s++) passed += wedge_views[s].chunk->count;
     }
@@ -211,9 +205,9 @@ static void best_in_face(const struct gd_field *field, uint32_t face, const doub
     out->face = face;
 }
 
-/* An edge's point lies in the faces of both sides. */
+/* Finds the best path to a point of an edge, over the faces on both sides. */
 static void best_at_edge(const struct gd_field *field, const struct gd_point *point,
-                         struct gd__way *best)
+                         struct gd__leg_key *best)
 {
     const struct gd_mesh *mesh = field->mesh;
     best->distance = GD__FAR;
@@ -221,7 +215,7 @@ static void best_at_edge(const struct gd_field *field, const struct gd_point *po
     for (uint32_t side = 2 * point->element; side < 2 * point->element + 2; side++) {
         uint32_t face = mesh->side_face[side];
         double weight[3];
-        struct gd__way way;
+        struct gd__leg_key way;
         if (face == GD_NONE) continue;
         gd__point_weights(mesh, point, face, weight);
         best_in_face(field, face, weight, &way);
@@ -231,7 +225,8 @@ static void best_at_edge(const struct gd_field *field, const struct gd_point *po
     }
 }
 
-void gd__field_way(const struct gd_field *field, const struct gd_point *point, struct gd__way *out)
+void gd__field_leg_key(const struct gd_field *field, const struct gd_point *point,
+                       struct gd__leg_key *out)
 {
     switch (point->kind) {
     case GD_POINT_VERTEX:
@@ -249,15 +244,14 @@ void gd__field_way(const struct gd_field *field, const struct gd_point *point, s
     }
 }
 
-/* --- its leg ---------------------------------------------------------------------------------- */
+/* --- its last leg ----------------------------------------------------------------------------- */
 
-/* Where the way through a wedge crosses its side, and the source in the side's frame. */
+/* Computes where the path through a wedge crosses its side, and the source in the side's frame. */
 static void complete_wedge(const struct gd__wedge_view *wedge_view, uint32_t wedge,
                            struct gd__leg *leg)
 {
     struct gd__wedges wedges = gd__chunk_wedges(wedge_view->chunk);
-    struct gd__window w =
-        gd__wedge_window(wedges, wedge_view->chunk->count, wedge, wedge_view->length);
+    struct gd__window w = gd__wedge_window(&wedges, wedge, wedge_view->length);
     if (wedge_view->side & 1) w = gd__window_mirrored(&w, wedge_view->length);
     leg->side = wedge_view->side;
     leg->source = w.source;
@@ -266,14 +260,14 @@ static void complete_wedge(const struct gd__wedge_view *wedge_view, uint32_t wed
     leg->parameter = gd__wedge_view_crossing(wedge_view, &w);
 }
 
-/* Finds the wedge at its place again. */
+/* Finds the wedge with number `place` in the search, and completes the leg. */
 static void find_wedge(const struct gd_field *field, const struct gd_point *point, uint32_t place,
                        struct gd__leg *leg)
 {
     double weight[3];
     gd__point_weights(field->mesh, point, leg->face, weight);
     struct view view;
-    look_around(field, leg->face, weight, &view);
+    view_face(field, leg->face, weight, &view);
     struct gd__wedge_view wedge_views[WEDGE_VIEWS];
     struct cursor cursor = {0, view.newest[0]};
     while (cursor.k < 3) {
@@ -290,8 +284,8 @@ static void find_wedge(const struct gd_field *field, const struct gd_point *poin
 
 struct gd__leg gd__field_leg(const struct gd_field *field, const struct gd_point *point)
 {
-    struct gd__way way;
-    gd__field_way(field, point, &way);
+    struct gd__leg_key way;
+    gd__field_leg_key(field, point, &way);
     struct gd__leg leg = {
         .distance = way.distance, .kind = way.kind, .face = way.face, .source = GD_NONE};
     if (way.kind == GD__LEG_WEDGE)
@@ -301,7 +295,7 @@ struct gd__leg gd__field_leg(const struct gd_field *field, const struct gd_point
     return leg;
 }
 
-/* The path to `to` comes from `vertex`, along an edge, or is that vertex. */
+/* Returns true if the path to `to` runs along an edge from `vertex`, or if `to` is `vertex`. */
 static bool leads_back(const struct gd_field *field, uint32_t to, uint32_t vertex)
 {
     return to == vertex ||

@@ -2,10 +2,10 @@
 
 #include "mesh/canonical.h"
 
-/* Which seed a point's distance is of: from pseudo-source to pseudo-source by the predecessors, without
- * the crossings in between. */
+/* The nearest seed of a point: follows the predecessors from pseudo-source to pseudo-source,
+ * without computing crossings. */
 
-/* The pseudo-source in which a leg begins. */
+/* Returns the pseudo-source where a leg begins. */
 static uint32_t behind_leg(const struct gd_field *field, const struct gd__leg *leg)
 {
     if (leg->kind == GD__LEG_WEDGE) return leg->source;
@@ -14,7 +14,7 @@ static uint32_t behind_leg(const struct gd_field *field, const struct gd__leg *l
                : leg->from;
 }
 
-/* The last leg to a vertex begins in a pseudo-source, or bends on the side opposite to the
+/* If the predecessor has no source, the last leg begins at a bend on the side opposite to the
  * vertex. */
 uint32_t gd__field_source_behind(const struct gd_field *field, uint32_t vertex)
 {
@@ -28,7 +28,8 @@ uint32_t gd__field_source_behind(const struct gd_field *field, uint32_t vertex)
     return leg.kind == GD__LEG_NONE ? GD_NONE : behind_leg(field, &leg);
 }
 
-/* No shortest path bends at a vertex twice: a longer walk is an error. */
+/* Follows pseudo-sources to a seed. No shortest path bends at a vertex twice, so more steps than
+ * vertices are an error. */
 static enum gd_status walk_to_seed(const struct gd_field *field, uint32_t source, uint32_t *seed)
 {
     uint32_t vertices = field->mesh->vertex_count, steps_left = vertices;

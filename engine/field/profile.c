@@ -1,11 +1,11 @@
 #include "field/profile.h"
 
-/* A segment while its windows are gathered: in the frame of side k of the face at hand. */
+/* A segment and its windows under construction, in the frame of side k of the current face. */
 struct gathering {
     const struct gd_field *field;
     struct gd__profile *profile;
     uint32_t face;
-    struct gd__chord chord; /* in the frame of the side at hand */
+    struct gd__chord chord; /* in the frame of the current side */
 };
 
 void gd__profile_destroy(struct gd__profile *profile)
@@ -17,9 +17,9 @@ void gd__profile_destroy(struct gd__profile *profile)
 
 /* --- windows ---------------------------------------------------------------------------------- */
 
-/* The part of the segment on which a linear form, of that value at its origin and that slope along
- * it, is not negative. */
-static void clip(struct gd__window *w, double value, double slope)
+/* Clips a window to where a linear function is not negative. `value` is its value at the origin,
+ * `slope` its derivative. */
+static void clip_window(struct gd__window *w, double value, double slope)
 {
     double end = value + slope * w->b1, begin = value + slope * w->b0;
     if (begin < 0 && end < 0) {
@@ -31,14 +31,14 @@ static void clip(struct gd__window *w, double value, double slope)
     }
 }
 
-static enum gd_status push(struct gathering *g, const struct gd__window *w)
+static enum gd_status push_window(struct gathering *g, const struct gd__window *w)
 {
     if (w->b1 <= w->b0) return GD_OK;
     return gd__stack_push(&g->profile->windows, w, GD_TOL_WIDTH * g->profile->length,
                           &g->profile->scratch);
 }
 
-/* A source at a place, all along the segment. */
+/* Returns the window of a point source that sees the whole segment. */
 static struct gd__window window_of_point(const struct gathering *g, struct gd__local at,
                                          double sigma, uint32_t source)
 {
@@ -49,8 +49,8 @@ static struct gd__window window_of_point(const struct gathering *g, struct gd__l
                                .source = source};
 }
 
-/* A linear source whose distance is `value` at the segment's origin and grows in the direction (nx,
- * ny). */
+/* Returns the window of a linear source whose distance is `value` at the segment's origin and whose
+ * gradient is (nx, ny). */
 static struct gd__window window_of_line(const struct gathering *g, double value, double nx,
                                         double ny, uint32_t source)
 {
@@ -62,8 +62,8 @@ static struct gd__window window_of_line(const struct gathering *g, double value,
                                .source = source};
 }
 
-/* What a window of the side sees of the segment: between the lines from its source through its
- * ends. */
+/* Adds the part of the segment that the source of a side's window sees, between the rays through
+ * the window's ends. */
 static enum gd_status push_seen(struct gathering *g, const struct gd__window *seen)
 {
     struct gd__local at = g->chord.from, u = g->chord.along;
@@ -73,16 +73,16 @@ static enum gd_status push_seen(struct gathering *g, const struct gd__window *se
         linear
             ? window_of_line(g, gd__window_distance_beyond(seen, at.x, at.y), -x, y, seen->source)
             : window_of_point(g, (struct gd__local){x, -y}, seen->sigma, seen->source);
-    /* the side of the line through (b, 0) and the source (x, -y, weight) */
+    /* clips by the ray from the source (x, -y, weight) through (b, 0) */
     for (int end = 0; end < 2; end++) {
         double b = end ? seen->b1 : seen->b0, sign = end ? -1 : 1, across = weight * b - x;
-        clip(&w, sign * (y * (at.x - b) - across * at.y), sign * (y * u.x - across * u.y));
+        clip_window(&w, sign * (y * (at.x - b) - across * at.y), sign * (y * u.x - across * u.y));
     }
-    return push(g, &w);
+    return push_window(g, &w);
 }
 
-/* The wedges that look into the face across its side k. Their ends are stored to a unit, by which
- * those of points are taken to see more. */
+/* Adds the wedges that enter the face across its side k. Wedges of point sources are widened by the
+ * rounding of their stored ends. */
 static enum gd_status push_wedges(struct gathering *g, int k)
 {
     const struct gd_field *field = g->field;
@@ -106,7 +106,7 @@ static enum gd_status push_wedges(struct gathering *g, int k)
     return status;
 }
 
-/* A segment in the face: what lies at right angles to it, on either side. */
+/* Adds a seed segment in the face, which is visible perpendicularly on both sides. */
 static enum gd_status push_chord(struct gathering *g, const struct gd__seed *seed, uint32_t source)
 {
     struct gd__chord chord = gd__chord(g->field->mesh, g->face, 0, &seed->point, &seed->end);
@@ -118,10 +118,10 @@ static enum gd_status push_chord(struct gathering *g, const struct gd__seed *see
     for (int left = -1; left <= 1 && !status; left += 2) {
         double nx = -left * chord.along.y, ny = left * chord.along.x;
         struct gd__window w = window_of_line(g, seed->offset + left * height, nx, ny, source);
-        clip(&w, foot, onwards);
-        clip(&w, chord.length - foot, -onwards);
-        clip(&w, left * height, left * upwards);
-        status = push(g, &w);
+        clip_window(&w, foot, onwards);
+        clip_window(&w, chord.length - foot, -onwards);
+        clip_window(&w, left * height, left * upwards);
+        status = push_window(g, &w);
     }
     return status;
 }
@@ -144,7 +144,7 @@ static enum gd_status push_seeds(struct gathering *g)
         struct gd__local at =
             gd__face_local(field->mesh, field->mesh->face_side[g->face][0], weight);
         struct gd__window w = window_of_point(g, at, seed->offset, source);
-        status = push(g, &w);
+        status = push_window(g, &w);
     }
     return status;
 }
@@ -155,15 +155,15 @@ static enum gd_status push_corner(struct gathering *g, int k)
     if (g->field->distance[vertex] >= GD__FAR) return GD_OK;
     struct gd__window w =
         window_of_point(g, (struct gd__local){0, 0}, g->field->distance[vertex], vertex);
-    return push(g, &w);
+    return push_window(g, &w);
 }
 
-/* All that the face sees. */
-static enum gd_status gather(struct gathering *g, const struct gd_point *a,
-                             const struct gd_point *b)
+/* Adds all sources of the face. */
+static enum gd_status gather_windows(struct gathering *g, const struct gd_point *a,
+                                     const struct gd_point *b)
 {
     enum gd_status status = GD_OK;
-    for (int k = 2; k >= 0 && !status; k--) { /* side 0 last: seeds are in its frame */
+    for (int k = 2; k >= 0 && !status; k--) { /* side 0 last, because seeds are in its frame */
         g->chord = gd__chord(g->field->mesh, g->face, k, a, b);
         g->profile->length = g->chord.length;
         status = push_corner(g, k);
@@ -176,24 +176,24 @@ enum gd_status gd__profile_of(const struct gd_field *field, const struct gd_poin
                               const struct gd_point *b, struct gd__profile *profile)
 {
     struct gathering g = {.field = field, .profile = profile};
-    struct gd__home home;
+    struct gd__segment_location location;
     enum gd_status status = GD_OK;
     profile->windows.count = 0;
-    if (!gd__segment_home(field->mesh, a, b, &home)) return GD_INVALID_ARGUMENT;
-    if (home.face != GD_NONE) {
-        g.face = home.face;
-        return gather(&g, a, b);
+    if (!gd__segment_locate(field->mesh, a, b, &location)) return GD_INVALID_ARGUMENT;
+    if (location.face != GD_NONE) {
+        g.face = location.face;
+        return gather_windows(&g, a, b);
     }
-    for (uint32_t side = 2 * home.edge; side < 2 * home.edge + 2 && !status; side++) {
+    for (uint32_t side = 2 * location.edge; side < 2 * location.edge + 2 && !status; side++) {
         g.face = field->mesh->side_face[side];
-        if (g.face != GD_NONE) status = gather(&g, a, b);
+        if (g.face != GD_NONE) status = gather_windows(&g, a, b);
     }
     return status;
 }
 
-/* --- its extremes ----------------------------------------------------------------------------- */
+/* --- extremes --------------------------------------------------------------------------------- */
 
-/* Where a window's distance is least. */
+/* Returns the parameter where a window's distance is least. */
 static double nearest_in(const struct gd__window *w)
 {
     if (gd__window_is_linear(w)) return w->x > 0 ? w->b1 : w->b0;
@@ -211,16 +211,17 @@ struct gd__profile_place gd__profile_least(const struct gd__profile *profile)
     return least;
 }
 
-/* What a window says of a place beside it: the distance changes no faster than one goes. */
+/* Returns an upper bound of the distance at t, from the nearest point of a window: along the
+ * segment the distance grows by at most the length. */
 static double at_most(const struct gd__window *w, double t)
 {
     double end = t < w->b0 ? w->b0 : fmin(t, w->b1);
     return gd__window_distance(w, end) + fabs(t - end);
 }
 
-/* The distance at an end of window i. Strips that lines see side by side have gaps between them, as
- * their ends are stored to a unit; what a gap shows is a source farther away, which the windows
- * beside it contradict. */
+/* Returns the distance at t, an end of window i. Rounded ends leave gaps between neighbouring
+ * strips of segments, in which a farther source appears; the windows beside a gap bound the
+ * distance. */
 static double distance_at_end(const struct gd__profile *profile, uint32_t i, double t)
 {
     const struct gd__window *w = profile->windows.windows;

@@ -1,10 +1,8 @@
-/* Profile: the distance along a straight segment of the surface, exactly: which source each part of
- * it has its distance from.
- *
- * What a face sees its distances from (wedges across its edges, corners, seeds in it) is laid
- * beside the segment as windows of it, as if the segment were an edge; contests (window/contest.h)
- * find which of them is nearest where. Within one window the distance is convex: least where it
- * comes nearest to its source, greatest at its ends. */
+/* Profile: the exact distance along a straight segment of the surface, and the nearest source of
+ * each part of the segment. The sources of a face (wedges across its edges, corners, seeds in it)
+ * become windows of the segment, as if it were an edge. Contests (window/contest.h) find the
+ * nearest source everywhere. Within one window the distance is convex: it is least at the place
+ * nearest to the source, and greatest at an end. */
 #ifndef GD_FIELD_PROFILE_H
 #define GD_FIELD_PROFILE_H
 
@@ -14,19 +12,19 @@
 
 /* All zero is empty; reused. */
 struct gd__profile {
-    /* sorted, disjoint, over [0, length]; `y` is without meaning but for its size */
+    /* sorted, disjoint, over [0, length]; only the absolute value of `y` is meaningful */
     struct gd__stack windows;
     struct gd__stack scratch;
     double length;
 };
 
-/* The profile of the segment from a to b, different points of one face. Empty where no path leads.
- * GD_NO_MEMORY. O(k log k) of the k wedges around its face. */
+/* Computes the profile of the segment from a to b, different points of one face. Parts without a
+ * path have no windows. Error: GD_NO_MEMORY. O(k log k) for k wedges of the face's edges. */
 GD_MUST_USE enum gd_status gd__profile_of(const struct gd_field *field, const struct gd_point *a,
                                           const struct gd_point *b, struct gd__profile *profile);
 void gd__profile_destroy(struct gd__profile *profile);
 
-/* Least and greatest distance of a profile that is not empty, and where. */
+/* The least or greatest distance of a profile that is not empty, and its parameter. */
 struct gd__profile_place {
     double distance, t;
 };

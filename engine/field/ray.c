@@ -3,16 +3,16 @@
 #include "mesh/canonical.h"
 #include "mesh/segment.h"
 
-/* --- where it ends ---------------------------------------------------------------------------- */
+/* --- arrival ---------------------------------------------------------------------------------- */
 
-bool gd__ray_has_arrived(const struct gd__trail *trail, uint32_t side, double x, double y,
+bool gd__ray_has_arrived(const struct gd__path_builder *builder, uint32_t side, double x, double y,
                          uint32_t source)
 {
-    const struct gd_mesh *mesh = trail->mesh;
+    const struct gd_mesh *mesh = builder->mesh;
     const struct gd_side *s = &mesh->side[side];
     struct gd_point point = source < mesh->vertex_count
                                 ? gd__point_of_vertex(source)
-                                : trail->field->seeds[source - mesh->vertex_count].point;
+                                : builder->field->seeds[source - mesh->vertex_count].point;
     uint32_t face = mesh->side_face[side];
     int k = gd__place_of_side(mesh->face_side[face], side);
     double weight[3];
@@ -25,46 +25,47 @@ bool gd__ray_has_arrived(const struct gd__trail *trail, uint32_t side, double x,
     return fabs(at.x - x) <= tolerance && fabs(at.y - y) <= tolerance;
 }
 
-struct gd__stop gd__ray_arrive(struct gd__trail *trail, uint32_t face, uint32_t source)
+struct gd__stop gd__ray_arrive(struct gd__path_builder *builder, uint32_t face, uint32_t source)
 {
-    if (source < trail->mesh->vertex_count) {
-        gd__trail_append_in_face(trail, gd__point_of_vertex(source), face);
+    if (source < builder->mesh->vertex_count) {
+        gd__path_builder_append_in_face(builder, gd__point_of_vertex(source), face);
         return gd__stop_at_vertex(source);
     }
-    uint32_t seed = source - trail->mesh->vertex_count;
-    gd__trail_append_seed(trail, seed, face);
+    uint32_t seed = source - builder->mesh->vertex_count;
+    gd__path_builder_append_seed(builder, seed, face);
     return gd__stop_at_seed(seed);
 }
 
-struct gd__stop gd__ray_arrive_at_chord(struct gd__trail *trail, uint32_t seed, uint32_t face)
+struct gd__stop gd__ray_arrive_at_chord(struct gd__path_builder *builder, uint32_t seed,
+                                        uint32_t face)
 {
-    const struct gd_mesh *mesh = trail->mesh;
-    const struct gd__seed *s = &trail->field->seeds[seed];
+    const struct gd_mesh *mesh = builder->mesh;
+    const struct gd__seed *s = &builder->field->seeds[seed];
     struct gd__chord chord = gd__chord(mesh, face, 0, &s->point, &s->end);
     double weight[3], from[3], to[3];
-    gd__point_weights(mesh, &trail->path.points[trail->path.count - 1], face, weight);
+    gd__point_weights(mesh, &builder->path.points[builder->path.count - 1], face, weight);
     double part = gd__chord_foot(&chord, gd__face_local(mesh, mesh->face_side[face][0], weight)) /
                   chord.length;
     part = part < 0 ? 0 : part > 1 ? 1 : part;
     gd__point_weights(mesh, &s->point, face, from);
     gd__point_weights(mesh, &s->end, face, to);
     for (int k = 0; k < 3; k++) weight[k] = (1 - part) * from[k] + part * to[k];
-    gd__trail_append_in_face(trail, gd__point_of_face(mesh, face, weight), face);
+    gd__path_builder_append_in_face(builder, gd__point_of_face(mesh, face, weight), face);
     return gd__stop_at_seed(seed);
 }
 
 /* --- from face to face ------------------------------------------------------------------------ */
 
-/* How a ray left a face: by an edge of that length, on a segment of that length, which is measured
- * in the face's frame. */
+/* The way in which a ray left a face: the lengths of the crossed edge and of the ray's segment in
+ * the face. */
 struct passage {
     double edge, segment;
 };
 
-/* What is done for a ray to a point and to a segment alike. */
+/* For functions that are compiled for rays to points and for rays to segments. */
 #define BOTH_KINDS static inline __attribute__((always_inline))
 
-/* The same ray in the face across its side: there its source is above, at (x, y). */
+/* Transforms a ray to the face across its side, where its source is above the side, at (x, y). */
 BOTH_KINDS void enter_face(const struct gd_side *s, struct gd__ray *ray, bool linear)
 {
     ray->side ^= 1;
@@ -72,9 +73,9 @@ BOTH_KINDS void enter_face(const struct gd_side *s, struct gd__ray *ray, bool li
     ray->x = linear ? -ray->x : s->length - ray->x;
 }
 
-/* A ray that has entered the face of its side becomes one of the side by which it leaves: of the
- * edge to the left, from the origin to the apex, or of the one to the right, from the apex to the
- * destination. (ux, uy) runs along it, (rx, ry) from its end to the source. */
+/* Transforms a ray that entered the face of its side to the side where it leaves: the left edge,
+ * from the origin to the apex, or the right one, from the apex to the destination. (ux, uy) runs
+ * along that edge, (rx, ry) from its end to the source. */
 BOTH_KINDS void cross_face(const struct gd_side *s, struct gd__ray *ray, struct passage *passage,
                            bool linear)
 {
@@ -98,178 +99,184 @@ BOTH_KINDS void cross_face(const struct gd_side *s, struct gd__ray *ray, struct 
     ray->t = passage->edge - along;
     ray->x = -(rx * ux + ry * uy);
     double y = ux * ry - uy * rx;
-    ray->y = y > 0 ? y : 0; /* fmax would be a call, and all of the above put aside for it */
+    ray->y = y > 0 ? y : 0; /* fmax would be a call, which spills all registers */
     passage->segment = sqrt(sx * sx + sy * sy);
 }
 
-/* Appends where a ray crosses from face to face; false where that is at the edge's end, up to
- * snapping, or at the border, or without memory. `next` is the side by which it enters. */
-static inline bool append_crossing(struct gd__trail *trail, const struct gd_side *next,
+/* Appends the crossing of a ray into the next face, which it enters by the side `next`. Returns
+ * false if the crossing is so near to the edge's end that it must be moved there, if the edge is a
+ * boundary, or if memory is exhausted. */
+static inline bool append_crossing(struct gd__path_builder *builder, const struct gd_side *next,
                                    const struct gd__ray *ray, const struct passage *passage)
 {
-    double snap = trail->snap;
+    double snap = builder->snap;
     if (ray->t <= snap * passage->edge || ray->t >= (1 - snap) * passage->edge) return false;
-    if (next->left == GD_NONE || !gd__trail_reserve(trail)) return false;
+    if (next->left == GD_NONE || !gd__path_builder_reserve(builder)) return false;
     double weight = ray->t / passage->edge;
-    const double weights[2] = {weight, 1 - weight}; /* a branch would be wrong half the time */
-    struct gd_point *point = &trail->path.points[trail->path.count++];
+    /* branchless, because a branch would be mispredicted half of the time */
+    const double weights[2] = {weight, 1 - weight};
+    struct gd_point *point = &builder->path.points[builder->path.count++];
     point->kind = GD_POINT_EDGE;
     point->element = ray->side >> 1;
     point->weight[0] = weights[ray->side & 1];
     point->weight[1] = weights[~ray->side & 1];
     point->weight[2] = 0;
-    trail->path.length += passage->segment;
+    builder->path.length += passage->segment;
     return true;
 }
 
-/* Where a ray leaves its face by a side. No path leaves the surface: a ray that seems to, passes an
- * end of the boundary edge within rounding. */
-static struct gd_point crossing_of(const struct gd__trail *trail, const struct gd__ray *ray)
+/* Returns the point where a ray leaves its face by a side. No path leaves the surface: a ray that
+ * seems to do so passes an end of the boundary edge within rounding. */
+static struct gd_point crossing_of(const struct gd__path_builder *builder,
+                                   const struct gd__ray *ray)
 {
-    const struct gd_mesh *mesh = trail->mesh;
+    const struct gd_mesh *mesh = builder->mesh;
     if (!gd__side_is_boundary(mesh, ray->side ^ 1))
-        return gd__trail_side_point(trail, ray->side, ray->t);
+        return gd__path_builder_side_point(builder, ray->side, ray->t);
     bool at_origin = ray->t < 0.5 * mesh->side[ray->side].length;
     return gd__point_of_vertex(mesh->origin[at_origin ? ray->side : ray->side ^ 1]);
 }
 
-/* Appends where a ray comes to, be it a vertex. */
-static struct gd_point append_end(struct gd__trail *trail, struct gd__ray ray)
+/* Appends the point that a ray reaches, which may be a vertex. */
+static struct gd_point append_end(struct gd__path_builder *builder, struct gd__ray ray)
 {
-    struct gd_point point = crossing_of(trail, &ray);
-    gd__trail_append_in_face(trail, point, trail->mesh->side_face[ray.side]);
+    struct gd_point point = crossing_of(builder, &ray);
+    gd__path_builder_append_in_face(builder, point, builder->mesh->side_face[ray.side]);
     return point;
 }
 
-/* Is the source's image low enough to be in the face, so that it is worth a closer look? */
+/* Returns true if the source's image at height y may lie in the face. */
 static inline bool may_have_arrived(const struct gd_side *s, double y)
 {
     return y <= s->left_length * s->left_y + GD_TOL_ARRIVED * (s->length + s->left_length);
 }
 
-/* Follows a ray from face to face until it reaches its source or passes through a vertex. Of each
- * face it reads one record, which it asks for as soon as the one before is there. */
-static struct gd__stop follow_to_point(struct gd__trail *trail, struct gd__ray ray)
+/* Follows a ray from face to face until it reaches its source or passes through a vertex. It reads
+ * one record of each face and prefetches the next. */
+static struct gd__stop follow_to_point(struct gd__path_builder *builder, struct gd__ray ray)
 {
-    const struct gd_mesh *mesh = trail->mesh;
-    struct gd_point first = append_end(trail, ray);
-    if (trail->status) return gd__stop_failed(trail, trail->status);
+    const struct gd_mesh *mesh = builder->mesh;
+    struct gd_point first = append_end(builder, ray);
+    if (builder->status) return gd__stop_failed(builder, builder->status);
     if (first.kind == GD_POINT_VERTEX) return gd__stop_at(first);
     const struct gd_side *s = &mesh->side[ray.side ^ 1];
-    while (trail->steps_left--) {
+    while (builder->steps_left--) {
         struct passage passage;
         __builtin_prefetch(&mesh->side[s->left]);
         __builtin_prefetch(&mesh->side[s->right]);
         enter_face(s, &ray, false);
         if (may_have_arrived(s, ray.y) &&
-            gd__ray_has_arrived(trail, ray.side, ray.x, ray.y, ray.source))
-            return gd__ray_arrive(trail, mesh->side_face[ray.side], ray.source);
+            gd__ray_has_arrived(builder, ray.side, ray.x, ray.y, ray.source))
+            return gd__ray_arrive(builder, mesh->side_face[ray.side], ray.source);
         cross_face(s, &ray, &passage, false);
         s = &mesh->side[ray.side ^ 1];
-        if (!append_crossing(trail, s, &ray, &passage)) return gd__stop_at(append_end(trail, ray));
+        if (!append_crossing(builder, s, &ray, &passage))
+            return gd__stop_at(append_end(builder, ray));
     }
-    return gd__stop_failed(trail, GD_INTERNAL);
+    return gd__stop_failed(builder, GD_INTERNAL);
 }
 
-/* --- carefully -------------------------------------------------------------------------------- */
+/* --- careful rays ----------------------------------------------------------------------------- */
 
-/* The error of a ray grows with the length of its leg, not with the size of the face that it
- * crosses. In faces much smaller than the leg, rounding can take the ray past the wrong side of a
- * vertex, or past its source. A careful ray passes through such a vertex instead: the detour is of
- * second order, and the predecessor of the vertex is as exact as the vertex is near to the source. */
+/* The error of a ray grows with the length of its leg, not with the size of the face. In faces much
+ * smaller than the leg, rounding can take the ray past the wrong side of a vertex, or past its
+ * source. A careful ray goes through every such vertex: the detour is of second order, and the
+ * predecessor of the vertex is accurate because the vertex is near to the source. */
 
-/* The vertex within the margin of the crossing at which a ray leaves its face, or GD_NONE. The
- * crossing is `gone` behind the leg's beginning and `rest` before its source. Each vertex must be
- * nearer to the source than the one before: faces can be smaller than the rounding of distances,
- * and there the path would turn in a circle. */
-static uint32_t vertex_beside(const struct gd__trail *trail, const struct gd__ray *ray, double gone,
-                              double rest)
+/* Returns the vertex within the margin of the crossing where a ray leaves its face, or GD_NONE.
+ * `gone` is the length of the leg up to the crossing, `rest` its length from there to the source.
+ * Each vertex must be nearer to the source than the previous one; otherwise, in faces smaller than
+ * the rounding of distances, the path would circle. */
+static uint32_t vertex_beside(const struct gd__path_builder *builder, const struct gd__ray *ray,
+                              double gone, double rest)
 {
-    const struct gd_mesh *mesh = trail->mesh;
-    double edge = mesh->side[ray->side].length, aside = trail->aside;
+    const struct gd_mesh *mesh = builder->mesh;
+    double edge = mesh->side[ray->side].length, aside = builder->aside;
     double margin = aside * fmin(gone, rest) + fmin(aside, GD_TOL_ASIDE_END) * edge +
-                    GD_TOL_ASIDE_NOISE * trail->nearest;
+                    GD_TOL_ASIDE_NOISE * builder->nearest;
     bool at_origin = ray->t < 0.5 * edge;
     uint32_t vertex = mesh->origin[at_origin ? ray->side : ray->side ^ 1];
     if ((at_origin ? ray->t : edge - ray->t) > margin) return GD_NONE;
-    return trail->field->distance[vertex] < trail->nearest ? vertex : GD_NONE;
+    return builder->field->distance[vertex] < builder->nearest ? vertex : GD_NONE;
 }
 
-/* A vertex that no window has reached, or that the leg's own vertex has given its distance along
- * their edge (field.c): a leg that ends there would turn in a circle, or not go on. */
-static bool leads_back(const struct gd__trail *trail, const struct gd_point *at)
+/* Returns true for a vertex that no window reached, or whose distance comes along an edge from the
+ * leg's own vertex (field.c). From such a vertex the path would circle or could not continue. */
+static bool leads_back(const struct gd__path_builder *builder, const struct gd_point *at)
 {
     if (at->kind != GD_POINT_VERTEX) return false;
-    if (trail->field->distance[at->element] >= GD__FAR) return true;
-    if (trail->vertex == GD_NONE) return false;
-    const struct gd__predecessor *predecessor = &trail->field->predecessor[at->element];
-    return at->element == trail->vertex ||
-           (predecessor->side == GD_NONE && predecessor->source == trail->vertex);
+    if (builder->field->distance[at->element] >= GD__FAR) return true;
+    if (builder->vertex == GD_NONE) return false;
+    const struct gd__predecessor *predecessor = &builder->field->predecessor[at->element];
+    return at->element == builder->vertex ||
+           (predecessor->side == GD_NONE && predecessor->source == builder->vertex);
 }
 
-/* Appends the point at which a careful ray leaves its face. *is_end: the leg ends there, at a
- * vertex or so close to the source that a new leg from there is more exact. */
-static struct gd_point append_carefully(struct gd__trail *trail, const struct gd__ray *ray,
+/* Appends the point where a careful ray leaves its face. Sets *is_end if the leg ends there: at a
+ * vertex, or so close to the source that a new leg from there is more accurate. */
+static struct gd_point append_carefully(struct gd__path_builder *builder, const struct gd__ray *ray,
                                         double begun, bool *is_end)
 {
-    uint32_t face = trail->mesh->side_face[ray->side];
-    struct gd_point at = crossing_of(trail, ray);
-    if (leads_back(trail, &at) && !gd__side_is_boundary(trail->mesh, ray->side ^ 1)) {
-        double part = ray->t / trail->mesh->side[ray->side].length;
+    uint32_t face = builder->mesh->side_face[ray->side];
+    struct gd_point at = crossing_of(builder, ray);
+    if (leads_back(builder, &at) && !gd__side_is_boundary(builder->mesh, ray->side ^ 1)) {
+        double part = ray->t / builder->mesh->side[ray->side].length;
         at = gd__point_within_side(ray->side, fmin(fmax(part, GD_TOL_WIDTH), 1 - GD_TOL_WIDTH));
     }
-    double gone = trail->path.length - begun + gd__trail_run(trail, &at, face),
+    double gone = builder->path.length - begun + gd__path_builder_run(builder, &at, face),
            rest = hypot(ray->x - ray->t, ray->y);
     if (gd__source_is_linear(ray->source))
-        rest = trail->nearest -
-               trail->field->seeds[gd__field_seed_of(trail->field, ray->source)].offset - gone;
-    uint32_t vertex = vertex_beside(trail, ray, gone, rest);
+        rest = builder->nearest -
+               builder->field->seeds[gd__field_seed_of(builder->field, ray->source)].offset - gone;
+    uint32_t vertex = vertex_beside(builder, ray, gone, rest);
     if (vertex != GD_NONE) at = gd__point_of_vertex(vertex);
-    gd__trail_append_in_face(trail, at, face);
+    gd__path_builder_append_in_face(builder, at, face);
     *is_end = at.kind == GD_POINT_VERTEX || rest < GD_TOL_ANEW * gone;
     return at;
 }
 
-/* The edge or the face of the segment that is the source; both GD_NONE of a point. */
-static bool find_home(const struct gd__trail *trail, uint32_t source, struct gd__home *home)
+/* Finds the edge or the face that contains the source if the source is a segment; both are GD_NONE
+ * for a point source. */
+static bool find_home(const struct gd__path_builder *builder, uint32_t source,
+                      struct gd__segment_location *location)
 {
-    *home = (struct gd__home){.edge = GD_NONE, .face = GD_NONE};
+    *location = (struct gd__segment_location){.edge = GD_NONE, .face = GD_NONE};
     if (!gd__source_is_linear(source)) return true;
-    const struct gd__seed *s = &trail->field->seeds[gd__field_seed_of(trail->field, source)];
-    return gd__segment_home(trail->mesh, &s->point, &s->end, home);
+    const struct gd__seed *s = &builder->field->seeds[gd__field_seed_of(builder->field, source)];
+    return gd__segment_locate(builder->mesh, &s->point, &s->end, location);
 }
 
-/* Follows a careful ray, or any ray to a segment. A ray meets its segment at right angles, on an
- * edge that it reaches or in a face that it enters. */
-static struct gd__stop follow_slowly(struct gd__trail *trail, struct gd__ray ray)
+/* Follows a careful ray, or any ray to a segment. A ray meets its segment perpendicularly, on an
+ * edge that the ray reaches or in a face that it enters. */
+static struct gd__stop follow_slowly(struct gd__path_builder *builder, struct gd__ray ray)
 {
-    const struct gd_mesh *mesh = trail->mesh;
-    double begun = trail->path.length;
+    const struct gd_mesh *mesh = builder->mesh;
+    double begun = builder->path.length;
     bool linear = gd__source_is_linear(ray.source);
-    struct gd__home home;
-    if (!find_home(trail, ray.source, &home)) return gd__stop_failed(trail, GD_INTERNAL);
-    uint32_t seed = linear ? gd__field_seed_of(trail->field, ray.source) : GD_NONE;
-    while (trail->steps_left-- && !trail->status) {
+    struct gd__segment_location location;
+    if (!find_home(builder, ray.source, &location)) return gd__stop_failed(builder, GD_INTERNAL);
+    uint32_t seed = linear ? gd__field_seed_of(builder->field, ray.source) : GD_NONE;
+    while (builder->steps_left-- && !builder->status) {
         const struct gd_side *across = &mesh->side[ray.side ^ 1];
         struct passage passage;
         bool is_end = false;
-        if (ray.side >> 1 == home.edge)
-            return gd__ray_arrive_at_chord(trail, seed, mesh->side_face[ray.side]);
-        struct gd_point at = trail->aside > 0 ? append_carefully(trail, &ray, begun, &is_end)
-                                              : append_end(trail, ray);
+        if (ray.side >> 1 == location.edge)
+            return gd__ray_arrive_at_chord(builder, seed, mesh->side_face[ray.side]);
+        struct gd_point at = builder->aside > 0 ? append_carefully(builder, &ray, begun, &is_end)
+                                                : append_end(builder, ray);
         if (is_end || at.kind == GD_POINT_VERTEX) return gd__stop_at(at);
         enter_face(across, &ray, linear);
-        if (linear && mesh->side_face[ray.side] == home.face)
-            return gd__ray_arrive_at_chord(trail, seed, home.face);
-        if (!linear && gd__ray_has_arrived(trail, ray.side, ray.x, ray.y, ray.source))
-            return gd__ray_arrive(trail, mesh->side_face[ray.side], ray.source);
+        if (linear && mesh->side_face[ray.side] == location.face)
+            return gd__ray_arrive_at_chord(builder, seed, location.face);
+        if (!linear && gd__ray_has_arrived(builder, ray.side, ray.x, ray.y, ray.source))
+            return gd__ray_arrive(builder, mesh->side_face[ray.side], ray.source);
         cross_face(across, &ray, &passage, linear);
     }
-    return gd__stop_failed(trail, GD_INTERNAL);
+    return gd__stop_failed(builder, GD_INTERNAL);
 }
 
-struct gd__stop gd__ray_follow(struct gd__trail *trail, struct gd__ray ray)
+struct gd__stop gd__ray_follow(struct gd__path_builder *builder, struct gd__ray ray)
 {
-    bool slowly = trail->aside > 0 || gd__source_is_linear(ray.source);
-    return slowly ? follow_slowly(trail, ray) : follow_to_point(trail, ray);
+    bool slowly = builder->aside > 0 || gd__source_is_linear(ray.source);
+    return slowly ? follow_slowly(builder, ray) : follow_to_point(builder, ray);
 }

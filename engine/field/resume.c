@@ -4,11 +4,12 @@
 #include "field/layout.h"
 #include "partition/partition.h"
 
-/* What two wavefronts gain (doc 011) outweighs what a partial field has while it has less than this
- * part of the vertices. */
+/* Fraction of the vertices. If the partial field reaches fewer, two wavefronts from the seeds
+ * (engine/doc/011) are faster than resuming. */
 #define PART_WORTH_KEEPING 0.5
 
-static enum gd_status check(const struct gd_field *partial, double radius, struct gd_detail *detail)
+static enum gd_status check_resume(const struct gd_field *partial, double radius,
+                                   struct gd_detail *detail)
 {
     if (!(radius >= 0))
         return gd_fail(detail, GD_INVALID_ARGUMENT, "the radius must be zero (no limit) or more");
@@ -44,8 +45,9 @@ static bool has_little(const struct gd_field *partial)
     return within < PART_WORTH_KEEPING * vertices;
 }
 
-/* Wedges' ends are stored to 2^-32 of their edges: where the reach or the shortest edge is small
- * for the longest one, that is more than rounding to the windows that are cast from them again. */
+/* Returns true if stored wedges are too coarse to resume from. Their ends are rounded to 2^-32 of
+ * their edges, which is too much if the reach or the shortest edge is small compared with the
+ * longest edge. */
 static bool is_coarse(const struct gd_field *partial)
 {
     const struct gd_mesh *mesh = partial->mesh;
@@ -62,18 +64,19 @@ static void add_statistics(struct gd_field_statistics *to, const struct gd_field
     to->build_ns += from->build_ns;
 }
 
-static enum gd_status resume(struct gd_field *field, const struct gd_field *partial, double radius,
-                             const struct gd_control *control, const struct gd_executor *executor)
+static enum gd_status resume_field(struct gd_field *field, const struct gd_field *partial,
+                                   double radius, const struct gd_control *control,
+                                   const struct gd_executor *executor)
 {
     enum gd_status status = copy_seeds(field, partial);
     if (status) return status;
-    const struct gd__begun begun = {.bound = partial->reach,
-                                    .distance = partial->distance,
-                                    .predecessor = partial->predecessor,
-                                    .newest = partial->newest,
-                                    .wedges = partial->wedges,
-                                    .wedge_bytes = partial->wedge_bytes,
-                                    .wedge_count = partial->statistics.wedges};
+    const struct gd__partial_state state = {.bound = partial->reach,
+                                            .distance = partial->distance,
+                                            .predecessor = partial->predecessor,
+                                            .newest = partial->newest,
+                                            .wedges = partial->wedges,
+                                            .wedge_bytes = partial->wedge_bytes,
+                                            .wedge_count = partial->statistics.wedges};
     struct gd__propagation propagation = {.seeds = field->seeds,
                                           .seed_count = field->seed_count,
                                           .radius =
@@ -81,7 +84,7 @@ static enum gd_status resume(struct gd_field *field, const struct gd_field *part
     bool pays = executor && executor->width > 1 && has_little(partial) &&
                 gd__partition_is_worth_it(field->mesh, &propagation, control);
     bool anew = pays || is_coarse(partial);
-    if (!anew) propagation.begun = &begun;
+    if (!anew) propagation.partial = &state;
     status = gd__field_propagate(field, &propagation, control, executor);
     if (!anew) add_statistics(&field->statistics, &partial->statistics);
     return status;
@@ -91,14 +94,14 @@ enum gd_status gd_field_resume(const struct gd_field *partial, double radius,
                                const struct gd_control *control, struct gd_field **out,
                                struct gd_detail *detail)
 {
-    enum gd_status status = check(partial, radius, detail);
+    enum gd_status status = check_resume(partial, radius, detail);
     if (status) return status;
     struct gd_field *field = gd__field_create(partial->mesh);
-    if (!field) return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
-    status = resume(field, partial, radius, control, control ? control->executor : NULL);
+    if (!field) return gd_fail_status(detail, GD_NO_MEMORY);
+    status = resume_field(field, partial, radius, control, control ? control->executor : NULL);
     if (status) {
         gd_field_release(field);
-        return gd_fail(detail, status, "%s", gd_status_sentence(status));
+        return gd_fail_status(detail, status);
     }
     *out = field;
     return GD_OK;

@@ -1,9 +1,9 @@
 #include "field/sources.h"
 
-#include "field/array.h"
+#include "base/array.h"
 #include "mesh/segment.h"
 
-static enum gd_status append(struct gd__sources *sources, const struct gd__source *source)
+static enum gd_status append_source(struct gd__sources *sources, const struct gd__source *source)
 {
     struct gd__source *grown =
         gd__array_reserve(sources->source, &sources->capacity, sources->count + 1, sizeof *source);
@@ -23,7 +23,7 @@ bool gd__sources_window(const struct gd_field *field, const struct gd__chunk *ch
                         uint32_t side, struct gd__window *out)
 {
     double length = field->mesh->side[side].length,
-           more = gd__stored_slack(length); /* it ties with its neighbour there */
+           more = gd__stored_slack(length); /* at its ends a wedge ties with its neighbour */
     struct gd__window w = gd__field_window(field, chunk, i, length);
     if (w.source == GD_NONE) return false;
     if (side & 1) w = gd__window_mirrored(&w, length);
@@ -34,16 +34,16 @@ bool gd__sources_window(const struct gd_field *field, const struct gd__chunk *ch
     return true;
 }
 
-/* The unit normal (x, y) of a line in the frame of side k, turned into the face's. A source at its
- * wedge's very end sees all that is above. */
-static struct gd__local normal(const struct gd__frame *frame, int k, double x, double y)
+/* Returns the normal (x, y) of a line, given in side k's frame, as a unit vector in the face's
+ * frame. A source at the very end of its wedge (x = y = 0) sees everything above the side. */
+static struct gd__local sector_normal(const struct gd__face_frame *frame, int k, double x, double y)
 {
     double length = sqrt(x * x + y * y);
-    return length > 0 ? gd__frame_turn(frame, k, x / length, y / length)
-                      : gd__frame_turn(frame, k, 0, 1);
+    return length > 0 ? gd__face_frame_turn(frame, k, x / length, y / length)
+                      : gd__face_frame_turn(frame, k, 0, 1);
 }
 
-/* A linear source's sigma from its distance at a place. */
+/* Makes a source linear. Sets sigma from the distance at the place `at`. */
 static void set_gradient(struct gd__source *source, struct gd__local gradient, struct gd__local at,
                          double distance)
 {
@@ -52,20 +52,20 @@ static void set_gradient(struct gd__source *source, struct gd__local gradient, s
     source->sigma = distance - (gradient.x * at.x + gradient.y * at.y);
 }
 
-/* A window that looks into the face across its side k. In homogeneous coordinates (window.h) its
- * sector's normals are alike for both kinds. */
-static struct gd__source source_of_window(const struct gd__frame *frame, int k,
+/* Returns the source of a window that enters the face across its side k. In homogeneous coordinates
+ * (window.h) point and linear windows have the same normals. */
+static struct gd__source source_of_window(const struct gd__face_frame *frame, int k,
                                           const struct gd__window *w)
 {
     bool linear = gd__window_is_linear(w);
     double b0 = linear ? 0 : w->b0, b1 = linear ? 0 : w->b1;
-    struct gd__local place = gd__frame_place(frame, k, w->x, -w->y);
+    struct gd__local place = gd__face_frame_place(frame, k, w->x, -w->y);
     struct gd__source source = {
         .at = place,
         .sigma = w->sigma,
         .has_sector = true,
-        .left = normal(frame, k, w->y, w->x - b0),
-        .right = normal(frame, k, -w->y, b1 - w->x),
+        .left = sector_normal(frame, k, w->y, w->x - b0),
+        .right = sector_normal(frame, k, -w->y, b1 - w->x),
         .left_at = place,
         .right_at = place,
         .nearest = gd__window_nearest(w),
@@ -74,9 +74,9 @@ static struct gd__source source_of_window(const struct gd__frame *frame, int k,
     };
     if (!linear) return source;
     source.at = (struct gd__local){0, 0};
-    source.left_at = gd__frame_place(frame, k, w->b0, 0);
-    source.right_at = gd__frame_place(frame, k, w->b1, 0);
-    set_gradient(&source, gd__frame_turn(frame, k, -w->x, w->y), frame->corner[k], w->sigma);
+    source.left_at = gd__face_frame_place(frame, k, w->b0, 0);
+    source.right_at = gd__face_frame_place(frame, k, w->b1, 0);
+    set_gradient(&source, gd__face_frame_turn(frame, k, -w->x, w->y), frame->corner[k], w->sigma);
     return source;
 }
 
@@ -93,7 +93,7 @@ static enum gd_status append_wedges(const struct gd_field *field, int k, double 
             if (!gd__sources_window(field, chunk, i, side, &w) || w.tags != across) continue;
             struct gd__source source = source_of_window(&out->frame, k, &w);
             if (source.nearest >= most) continue;
-            enum gd_status status = append(out, &source);
+            enum gd_status status = append_source(out, &source);
             if (status) return status;
         }
     }
@@ -108,16 +108,17 @@ static enum gd_status append_point(const struct gd_field *field, uint32_t seed,
     gd__point_weights(field->mesh, &s->point, out->face, weight);
     struct gd__local place =
         gd__face_local(field->mesh, field->mesh->face_side[out->face][0], weight);
-    return append(out, &(struct gd__source){.at = place,
-                                            .sigma = s->offset,
-                                            .left_at = place,
-                                            .right_at = place,
-                                            .nearest = s->offset,
-                                            .farthest = s->offset,
-                                            .pseudo = field->mesh->vertex_count + seed});
+    return append_source(out, &(struct gd__source){.at = place,
+                                                   .sigma = s->offset,
+                                                   .left_at = place,
+                                                   .right_at = place,
+                                                   .nearest = s->offset,
+                                                   .farthest = s->offset,
+                                                   .pseudo = field->mesh->vertex_count + seed});
 }
 
-/* What a segment sees on its left (`left` = 1) or on its right (-1). */
+/* Returns the source of a segment for its left side (`left` = 1) or its right side (`left` =
+ * -1). */
 static struct gd__source source_of_chord(const struct gd__chord *chord, int left, double offset)
 {
     struct gd__local u = {left * chord->along.x, left * chord->along.y};
@@ -132,25 +133,26 @@ static struct gd__source source_of_chord(const struct gd__chord *chord, int left
     return source;
 }
 
-/* A segment along an edge sees the face on one side of it only. */
+/* Appends the sources of a seed segment. A segment along an edge has only one in this face, which
+ * lies on one side of it. */
 static enum gd_status append_chord(const struct gd_field *field, uint32_t seed,
                                    struct gd__sources *out)
 {
     const struct gd__seed *s = &field->seeds[seed];
     const struct gd__local *corner = out->frame.corner;
-    struct gd__home home = {GD_NONE, GD_NONE};
+    struct gd__segment_location location = {GD_NONE, GD_NONE};
     struct gd__chord chord = gd__chord(field->mesh, out->face, 0, &s->point, &s->end);
     struct gd__local middle = {(corner[0].x + corner[1].x + corner[2].x) / 3,
                                (corner[0].y + corner[1].y + corner[2].y) / 3};
-    bool is_inside =
-             gd__segment_home(field->mesh, &s->point, &s->end, &home) && home.edge == GD_NONE,
+    bool is_inside = gd__segment_locate(field->mesh, &s->point, &s->end, &location) &&
+                     location.edge == GD_NONE,
          has_middle_on_left = gd__chord_height(&chord, middle) > 0;
     enum gd_status status = GD_OK;
     for (int left = -1; left <= 1 && !status; left += 2) {
         if (!is_inside && has_middle_on_left != (left > 0)) continue;
         struct gd__source source = source_of_chord(&chord, left, s->offset);
         source.pseudo = field->mesh->vertex_count + seed;
-        status = append(out, &source);
+        status = append_source(out, &source);
     }
     return status;
 }
@@ -184,7 +186,7 @@ static enum gd_status append_corners(const struct gd_field *field, double most,
                                     .nearest = distance,
                                     .farthest = distance,
                                     .pseudo = vertex};
-        if (source.nearest < most) status = append(out, &source);
+        if (source.nearest < most) status = append_source(out, &source);
     }
     return status;
 }
@@ -193,7 +195,7 @@ enum gd_status gd__sources_gather(const struct gd_field *field, uint32_t face, d
                                   struct gd__sources *out)
 {
     out->face = face;
-    out->frame = gd__frame_of_face(field->mesh, face);
+    out->frame = gd__face_frame_of(field->mesh, face);
     out->count = 0;
     enum gd_status status = append_seeds(field, most, out);
     for (int k = 0; k < 3 && !status; k++) status = append_wedges(field, k, most, out);

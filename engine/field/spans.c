@@ -1,6 +1,6 @@
 #include "field/spans.h"
 
-#include "field/array.h"
+#include "base/array.h"
 
 struct gd__turn gd__turn_around(double phi, double q)
 {
@@ -27,7 +27,7 @@ struct gd__turn gd__turn_both(const struct gd__turn *a, const struct gd__turn *b
     return common;
 }
 
-static enum gd_status append(struct gd__spans *spans, struct gd__span span)
+static enum gd_status append_span(struct gd__spans *spans, struct gd__span span)
 {
     struct gd__span *grown =
         gd__array_reserve(spans->span, &spans->capacity, spans->count + 1, sizeof span);
@@ -41,11 +41,12 @@ enum gd_status gd__spans_put(struct gd__spans *spans, const struct gd__turn *tur
 {
     enum gd_status status = GD_OK;
     for (int i = 0; i < turn->count && !status; i++)
-        status = append(spans, (struct gd__span){turn->part[i].from, turn->part[i].to, by, by});
+        status =
+            append_span(spans, (struct gd__span){turn->part[i].from, turn->part[i].to, by, by});
     return status;
 }
 
-/* There are few. */
+/* Sorts spans by insertion, because there are few. */
 static void sort_by_start(struct gd__spans *spans)
 {
     for (uint32_t i = 1; i < spans->count; i++) {
@@ -59,10 +60,10 @@ static void sort_by_start(struct gd__spans *spans)
 
 enum gd_status gd__spans_invert(struct gd__spans *covered, double least, struct gd__spans *out)
 {
-    /* from what is covered so far */
+    /* `free` begins at the end of the spans covered so far */
     struct gd__span free = {.from = -M_PI, .from_by = GD__SPAN_OPEN};
     enum gd_status status =
-        append(covered, (struct gd__span){M_PI, M_PI, GD__SPAN_OPEN, GD__SPAN_OPEN});
+        append_span(covered, (struct gd__span){M_PI, M_PI, GD__SPAN_OPEN, GD__SPAN_OPEN});
     if (status) return status;
     sort_by_start(covered);
     out->count = 0;
@@ -70,7 +71,7 @@ enum gd_status gd__spans_invert(struct gd__spans *covered, double least, struct 
         struct gd__span next = covered->span[i];
         free.to = next.from;
         free.to_by = next.from_by;
-        if (free.to - free.from > least) status = append(out, free);
+        if (free.to - free.from > least) status = append_span(out, free);
         if (next.to <= free.from) continue;
         free.from = next.to;
         free.from_by = next.to_by;

@@ -1,4 +1,4 @@
-#include "field/close.h"
+#include "field/close_seed.h"
 #include "field/ray.h"
 
 #include <stdlib.h>
@@ -6,202 +6,207 @@
 #include "mesh/canonical.h"
 #include "mesh/segment.h"
 
-/* Back-tracing: from the point along its last leg to the leg's pseudo-source, and on from there by
- * the predecessors, until a seed is reached. */
+/* Back-tracing: follows the point's last leg to its pseudo-source, and then the predecessors to a
+ * seed. */
 
 /* --- from stop to stop ------------------------------------------------------------------------ */
 
-static struct gd__stop go_along_edge(struct gd__trail *trail, uint32_t vertex, uint32_t source)
+static struct gd__stop go_along_edge(struct gd__path_builder *builder, uint32_t vertex,
+                                     uint32_t source)
 {
-    const struct gd_mesh *mesh = trail->mesh;
+    const struct gd_mesh *mesh = builder->mesh;
     if (source < mesh->vertex_count) {
-        gd__trail_append(trail, gd__point_of_vertex(source),
-                         mesh->side[gd__side_between(mesh, vertex, source)].length);
+        gd__path_builder_append(builder, gd__point_of_vertex(source),
+                                mesh->side[gd__side_between(mesh, vertex, source)].length);
         return gd__stop_at_vertex(source);
     }
-    if (source == GD_NONE) /* the path leads to a vertex that was not reached */
-        return gd__stop_failed(trail, GD_INTERNAL);
-    const struct gd_point *seed = &trail->field->seeds[source - mesh->vertex_count].point;
+    if (source == GD_NONE) /* the vertex is unreached */
+        return gd__stop_failed(builder, GD_INTERNAL);
+    const struct gd_point *seed = &builder->field->seeds[source - mesh->vertex_count].point;
     if (seed->kind == GD_POINT_EDGE) {
         uint32_t side = 2 * seed->element;
-        gd__trail_append_in_face(
-            trail, *seed, mesh->side_face[gd__side_is_boundary(mesh, side) ? side ^ 1 : side]);
+        gd__path_builder_append_in_face(
+            builder, *seed, mesh->side_face[gd__side_is_boundary(mesh, side) ? side ^ 1 : side]);
     }
     return gd__stop_at_seed(source - mesh->vertex_count);
 }
 
-/* Whether a source is a segment that lies along an edge, or across a face. */
-static bool is_along(const struct gd__trail *trail, uint32_t source, uint32_t edge, uint32_t face)
+/* Returns true if a source is a segment that lies on `edge` or in `face`. */
+static bool is_along(const struct gd__path_builder *builder, uint32_t source, uint32_t edge,
+                     uint32_t face)
 {
-    struct gd__home home;
-    const struct gd__seed *s = &trail->field->seeds[gd__field_seed_of(trail->field, source)];
-    return gd__segment_home(trail->mesh, &s->point, &s->end, &home) && home.edge == edge &&
-           home.face == face;
+    struct gd__segment_location location;
+    const struct gd__seed *s = &builder->field->seeds[gd__field_seed_of(builder->field, source)];
+    return gd__segment_locate(builder->mesh, &s->point, &s->end, &location) &&
+           location.edge == edge && location.face == face;
 }
 
-/* From a vertex at right angles towards a segment, which may lie in the face that the leg came
- * through. */
-static struct gd__stop go_to_segment(struct gd__trail *trail, struct gd__predecessor predecessor)
+/* Follows the leg from a vertex perpendicularly to a segment, which may lie in the leg's face. */
+static struct gd__stop go_to_segment(struct gd__path_builder *builder,
+                                     struct gd__predecessor predecessor)
 {
-    const struct gd_mesh *mesh = trail->mesh;
+    const struct gd_mesh *mesh = builder->mesh;
     const struct gd_side *s = &mesh->side[predecessor.side];
     uint32_t face = mesh->side_face[predecessor.side];
-    if (is_along(trail, predecessor.source, GD_NONE, face))
-        return gd__ray_arrive_at_chord(trail, gd__field_seed_of(trail->field, predecessor.source),
-                                       face);
+    if (is_along(builder, predecessor.source, GD_NONE, face))
+        return gd__ray_arrive_at_chord(builder,
+                                       gd__field_seed_of(builder->field, predecessor.source), face);
     double t =
         s->left_length * s->left_x + predecessor.x * (s->left_length * s->left_y / predecessor.y);
-    return gd__ray_follow(trail, (struct gd__ray){.side = predecessor.side,
-                                                  .source = predecessor.source,
-                                                  .t = t,
-                                                  .x = predecessor.x,
-                                                  .y = predecessor.y});
+    return gd__ray_follow(builder, (struct gd__ray){.side = predecessor.side,
+                                                    .source = predecessor.source,
+                                                    .t = t,
+                                                    .x = predecessor.x,
+                                                    .y = predecessor.y});
 }
 
-/* From a vertex by its predecessor. */
-static struct gd__stop go_from_vertex(struct gd__trail *trail, uint32_t vertex)
+/* Follows the leg from a vertex to its predecessor. */
+static struct gd__stop go_from_vertex(struct gd__path_builder *builder, uint32_t vertex)
 {
-    const struct gd_mesh *mesh = trail->mesh;
-    struct gd__predecessor predecessor = trail->field->predecessor[vertex];
-    if (predecessor.side == GD_NONE) return go_along_edge(trail, vertex, predecessor.source);
+    const struct gd_mesh *mesh = builder->mesh;
+    struct gd__predecessor predecessor = builder->field->predecessor[vertex];
+    if (predecessor.side == GD_NONE) return go_along_edge(builder, vertex, predecessor.source);
     const struct gd_side *s = &mesh->side[predecessor.side];
     if (predecessor.source == GD_NONE) {
-        struct gd_point bend = gd__trail_side_point(trail, predecessor.side, predecessor.x);
-        gd__trail_append_in_face(trail, bend, mesh->side_face[predecessor.side]);
+        struct gd_point bend =
+            gd__path_builder_side_point(builder, predecessor.side, predecessor.x);
+        gd__path_builder_append_in_face(builder, bend, mesh->side_face[predecessor.side]);
         return gd__stop_at(bend);
     }
-    if (gd__source_is_linear(predecessor.source)) return go_to_segment(trail, predecessor);
-    if (gd__ray_has_arrived(trail, predecessor.side, predecessor.x, -predecessor.y,
+    if (gd__source_is_linear(predecessor.source)) return go_to_segment(builder, predecessor);
+    if (gd__ray_has_arrived(builder, predecessor.side, predecessor.x, -predecessor.y,
                             predecessor.source))
-        return gd__ray_arrive(trail, mesh->side_face[predecessor.side], predecessor.source);
+        return gd__ray_arrive(builder, mesh->side_face[predecessor.side], predecessor.source);
     double px = s->left_length * s->left_x, py = s->left_length * s->left_y,
            height = predecessor.y + py;
     double across = px - predecessor.x, t = predecessor.x;
     if (height > 0)
         t = predecessor.y < py ? predecessor.x + across * (predecessor.y / height)
                                : px - across * (py / height);
-    return gd__ray_follow(trail, (struct gd__ray){.side = predecessor.side,
-                                                  .source = predecessor.source,
-                                                  .t = t,
-                                                  .x = predecessor.x,
-                                                  .y = predecessor.y});
+    return gd__ray_follow(builder, (struct gd__ray){.side = predecessor.side,
+                                                    .source = predecessor.source,
+                                                    .t = t,
+                                                    .x = predecessor.x,
+                                                    .y = predecessor.y});
 }
 
-static struct gd__stop go_to_close_seed(struct gd__trail *trail, const struct gd__leg *leg)
+static struct gd__stop go_to_close_seed(struct gd__path_builder *builder, const struct gd__leg *leg)
 {
-    struct gd__close close;
+    struct gd__close_seed close;
     double weight[3];
-    gd__point_weights(trail->mesh, &trail->path.points[trail->path.count - 1], leg->face, weight);
-    if (!gd__close_find(trail->field, leg->face, weight, GD__FAR, &close))
-        return gd__stop_failed(trail, GD_INTERNAL);
-    gd__close_trace(trail, leg->face, &close);
+    gd__point_weights(builder->mesh, &builder->path.points[builder->path.count - 1], leg->face,
+                      weight);
+    if (!gd__close_seed_find(builder->field, leg->face, weight, GD__FAR, &close))
+        return gd__stop_failed(builder, GD_INTERNAL);
+    gd__close_seed_trace(builder, leg->face, &close);
     return gd__stop_at_seed(close.seed);
 }
 
-/* From a point of an edge or a face by its leg. */
-static struct gd__stop go_by_leg(struct gd__trail *trail, const struct gd__leg *leg)
+/* Follows the leg from a point of an edge or a face. */
+static struct gd__stop go_by_leg(struct gd__path_builder *builder, const struct gd__leg *leg)
 {
     switch (leg->kind) {
     case GD__LEG_VERTEX:
-        gd__trail_append_in_face(trail, gd__point_of_vertex(leg->from), leg->face);
+        gd__path_builder_append_in_face(builder, gd__point_of_vertex(leg->from), leg->face);
         break;
     case GD__LEG_SEED:
-        if (trail->field->seeds[leg->from].is_segment)
-            return gd__ray_arrive_at_chord(trail, leg->from, leg->face);
-        gd__trail_append_seed(trail, leg->from, leg->face);
+        if (builder->field->seeds[leg->from].is_segment)
+            return gd__ray_arrive_at_chord(builder, leg->from, leg->face);
+        gd__path_builder_append_seed(builder, leg->from, leg->face);
         return gd__stop_at_seed(leg->from);
     case GD__LEG_CLOSE:
-        return go_to_close_seed(trail, leg);
+        return go_to_close_seed(builder, leg);
     case GD__LEG_WEDGE:
-        return gd__ray_follow(trail, (struct gd__ray){.side = leg->side,
-                                                      .source = leg->source,
-                                                      .t = leg->parameter,
-                                                      .x = leg->x,
-                                                      .y = leg->y});
+        return gd__ray_follow(builder, (struct gd__ray){.side = leg->side,
+                                                        .source = leg->source,
+                                                        .t = leg->parameter,
+                                                        .x = leg->x,
+                                                        .y = leg->y});
     case GD__LEG_NONE:
-        return gd__stop_failed(trail, GD_INTERNAL);
+        return gd__stop_failed(builder, GD_INTERNAL);
     }
     return gd__stop_at_vertex(leg->from);
 }
 
-/* How an attempt at a path begins. */
+/* Parameters of one attempt to trace a path. */
 struct beginning {
-    double aside; /* of careful rays, see trail.h; 0: plain ones */
-    uint32_t via; /* first to this vertex of `face`; GD_NONE: by the leg */
+    double aside; /* gd__path_builder.aside */
+    uint32_t via; /* the path first goes to this vertex of `face`; GD_NONE: it follows its leg */
     uint32_t face;
 };
 
-static struct gd__stop go_from_beginning(struct gd__trail *trail, const struct gd_point *point,
-                                         const struct gd__leg *first,
+static struct gd__stop go_from_beginning(struct gd__path_builder *builder,
+                                         const struct gd_point *point, const struct gd__leg *first,
                                          const struct beginning *beginning)
 {
     if (beginning->via != GD_NONE) {
-        gd__trail_append_in_face(trail, gd__point_of_vertex(beginning->via), beginning->face);
+        gd__path_builder_append_in_face(builder, gd__point_of_vertex(beginning->via),
+                                        beginning->face);
         return gd__stop_at_vertex(beginning->via);
     }
-    return point->kind == GD_POINT_VERTEX ? gd__stop_at(*point) : go_by_leg(trail, first);
+    return point->kind == GD_POINT_VERTEX ? gd__stop_at(*point) : go_by_leg(builder, first);
 }
 
-/* *seed: the one in which the path ends. */
-static void trace_back(struct gd__trail *trail, const struct gd_point *point,
+/* Traces a path back to a seed, whose number becomes *seed. */
+static void trace_back(struct gd__path_builder *builder, const struct gd_point *point,
                        const struct gd__leg *first, const struct beginning *beginning,
                        uint32_t *seed)
 {
-    gd__trail_append(trail, *point, 0);
-    if (trail->status) return; /* what follows looks at the last point */
-    struct gd__stop stop = go_from_beginning(trail, point, first, beginning);
-    while (stop.kind != GD__STOP_SEED && !trail->status) {
-        if (!trail->steps_left--) {
-            gd__stop_failed(trail, GD_INTERNAL);
+    gd__path_builder_append(builder, *point, 0);
+    if (builder->status) return; /* the next leg starts from the last point */
+    struct gd__stop stop = go_from_beginning(builder, point, first, beginning);
+    while (stop.kind != GD__STOP_SEED && !builder->status) {
+        if (!builder->steps_left--) {
+            gd__stop_failed(builder, GD_INTERNAL);
         } else if (stop.kind == GD__STOP_VERTEX) {
-            trail->vertex = stop.vertex;
-            trail->nearest = trail->field->distance[stop.vertex];
-            stop = go_from_vertex(trail, stop.vertex);
+            builder->vertex = stop.vertex;
+            builder->nearest = builder->field->distance[stop.vertex];
+            stop = go_from_vertex(builder, stop.vertex);
         } else {
-            struct gd__leg leg = gd__field_leg_onward(trail->field, &stop.point, trail->vertex);
-            trail->nearest = leg.distance;
-            stop = go_by_leg(trail, &leg);
+            struct gd__leg leg = gd__field_leg_onward(builder->field, &stop.point, builder->vertex);
+            builder->nearest = leg.distance;
+            stop = go_by_leg(builder, &leg);
         }
     }
-    if (!trail->status) *seed = stop.seed;
+    if (!builder->status) *seed = stop.seed;
 }
 
 /* --- the path --------------------------------------------------------------------------------- */
 
-/* One attempt; on success the path is the caller's, its length and the distance agree. */
+/* Makes one attempt. On success the caller owns the path, whose length agrees with the distance. */
 static enum gd_status try_path(const struct gd_field *field, const struct gd_point *point,
                                const struct gd__leg *leg, const struct beginning *beginning,
                                struct gd_path *out, uint32_t *seed)
 {
     const struct gd_mesh *mesh = field->mesh;
-    struct gd__trail trail = {.field = field,
-                              .mesh = mesh,
-                              .snap = beginning->aside > 0 ? 0 : GD_TOL_SNAP,
-                              .aside = beginning->aside,
-                              .vertex = GD_NONE,
-                              .nearest = leg->distance,
-                              .steps_left =
-                                  2 * ((uint64_t)mesh->edge_count + mesh->vertex_count) + 16};
+    struct gd__path_builder builder = {
+        .field = field,
+        .mesh = mesh,
+        .snap = beginning->aside > 0 ? 0 : GD_TOL_SNAP,
+        .aside = beginning->aside,
+        .vertex = GD_NONE,
+        .nearest = leg->distance,
+        .steps_left = 2 * ((uint64_t)mesh->edge_count + mesh->vertex_count) + 16};
     uint32_t end = 0;
-    trace_back(&trail, point, leg, beginning, &end);
+    trace_back(&builder, point, leg, beginning, &end);
     double offset = field->seeds[end].offset, slack = GD_TOL_CHECK * leg->distance + GD_TOL_BETTER;
-    if (!trail.status && !(fabs(trail.path.length + offset - leg->distance) <= slack))
-        trail.status = GD_INTERNAL;
-    if (trail.status) {
-        gd_path_free(&trail.path);
-        return trail.status;
+    if (!builder.status && !(fabs(builder.path.length + offset - leg->distance) <= slack))
+        builder.status = GD_INTERNAL;
+    if (builder.status) {
+        gd_path_free(&builder.path);
+        return builder.status;
     }
-    /* has digits that the sum has lost */
-    trail.path.length = (leg->distance - offset) * mesh->unit;
-    *out = trail.path;
+    /* the distance has digits that the sum has lost */
+    builder.path.length = (leg->distance - offset) * mesh->unit;
+    *out = builder.path;
     *seed = end;
     return GD_OK;
 }
 
 enum { CAREFUL_ATTEMPTS = 7 };
 
-/* In faces as small as rounding a ray may turn in a circle. The way by a neighbour is as short
- * there, if the length passes the check; a longer one does not. */
+/* Retries with a path via a neighbouring vertex. In faces as small as rounding a ray may circle,
+ * and such a path is equally short; the check rejects a longer path. */
 static enum gd_status path_by_neighbours(const struct gd_field *field, const struct gd_point *point,
                                          const struct gd__leg *leg, struct gd_path *out,
                                          uint32_t *seed)
@@ -224,7 +229,7 @@ static enum gd_status path_by_neighbours(const struct gd_field *field, const str
     return status;
 }
 
-/* The path whose first leg is known. */
+/* Traces the path whose first leg is known. */
 static enum gd_status path_by_leg(const struct gd_field *field, const struct gd_point *point,
                                   const struct gd__leg *leg, struct gd_path *out, uint32_t *seed)
 {

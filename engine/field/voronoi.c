@@ -3,21 +3,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "field/array.h"
+#include "base/array.h"
 #include "field/voronoi_parts.h"
 
-/* The diagram: owners of vertices, switches along edges, strands in faces, and the lines that they
- * form. */
+/* The diagram: computes the owners of vertices, the owner changes along edges, the parts of
+ * bisectors in faces, and the lines that the parts form. */
 
 enum {
-    CHECK_INTERVAL = 16, /* edges or faces that see more than one member */
-    ROUNDS_MOST = 4      /* in which vertices change hands; ties behind ties are rare */
+    CHECK_INTERVAL = 16, /* edges or faces with more than one owner */
+    ROUNDS_MOST = 4      /* limit on rounds of changes of vertex owners; nested ties are rare */
 };
 
-/* The part of the work that is done when a step begins. */
+/* Progress of the call when a step begins. */
 static const struct {
-    double switches, strands, lines;
-} begun = {0.1, 0.3, 0.9};
+    double switches, bisector_parts, lines;
+} progress = {0.1, 0.3, 0.9};
 
 /* --- the graph -------------------------------------------------------------------------------- */
 
@@ -29,19 +29,21 @@ enum gd_status gd__diagram_add_node(struct gd__diagram *diagram, const struct gd
     if (!grown) return GD_NO_MEMORY;
     diagram->node = grown;
     *out = diagram->node_count++;
-    grown[*out] = (struct gd__node){.point = *point, .strand = {GD_NONE, GD_NONE}};
+    grown[*out] = (struct gd__node){.point = *point, .bisector_part = {GD_NONE, GD_NONE}};
     return GD_OK;
 }
 
-enum gd_status gd__diagram_add_strand(struct gd__diagram *diagram, const struct gd__strand *strand,
-                                      uint32_t *out)
+enum gd_status gd__diagram_add_bisector_part(struct gd__diagram *diagram,
+                                             const struct gd__bisector_part *bisector_part,
+                                             uint32_t *out)
 {
-    struct gd__strand *grown = gd__array_reserve(diagram->strand, &diagram->strand_capacity,
-                                                 diagram->strand_count + 1, sizeof *grown);
+    struct gd__bisector_part *grown =
+        gd__array_reserve(diagram->bisector_part, &diagram->bisector_part_capacity,
+                          diagram->bisector_part_count + 1, sizeof *grown);
     if (!grown) return GD_NO_MEMORY;
-    diagram->strand = grown;
-    *out = diagram->strand_count++;
-    grown[*out] = *strand;
+    diagram->bisector_part = grown;
+    *out = diagram->bisector_part_count++;
+    grown[*out] = *bisector_part;
     return GD_OK;
 }
 
@@ -55,7 +57,8 @@ static enum gd_status open_diagram(struct gd__diagram *diagram)
     return gd__members_find(diagram->field, diagram->member_of_seed, &diagram->members);
 }
 
-/* Is it a seed's, whose member has the tie with all that begin there? */
+/* Returns true if a seed lies at the vertex. Its member then wins ties of paths that begin at the
+ * vertex. */
 static bool is_seed(const struct gd_field *field, uint32_t vertex)
 {
     struct gd__predecessor predecessor = field->predecessor[vertex];
@@ -65,7 +68,7 @@ static bool is_seed(const struct gd_field *field, uint32_t vertex)
     return field->seeds[gd__field_seed_of(field, predecessor.source)].point.kind == GD_POINT_VERTEX;
 }
 
-/* Vertices to those whose pseudo-sources they are. */
+/* Sets each vertex' owner to the member of its pseudo-source. */
 static void reset_owners(struct gd__diagram *diagram)
 {
     diagram->changed = 0;
@@ -84,7 +87,7 @@ static void close_diagram(struct gd__diagram *diagram)
     free(diagram->first_switch);
     free(diagram->node);
     free(diagram->edge_switch);
-    free(diagram->strand);
+    free(diagram->bisector_part);
 }
 
 static void close_scratch(struct gd__voronoi_scratch *scratch)
@@ -108,7 +111,7 @@ struct tracer {
     uint32_t work;
 };
 
-/* What the diagram takes, and what it takes while an array grows. */
+/* Returns the bytes of the diagram, including the copy of an array that grows. */
 static size_t held_by(const struct gd__diagram *diagram)
 {
     return diagram->mesh->vertex_count *
@@ -116,10 +119,10 @@ static size_t held_by(const struct gd__diagram *diagram)
            diagram->mesh->edge_count * sizeof *diagram->first_switch +
            2 * (diagram->node_capacity * sizeof *diagram->node +
                 diagram->switch_capacity * sizeof *diagram->edge_switch +
-                diagram->strand_capacity * sizeof *diagram->strand);
+                diagram->bisector_part_capacity * sizeof *diagram->bisector_part);
 }
 
-static enum gd_status check(struct tracer *tracer, double fraction)
+static enum gd_status check_work(struct tracer *tracer, double fraction)
 {
     if (tracer->work++ % CHECK_INTERVAL) return GD_OK;
     enum gd_status status = gd_control_afford(tracer->control, held_by(&tracer->diagram));
@@ -139,13 +142,15 @@ static enum gd_status find_owners(struct tracer *tracer, int round)
     reset_owners(diagram);
     for (uint32_t edge = 0; edge < edges && !status; edge++) {
         if (!is_reached(diagram, edge) || !gd__edge_is_mixed(diagram, edge)) continue;
-        status = check(tracer, begun.switches * (round + (double)edge / edges) / (ROUNDS_MOST + 1));
+        status = check_work(tracer,
+                            progress.switches * (round + (double)edge / edges) / (ROUNDS_MOST + 1));
         gd__edge_own_ends(diagram, edge);
     }
     return status;
 }
 
-/* A vertex that changes hands changes those whose pseudo-source it is. */
+/* Computes the owners of all vertices. If a vertex changes owner, so do the vertices whose
+ * pseudo-source it is: hence several rounds. */
 static enum gd_status settle_owners(struct tracer *tracer)
 {
     struct gd__diagram *diagram = &tracer->diagram;
@@ -166,14 +171,16 @@ static enum gd_status find_switches(struct tracer *tracer, bool *is_mixed)
         diagram->first_switch[edge] = diagram->switch_count;
         is_mixed[edge] = is_reached(diagram, edge) && gd__edge_is_mixed(diagram, edge);
         if (!is_mixed[edge]) continue;
-        status = check(tracer, begun.switches + (begun.strands - begun.switches) * edge / edges);
-        if (!status) status = gd__edge_switch(diagram, edge, &tracer->scratch);
+        status =
+            check_work(tracer, progress.switches +
+                                   (progress.bisector_parts - progress.switches) * edge / edges);
+        if (!status) status = gd__edge_owner_change(diagram, edge, &tracer->scratch);
     }
     diagram->first_switch[edges] = diagram->switch_count;
     return status;
 }
 
-/* Does the face see more than one member? */
+/* Returns true if a face may have more than one owner. */
 static bool is_mixed_face(const struct gd__diagram *diagram, const bool *is_mixed, uint32_t face)
 {
     const struct gd_mesh *mesh = diagram->mesh;
@@ -195,14 +202,15 @@ static enum gd_status find_strands(struct tracer *tracer, const bool *is_mixed)
     enum gd_status status = GD_OK;
     for (uint32_t face = 0; face < faces && !status; face++) {
         if (!is_mixed_face(diagram, is_mixed, face)) continue;
-        status = check(tracer, begun.strands + (begun.lines - begun.strands) * face / faces);
-        if (!status) status = gd__face_strands(diagram, face, &tracer->scratch);
+        status = check_work(tracer, progress.bisector_parts +
+                                        (progress.lines - progress.bisector_parts) * face / faces);
+        if (!status) status = gd__face_bisector_parts(diagram, face, &tracer->scratch);
         if (!status) status = gd__face_match(diagram, &tracer->scratch);
     }
     return status;
 }
 
-static enum gd_status trace(struct tracer *tracer, double tolerance, struct gd_voronoi *out)
+static enum gd_status trace_diagram(struct tracer *tracer, double tolerance, struct gd_voronoi *out)
 {
     struct gd__diagram *diagram = &tracer->diagram;
     bool *is_mixed = malloc(sizeof *is_mixed * diagram->mesh->edge_count);
@@ -211,8 +219,8 @@ static enum gd_status trace(struct tracer *tracer, double tolerance, struct gd_v
     if (!status) status = settle_owners(tracer);
     if (!status) status = find_switches(tracer, is_mixed);
     if (!status) status = find_strands(tracer, is_mixed);
-    const struct gd__export export = {tolerance / diagram->mesh->unit, tracer->control,
-                                      held_by(diagram), begun.lines};
+    const struct gd__export_options export = {tolerance / diagram->mesh->unit, tracer->control,
+                                              held_by(diagram), progress.lines};
     if (!status) status = gd__diagram_export(diagram, &export, out);
     free(is_mixed);
     return status;
@@ -227,7 +235,7 @@ enum gd_status gd_voronoi_trace(const struct gd_field *field, const uint32_t *me
     struct tracer tracer = {
         .diagram = {.field = field, .mesh = field->mesh, .member_of_seed = member_of_seed},
         .control = control};
-    enum gd_status status = trace(&tracer, tolerance, out);
+    enum gd_status status = trace_diagram(&tracer, tolerance, out);
     close_diagram(&tracer.diagram);
     close_scratch(&tracer.scratch);
     return status;

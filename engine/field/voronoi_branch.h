@@ -1,18 +1,18 @@
-/* Branch: the points of a face's plane that two sources are equally near to: between points a
- * branch of a hyperbola or a line, between a point and a segment's line a parabola, between two
- * such lines a line.
+/* Branch: the points of a face's plane that are equally far from two sources: a branch of a
+ * hyperbola or a line between two points, a parabola between a point and a segment's line, a line
+ * between two segments' lines.
  *
- * DESIGN. It is kept in polar form about a centre: 1/r = w u + q for the unit vector u of an angle,
- * where that is more than 0.
- * - About a point s, the other point at s + a and farther by k: 1/r = 2 (a u - k) / (a a - k^2).
- * - About a point s, of which a line with the gradient g is farther away by k: r = k + r g u, that
- *   is 1/r = (1 - g u) / k.
- * - A line has that form about any place beside it: of two linear sources the centre is no source,
- *   but chosen.
- * So 1/r is linear in u, and whatever is asked of a place c + r u of the branch (on which side of a
- * line it lies, whether a third source is nearer) is linear too once it is divided by r: m u >= h,
- * a span of angles. Only whether a point is nearer than two linear sources is quadratic, along
- * their line. */
+ * DESIGN. A branch has the polar form 1/r = w u + q about a centre, where u is the unit vector of
+ * an angle. It exists where the right side is positive.
+ * - About a point s, against a point at s + a that is farther by k:
+ *   1/r = 2 (a u - k) / (a a - k^2).
+ * - About a point s, against a line with gradient g that is farther by k: r = k + r g u, that is
+ *   1/r = (1 - g u) / k.
+ * - A line has this form about any place off the line. For two linear sources the centre is a
+ *   chosen place, not a source.
+ * So 1/r is linear in u. Tests of a place c + r u of the branch (on which side of a line it lies,
+ * whether a third source is nearer), divided by r, are linear in u too: m u >= h, a span of angles.
+ * Only the test of a third point against two linear sources is quadratic along their line. */
 #ifndef GD_FIELD_VORONOI_BRANCH_H
 #define GD_FIELD_VORONOI_BRANCH_H
 
@@ -21,10 +21,11 @@
 
 /* A source without its sector. */
 struct gd__focus {
-    struct gd__local at; /* of a point */
-    double sigma;        /* of a linear one: the distance at the frame's origin */
+    struct gd__local at; /* for a point: the place */
+    /* distance of the source; for a linear source, the distance at the frame's origin */
+    double sigma;
     bool linear;
-    struct gd__local gradient; /* of a linear one, a unit vector */
+    struct gd__local gradient; /* for a linear source: a unit vector */
 };
 
 static inline struct gd__focus gd__focus_of(const struct gd__source *source)
@@ -40,40 +41,41 @@ static inline double gd__focus_distance(const struct gd__focus *focus, struct gd
 }
 
 struct gd__branch {
-    struct gd__focus source; /* one of the two */
+    struct gd__focus source; /* one of the two sources */
     struct gd__local centre; /* the source, if it is a point */
-    struct gd__local slope;  /* w: of 1/r */
+    struct gd__local slope;  /* w */
     double rest;             /* q */
-    /* the direction that angles are counted from: to the face's middle, or to the line */
+    /* the direction from which angles are counted: towards the face's middle, or towards the
+       line */
     double zero;
-    struct gd__local towards; /* unit vector in it */
+    struct gd__local towards; /* unit vector in the direction `zero` */
 };
 
-/* The branch between two sources as seen from the first, which is a point if one of them is. False:
- * there is none, as one of them is nearer everywhere. `size`: of the face about `middle`, the
- * distance that a line is seen from. */
+/* Computes the branch between two sources, in polar form about the first, which must be a point
+ * unless both are linear. Returns false if one source is nearer everywhere. `size` is the face's
+ * size around `middle`; the centre of a line lies at that distance. */
 bool gd__branch_between(const struct gd__focus *source, const struct gd__focus *other,
                         struct gd__local middle, double size, struct gd__branch *out);
 
-/* How far the directrix lies from the centre. A branch for which that is next to nothing bends back
- * round a ray: of the two sources one hides behind the other, or is the end of the other's
+/* Returns the distance of the directrix from the centre. If the distance is nearly zero, the branch
+ * folds back along a ray: one source hides behind the other, or is the end of the other's
  * segment. */
 double gd__branch_width(const struct gd__branch *branch);
 
 struct gd__local gd__branch_place(const struct gd__branch *branch, double angle);
 
-/* Parts of the turn: where the branch is at all; where it is beyond a line through a place, on the
- * side of the normal; where a third source is nearer, by more than `slack` (less than nothing: or
- * farther by no more than that). */
+/* Return spans of angles. gd__branch_turn: where the branch exists. gd__branch_beyond: where it
+ * lies on the side of `normal` of the line through `through`. gd__branch_lost_to: where a third
+ * source is nearer by more than `slack` (if negative: nearer, or farther by less than -slack). */
 struct gd__turn gd__branch_turn(const struct gd__branch *branch);
 struct gd__turn gd__branch_beyond(const struct gd__branch *branch, struct gd__local normal,
                                   struct gd__local through);
 struct gd__turn gd__branch_lost_to(const struct gd__branch *branch, const struct gd__focus *third,
                                    double slack);
 
-/* The place next to `at` that two sources, or three, are equally near to; `at` itself if there is
- * none within `reach`. Where bisectors of three sources meet at next to no angle, as those do of a
- * line and of its end, that of the first two alone. */
+/* Return the place nearest to `at` that is equally far from two or three sources; `at` itself if no
+ * such place is within `reach`. If the bisectors of three sources meet at a tiny angle (for
+ * instance those of a segment's line and its end), only the first two sources are used. */
 struct gd__local gd__between_two(const struct gd__focus focus[2], struct gd__local at,
                                  double reach);
 struct gd__local gd__between_three(const struct gd__focus focus[3], struct gd__local at,

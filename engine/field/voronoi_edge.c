@@ -1,13 +1,13 @@
 #include <string.h>
 
-#include "field/array.h"
+#include "base/array.h"
 #include "field/voronoi_parts.h"
 #include "mesh/canonical.h"
 
-/* Along an edge: whose its points are, by the lower envelope of all windows that look across it,
- * its ends, and the seeds on it. */
+/* Owners along an edge, from the lower envelope of the windows that reach the edge, the edge's
+ * ends, and the seeds on the edge. */
 
-enum { STEPS = 8 /* of Newton's method, from places that are right but for the nudge */ };
+enum { STEPS = 8 /* steps of Newton's method, from places that are accurate up to the nudge */ };
 
 static uint32_t end_of(const struct gd__diagram *diagram, uint32_t edge, int k)
 {
@@ -21,7 +21,8 @@ static uint32_t member_of(const struct gd__diagram *diagram, uint32_t source)
 
 /* --- seeds on an edge ------------------------------------------------------------------------- */
 
-/* They are known by either of its faces: the first of one's, which is `face`. */
+/* Returns the first seed listed in one of the edge's faces, which becomes *face. Seeds on an edge
+ * are listed in both of its faces. */
 static const struct gd__face_seed *seeds_beside(const struct gd__diagram *diagram, uint32_t edge,
                                                 uint32_t *face)
 {
@@ -30,8 +31,8 @@ static const struct gd__face_seed *seeds_beside(const struct gd__diagram *diagra
     return gd__field_seeds_in(diagram->field, *face);
 }
 
-/* What a point seed sees of the edge that it lies on; false: it lies elsewhere. A segment along the
- * edge has wedges of it, as all that look across. */
+/* Computes the window of a point seed on the edge. Returns false for other seeds: a segment along
+ * the edge has wedges on it. */
 static bool seen_by_seed(const struct gd__diagram *diagram, uint32_t edge, uint32_t number,
                          struct gd__window *out)
 {
@@ -70,7 +71,7 @@ bool gd__edge_is_mixed(const struct gd__diagram *diagram, uint32_t edge)
         const struct gd__chunk *chunk = gd__field_chunk(diagram->field, at);
         struct gd__wedges wedges = gd__chunk_wedges(chunk);
         for (uint32_t i = 0; i < chunk->count; i++) {
-            uint32_t source = gd__wedge_source(wedges.start[i]);
+            uint32_t source = gd__wedge_source(&wedges, i);
             if (source != GD_NONE && member_of(diagram, source) != member) return true;
         }
         at = chunk->previous;
@@ -80,7 +81,7 @@ bool gd__edge_is_mixed(const struct gd__diagram *diagram, uint32_t edge)
 
 /* --- the envelope ----------------------------------------------------------------------------- */
 
-static void lengthen(struct gd__window *w, double offset, double length)
+static void lengthen_window(struct gd__window *w, double offset, double length)
 {
     double before = gd__line_lengthened(length, gd__window_distance(w, w->b0) - offset),
            behind = gd__line_lengthened(length, gd__window_distance(w, w->b1) - offset);
@@ -88,11 +89,12 @@ static void lengthen(struct gd__window *w, double offset, double length)
     w->b1 = fmin(w->b1 + behind, length);
 }
 
-static enum gd_status push(const struct gd__diagram *diagram, uint32_t edge, struct gd__window w,
-                           struct gd__voronoi_scratch *scratch)
+static enum gd_status push_window(const struct gd__diagram *diagram, uint32_t edge,
+                                  struct gd__window w, struct gd__voronoi_scratch *scratch)
 {
     double length = diagram->mesh->side[2 * edge].length;
-    if (gd__window_is_linear(&w)) lengthen(&w, gd__field_sigma(diagram->field, w.source), length);
+    if (gd__window_is_linear(&w))
+        lengthen_window(&w, gd__field_sigma(diagram->field, w.source), length);
     w.sigma += diagram->members.nudge[member_of(diagram, w.source)];
     return gd__stack_push(&scratch->envelope, &w, GD_TOL_WIDTH * length, &scratch->tail);
 }
@@ -107,7 +109,7 @@ static enum gd_status push_windows(const struct gd__diagram *diagram, uint32_t e
         for (uint32_t i = 0; i < chunk->count && !status; i++) {
             struct gd__window w;
             if (gd__sources_window(diagram->field, chunk, i, 2 * edge, &w))
-                status = push(diagram, edge, w, scratch);
+                status = push_window(diagram, edge, w, scratch);
         }
     }
     return status;
@@ -122,7 +124,8 @@ static enum gd_status push_seeds(const struct gd__diagram *diagram, uint32_t edg
     for (const struct gd__face_seed *f = seeds_beside(diagram, edge, &face);
          f < end && f->face == face && !status; f++) {
         struct gd__window w;
-        if (seen_by_seed(diagram, edge, f->seed, &w)) status = push(diagram, edge, w, scratch);
+        if (seen_by_seed(diagram, edge, f->seed, &w))
+            status = push_window(diagram, edge, w, scratch);
     }
     return status;
 }
@@ -136,15 +139,15 @@ static enum gd_status find_envelope(const struct gd__diagram *diagram, uint32_t 
     for (int k = 0; k < 2 && !status; k++) {
         struct gd__window w = {.b1 = length, .x = k * length, .source = end_of(diagram, edge, k)};
         w.sigma = gd__field_sigma(diagram->field, w.source);
-        status = push(diagram, edge, w, scratch);
+        status = push_window(diagram, edge, w, scratch);
     }
     return status ? status : push_seeds(diagram, edge, scratch);
 }
 
-/* --- owners of its ends ----------------------------------------------------------------------- */
+/* --- owners of an edge's ends ----------------------------------------------------------------- */
 
-static void offer(struct gd__diagram *diagram, uint32_t vertex, const struct gd__window *w,
-                  double t)
+static void offer_owner(struct gd__diagram *diagram, uint32_t vertex, const struct gd__window *w,
+                        double t)
 {
     if (t < w->b0 || t > w->b1) return;
     uint32_t member = member_of(diagram, w->source);
@@ -164,31 +167,32 @@ void gd__edge_own_ends(struct gd__diagram *diagram, uint32_t edge)
         for (uint32_t i = 0; i < chunk->count; i++) {
             struct gd__window w;
             if (!gd__sources_window(field, chunk, i, 2 * edge, &w)) continue;
-            offer(diagram, end_of(diagram, edge, 0), &w, 0);
-            offer(diagram, end_of(diagram, edge, 1), &w, diagram->mesh->side[2 * edge].length);
+            offer_owner(diagram, end_of(diagram, edge, 0), &w, 0);
+            offer_owner(diagram, end_of(diagram, edge, 1), &w,
+                        diagram->mesh->side[2 * edge].length);
         }
     }
 }
 
 /* --- switches --------------------------------------------------------------------------------- */
 
-static enum gd_status append(struct gd__diagram *diagram, uint32_t edge, double t, uint32_t before,
-                             uint32_t after)
+static enum gd_status append_switch(struct gd__diagram *diagram, uint32_t edge, double t,
+                                    uint32_t before, uint32_t after)
 {
     if (before == after) return GD_OK;
-    struct gd__switch *grown = gd__array_reserve(diagram->edge_switch, &diagram->switch_capacity,
-                                                 diagram->switch_count + 1, sizeof *grown);
+    struct gd__owner_change *grown = gd__array_reserve(
+        diagram->edge_switch, &diagram->switch_capacity, diagram->switch_count + 1, sizeof *grown);
     if (!grown) return GD_NO_MEMORY;
     diagram->edge_switch = grown;
     struct gd_point point =
         gd__point_of_edge(diagram->mesh, edge, t / diagram->mesh->side[2 * edge].length);
-    struct gd__switch found = {.t = t, .before = before, .after = after};
+    struct gd__owner_change found = {.t = t, .before = before, .after = after};
     enum gd_status status = gd__diagram_add_node(diagram, &point, &found.node);
     if (!status) grown[diagram->switch_count++] = found;
     return status;
 }
 
-/* Without the nudge. */
+/* Returns the distance without the nudge. */
 static double distance_of(const struct gd__diagram *diagram, const struct gd__window *w, double t)
 {
     return gd__window_distance(w, t) - diagram->members.nudge[member_of(diagram, w->source)];
@@ -201,10 +205,10 @@ static double slope_of(const struct gd__window *w, double t)
     return distance > 0 ? dx / distance : 0;
 }
 
-/* Where two windows that take turns at t give the same distance; t itself if that is not close
- * by. */
-static double refine(const struct gd__diagram *diagram, const struct gd__window *a,
-                     const struct gd__window *b, double t, double length)
+/* Returns the parameter near t where two consecutive windows give the same distance; t itself if
+ * that parameter is not close. */
+static double refine_switch(const struct gd__diagram *diagram, const struct gd__window *a,
+                            const struct gd__window *b, double t, double length)
 {
     double place = t;
     for (int i = 0; i < STEPS; i++) {
@@ -216,8 +220,8 @@ static double refine(const struct gd__diagram *diagram, const struct gd__window 
     return fmin(fmax(place, 0), length);
 }
 
-/* At a seed's vertex, which has one owner, what is no longer than a bisector that is none is of the
- * others that begin there. */
+/* Drops pieces shorter than the nudge at vertices with seeds: they belong to other seeds at the
+ * same vertex. */
 static void drop_ends(const struct gd__diagram *diagram, uint32_t edge, struct gd__stack *envelope)
 {
     double length = diagram->mesh->side[2 * edge].length,
@@ -234,8 +238,8 @@ static void drop_ends(const struct gd__diagram *diagram, uint32_t edge, struct g
             envelope->count * sizeof *envelope->windows);
 }
 
-enum gd_status gd__edge_switch(struct gd__diagram *diagram, uint32_t edge,
-                               struct gd__voronoi_scratch *scratch)
+enum gd_status gd__edge_owner_change(struct gd__diagram *diagram, uint32_t edge,
+                                     struct gd__voronoi_scratch *scratch)
 {
     double length = diagram->mesh->side[2 * edge].length;
     uint32_t owner = diagram->owner[end_of(diagram, edge, 0)];
@@ -248,10 +252,12 @@ enum gd_status gd__edge_switch(struct gd__diagram *diagram, uint32_t edge,
         uint32_t member = member_of(diagram, w->source);
         if (member != owner)
             reached =
-                fmax(reached, i ? refine(diagram, w - 1, w, 0.5 * (w[-1].b1 + w->b0), length) : 0);
-        status = append(diagram, edge, reached, owner, member);
+                fmax(reached,
+                     i ? refine_switch(diagram, w - 1, w, 0.5 * (w[-1].b1 + w->b0), length) : 0);
+        status = append_switch(diagram, edge, reached, owner, member);
         owner = member;
     }
     return status ? status
-                  : append(diagram, edge, length, owner, diagram->owner[end_of(diagram, edge, 1)]);
+                  : append_switch(diagram, edge, length, owner,
+                                  diagram->owner[end_of(diagram, edge, 1)]);
 }

@@ -1,18 +1,18 @@
 #include <float.h>
 
-#include "field/array.h"
+#include "base/array.h"
 #include "field/voronoi_parts.h"
 
-/* Strands of a face: of each two sources of different members, the parts of their branch that no
- * third source takes. */
+/* Bisectors in a face: for any two sources of different members, finds the parts of their branch
+ * where no third source is nearer. */
 
-/* The face at hand. */
+/* The current face. */
 struct work {
     struct gd__diagram *diagram;
     struct gd__voronoi_scratch *scratch;
     struct gd__local middle;
-    double slack; /* within which sources of one member tie */
-    double tie;   /* no nudges differ by more */
+    double slack; /* tolerance for ties between sources of one member */
+    double tie;   /* largest difference of two nudges */
 };
 
 static uint32_t member_of(const struct work *work, uint32_t i)
@@ -25,7 +25,7 @@ static struct gd__focus focus_of(const struct work *work, uint32_t i)
     return gd__focus_of(&work->scratch->sources.source[i]);
 }
 
-static struct gd__focus nudged(const struct work *work, uint32_t i)
+static struct gd__focus nudged_focus(const struct work *work, uint32_t i)
 {
     struct gd__focus focus = focus_of(work, i);
     focus.sigma += work->diagram->members.nudge[member_of(work, i)];
@@ -34,7 +34,7 @@ static struct gd__focus nudged(const struct work *work, uint32_t i)
 
 /* --- the sources ------------------------------------------------------------------------------ */
 
-/* No point of the face is farther. */
+/* Returns an upper bound of the distances in a face. */
 static double most_in_face(const struct gd__diagram *diagram, uint32_t face)
 {
     const struct gd_mesh *mesh = diagram->mesh;
@@ -46,15 +46,16 @@ static double most_in_face(const struct gd__diagram *diagram, uint32_t face)
     return most * (1 + GD_TOL_CHECK);
 }
 
-/* A line that a source sees one side of: that of the unit normal. */
+/* A line with a unit normal towards its visible side. */
 struct bound {
     struct gd__local normal, through;
 };
 
 enum { BOUNDS_MOST = 3 };
 
-/* All that bound what a source sees: the two of its sector, and of a linear one the line behind
- * which nothing is as near as `nearest`, so that a segment in the face sees one side of itself. */
+/* Collects the borders of a source's view and returns their number: the two of its sector, and for
+ * a linear source the line at the distance `nearest`, so that a segment in the face only sees one
+ * side of itself. */
 static int bounds_of(const struct work *work, const struct gd__source *source,
                      struct bound bound[BOUNDS_MOST])
 {
@@ -82,8 +83,8 @@ static double height_above(const struct bound *bound, struct gd__local at)
            bound->normal.y * (at.y - bound->through.y);
 }
 
-/* Cuts off a convex polygon what lies beyond a line; there is room. */
-static void clip(struct gd__view *view, const struct bound *bound)
+/* Clips a convex polygon by a line; the view has room for the new corners. */
+static void clip_view(struct gd__view *view, const struct bound *bound)
 {
     struct gd__view cut = {0};
     for (int k = 0; k < view->count; k++) {
@@ -97,7 +98,7 @@ static void clip(struct gd__view *view, const struct bound *bound)
     *view = cut;
 }
 
-/* What each source sees of the face. */
+/* Computes the part of the face that each source sees. */
 static enum gd_status find_views(const struct work *work)
 {
     struct gd__voronoi_scratch *scratch = work->scratch;
@@ -112,8 +113,8 @@ static enum gd_status find_views(const struct work *work)
             3, {sources->frame.corner[0], sources->frame.corner[1], sources->frame.corner[2]}, 0};
         struct bound bound[BOUNDS_MOST];
         int bounds = bounds_of(work, source, bound);
-        for (int k = 0; k < bounds; k++) clip(&view, &bound[k]);
-        struct gd__focus focus = nudged(work, i);
+        for (int k = 0; k < bounds; k++) clip_view(&view, &bound[k]);
+        struct gd__focus focus = nudged_focus(work, i);
         for (int k = 0; k < view.count; k++)
             view.most = fmax(view.most, gd__focus_distance(&focus, view.corner[k]));
         scratch->view[i] = view;
@@ -121,7 +122,8 @@ static enum gd_status find_views(const struct work *work)
     return GD_OK;
 }
 
-/* The straight way from a corner at which no path bends is that of a source behind it. */
+/* Returns true for a corner of the face where no path bends: its straight paths belong to a source
+ * behind the corner. */
 static bool is_needless(const struct gd__diagram *diagram, const struct gd__source *source)
 {
     uint32_t vertices = diagram->mesh->vertex_count;
@@ -148,69 +150,72 @@ static bool are_of_one_member(const struct work *work)
     return true;
 }
 
-/* --- one strand ------------------------------------------------------------------------------- */
+/* --- a part of a bisector --------------------------------------------------------------------- */
 
-enum gd_status gd__loose_append(struct gd__voronoi_scratch *scratch, struct gd__loose loose)
+enum gd_status gd__loose_end_append(struct gd__voronoi_scratch *scratch, struct gd__loose_end loose)
 {
-    struct gd__loose *grown = gd__array_reserve(scratch->loose, &scratch->loose_capacity,
-                                                scratch->loose_count + 1, sizeof loose);
+    struct gd__loose_end *grown = gd__array_reserve(scratch->loose, &scratch->loose_capacity,
+                                                    scratch->loose_count + 1, sizeof loose);
     if (!grown) return GD_NO_MEMORY;
     scratch->loose = grown;
     scratch->loose[scratch->loose_count++] = loose;
     return GD_OK;
 }
 
-/* Rounding may leave a strand where wedges do not quite join: there a third source is nearer, by
- * more than the nudge. */
+/* Returns true if no third source is nearer than `focus` by more than the nudge. Rounding may leave
+ * a false part where wedges do not quite join. */
 static bool is_nearest(const struct work *work, const struct gd__focus *focus, struct gd__local at)
 {
     const struct gd__sources *sources = &work->scratch->sources;
     struct gd_point point =
-        gd__frame_point(work->diagram->mesh, sources->face, &sources->frame, at);
-    struct gd__way way;
-    gd__field_way(work->diagram->field, &point, &way);
+        gd__face_frame_point(work->diagram->mesh, sources->face, &sources->frame, at);
+    struct gd__leg_key way;
+    gd__field_leg_key(work->diagram->field, &point, &way);
     return way.distance >=
            gd__focus_distance(focus, at) * (1 - GD_TOL_CHECK) - work->slack - work->tie;
 }
 
-static struct gd__loose end_of(const struct work *work, const struct gd__strand *strand,
-                               uint32_t by)
+static struct gd__loose_end end_of(const struct work *work,
+                                   const struct gd__bisector_part *bisector_part, uint32_t by)
 {
-    struct gd__loose loose = {
-        .member = {strand->member[0], strand->member[1]}, .third = GD_NONE, .node = GD_NONE};
+    struct gd__loose_end loose = {.member = {bisector_part->member[0], bisector_part->member[1]},
+                                  .third = GD_NONE,
+                                  .node = GD_NONE};
     if (by >= work->scratch->sources.count) return loose;
     uint32_t member = member_of(work, by);
     loose.third = by;
-    loose.is_triple = member != strand->member[0] && member != strand->member[1];
+    loose.is_triple = member != bisector_part->member[0] && member != bisector_part->member[1];
     return loose;
 }
 
-static enum gd_status append_strand(const struct work *work, const struct gd__branch *branch,
-                                    const struct gd__strand *pattern, const struct gd__span *span)
+static enum gd_status append_bisector_part(const struct work *work, const struct gd__branch *branch,
+                                           const struct gd__bisector_part *pattern,
+                                           const struct gd__span *span)
 {
-    struct gd__strand strand = *pattern;
-    if (!is_nearest(work, &strand.focus[0],
+    struct gd__bisector_part bisector_part = *pattern;
+    if (!is_nearest(work, &bisector_part.focus[0],
                     gd__branch_place(branch, 0.5 * (span->from + span->to))))
         return GD_OK;
-    strand.from = branch->zero + span->from;
-    strand.to = branch->zero + span->to;
+    bisector_part.from = branch->zero + span->from;
+    bisector_part.to = branch->zero + span->to;
     uint32_t number;
-    enum gd_status status = gd__diagram_add_strand(work->diagram, &strand, &number);
+    enum gd_status status = gd__diagram_add_bisector_part(work->diagram, &bisector_part, &number);
     for (uint32_t end = 0; end < 2 && !status; end++) {
-        struct gd__loose loose = end_of(work, &strand, end ? span->to_by : span->from_by);
+        struct gd__loose_end loose =
+            end_of(work, &bisector_part, end ? span->to_by : span->from_by);
         loose.at = gd__branch_place(branch, end ? span->to : span->from);
-        loose.strand = number;
+        loose.bisector_part = number;
         loose.end = end;
-        status = gd__loose_append(work->scratch, loose);
+        status = gd__loose_end_append(work->scratch, loose);
     }
     return status;
 }
 
 /* --- two sources ------------------------------------------------------------------------------ */
 
-/* Narrows the part of the turn to where the branch is inside of a line; false: nothing is left. */
-static bool narrow(const struct gd__branch *branch, const struct bound *bound,
-                   struct gd__turn *turn)
+/* Narrows the spans to where the branch lies inside a border. Returns false if no span is left. */
+static bool narrow_turn(const struct gd__branch *branch, const struct bound *bound,
+                        struct gd__turn *turn)
 {
     struct gd__turn inside = gd__branch_beyond(branch, bound->normal, bound->through);
     *turn = gd__turn_both(turn, &inside);
@@ -223,25 +228,26 @@ static bool narrow_to_view(const struct work *work, const struct gd__branch *bra
     struct bound bound[BOUNDS_MOST];
     int bounds = bounds_of(work, &work->scratch->sources.source[i], bound);
     bool is_left = turn->count > 0;
-    for (int k = 0; k < bounds && is_left; k++) is_left = narrow(branch, &bound[k], turn);
+    for (int k = 0; k < bounds && is_left; k++) is_left = narrow_turn(branch, &bound[k], turn);
     return is_left;
 }
 
-/* Where the branch of two sources is in the face and seen by both: mostly nowhere. */
+/* Returns the spans where the branch of two sources lies in the face and both sources see it. The
+ * result is usually empty. */
 static struct gd__turn domain_of(const struct work *work, const struct gd__branch *branch,
                                  uint32_t i, uint32_t j)
 {
-    const struct gd__frame *frame = &work->scratch->sources.frame;
+    const struct gd__face_frame *frame = &work->scratch->sources.frame;
     struct gd__turn turn = gd__branch_turn(branch);
     bool is_left = narrow_to_view(work, branch, i, &turn) && narrow_to_view(work, branch, j, &turn);
     for (int k = 0; k < 3 && is_left; k++) {
         struct bound side = {{-frame->along[k].y, frame->along[k].x}, frame->corner[k]};
-        is_left = narrow(branch, &side, &turn);
+        is_left = narrow_turn(branch, &side, &turn);
     }
     return turn;
 }
 
-/* Covers what is not of the domain. */
+/* Initialises the covered spans to everything outside the domain. */
 static enum gd_status cover_outside(const struct work *work, const struct gd__turn *domain)
 {
     struct gd__spans *spans = &work->scratch->spans;
@@ -250,8 +256,8 @@ static enum gd_status cover_outside(const struct work *work, const struct gd__tu
     return status ? status : gd__spans_invert(spans, 0, &work->scratch->covered);
 }
 
-/* Is what one source sees of the face out of another's sight, or nearer to it than the other ever
- * is? */
+/* Returns true if source j cannot compete with source i: j does not see i's view, or is farther
+ * everywhere in it. */
 static bool is_out_of_reach(const struct work *work, uint32_t i, uint32_t j)
 {
     const struct gd__view *view = &work->scratch->view[i];
@@ -268,16 +274,16 @@ static bool is_out_of_reach(const struct work *work, uint32_t i, uint32_t j)
     return is_left || is_right;
 }
 
-/* Does one source count before another of its member that is as near? Of one seen through two
- * wedges the first does; and a line before its end, from which it differs by next to nothing on
- * either side of where it ends. */
+/* Returns true if source i takes precedence over source j, when both belong to one member and are
+ * equally near. Of one source seen through two wedges the first takes precedence; a line takes
+ * precedence over its end. */
 static bool takes_tie(const struct work *work, uint32_t i, uint32_t j)
 {
     const struct gd__source *source = work->scratch->sources.source;
     return source[i].linear == source[j].linear ? i < j : source[i].linear;
 }
 
-/* By how much more than its slack a third source has to be nearer. */
+/* Returns the amount by which a third source must be nearer to win. */
 static double slack_against(const struct work *work, uint32_t third, uint32_t i, uint32_t j)
 {
     uint32_t member = member_of(work, third), of_same = member == member_of(work, i)   ? i
@@ -295,7 +301,7 @@ static enum gd_status cover_by_others(const struct work *work, const struct gd__
     for (uint32_t k = 0; k < sources->count && !status; k++) {
         if (k == i || k == j || is_out_of_reach(work, i, k) || is_out_of_reach(work, j, k))
             continue;
-        struct gd__focus focus = nudged(work, k);
+        struct gd__focus focus = nudged_focus(work, k);
         struct gd__turn lost = gd__branch_lost_to(branch, &focus, slack_against(work, k, i, j));
         narrow_to_view(work, branch, k, &lost);
         status = gd__spans_put(&work->scratch->covered, &lost, k);
@@ -303,17 +309,17 @@ static enum gd_status cover_by_others(const struct work *work, const struct gd__
     return status;
 }
 
-/* Strands of the branch of two sources as seen from the first, which is a point if one of them
- * is. */
+/* Appends the parts of the branch of two sources, of which the first is a point unless both are
+ * linear. */
 static enum gd_status append_between(const struct work *work, uint32_t i, uint32_t j)
 {
     struct gd__voronoi_scratch *scratch = work->scratch;
-    struct gd__focus source = nudged(work, i), other = nudged(work, j);
+    struct gd__focus source = nudged_focus(work, i), other = nudged_focus(work, j);
     struct gd__branch branch;
     if (is_out_of_reach(work, i, j) || is_out_of_reach(work, j, i)) return GD_OK;
     if (!gd__branch_between(&source, &other, work->middle, scratch->sources.frame.size, &branch))
         return GD_OK;
-    /* the nudge's doing: the ray is bridged */
+    /* the branch is a ray, due to the nudge: matching bridges it */
     if (gd__branch_width(&branch) <= work->tie) return GD_OK;
     struct gd__turn domain = domain_of(work, &branch, i, j);
     if (!domain.count) return GD_OK;
@@ -322,13 +328,13 @@ static enum gd_status append_between(const struct work *work, uint32_t i, uint32
     if (!status) status = gd__spans_invert(&scratch->covered, DBL_EPSILON, &scratch->spans);
     if (!status) gd__spans_join(&scratch->spans);
     uint32_t a = member_of(work, i), b = member_of(work, j);
-    struct gd__strand strand = {.face = scratch->sources.face,
-                                .member = {a < b ? a : b, a < b ? b : a},
-                                .node = {GD_NONE, GD_NONE},
-                                .focus = {focus_of(work, i), focus_of(work, j)},
-                                .is_straight = source.linear};
+    struct gd__bisector_part bisector_part = {.face = scratch->sources.face,
+                                              .member = {a < b ? a : b, a < b ? b : a},
+                                              .node = {GD_NONE, GD_NONE},
+                                              .focus = {focus_of(work, i), focus_of(work, j)},
+                                              .is_straight = source.linear};
     for (uint32_t k = 0; k < scratch->spans.count && !status; k++)
-        status = append_strand(work, &branch, &strand, &scratch->spans.span[k]);
+        status = append_bisector_part(work, &branch, &bisector_part, &scratch->spans.span[k]);
     return status;
 }
 
@@ -343,33 +349,33 @@ static enum gd_status append_switches(const struct work *work)
         uint32_t side = mesh->face_side[work->scratch->sources.face][k], edge = side >> 1;
         for (uint32_t i = diagram->first_switch[edge];
              i < diagram->first_switch[edge + 1] && !status; i++) {
-            const struct gd__switch *s = &diagram->edge_switch[i];
+            const struct gd__owner_change *s = &diagram->edge_switch[i];
             double t = side & 1 ? mesh->side[side].length - s->t : s->t;
             bool ascends = s->before < s->after;
-            status = gd__loose_append(
+            status = gd__loose_end_append(
                 work->scratch,
-                (struct gd__loose){
-                    .at = gd__frame_place(&work->scratch->sources.frame, k, t, 0),
+                (struct gd__loose_end){
+                    .at = gd__face_frame_place(&work->scratch->sources.frame, k, t, 0),
                     .member = {ascends ? s->before : s->after, ascends ? s->after : s->before},
                     .third = GD_NONE,
-                    .strand = GD_NONE,
+                    .bisector_part = GD_NONE,
                     .node = s->node});
         }
     }
     return status;
 }
 
-/* Is a branch to be seen from the first rather than the second? From a point, if one of them is:
- * the one that the branch is nearer to and bends around, as what is seen from the other ill tells
- * apart the two sides of a narrow one. */
+/* Returns true if the branch's centre should be source i rather than j: a point rather than a line;
+ * of two points the one around which the branch bends. Seen from the other point, the two sides of
+ * a narrow branch nearly coincide. */
 static bool is_before(const struct work *work, uint32_t i, uint32_t j)
 {
-    struct gd__focus a = nudged(work, i), b = nudged(work, j);
+    struct gd__focus a = nudged_focus(work, i), b = nudged_focus(work, j);
     return a.linear == b.linear ? a.sigma >= b.sigma : b.linear;
 }
 
-enum gd_status gd__face_strands(struct gd__diagram *diagram, uint32_t face,
-                                struct gd__voronoi_scratch *scratch)
+enum gd_status gd__face_bisector_parts(struct gd__diagram *diagram, uint32_t face,
+                                       struct gd__voronoi_scratch *scratch)
 {
     struct gd__sources *sources = &scratch->sources;
     double most = most_in_face(diagram, face);

@@ -1,13 +1,13 @@
 #include <stdlib.h>
 
-#include "field/array.h"
+#include "base/array.h"
 #include "field/voronoi_parts.h"
 
-/* Bisectors as polylines: strand after strand, each with as many points as the tolerance asks
- * for. */
+/* Bisectors as polylines: appends part after part, each with as many points as the tolerance
+ * needs. */
 
 enum {
-    HALVINGS_MOST = 10,   /* of a quarter of a turn of a branch */
+    HALVINGS_MOST = 10,   /* limit on halvings of a quarter turn of a branch */
     CHECK_INTERVAL = 1024 /* points */
 };
 
@@ -18,32 +18,33 @@ struct line {
 
 struct writer {
     struct gd__diagram *diagram;
-    const struct gd__export *how;
-    double least;  /* a line no longer than that is a point: nudges are as long */
-    bool *visited; /* per strand */
+    const struct gd__export_options *how;
+    double least;  /* lines no longer than this, the size of nudges, count as points */
+    bool *visited; /* per bisector_part */
     struct gd_point *point;
     struct line *line;
     uint32_t point_count, point_capacity, line_count, line_capacity;
     uint32_t strands_done;
-    double length; /* of the line at hand, inside unit */
+    double length; /* length of the current line, normalised unit */
     enum gd_status status;
 };
 
 /* --- points ----------------------------------------------------------------------------------- */
 
-static enum gd_status check(const struct writer *writer)
+static enum gd_status check_work(const struct writer *writer)
 {
-    double done = (double)writer->strands_done / writer->diagram->strand_count,
-           begun = writer->how->begun;
+    double done = (double)writer->strands_done / writer->diagram->bisector_part_count,
+           progress = writer->how->progress;
     size_t points = 2 * sizeof *writer->point * ((size_t)writer->point_count + CHECK_INTERVAL);
     enum gd_status status = gd_control_afford(writer->how->control, writer->how->held + points);
-    return status ? status : gd_control_check(writer->how->control, begun + (1 - begun) * done);
+    return status ? status
+                  : gd_control_check(writer->how->control, progress + (1 - progress) * done);
 }
 
 static void append_point(struct writer *writer, const struct gd_point *point)
 {
     if (!writer->status && writer->point_count % CHECK_INTERVAL == 0)
-        writer->status = check(writer);
+        writer->status = check_work(writer);
     if (writer->status) return;
     struct gd_point *grown = gd__array_reserve(writer->point, &writer->point_capacity,
                                                writer->point_count + 1, sizeof *grown);
@@ -55,9 +56,9 @@ static void append_point(struct writer *writer, const struct gd_point *point)
     writer->point[writer->point_count++] = *point;
 }
 
-/* A face in which the line goes on from its last point. */
+/* A face that the line enters from its last point. */
 struct leg {
-    struct gd__frame frame;
+    struct gd__face_frame frame;
     uint32_t face;
     struct gd__local at; /* the last point */
 };
@@ -71,7 +72,7 @@ static struct gd__local place_of(const struct writer *writer, uint32_t face,
     return gd__face_local(mesh, mesh->face_side[face][0], weight);
 }
 
-/* Points that are the same are one. */
+/* Appends a point, unless it equals the last one. */
 static void go_to(struct writer *writer, struct leg *leg, const struct gd_point *point)
 {
     if (writer->status || gd_point_equal(&writer->point[writer->point_count - 1], point)) return;
@@ -83,16 +84,16 @@ static void go_to(struct writer *writer, struct leg *leg, const struct gd_point 
 
 static void go_to_place(struct writer *writer, struct leg *leg, struct gd__local at)
 {
-    struct gd_point point = gd__frame_point(writer->diagram->mesh, leg->face, &leg->frame, at);
+    struct gd_point point = gd__face_frame_point(writer->diagram->mesh, leg->face, &leg->frame, at);
     go_to(writer, leg, &point);
 }
 
-/* --- a strand --------------------------------------------------------------------------------- */
+/* --- a part of a bisector --------------------------------------------------------------------- */
 
-/* What lies between two places of a branch less than a quarter of a turn apart; the branch is
- * highest above the chord near its middle. */
-static void flatten(struct writer *writer, struct leg *leg, const struct gd__focus focus[2],
-                    struct gd__local from, struct gd__local to, int halvings_left)
+/* Appends points between two places of a branch that are at most a quarter turn apart. The branch
+ * deviates most from the chord near the middle. */
+static void flatten_branch(struct writer *writer, struct leg *leg, const struct gd__focus focus[2],
+                           struct gd__local from, struct gd__local to, int halvings_left)
 {
     struct gd__local middle = {0.5 * (from.x + to.x), 0.5 * (from.y + to.y)};
     double chord = hypot(to.x - from.x, to.y - from.y);
@@ -100,42 +101,45 @@ static void flatten(struct writer *writer, struct leg *leg, const struct gd__foc
     if (writer->status || !halvings_left ||
         hypot(at.x - middle.x, at.y - middle.y) <= writer->how->tolerance)
         return;
-    flatten(writer, leg, focus, from, at, halvings_left - 1);
+    flatten_branch(writer, leg, focus, from, at, halvings_left - 1);
     go_to_place(writer, leg, at);
-    flatten(writer, leg, focus, at, to, halvings_left - 1);
+    flatten_branch(writer, leg, focus, at, to, halvings_left - 1);
 }
 
-/* The branch without the nudge, at most a quarter of a turn at a time. */
-static void flatten_strand(struct writer *writer, struct leg *leg, const struct gd__strand *strand,
-                           bool reversed, const struct gd_point *stop)
+/* Appends the points of a part, computed without the nudge, in steps of at most a quarter turn. */
+static void flatten_bisector_part(struct writer *writer, struct leg *leg,
+                                  const struct gd__bisector_part *bisector_part, bool reversed,
+                                  const struct gd_point *stop)
 {
     struct gd__branch branch;
     struct gd__local from = leg->at, to = place_of(writer, leg->face, stop), origin = {0, 0};
     double size = leg->frame.size;
-    double start = reversed ? strand->to : strand->from,
-           turn = (strand->to - strand->from) * (reversed ? -1 : 1);
+    double start = reversed ? bisector_part->to : bisector_part->from,
+           turn = (bisector_part->to - bisector_part->from) * (reversed ? -1 : 1);
     uint32_t parts = (uint32_t)(fabs(turn) / M_PI_2) + 1;
-    if (parts > 1 &&
-        !gd__branch_between(&strand->focus[0], &strand->focus[1], origin, size, &branch))
+    if (parts > 1 && !gd__branch_between(&bisector_part->focus[0], &bisector_part->focus[1], origin,
+                                         size, &branch))
         parts = 1;
     for (uint32_t i = 1; i <= parts; i++) {
         struct gd__local next =
             i < parts ? gd__branch_place(&branch, start + turn * i / parts - branch.zero) : to;
-        flatten(writer, leg, strand->focus, from, next, HALVINGS_MOST);
+        flatten_branch(writer, leg, bisector_part->focus, from, next, HALVINGS_MOST);
         if (i < parts) go_to_place(writer, leg, next);
         from = next;
     }
 }
 
-/* Goes along a strand from one of its nodes to the other. */
-static void go_along(struct writer *writer, const struct gd__strand *strand, bool reversed)
+/* Appends a part of a bisector, from one of its nodes to the other. */
+static void go_along(struct writer *writer, const struct gd__bisector_part *bisector_part,
+                     bool reversed)
 {
     const struct gd__diagram *diagram = writer->diagram;
-    const struct gd_point *start = &diagram->node[strand->node[reversed]].point,
-                          *stop = &diagram->node[strand->node[!reversed]].point;
-    struct leg leg = {gd__frame_of_face(diagram->mesh, strand->face), strand->face,
-                      place_of(writer, strand->face, start)};
-    if (!strand->is_straight) flatten_strand(writer, &leg, strand, reversed, stop);
+    const struct gd_point *start = &diagram->node[bisector_part->node[reversed]].point,
+                          *stop = &diagram->node[bisector_part->node[!reversed]].point;
+    struct leg leg = {gd__face_frame_of(diagram->mesh, bisector_part->face), bisector_part->face,
+                      place_of(writer, bisector_part->face, start)};
+    if (!bisector_part->is_straight)
+        flatten_bisector_part(writer, &leg, bisector_part, reversed, stop);
     go_to(writer, &leg, stop);
 }
 
@@ -153,34 +157,37 @@ static void append_line(struct writer *writer, const struct line *line)
     writer->line[writer->line_count++] = *line;
 }
 
-/* The strand behind one that arrives at a node; GD_NONE: the line ends there. */
-static uint32_t behind(const struct gd__diagram *diagram, uint32_t strand, uint32_t number)
+/* Returns the part that continues a line at a node; GD_NONE if the line ends there. */
+static uint32_t bisector_part_behind(const struct gd__diagram *diagram, uint32_t bisector_part,
+                                     uint32_t number)
 {
     const struct gd__node *node = &diagram->node[number];
     if (node->is_end) return GD_NONE;
-    return node->strand[0] == strand ? node->strand[1] : node->strand[0];
+    return node->bisector_part[0] == bisector_part ? node->bisector_part[1]
+                                                   : node->bisector_part[0];
 }
 
-/* The line that begins with a strand at one of its nodes. One that is all rounding is left out. */
-static void write_line(struct writer *writer, uint32_t strand, uint32_t node)
+/* Writes the line that begins with a part at one of the part's nodes, unless the line is no longer
+ * than rounding. */
+static void write_line(struct writer *writer, uint32_t bisector_part, uint32_t node)
 {
     const struct gd__diagram *diagram = writer->diagram;
-    const struct gd__strand *first = &diagram->strand[strand];
+    const struct gd__bisector_part *first = &diagram->bisector_part[bisector_part];
     struct line line = {.first = writer->point_count,
                         .bisector = {.members = {first->member[0], first->member[1]}}};
     uint32_t start = node;
     writer->length = 0;
     append_point(writer, &diagram->node[node].point);
-    while (strand != GD_NONE && !writer->visited[strand] && !writer->status) {
-        const struct gd__strand *at = &diagram->strand[strand];
+    while (bisector_part != GD_NONE && !writer->visited[bisector_part] && !writer->status) {
+        const struct gd__bisector_part *at = &diagram->bisector_part[bisector_part];
         bool reversed = at->node[0] != node;
-        writer->visited[strand] = true;
+        writer->visited[bisector_part] = true;
         writer->strands_done++;
         go_along(writer, at, reversed);
         node = at->node[!reversed];
-        strand = behind(diagram, strand, node);
+        bisector_part = bisector_part_behind(diagram, bisector_part, node);
     }
-    line.bisector.closed = strand != GD_NONE && node == start;
+    line.bisector.closed = bisector_part != GD_NONE && node == start;
     line.bisector.point_count = writer->point_count - line.first;
     line.bisector.length = writer->length * diagram->mesh->unit;
     if (writer->length > writer->least)
@@ -189,16 +196,17 @@ static void write_line(struct writer *writer, uint32_t strand, uint32_t node)
         writer->point_count = line.first;
 }
 
-/* Those with ends first: what is left then is closed. */
+/* Writes the open lines first; the remaining lines are closed. */
 static void write_lines(struct writer *writer)
 {
     const struct gd__diagram *diagram = writer->diagram;
-    for (uint32_t i = 0; i < diagram->strand_count && !writer->status; i++)
+    for (uint32_t i = 0; i < diagram->bisector_part_count && !writer->status; i++)
         for (int end = 0; end < 2; end++)
-            if (!writer->visited[i] && behind(diagram, i, diagram->strand[i].node[end]) == GD_NONE)
-                write_line(writer, i, diagram->strand[i].node[end]);
-    for (uint32_t i = 0; i < diagram->strand_count && !writer->status; i++)
-        if (!writer->visited[i]) write_line(writer, i, diagram->strand[i].node[0]);
+            if (!writer->visited[i] &&
+                bisector_part_behind(diagram, i, diagram->bisector_part[i].node[end]) == GD_NONE)
+                write_line(writer, i, diagram->bisector_part[i].node[end]);
+    for (uint32_t i = 0; i < diagram->bisector_part_count && !writer->status; i++)
+        if (!writer->visited[i]) write_line(writer, i, diagram->bisector_part[i].node[0]);
 }
 
 static int by_members(const void *a, const void *b)
@@ -227,12 +235,12 @@ static enum gd_status hand_over(struct writer *writer, struct gd_voronoi *out)
     return GD_OK;
 }
 
-enum gd_status gd__diagram_export(struct gd__diagram *diagram, const struct gd__export *how,
+enum gd_status gd__diagram_export(struct gd__diagram *diagram, const struct gd__export_options *how,
                                   struct gd_voronoi *out)
 {
     struct writer writer = {
         .diagram = diagram, .how = how, .least = GD_TOL_CHECK * diagram->members.farthest};
-    writer.visited = calloc((size_t)diagram->strand_count + 1, sizeof *writer.visited);
+    writer.visited = calloc((size_t)diagram->bisector_part_count + 1, sizeof *writer.visited);
     if (!writer.visited) return GD_NO_MEMORY;
     write_lines(&writer);
     enum gd_status status = writer.status;

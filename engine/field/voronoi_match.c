@@ -1,33 +1,33 @@
 #include <stdlib.h>
 
-#include "field/array.h"
+#include "base/array.h"
 #include "field/voronoi_parts.h"
 
-/* Loose ends of a face get their nodes: those of a triple point one in common, the others two by
- * two. */
+/* Assigns nodes to a face's loose ends: the ends at a triple point share one node, other ends are
+ * matched in pairs. */
 
-static double apart(const struct gd__loose *a, const struct gd__loose *b)
+static double distance_apart(const struct gd__loose_end *a, const struct gd__loose_end *b)
 {
     double dx = a->at.x - b->at.x, dy = a->at.y - b->at.y;
     return sqrt(dx * dx + dy * dy);
 }
 
-/* A switch, or a triple point that lacks a strand. */
-static bool has_node(const struct gd__loose *loose)
+/* Returns true for an owner change, or a triple point that lacks a part. */
+static bool has_node(const struct gd__loose_end *loose)
 {
-    return loose->strand == GD_NONE;
+    return loose->bisector_part == GD_NONE;
 }
 
-/* The face at hand. */
+/* The current face. */
 struct work {
     struct gd__diagram *diagram;
     struct gd__voronoi_scratch *scratch;
-    double reach; /* ends no farther apart are one place, but for rounding */
+    double reach; /* ends this close are at the same place, up to rounding */
 };
 
 /* --- places ----------------------------------------------------------------------------------- */
 
-static bool is_in_face(const struct gd__frame *frame, struct gd__local at)
+static bool is_in_face(const struct gd__face_frame *frame, struct gd__local at)
 {
     bool is_inside = true;
     for (int k = 0; k < 3; k++) {
@@ -37,9 +37,9 @@ static bool is_in_face(const struct gd__frame *frame, struct gd__local at)
     return is_inside;
 }
 
-/* Where three sources are as near. A line and its end are so along all of the line's perpendicular,
- * and so are a vertex and a source behind it: that may lead out of the face, back into which the
- * nearest place is not as far from all. */
+/* Returns the place near `at` that is equally far from three sources; `at` itself if that place is
+ * outside the face. For a line and its end, or for a vertex and a source behind it, the solutions
+ * form a whole perpendicular, which may leave the face. */
 static struct gd__local refine_takeover(const struct work *work, const struct gd__focus focus[3],
                                         struct gd__local at)
 {
@@ -47,11 +47,12 @@ static struct gd__local refine_takeover(const struct work *work, const struct gd
     return is_in_face(&work->scratch->sources.frame, place) ? place : at;
 }
 
-/* Without the nudge; a switch has its place already. */
-static void refine(const struct work *work, struct gd__loose *loose)
+/* Recomputes the place of a loose end without the nudge, except for owner changes, whose places are
+ * exact. */
+static void refine_end(const struct work *work, struct gd__loose_end *loose)
 {
     if (has_node(loose)) return;
-    const struct gd__focus *focus = work->diagram->strand[loose->strand].focus;
+    const struct gd__focus *focus = work->diagram->bisector_part[loose->bisector_part].focus;
     if (loose->third != GD_NONE) {
         struct gd__focus three[3] = {focus[0], focus[1],
                                      gd__focus_of(&work->scratch->sources.source[loose->third])};
@@ -64,26 +65,27 @@ static enum gd_status make_node(const struct work *work, struct gd__local at, ui
 {
     const struct gd__sources *sources = &work->scratch->sources;
     struct gd_point point =
-        gd__frame_point(work->diagram->mesh, sources->face, &sources->frame, at);
+        gd__face_frame_point(work->diagram->mesh, sources->face, &sources->frame, at);
     return gd__diagram_add_node(work->diagram, &point, out);
 }
 
-static void meet(struct gd__diagram *diagram, uint32_t strand, uint32_t end, uint32_t number)
+static void end_bisector_part(struct gd__diagram *diagram, uint32_t bisector_part, uint32_t end,
+                              uint32_t number)
 {
     struct gd__node *node = &diagram->node[number];
-    diagram->strand[strand].node[end] = number;
-    if (node->strand[0] == GD_NONE)
-        node->strand[0] = strand;
-    else if (node->strand[1] == GD_NONE)
-        node->strand[1] = strand;
+    diagram->bisector_part[bisector_part].node[end] = number;
+    if (node->bisector_part[0] == GD_NONE)
+        node->bisector_part[0] = bisector_part;
+    else if (node->bisector_part[1] == GD_NONE)
+        node->bisector_part[1] = bisector_part;
     else
         node->is_end = true;
 }
 
-static void attach(const struct work *work, struct gd__loose *loose, uint32_t node)
+static void attach_end(const struct work *work, struct gd__loose_end *loose, uint32_t node)
 {
     loose->node = node;
-    meet(work->diagram, loose->strand, loose->end, node);
+    end_bisector_part(work->diagram, loose->bisector_part, loose->end, node);
 }
 
 /* --- triple points ---------------------------------------------------------------------------- */
@@ -92,7 +94,7 @@ struct triple {
     uint32_t member[3]; /* ascending */
 };
 
-static struct triple triple_of(const struct work *work, const struct gd__loose *loose)
+static struct triple triple_of(const struct work *work, const struct gd__loose_end *loose)
 {
     uint32_t third =
         gd__member_of(&work->diagram->members, work->scratch->sources.source[loose->third].pseudo);
@@ -107,79 +109,83 @@ static bool are_same(struct triple a, struct triple b)
     return a.member[0] == b.member[0] && a.member[1] == b.member[1] && a.member[2] == b.member[2];
 }
 
-static bool waits_at_triple(const struct gd__loose *loose)
+static bool waits_at_triple(const struct gd__loose_end *loose)
 {
     return loose->is_triple && loose->node == GD_NONE;
 }
 
-static bool are_of_same_two(const struct gd__loose *a, const struct gd__loose *b)
+static bool are_of_same_two(const struct gd__loose_end *a, const struct gd__loose_end *b)
 {
     return a->member[0] == b->member[0] && a->member[1] == b->member[1];
 }
 
-/* The nearest end with the same three members, but other two of them than `first` and `second`
- * (NULL: than the first); NULL: there is none within reach. */
-static struct gd__loose *find_partner(const struct work *work, const struct gd__loose *first,
-                                      const struct gd__loose *second)
+/* Returns the nearest end at a triple point of the same three members that separates another pair
+ * of them than `first` and `second` (may be NULL). Returns NULL if none is within reach. */
+static struct gd__loose_end *find_partner(const struct work *work,
+                                          const struct gd__loose_end *first,
+                                          const struct gd__loose_end *second)
 {
     struct triple wanted = triple_of(work, first);
-    struct gd__loose *best = NULL;
+    struct gd__loose_end *best = NULL;
     double least = work->reach;
     for (uint32_t i = 0; i < work->scratch->loose_count; i++) {
-        struct gd__loose *other = &work->scratch->loose[i];
+        struct gd__loose_end *other = &work->scratch->loose[i];
         if (!waits_at_triple(other) || !are_same(triple_of(work, other), wanted)) continue;
         if (are_of_same_two(other, first) || (second && are_of_same_two(other, second))) continue;
-        if (apart(first, other) > least) continue;
-        least = apart(first, other);
+        if (distance_apart(first, other) > least) continue;
+        least = distance_apart(first, other);
         best = other;
     }
     return best;
 }
 
-/* Two of a triple point's members whose strand was not found: it is to be bridged, or ends
- * elsewhere by rounding. */
-static enum gd_status await_two(const struct work *work, const struct gd__loose *first, uint32_t a,
-                                uint32_t b, uint32_t node)
+/* Adds a loose end with the node of a triple point, for two of its members whose part was not
+ * found. Later matching bridges it, or joins it to a part that ends elsewhere because of
+ * rounding. */
+static enum gd_status await_two(const struct work *work, const struct gd__loose_end *first,
+                                uint32_t a, uint32_t b, uint32_t node)
 {
-    return gd__loose_append(
-        work->scratch,
-        (struct gd__loose){
-            .at = first->at, .member = {a, b}, .third = GD_NONE, .strand = GD_NONE, .node = node});
+    return gd__loose_end_append(work->scratch, (struct gd__loose_end){.at = first->at,
+                                                                      .member = {a, b},
+                                                                      .third = GD_NONE,
+                                                                      .bisector_part = GD_NONE,
+                                                                      .node = node});
 }
 
-static enum gd_status await(const struct work *work, struct gd__loose first,
-                            const struct gd__loose *second, uint32_t node)
+static enum gd_status await_third(const struct work *work, struct gd__loose_end first,
+                                  const struct gd__loose_end *second, uint32_t node)
 {
     struct triple triple = triple_of(work, &first);
-    struct gd__loose found = second ? *second : first;
+    struct gd__loose_end found = second ? *second : first;
     enum gd_status status = GD_OK;
     for (int k = 0; k < 3 && !status; k++) {
-        struct gd__loose two = {.member = {triple.member[k == 0], triple.member[k == 2 ? 1 : 2]}};
+        struct gd__loose_end two = {
+            .member = {triple.member[k == 0], triple.member[k == 2 ? 1 : 2]}};
         if (are_of_same_two(&two, &first) || are_of_same_two(&two, &found)) continue;
         status = await_two(work, &first, two.member[0], two.member[1], node);
     }
     return status;
 }
 
-static enum gd_status match_triple(const struct work *work, struct gd__loose *first)
+static enum gd_status match_triple(const struct work *work, struct gd__loose_end *first)
 {
     uint32_t node;
     enum gd_status status = make_node(work, first->at, &node);
     if (status) return status;
     work->diagram->node[node].is_end = true;
-    attach(work, first, node);
-    struct gd__loose *second = find_partner(work, first, NULL);
-    if (second) attach(work, second, node);
-    struct gd__loose *third = second ? find_partner(work, first, second) : NULL;
-    if (third) attach(work, third, node);
-    return third ? GD_OK : await(work, *first, second, node);
+    attach_end(work, first, node);
+    struct gd__loose_end *second = find_partner(work, first, NULL);
+    if (second) attach_end(work, second, node);
+    struct gd__loose_end *third = second ? find_partner(work, first, second) : NULL;
+    if (third) attach_end(work, third, node);
+    return third ? GD_OK : await_third(work, *first, second, node);
 }
 
-/* --- two by two ------------------------------------------------------------------------------- */
+/* --- pairs ------------------------------------------------------------------------------------ */
 
 static int by_distance(const void *a, const void *b)
 {
-    const struct gd__tie *x = a, *y = b;
+    const struct gd__close_pair *x = a, *y = b;
     if (x->apart != y->apart) return x->apart < y->apart ? -1 : 1;
     if (x->a != y->a) return x->a < y->a ? -1 : 1;
     return (x->b > y->b) - (x->b < y->b);
@@ -187,23 +193,23 @@ static int by_distance(const void *a, const void *b)
 
 static enum gd_status append_tie(struct gd__voronoi_scratch *scratch, uint32_t a, uint32_t b)
 {
-    struct gd__tie *grown = gd__array_reserve(scratch->tie, &scratch->tie_capacity,
-                                              scratch->tie_count + 1, sizeof *grown);
+    struct gd__close_pair *grown = gd__array_reserve(scratch->tie, &scratch->tie_capacity,
+                                                     scratch->tie_count + 1, sizeof *grown);
     if (!grown) return GD_NO_MEMORY;
     scratch->tie = grown;
     scratch->tie[scratch->tie_count++] =
-        (struct gd__tie){apart(&scratch->loose[a], &scratch->loose[b]), a, b};
+        (struct gd__close_pair){distance_apart(&scratch->loose[a], &scratch->loose[b]), a, b};
     return GD_OK;
 }
 
-/* All that may be one, the nearest first. */
+/* Collects all pairs that may match, sorted by distance. */
 static enum gd_status find_ties(struct gd__voronoi_scratch *scratch)
 {
     enum gd_status status = GD_OK;
     scratch->tie_count = 0;
     for (uint32_t i = 0; i < scratch->loose_count; i++) {
         for (uint32_t k = i + 1; k < scratch->loose_count && !status; k++) {
-            const struct gd__loose *a = &scratch->loose[i], *b = &scratch->loose[k];
+            const struct gd__loose_end *a = &scratch->loose[i], *b = &scratch->loose[k];
             if (a->is_triple || b->is_triple) continue;
             if (are_of_same_two(a, b)) status = append_tie(scratch, i, k);
         }
@@ -213,45 +219,47 @@ static enum gd_status find_ties(struct gd__voronoi_scratch *scratch)
     return status;
 }
 
-/* A straight strand between two nodes. */
-static enum gd_status bridge(const struct work *work, const uint32_t member[2], uint32_t from,
-                             uint32_t to)
+/* Appends a straight part between two nodes. */
+static enum gd_status bridge_nodes(const struct work *work, const uint32_t member[2], uint32_t from,
+                                   uint32_t to)
 {
-    struct gd__strand strand = {.face = work->scratch->sources.face,
-                                .member = {member[0], member[1]},
-                                .node = {from, to},
-                                .is_straight = true};
+    struct gd__bisector_part bisector_part = {.face = work->scratch->sources.face,
+                                              .member = {member[0], member[1]},
+                                              .node = {from, to},
+                                              .is_straight = true};
     uint32_t number;
-    enum gd_status status = gd__diagram_add_strand(work->diagram, &strand, &number);
+    enum gd_status status = gd__diagram_add_bisector_part(work->diagram, &bisector_part, &number);
     if (status) return status;
-    meet(work->diagram, number, 0, from);
-    meet(work->diagram, number, 1, to);
+    end_bisector_part(work->diagram, number, 0, from);
+    end_bisector_part(work->diagram, number, 1, to);
     return GD_OK;
 }
 
-static enum gd_status give_node(const struct work *work, struct gd__loose *loose)
+static enum gd_status give_node(const struct work *work, struct gd__loose_end *loose)
 {
     uint32_t node;
     if (has_node(loose)) return GD_OK;
     enum gd_status status = make_node(work, loose->at, &node);
-    if (!status) attach(work, loose, node);
+    if (!status) attach_end(work, loose, node);
     return status;
 }
 
-/* Two ends in one place get one node, that of the one which has it; others are bridged. */
-static enum gd_status match_two(const struct work *work, struct gd__loose *a, struct gd__loose *b)
+/* Matches two ends. At the same place they share the node that one of them has; otherwise a part
+ * bridges them. */
+static enum gd_status match_two(const struct work *work, struct gd__loose_end *a,
+                                struct gd__loose_end *b)
 {
-    bool is_one = apart(a, b) <= work->reach && !(has_node(a) && has_node(b));
-    if (is_one && has_node(a)) attach(work, b, a->node);
-    if (is_one && has_node(b)) attach(work, a, b->node);
+    bool is_one = distance_apart(a, b) <= work->reach && !(has_node(a) && has_node(b));
+    if (is_one && has_node(a)) attach_end(work, b, a->node);
+    if (is_one && has_node(b)) attach_end(work, a, b->node);
     if (is_one && (has_node(a) || has_node(b))) return GD_OK;
-    /* where a source takes over, the place is the more exact one */
+    /* the place of an end with a third source is more accurate */
     bool second = is_one && a->third == GD_NONE;
     enum gd_status status = give_node(work, second ? b : a);
-    if (is_one && !status) attach(work, second ? a : b, second ? b->node : a->node);
+    if (is_one && !status) attach_end(work, second ? a : b, second ? b->node : a->node);
     if (is_one || status) return status;
     status = give_node(work, b);
-    return status ? status : bridge(work, a->member, a->node, b->node);
+    return status ? status : bridge_nodes(work, a->member, a->node, b->node);
 }
 
 static enum gd_status match_pairs(const struct work *work)
@@ -259,8 +267,8 @@ static enum gd_status match_pairs(const struct work *work)
     struct gd__voronoi_scratch *scratch = work->scratch;
     enum gd_status status = find_ties(scratch);
     for (uint32_t i = 0; i < scratch->tie_count && !status; i++) {
-        const struct gd__tie *tie = &scratch->tie[i];
-        struct gd__loose *a = &scratch->loose[tie->a], *b = &scratch->loose[tie->b];
+        const struct gd__close_pair *tie = &scratch->tie[i];
+        struct gd__loose_end *a = &scratch->loose[tie->a], *b = &scratch->loose[tie->b];
         if (a->is_matched || b->is_matched) continue;
         a->is_matched = b->is_matched = true;
         status = match_two(work, a, b);
@@ -268,17 +276,17 @@ static enum gd_status match_pairs(const struct work *work)
     return status;
 }
 
-/* --- what is left ----------------------------------------------------------------------------- */
+/* --- remaining ends --------------------------------------------------------------------------- */
 
-static bool waits(const struct gd__loose *loose)
+static bool is_waiting(const struct gd__loose_end *loose)
 {
     return !loose->is_triple && !loose->is_matched;
 }
 
-/* The two members of three that `a` and `b`, which have one in common, are not both between; false:
- * they have none, or both. */
-static bool find_other_two(const struct gd__loose *a, const struct gd__loose *b,
-                           struct gd__loose *out)
+/* Finds the pair of members that is missing at a triple point with the ends `a` and `b`. Returns
+ * false unless `a` and `b` share exactly one member. */
+static bool find_other_two(const struct gd__loose_end *a, const struct gd__loose_end *b,
+                           struct gd__loose_end *out)
 {
     if (are_of_same_two(a, b)) return false;
     for (int i = 0; i < 2; i++) {
@@ -293,32 +301,35 @@ static bool find_other_two(const struct gd__loose *a, const struct gd__loose *b,
     return false;
 }
 
-/* The end that waits for the other two members of two ends in one place; NULL: there is none. */
-static struct gd__loose *find_third(const struct work *work, const struct gd__loose *a,
-                                    const struct gd__loose *b)
+/* Returns the unmatched end of the missing pair of two ends at the same place; NULL if there is
+ * none. */
+static struct gd__loose_end *find_third(const struct work *work, const struct gd__loose_end *a,
+                                        const struct gd__loose_end *b)
 {
-    struct gd__loose wanted;
-    if (!waits(a) || !waits(b) || apart(a, b) > work->reach || !find_other_two(a, b, &wanted))
+    struct gd__loose_end wanted;
+    if (!is_waiting(a) || !is_waiting(b) || distance_apart(a, b) > work->reach ||
+        !find_other_two(a, b, &wanted))
         return NULL;
     for (uint32_t i = 0; i < work->scratch->loose_count; i++) {
-        struct gd__loose *loose = &work->scratch->loose[i];
-        if (waits(loose) && are_of_same_two(loose, &wanted)) return loose;
+        struct gd__loose_end *loose = &work->scratch->loose[i];
+        if (is_waiting(loose) && are_of_same_two(loose, &wanted)) return loose;
     }
     return NULL;
 }
 
-/* A triple point of which one line is the edge of a shadow, which has no strand: it is bridged. */
-static enum gd_status match_corner(const struct work *work, struct gd__loose *a,
-                                   struct gd__loose *b, struct gd__loose *third)
+/* Makes a triple point of three ends. One of its bisectors is the border of a shadow and has no
+ * part here: a bridge replaces it. */
+static enum gd_status match_corner(const struct work *work, struct gd__loose_end *a,
+                                   struct gd__loose_end *b, struct gd__loose_end *third)
 {
     a->is_matched = b->is_matched = third->is_matched = true;
     enum gd_status status = give_node(work, a);
     if (!status) status = give_node(work, third);
-    if (!status) status = bridge(work, third->member, third->node, a->node);
+    if (!status) status = bridge_nodes(work, third->member, third->node, a->node);
     if (status) return status;
     work->diagram->node[a->node].is_end = true;
-    if (has_node(b)) return bridge(work, b->member, b->node, a->node);
-    attach(work, b, a->node);
+    if (has_node(b)) return bridge_nodes(work, b->member, b->node, a->node);
+    attach_end(work, b, a->node);
     return GD_OK;
 }
 
@@ -328,21 +339,21 @@ static enum gd_status match_corners(const struct work *work)
     enum gd_status status = GD_OK;
     for (uint32_t i = 0; i < scratch->loose_count; i++) {
         for (uint32_t k = i + 1; k < scratch->loose_count && !status; k++) {
-            struct gd__loose *a = &scratch->loose[i], *b = &scratch->loose[k],
-                             *third = find_third(work, a, b);
+            struct gd__loose_end *a = &scratch->loose[i], *b = &scratch->loose[k],
+                                 *third = find_third(work, a, b);
             if (third) status = match_corner(work, a, b, third);
         }
     }
     return status;
 }
 
-/* --- all -------------------------------------------------------------------------------------- */
+/* --- matching --------------------------------------------------------------------------------- */
 
 enum gd_status gd__face_match(struct gd__diagram *diagram, struct gd__voronoi_scratch *scratch)
 {
     struct work work = {diagram, scratch, GD_TOL_NODE * scratch->sources.frame.size};
     enum gd_status status = GD_OK;
-    for (uint32_t i = 0; i < scratch->loose_count; i++) refine(&work, &scratch->loose[i]);
+    for (uint32_t i = 0; i < scratch->loose_count; i++) refine_end(&work, &scratch->loose[i]);
     for (uint32_t i = 0; i < scratch->loose_count && !status; i++)
         if (waits_at_triple(&scratch->loose[i])) status = match_triple(&work, &scratch->loose[i]);
     if (!status) status = match_pairs(&work);

@@ -3,21 +3,21 @@
 #include "field/voronoi_parts.h"
 #include "mesh/segment.h"
 
-/* Whose the pseudo-sources are: seeds are told by the caller; each vertex's way back to its seed is
- * followed once, as far as one whose member is known. */
+/* The member of each pseudo-source. The caller defines the members of seeds. For each vertex its
+ * path is followed back up to a pseudo-source with a known member. */
 
-/* --- seeds that coincide ---------------------------------------------------------------------- */
+/* --- coinciding seeds ------------------------------------------------------------------------- */
 
-/* A seed, or the end of one that is a segment. */
+/* A place of a seed: its point, an end of its segment, or the segment as a whole. */
 struct place {
-    /* end: of a segment, the later one of its two; NULL: a point */
+    /* `end`: the second end of a segment; NULL for a point */
     const struct gd_point *at, *end;
     double offset;
     uint32_t member;
-    uint32_t number; /* of the seed; GD_NONE: a segment's end */
+    uint32_t number; /* number of the seed; GD_NONE: an end of a segment */
 };
 
-static int compare(double a, double b)
+static int compare_doubles(double a, double b)
 {
     return (a > b) - (a < b);
 }
@@ -28,7 +28,7 @@ static int by_point(const struct gd_point *a, const struct gd_point *b)
     if (a->element != b->element) return a->element < b->element ? -1 : 1;
     int order = 0;
     for (int i = 0; i < 3 && !order && a->kind != GD_POINT_VERTEX; i++)
-        order = compare(a->weight[i], b->weight[i]);
+        order = compare_doubles(a->weight[i], b->weight[i]);
     return order;
 }
 
@@ -44,12 +44,13 @@ static int by_claim(const void *a, const void *b)
 {
     const struct place *x = a, *y = b;
     int order = by_extent(x, y);
-    if (!order) order = compare(x->offset, y->offset);
+    if (!order) order = compare_doubles(x->offset, y->offset);
     return order ? order : (x->member > y->member) - (x->member < y->member);
 }
 
-/* Of seeds at one place, sorted, whose they are: of the members with the least offset the one with
- * the most segments that end there, as a point on a way has nothing of its own; else the first. */
+/* Returns the owner of a place that several seeds share. `places` are sorted. Among the members
+ * with the least offset the owner is the one with the most segments that end at the place, because
+ * a point on another member's curve owns nothing; in a tie the first. */
 static uint32_t member_with_best_claim(const struct place *places, uint32_t count)
 {
     uint32_t best = places[0].member, most = 0, ends = 0;
@@ -75,7 +76,7 @@ static void assign_places(struct place *places, uint32_t count, uint32_t *of)
     }
 }
 
-/* A seed's places, returns how many. */
+/* Lists a seed's places and returns their number. */
 static uint32_t places_of(const struct gd__seed *seed, uint32_t number, uint32_t member,
                           struct place places[3])
 {
@@ -91,7 +92,6 @@ static uint32_t places_of(const struct gd__seed *seed, uint32_t number, uint32_t
     return 3;
 }
 
-/* Of all seeds. */
 static enum gd_status assign_seeds(const struct gd_field *field, const uint32_t *member_of_seed,
                                    uint32_t *of)
 {
@@ -110,16 +110,18 @@ static enum gd_status assign_seeds(const struct gd_field *field, const uint32_t 
 
 /* --- vertices --------------------------------------------------------------------------------- */
 
-/* Without the mark of a linear one; GD_NONE: none. */
+/* Returns the pseudo-source behind a vertex, without the bit for linear sources; GD_NONE: none. */
 static uint32_t source_behind(const struct gd_field *field, uint32_t vertex)
 {
     uint32_t source = gd__field_source_behind(field, vertex);
     return source == GD_NONE ? GD_NONE : source & ~GD__SOURCE_LINEAR;
 }
 
-/* From a vertex to a pseudo-source whose member is known, and once more to tell all on the way. No
- * path bends at a vertex twice. */
-static enum gd_status follow(const struct gd_field *field, uint32_t vertex, uint32_t *of)
+/* Follows the path from a vertex to a pseudo-source with a known member, then sets that member for
+ * all vertices passed. No path bends at a vertex twice, so more steps than vertices are an
+ * error. */
+static enum gd_status follow_predecessors(const struct gd_field *field, uint32_t vertex,
+                                          uint32_t *of)
 {
     uint32_t source = vertex, steps_left = field->mesh->vertex_count;
     while (of[source] == GD_NONE) {
@@ -135,27 +137,28 @@ static enum gd_status follow(const struct gd_field *field, uint32_t vertex, uint
     return GD_OK;
 }
 
-/* Of all vertices whose member is not known. */
+/* Finds the members of all remaining vertices. */
 static enum gd_status find_owners(const struct gd_field *field, uint32_t *of)
 {
     uint32_t vertices = field->mesh->vertex_count;
     enum gd_status status = GD_OK;
     for (uint32_t v = 0; v < vertices && !status; v++)
-        if (field->distance[v] < GD__FAR && of[v] == GD_NONE) status = follow(field, v, of);
+        if (field->distance[v] < GD__FAR && of[v] == GD_NONE)
+            status = follow_predecessors(field, v, of);
     return status;
 }
 
 /* --- nudges ----------------------------------------------------------------------------------- */
 
-/* Differs from member to member without rule, in [0, 1). */
-static double scatter(uint32_t member)
+/* Returns a pseudo-random number in [0, 1) for a member. */
+static double nudge_of_member(uint32_t member)
 {
     uint64_t hash = (member + UINT64_C(1)) * UINT64_C(0x9e3779b97f4a7c15);
     hash = (hash ^ (hash >> 32)) * UINT64_C(0xd6e8feb86659fd93);
     return (double)(hash >> 11) * 0x1p-53;
 }
 
-/* No point of an edge is farther than `farthest`. */
+/* Computes `farthest`, an upper bound of the distances on edges, and the nudges. */
 static void find_nudges(const struct gd_field *field, struct gd__members *members)
 {
     const struct gd_mesh *mesh = field->mesh;
@@ -165,7 +168,7 @@ static void find_nudges(const struct gd_field *field, struct gd__members *member
             members->farthest = fmax(members->farthest, distance + mesh->side[side].length);
     }
     for (uint32_t i = 0; i < field->seed_count; i++)
-        members->nudge[i] = GD_TOL_TIE * members->farthest * scatter(i);
+        members->nudge[i] = GD_TOL_TIE * members->farthest * nudge_of_member(i);
 }
 
 enum gd_status gd__members_find(const struct gd_field *field, const uint32_t *member_of_seed,
@@ -200,8 +203,8 @@ enum gd_status gd__members_change(const struct gd_field *field, const uint32_t *
 
 enum { CHECK_INTERVAL = 4096 /* pairs of seeds */ };
 
-/* Is a point on a segment, both in that face, and no nearer to anything than it, but for the
- * nudge? */
+/* Returns true if a point seed lies on a segment seed in the same face, and the segment is at least
+ * as near there, up to the nudge. */
 static bool is_covered(const struct gd_field *field, uint32_t face, const struct gd__seed *point,
                        const struct gd__seed *segment, double slack)
 {
@@ -215,7 +218,7 @@ static bool is_covered(const struct gd_field *field, uint32_t face, const struct
            segment->offset + height <= point->offset + slack;
 }
 
-/* A control that is looked at now and then. */
+/* Checks the control at intervals. */
 struct watch {
     const struct gd_control *control;
     uint32_t work;

@@ -1,20 +1,21 @@
-/* A Voronoi diagram from the inside: a graph of strands, each the bisector of two sources in one
- * face, between nodes.
+/* A Voronoi diagram under construction: a graph of nodes and parts of bisectors. Each part is the
+ * bisector of two sources in one face.
  *
  * DESIGN
- * - Members are told apart where they tie by a nudge: each one's distance is taken to be longer by
- *   a tiny amount of its own (GD_TOL_TIE). So the diagram is in general position, whatever the
- *   symmetries of surface and seeds are, and edges and faces decide alike. The nudge says what
- *   meets what; where that is, is found without it.
- * - Vertices get an owner. Along an edge the owners are those of the lower envelope of its windows;
- *   where they change is a switch, a node that both faces of the edge share. An edge's first and
- *   last owner may differ from its end's: then the switch is at that end.
- * - In a face, each two sources of different members give strands: the parts of their branch
- *   (voronoi_branch.h) which both see and where no third source is nearer. Their ends are matched
- *   by place: with a switch, with the end of a strand of the same members, or two others at a
- *   triple point.
- * - Bisectors are the chains of strands through nodes at which two of them meet.
- * - Inside unit. */
+ * - A nudge separates members that tie: each member's distance is increased by a tiny amount of its
+ *   own (GD_TOL_TIE). With nudges the diagram is in general position even if surface and seeds are
+ *   symmetric, and edges and faces decide ties consistently. Nudges only decide the topology;
+ *   places are computed without them.
+ * - Each vertex has an owner. Along an edge the owners come from the lower envelope of its windows.
+ *   An owner change is a node where the owner changes; both faces of the edge share it. If the
+ *   first or last owner along an edge differs from the owner of the edge's end, the owner change is
+ *   at that end.
+ * - In a face, parts of bisectors are parts of the branches (voronoi_branch.h) of any two sources
+ *   of different members, where both sources see the branch and no third source is nearer. The ends
+ *   of parts are matched by place: with an owner change, with the end of a part of the same
+ *   members, or with two others at a triple point.
+ * - A bisector is a chain of parts, joined at nodes where two parts meet.
+ * - Normalised unit. */
 #ifndef GD_FIELD_VORONOI_PARTS_H
 #define GD_FIELD_VORONOI_PARTS_H
 
@@ -22,12 +23,12 @@
 #include "gd/voronoi.h"
 #include "window/stack.h"
 
-/* Whose a pseudo-source is, and how much farther a member is taken to be. */
+/* The member of each pseudo-source, and the nudge of each member. */
 struct gd__members {
-    uint32_t *of; /* vertex_count + seed_count; GD_NONE: no path reaches it */
-    /* per member, of which there may be as many as seeds; below GD_TOL_TIE of `farthest` */
+    uint32_t *of; /* vertex_count + seed_count; GD_NONE: unreached */
+    /* per member (at most seed_count members): less than GD_TOL_TIE * farthest */
     double *nudge;
-    double farthest; /* no point of an edge is farther */
+    double farthest; /* upper bound of the distances on edges */
 };
 
 static inline uint32_t gd__member_of(const struct gd__members *members, uint32_t source)
@@ -35,28 +36,28 @@ static inline uint32_t gd__member_of(const struct gd__members *members, uint32_t
     return members->of[source & ~GD__SOURCE_LINEAR];
 }
 
-/* voronoi_members.c: `member_of_seed` as for gd_voronoi_trace. GD_INVALID_ARGUMENT, GD_NO_MEMORY,
- * GD_INTERNAL. */
+/* voronoi_members.c: finds the members and nudges. `member_of_seed` as in gd_voronoi_trace. Errors:
+ * GD_INVALID_ARGUMENT, GD_NO_MEMORY, GD_INTERNAL. */
 GD_MUST_USE enum gd_status gd__members_find(const struct gd_field *field,
                                             const uint32_t *member_of_seed,
                                             struct gd__members *out);
 
-/* Gives points that lie on another member's segment, and so own nothing, to that member: else the
- * nudge might give them something. GD_INTERNAL, GD_CANCELLED, GD_DEADLINE. O(k^2) for each face
- * with k seeds. */
+/* Assigns a point seed that lies on another member's segment to that member. Such a point is
+ * nowhere strictly nearest, but the nudge might give it a region. Errors: GD_INTERNAL,
+ * GD_CANCELLED, GD_DEADLINE. O(k^2) for each face with k seeds. */
 GD_MUST_USE enum gd_status gd__members_settle(const struct gd_field *field,
                                               const struct gd_control *control,
                                               struct gd__members *members);
 
-/* Takes over owners of vertices that differ, for these and for all whose way leads through them.
- * GD_INTERNAL. */
+/* Sets the members of vertices whose owners changed, and of all vertices whose paths pass them.
+ * Error: GD_INTERNAL. */
 GD_MUST_USE enum gd_status gd__members_change(const struct gd_field *field, const uint32_t *owner,
                                               struct gd__members *members);
 void gd__members_destroy(struct gd__members *members);
 
-/* Ends of linear wedges are stored rounded inwards, to 2^-32 of an edge no longer than `size`: a
- * line is taken to see that much more, lest there be gaps between neighbours. `away`: how far that
- * end lies from the segment. */
+/* Returns the length by which a linear wedge's end is extended to close the gap to its neighbour.
+ * Stored ends are rounded inwards, to 2^-32 of an edge no longer than `size`. `away` is the
+ * distance of that end from the segment. */
 static inline double gd__line_lengthened(double size, double away)
 {
     return fmax(fmin(2 * GD__WEDGE_UNIT * size, GD_TOL_LENGTHENED * away), 0);
@@ -64,116 +65,122 @@ static inline double gd__line_lengthened(double size, double away)
 
 struct gd__node {
     struct gd_point point;
-    uint32_t strand[2]; /* that meet there; GD_NONE: there is none */
-    bool is_end;        /* bisectors end here */
+    uint32_t bisector_part[2]; /* parts that meet at the node; GD_NONE: none */
+    bool is_end;               /* bisectors end at the node */
 };
 
-/* Where the owner changes along an edge; t: from the origin of side 0, in [0, length]. */
-struct gd__switch {
+/* An owner change along an edge; t is measured from the origin of side 0, in [0, length]. */
+struct gd__owner_change {
     uint32_t node;
     double t;
     uint32_t before, after; /* members */
 };
 
-struct gd__strand {
+struct gd__bisector_part {
     uint32_t face;
     uint32_t member[2]; /* ascending */
     uint32_t node[2];
     struct gd__focus focus[2];
-    double from, to;  /* angles of its branch as seen from focus[0] */
-    bool is_straight; /* a line between two segments, or no branch: it bridges rounding, or a tie */
+    double from, to;  /* angles of the part's branch about focus[0] */
+    bool is_straight; /* a line between two segments, or a bridge over rounding or a tie */
 };
 
-/* What has been found. Switches of edge e: first_switch[e] to first_switch[e + 1]. All zero is
- * empty. */
+/* The diagram under construction. Owner changes of edge e: [first_switch[e], first_switch[e + 1]).
+ * An all-zero struct is empty. */
 struct gd__diagram {
     const struct gd_field *field;
     const struct gd_mesh *mesh;
-    const uint32_t *member_of_seed; /* NULL: each is one */
+    const uint32_t *member_of_seed; /* NULL: each seed is a member */
     struct gd__members members;
-    /* per vertex: members.of, and who else has a better claim where there is a tie */
+    /* per vertex: members.of, or the member that wins a tie */
     uint32_t *owner;
-    double *nearest;        /* per vertex: its owner's nudged distance; 0: nobody else gets it */
-    uint32_t changed;       /* owners that differ */
+    double *nearest;        /* per vertex: its nudged distance from its owner; 0: uncontested */
+    uint32_t changed;       /* number of owners that differ from members.of */
     uint32_t *first_switch; /* per edge, and one more */
     struct gd__node *node;
-    struct gd__switch *edge_switch;
-    struct gd__strand *strand;
-    uint32_t node_count, node_capacity, switch_count, switch_capacity, strand_count,
-        strand_capacity;
+    struct gd__owner_change *edge_switch;
+    struct gd__bisector_part *bisector_part;
+    uint32_t node_count, node_capacity, switch_count, switch_capacity, bisector_part_count,
+        bisector_part_capacity;
 };
 
-/* The end of a strand in the face at hand, or a node that one is to end at: a switch, or a triple
- * point which lacks one. */
-struct gd__loose {
+/* The end of a part in the current face, or a node where a part must end: an owner change, or a
+ * triple point that lacks a part. */
+struct gd__loose_end {
     struct gd__local at;
-    uint32_t member[2];   /* ascending */
-    uint32_t third;       /* the source that takes over there; GD_NONE: none does */
-    bool is_triple;       /* and it is of a third member */
-    uint32_t strand, end; /* GD_NONE: a node's */
-    uint32_t node;        /* GD_NONE: not yet */
-    bool is_matched;      /* with another one */
+    uint32_t member[2]; /* ascending */
+    /* the third source, which becomes nearer beyond the end; GD_NONE: none */
+    uint32_t third;
+    bool is_triple;              /* the third source belongs to a third member */
+    uint32_t bisector_part, end; /* GD_NONE: a node */
+    uint32_t node;               /* GD_NONE: not yet */
+    bool is_matched;             /* matched with another end */
 };
 
-/* Two of them that may be one, and their distance squared. */
-struct gd__tie {
+/* Two ends that may match, and their distance squared. */
+struct gd__close_pair {
     double apart;
     uint32_t a, b;
 };
 
-/* What a source sees of a face: a triangle that up to three lines have cut. */
+/* The part of a face that a source sees: a triangle clipped by up to three lines. */
 struct gd__view {
     int count;
     struct gd__local corner[7];
-    double most; /* no place of it is farther, nudged */
+    double most; /* upper bound of the nudged distances in the view */
 };
 
-/* Scratch of an edge and a face, reused; all zero is empty. */
+/* Reused scratch for an edge and a face. An all-zero struct is empty. */
 struct gd__voronoi_scratch {
     struct gd__stack envelope, tail;
     struct gd__sources sources;
     struct gd__view *view; /* per source */
     struct gd__spans covered, spans;
-    struct gd__loose *loose;
-    struct gd__tie *tie;
+    struct gd__loose_end *loose;
+    struct gd__close_pair *tie;
     uint32_t view_capacity, loose_count, loose_capacity, tie_count, tie_capacity;
 };
 
-/* voronoi_edge.c: does an edge see more than one member? If so: gives its ends to whom its windows
- * are nearest there; */
+/* voronoi_edge.c: gd__edge_is_mixed returns true if the windows of an edge belong to more than one
+ * member. gd__edge_own_ends sets the owners of such an edge's ends from the nearest windows. */
 bool gd__edge_is_mixed(const struct gd__diagram *diagram, uint32_t edge);
 void gd__edge_own_ends(struct gd__diagram *diagram, uint32_t edge);
 
-/* appends its switches, the vertices' owners being final. GD_NO_MEMORY. */
-GD_MUST_USE enum gd_status gd__edge_switch(struct gd__diagram *diagram, uint32_t edge,
-                                           struct gd__voronoi_scratch *scratch);
+/* Appends the owner changes of an edge. The owners of vertices must be final. Error:
+ * GD_NO_MEMORY. */
+GD_MUST_USE enum gd_status gd__edge_owner_change(struct gd__diagram *diagram, uint32_t edge,
+                                                 struct gd__voronoi_scratch *scratch);
 
-/* voronoi_face.c: appends the strands of a face, the switches of whose edges are there, with their
- * loose ends; voronoi_match.c: gives those their nodes. GD_NO_MEMORY. */
-GD_MUST_USE enum gd_status gd__face_strands(struct gd__diagram *diagram, uint32_t face,
-                                            struct gd__voronoi_scratch *scratch);
-GD_MUST_USE enum gd_status gd__loose_append(struct gd__voronoi_scratch *scratch,
-                                            struct gd__loose loose);
+/* voronoi_face.c: gd__face_bisector_parts appends the parts of a face, and collects their loose
+ * ends in `scratch`; the owner changes of the face's edges must exist. gd__loose_end_append appends
+ * a loose end. voronoi_match.c: gd__face_match assigns nodes to the loose ends. Error of all:
+ * GD_NO_MEMORY. */
+GD_MUST_USE enum gd_status gd__face_bisector_parts(struct gd__diagram *diagram, uint32_t face,
+                                                   struct gd__voronoi_scratch *scratch);
+GD_MUST_USE enum gd_status gd__loose_end_append(struct gd__voronoi_scratch *scratch,
+                                                struct gd__loose_end loose);
 GD_MUST_USE enum gd_status gd__face_match(struct gd__diagram *diagram,
                                           struct gd__voronoi_scratch *scratch);
 
-/* How to export. */
-struct gd__export {
-    double tolerance; /* inside unit */
+/* Options of gd__diagram_export. */
+struct gd__export_options {
+    double tolerance; /* normalised unit */
     const struct gd_control *control;
-    size_t held;  /* bytes, by the diagram */
-    double begun; /* the part of the work that is done */
+    size_t held;     /* bytes held by the diagram */
+    double progress; /* progress of the call */
 };
 
-/* voronoi_line.c: the chains of strands as polylines. GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
- * GD_DEADLINE. */
+/* voronoi_line.c: converts the chains of parts to polylines. Errors: GD_NO_MEMORY, GD_BUDGET,
+ * GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__diagram_export(struct gd__diagram *diagram,
-                                              const struct gd__export *how, struct gd_voronoi *out);
+                                              const struct gd__export_options *how,
+                                              struct gd_voronoi *out);
 
-/* voronoi.c: appends a node or a strand, *out: its number. GD_NO_MEMORY. */
+/* voronoi.c: append a node or a part, and set *out to its number. Error: GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__diagram_add_node(struct gd__diagram *diagram,
                                                 const struct gd_point *point, uint32_t *out);
-GD_MUST_USE enum gd_status gd__diagram_add_strand(struct gd__diagram *diagram,
-                                                  const struct gd__strand *strand, uint32_t *out);
+GD_MUST_USE enum gd_status
+gd__diagram_add_bisector_part(struct gd__diagram *diagram,
+                              const struct gd__bisector_part *bisector_part, uint32_t *out);
 
 #endif

@@ -15,8 +15,8 @@ gd__wedge_view_kernel *gd__wedge_view_kernel_in_use(bool linear)
     return linear ? gd__wedge_view_plain_linear : gd__wedge_view_plain;
 }
 
-/* Measured from the end of the leg that is nearer to the edge: the rounding is relative to that
- * end. */
+/* Returns where the straight line crosses the edge, measured from the end of the leg that is nearer
+ * to the edge, so that the rounding error is relative to that end's distance. */
 static double straight_crossing(const struct gd__wedge_view *wedge_view, const struct gd__window *w)
 {
     if (gd__window_is_linear(w)) return wedge_view->x + w->x * (wedge_view->y / w->y);

@@ -6,25 +6,42 @@ static inline lanes load_first(const double *p, uint32_t count)
     return _mm256_maskload_pd(p, _mm256_castpd_si256(first_lanes(count)));
 }
 
-static inline __m256i words_first(const uint64_t *p, uint32_t count)
+static inline lanes starts_first(const uint32_t *p, uint32_t count)
 {
-    return _mm256_maskload_epi64((const long long *)p, _mm256_castpd_si256(first_lanes(count)));
-}
-
-static inline lanes starts_first(const uint64_t *p, uint32_t count)
-{
-    /* a double whose low half is a whole number below 2^32, once it is taken off again */
+    /* 2^52 + n has the integer n < 2^32 in its low half; subtracting 2^52 converts n to a double */
     const double two52 = 4503599627370496.0;
     __m256i whole =
-        _mm256_blend_epi32(words_first(p, count), _mm256_castpd_si256(all(two52)), 0xaa);
+        _mm256_or_si256(_mm256_cvtepu32_epi64(ids_load(p)), _mm256_castpd_si256(all(two52)));
+    (void)count; /* reads beyond the array are safe, because further arrays of the chunk follow */
     return _mm256_castsi256_pd(whole) - all(two52);
 }
 
-static inline ids sources_first(const uint64_t *p, uint32_t count)
+static inline ids highs_first(const struct gd__wedges *wedges, uint32_t at, uint32_t count)
 {
-    __m256i high = _mm256_permutevar8x32_epi32(words_first(p, count),
-                                               _mm256_setr_epi32(1, 3, 5, 7, 1, 3, 5, 7));
-    return _mm256_castsi256_si128(high);
+    (void)count;
+    if (wedges->form == GD__WEDGE_16)
+        return _mm_slli_epi32(_mm_cvtepu8_epi32(_mm_loadu_si32((uint8_t *)wedges->high + at)), 8);
+    if (wedges->form == GD__WEDGE_24)
+        return _mm_slli_epi32(
+            _mm_cvtepu16_epi32(_mm_loadl_epi64((const void *)((uint16_t *)wedges->high + at))), 8);
+    return ids_load((uint32_t *)wedges->high + at);
+}
+
+static inline ids sources_of(ids high, lanes x, lanes y, uint64_t nibble)
+{
+    __m256i keep = _mm256_set1_epi64x((long long)nibble),
+            low =
+                _mm256_srli_epi64(_mm256_and_si256(_mm256_castpd_si256(x), keep), GD__WEDGE_SHIFT),
+            next = _mm256_srli_epi64(_mm256_and_si256(_mm256_castpd_si256(y), keep),
+                                     GD__WEDGE_SHIFT - 4),
+            order = _mm256_setr_epi32(0, 2, 4, 6, 0, 2, 4, 6);
+    return _mm_or_si128(high, _mm256_castsi256_si128(
+                                  _mm256_permutevar8x32_epi32(_mm256_or_si256(low, next), order)));
+}
+
+static inline lanes without(lanes a, uint64_t mask_bits)
+{
+    return _mm256_andnot_pd(_mm256_castsi256_pd(_mm256_set1_epi64x((long long)mask_bits)), a);
 }
 
 static inline mask ids_below(ids a, uint32_t limit)

@@ -1,13 +1,20 @@
-/* The view's kernel for one set of lanes; included by wedge_view_plain.c, wedge_view_avx2.c and
- * wedge_view_avx512.c behind their lanes (wedge/lanes_*.h) and what they add: load_first, starts_first
- * and sources_first read the first lanes only, `gather` reads an array at the ids of a mask's lanes
- * and gives zero in the others, ids_below compares without signs, ids_scaled gives (a - from) * by,
- * least_of the least of all lanes, `ordinals` the lanes' numbers.
+/* The view kernel for one set of vector instructions (lanes). wedge_view_plain.c, wedge_view_avx2.c
+ * and wedge_view_avx512.c include it after the lanes' primitives (kernel/lanes_*.h). They define
+ * these additional primitives:
+ *     load_first, starts_first   read only the first lanes
+ *     highs_first                reads the bits of sources that are stored beside x and y
+ *     sources_of                 adds the bits that are stored in x and y (mask `nibble`)
+ *     without                    clears bits
+ *     gather                     reads an array at the ids of a mask's lanes; 0 in other lanes
+ *     ids_below                  compares ids as unsigned integers
+ *     ids_scaled                 returns (a - from) * by
+ *     least_of                   returns the minimum of all lanes
+ *     ordinals                   the numbers of the lanes: 0, 1, ...
  *
  * In the frame of the point's side a source is at (x, -y), the point at (px, py). */
 #include "field/wedge_view.h"
 
-/* Distances of the pseudo-sources that are points; infinite of gaps. */
+/* Returns the distances of the pseudo-sources; infinite for gaps. */
 static inline lanes sigmas(const struct gd_field *field, ids source, mask here)
 {
     uint32_t vertices = field->mesh->vertex_count;
@@ -15,7 +22,7 @@ static inline lanes sigmas(const struct gd_field *field, ids source, mask here)
     lanes sigma = gather(vertex, field->distance, source);
     if (bits(vertex) == bits(here)) return sigma;
     enum { STRIDE = sizeof *field->seeds / sizeof field->seeds->offset };
-    mask seed = except(except(here, vertex), ids_top(source));
+    mask seed = except(both(here, ids_below(source, vertices + field->seed_count)), vertex);
     lanes offset = gather(seed, &field->seeds->offset, ids_scaled(source, vertices, STRIDE));
     return pick(vertex, sigma, pick(seed, offset, all(GD__FAR)));
 }
@@ -27,20 +34,24 @@ struct group {
     ids source;
 };
 
-static inline struct group load_group(const struct gd__wedge_view *wedge_view, uint32_t at)
+static inline struct group load_group(const struct gd__wedge_view *wedge_view,
+                                      const struct gd__wedges *wedges, uint32_t at)
 {
-    struct gd__wedges wedges = gd__chunk_wedges(wedge_view->chunk);
-    uint32_t count = wedge_view->chunk->count - at;
+    uint32_t count = wedges->count - at;
+    bool is_wide = wedges->form == GD__WEDGE_WIDE;
+    uint64_t nibble = is_wide ? 0 : ~GD__WEDGE_MASK;
     struct group g;
-    lanes unit = all(wedge_view->length * GD__WEDGE_UNIT), length = all(wedge_view->length);
-    lanes next = pick(first_lanes(count - 1), starts_first(wedges.start + at + 1, count - 1),
+    lanes unit = all(wedge_view->length * GD__WEDGE_UNIT), length = all(wedge_view->length),
+          scale = all(is_wide ? 1 : GD__WEDGE_UNSCALE);
+    lanes x = load_first(wedges->x + at, count), y = load_first(wedges->y + at, count);
+    lanes next = pick(first_lanes(count - 1), starts_first(wedges->start + at + 1, count - 1),
                       all(GD__WEDGE_UNITS));
     g.here = first_lanes(count);
-    g.x = load_first(wedges.x + at, count);
-    g.y = magnitude(load_first(wedges.y + at, count));
-    g.b0 = starts_first(wedges.start + at, count) * unit;
+    g.source = sources_of(highs_first(wedges, at, count), x, y, nibble);
+    g.x = without(x, nibble) * scale;
+    g.y = without(y, nibble | UINT64_C(1) << 63) * scale;
+    g.b0 = starts_first(wedges->start + at, count) * unit;
     g.b1 = next * unit;
-    g.source = sources_first(wedges.start + at, count);
     if (wedge_view->side & 1) {
         lanes mirrored = length - g.b1;
         g.b1 = length - g.b0;
@@ -49,7 +60,7 @@ static inline struct group load_group(const struct gd__wedge_view *wedge_view, u
     return g;
 }
 
-/* Of ways through points' wedges. */
+/* Returns the distances through wedges of points. */
 static inline lanes distances_of_points(const struct gd_field *field,
                                         const struct gd__wedge_view *wedge_view,
                                         const struct group *g)
@@ -60,7 +71,7 @@ static inline lanes distances_of_points(const struct gd_field *field,
           from = greater(g->b0 - (unit + unit), all(0)),
           to = lesser(g->b1 + (unit + unit), all(wedge_view->length));
     lanes px = all(wedge_view->x), py = all(wedge_view->y), dx = px - x, dy = py + y;
-    /* wedge_view.c has the same for one wedge */
+    /* wedge_view.c has the same computation for one wedge */
     lanes straight = pick(lt(all(0), dy), x + dx * (y / dy), px);
     lanes bend = lesser(greater(straight, from), to), ex = bend - x, fx = px - bend;
     mask bends = either(lt(straight, from), lt(to, straight));
@@ -69,8 +80,8 @@ static inline lanes distances_of_points(const struct gd_field *field,
     return sigmas(field, g->source, g->here) + root(to_bend) + root(onwards);
 }
 
-/* Of ways through linear ones: the direction from its half angle's tangent, the distance at the
- * edge's origin. */
+/* Returns the distances through linear wedges. A linear wedge stores the tangent of half the angle
+ * of its direction, and the distance at the edge's origin. */
 static inline lanes distances_of_lines(const struct gd__wedge_view *wedge_view,
                                        const struct group *g)
 {
@@ -86,15 +97,15 @@ static inline lanes distances_of_lines(const struct gd__wedge_view *wedge_view,
     return pick(bends, sigma - x * bend + root(fx * fx + py * py), sigma - x * px + y * py);
 }
 
-/* What is compiled once for wedges of points only, and once for linear ones too. */
+/* The functions below are compiled once for wedges of points only, and once with linear ones. */
 #define BOTH_KINDS static inline __attribute__((always_inline))
 
-/* Distances of the view's point through the wedges from place `at` on; GD__FAR of gaps and behind
- * the last. */
+/* Returns the distances of the point through the wedges beginning with number `at`; GD__FAR for
+ * gaps and beyond the last wedge. */
 BOTH_KINDS lanes distances(const struct gd_field *field, const struct gd__wedge_view *wedge_view,
-                           uint32_t at, bool linear)
+                           const struct gd__wedges *wedges, uint32_t at, bool linear)
 {
-    struct group g = load_group(wedge_view, at);
+    struct group g = load_group(wedge_view, wedges, at);
     lanes distance = distances_of_points(field, wedge_view, &g);
     if (linear) {
         mask line = except(both(g.here, ids_top(g.source)), ids_eq(g.source, ids_all(GD_NONE)));
@@ -103,38 +114,40 @@ BOTH_KINDS lanes distances(const struct gd_field *field, const struct gd__wedge_
     return pick(g.here, distance, all(GD__FAR));
 }
 
-/* Nothing here branches on distances: none of it could be foreseen, and so queries overlap. */
-BOTH_KINDS struct gd__seen look(const struct gd_field *field,
-                                const struct gd__wedge_view *wedge_views, uint32_t count,
-                                double known, bool linear)
+/* Finds the shortest path. Uses no branches on distances, which would be unpredictable, so that the
+ * processor overlaps queries. */
+BOTH_KINDS struct gd__wedge_view_best look(const struct gd_field *field,
+                                           const struct gd__wedge_view *wedge_views, uint32_t count,
+                                           double known, bool linear)
 {
     lanes best = all(known), place = all(0);
     uint32_t before = 0;
     for (uint32_t s = 0; s < count; s++) {
-        for (uint32_t at = 0; at < wedge_views[s].chunk->count; at += LANES) {
-            lanes distance = distances(field, &wedge_views[s], at, linear);
+        struct gd__wedges wedges = gd__chunk_wedges(wedge_views[s].chunk);
+        for (uint32_t at = 0; at < wedges.count; at += LANES) {
+            lanes distance = distances(field, &wedge_views[s], &wedges, at, linear);
             mask better = lt(distance, best);
             best = pick(better, distance, best);
             place = pick(better, all(before + at), place);
         }
-        before += wedge_views[s].chunk->count;
+        before += wedges.count;
     }
     double least = least_of(best);
     lanes winners = pick(eq(best, all(least)), place + ordinals(), all(GD__FAR));
     double first = least_of(winners);
-    return (struct gd__seen){least, least < known ? (uint32_t)first : GD_NONE};
+    return (struct gd__wedge_view_best){least, least < known ? (uint32_t)first : GD_NONE};
 }
 
-struct gd__seen KERNEL(wedge_view)(const struct gd_field *field,
-                                   const struct gd__wedge_view *wedge_views, uint32_t count,
-                                   double known)
+struct gd__wedge_view_best KERNEL(wedge_view)(const struct gd_field *field,
+                                              const struct gd__wedge_view *wedge_views,
+                                              uint32_t count, double known)
 {
     return look(field, wedge_views, count, known, false);
 }
 
-struct gd__seen KERNEL_LINEAR(wedge_view)(const struct gd_field *field,
-                                          const struct gd__wedge_view *wedge_views, uint32_t count,
-                                          double known)
+struct gd__wedge_view_best KERNEL_LINEAR(wedge_view)(const struct gd_field *field,
+                                                     const struct gd__wedge_view *wedge_views,
+                                                     uint32_t count, double known)
 {
     return look(field, wedge_views, count, known, true);
 }

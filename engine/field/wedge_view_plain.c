@@ -5,14 +5,30 @@ static inline lanes load_first(const double *p, uint32_t count)
     return count ? *p : 0;
 }
 
-static inline lanes starts_first(const uint64_t *p, uint32_t count)
+static inline lanes starts_first(const uint32_t *p, uint32_t count)
 {
-    return count ? (double)(uint32_t)*p : 0;
+    return count ? *p : 0;
 }
 
-static inline ids sources_first(const uint64_t *p, uint32_t count)
+static inline ids highs_first(const struct gd__wedges *wedges, uint32_t at, uint32_t count)
 {
-    return count ? (uint32_t)(*p >> 32) : 0;
+    (void)count;
+    if (wedges->form == GD__WEDGE_16) return (ids)((uint8_t *)wedges->high)[at] << 8;
+    if (wedges->form == GD__WEDGE_24) return (ids)((uint16_t *)wedges->high)[at] << 8;
+    return ((uint32_t *)wedges->high)[at];
+}
+
+static inline ids sources_of(ids high, lanes x, lanes y, uint64_t nibble)
+{
+    return high | (ids)((gd__wedge_bits(&x) & nibble) >> GD__WEDGE_SHIFT) |
+           (ids)((gd__wedge_bits(&y) & nibble) >> (GD__WEDGE_SHIFT - 4));
+}
+
+static inline lanes without(lanes a, uint64_t mask_bits)
+{
+    uint64_t bits = gd__wedge_bits(&a) & ~mask_bits;
+    memcpy(&a, &bits, sizeof a);
+    return a;
 }
 
 static inline mask ids_below(ids a, uint32_t limit)

@@ -7,14 +7,12 @@
 #include "base/tolerance.h"
 #include "base/prefetch.h"
 
-/* A path that is somewhat too long will do, since it is pulled tight: with the rest of the way
- * weighed heavier than the straight line or the landmarks say, A* finds one at a fraction of the
- * cost. */
+/* Weight of the remaining distance in A*. A weight above 1 finds a path at a fraction of the cost.
+ * The path may be slightly too long, but it is straightened afterwards. */
 #define GREED           1.1
 #define LANDMARKS_GREED 1.05
 
-/* entries of fans or vertices of rings between two looks at the control: well under a
-   millisecond */
+/* Fan entries or ring vertices between two checks of the control: well under a millisecond. */
 #define CHECK_INTERVAL 1024
 
 /* --- nodes ------------------------------------------------------------------------------------ */
@@ -41,7 +39,7 @@ enum gd_status gd__guide_make_room(const struct gd__guide *guide, void **array, 
     return GD_OK;
 }
 
-static enum gd_status touch(struct gd__guide *guide, uint32_t vertex)
+static enum gd_status touch_vertex(struct gd__guide *guide, uint32_t vertex)
 {
     if (guide->node[vertex].touched) return GD_OK;
     enum gd_status status =
@@ -55,24 +53,23 @@ static enum gd_status touch(struct gd__guide *guide, uint32_t vertex)
 
 /* --- lower bounds ----------------------------------------------------------------------------- */
 
-static double straight(const struct gd_vec3 *a, const struct gd_vec3 *b)
+static double straight_distance(const struct gd_vec3 *a, const struct gd_vec3 *b)
 {
     double x = a->x - b->x, y = a->y - b->y, z = a->z - b->z;
     return sqrt(x * x + y * y + z * z);
 }
 
-/* Lower bound of the way from a vertex to the point that the bounds are of. The slack is for what
- * the vertex' own distance was rounded by; the two subtractions round what they leave, and only the
- * end makes up for that. Branchless over a fixed number of landmarks, so that compilers use
- * vectors. */
-static double by_landmarks(const struct gd__guide *guide, const struct gd__guide_sight *sight,
-                           uint32_t vertex)
+/* Returns a lower bound of the distance from a vertex to the point with the given bounds. The slack
+ * covers the rounding of the vertex' own distance and of the two subtractions. Branchless over a
+ * fixed number of landmarks, so that compilers vectorise it. */
+static double landmark_bound(const struct gd__guide *guide,
+                             const struct gd__landmark_bounds *bounds, uint32_t vertex)
 {
     const float *distance = guide->landmark + (size_t)GD__LANDMARKS_MOST * vertex;
     float bound[GD__LANDMARKS_MOST];
     for (int i = 0; i < GD__LANDMARKS_MOST; i++) {
         float d = distance[i], slack = (float)GD_TOL_FLOAT * d;
-        float nearer = sight->low[i] - d - slack, farther = d - slack - sight->high[i];
+        float nearer = bounds->low[i] - d - slack, farther = d - slack - bounds->high[i];
         bound[i] = nearer > farther ? nearer : farther;
     }
     for (int half = GD__LANDMARKS_MOST / 2; half > 0; half /= 2)
@@ -83,16 +80,16 @@ static double by_landmarks(const struct gd__guide *guide, const struct gd__guide
 
 double gd__guide_line(const struct gd__guide *guide, uint32_t vertex, const struct gd__anchor *end)
 {
-    return straight(&guide->mesh->position[vertex], &end->position) * (1 - GD_TOL_BOUND) -
+    return straight_distance(&guide->mesh->position[vertex], &end->position) * (1 - GD_TOL_BOUND) -
            guide->margin;
 }
 
-/* Lower bound of the way from a vertex to one of the two ends. */
+/* Returns a lower bound of the distance from a vertex to one of the two ends. */
 static double rest_to(const struct gd__guide *guide, uint32_t vertex, const struct gd__anchor *end,
-                      const struct gd__guide_sight *sight)
+                      const struct gd__landmark_bounds *bounds)
 {
     double line = gd__guide_line(guide, vertex, end);
-    return guide->landmark ? fmax(line, by_landmarks(guide, sight, vertex)) : line;
+    return guide->landmark ? fmax(line, landmark_bound(guide, bounds, vertex)) : line;
 }
 
 double gd__guide_measure(struct gd__guide *guide, uint32_t vertex)
@@ -100,18 +97,20 @@ double gd__guide_measure(struct gd__guide *guide, uint32_t vertex)
     double lower = rest_to(guide, vertex, &guide->target, &guide->from_target);
     if (guide->rings.count) lower = fmax(lower, gd__rings_lower(guide, vertex));
     if (lower < 0) lower = 0;
-    if (touch(guide, vertex)) return lower; /* without room it is measured again */
+    /* without memory the bound is not stored but computed each time */
+    if (touch_vertex(guide, vertex)) return lower;
     return guide->node[vertex].lower = lower;
 }
 
-void gd__guide_ask_again(struct gd__guide *guide)
+void gd__guide_reset_lower(struct gd__guide *guide)
 {
     for (uint32_t i = 0; i < guide->touched_count; i++) guide->node[guide->touched[i]].lower = -1;
 }
 
-/* A point's bounds, from those of its corners; landmarks in other components say nothing. */
+/* Computes a point's bounds from those of its corners. Landmarks in other components give no
+ * bound. */
 static void read_landmarks(const struct gd__guide *guide, const struct gd__anchor *point,
-                           struct gd__guide_sight *out)
+                           struct gd__landmark_bounds *out)
 {
     for (uint32_t i = 0; i < GD__LANDMARKS_MOST; i++) {
         double low = -HUGE_VAL, high = HUGE_VAL;
@@ -126,7 +125,7 @@ static void read_landmarks(const struct gd__guide *guide, const struct gd__ancho
     }
 }
 
-/* --- the search for paths --------------------------------------------------------------------- */
+/* --- search for paths ------------------------------------------------------------------------- */
 
 static void sift_up(struct gd__guide *guide, uint32_t at)
 {
@@ -136,12 +135,12 @@ static void sift_up(struct gd__guide *guide, uint32_t at)
     guide->heap[at] = entry;
 }
 
-static uint32_t pop(struct gd__guide *guide)
+static uint32_t heap_pop(struct gd__guide *guide)
 {
     uint32_t vertex = guide->heap[0].vertex, count = --guide->heap_count, at = 0;
     struct gd__guide_entry entry = guide->heap[count];
     for (uint32_t child; (child = 2 * at + 1) < count; at = child) {
-        /* the one behind the last is what was taken off, and may be read: so the lesser child is no
+        /* may read the removed entry behind the last one; so the lesser child is chosen without a
          * branch */
         child += (child + 1 < count) & (guide->heap[child + 1].key < guide->heap[child].key);
         if (guide->heap[child].key >= entry.key) break;
@@ -151,21 +150,20 @@ static uint32_t pop(struct gd__guide *guide)
     return vertex;
 }
 
-/* What a vertex is offered: a path to the target. */
+/* A path to the target that is offered to a vertex. */
 struct offer {
     double upper;
-    uint32_t parent, across; /* as a node has them */
+    uint32_t parent, across; /* as in struct gd__guide_node */
 };
 
-/* Offers it; enters the vertex with a key that counts the rest of the way to `from` too. A vertex
- * that has offered its neighbours theirs does not do so again: that would cost more than the longer
- * path does. */
-static enum gd_status relax(struct gd__guide *guide, uint32_t vertex, struct offer offer,
-                            const struct gd_vec3 *from)
+/* Offers the path to the vertex. The key includes the lower bound to `from`. A vertex that was
+ * expanded is not expanded again: that would cost more than a slightly longer path. */
+static enum gd_status relax_vertex(struct gd__guide *guide, uint32_t vertex, struct offer offer,
+                                   const struct gd_vec3 *from)
 {
     struct gd__guide_node *node = &guide->node[vertex];
     if (node->closed || offer.upper >= node->upper) return GD_OK;
-    enum gd_status status = touch(guide, vertex);
+    enum gd_status status = touch_vertex(guide, vertex);
     if (!status)
         status = gd__guide_make_room(guide, (void **)&guide->heap, guide->heap_count,
                                      &guide->heap_capacity, sizeof *guide->heap);
@@ -173,17 +171,17 @@ static enum gd_status relax(struct gd__guide *guide, uint32_t vertex, struct off
     node->upper = offer.upper;
     node->parent = offer.parent;
     node->across = offer.across;
-    double rest = GREED * straight(&guide->mesh->position[vertex], from);
+    double rest = GREED * straight_distance(&guide->mesh->position[vertex], from);
     if (guide->landmark)
-        rest = fmax(rest, LANDMARKS_GREED * by_landmarks(guide, &guide->from_start, vertex));
+        rest = fmax(rest, LANDMARKS_GREED * landmark_bound(guide, &guide->from_start, vertex));
     guide->heap[guide->heap_count] = (struct gd__guide_entry){offer.upper + rest, vertex};
     sift_up(guide, guide->heap_count++);
     return GD_OK;
 }
 
-/* The way from a vertex straight across the edge from a to b, opposite to it in a face, to the
- * corner behind; GD__FAR: it misses the edge. From places, which A* looks at anyway: the sides'
- * records would have to be fetched. */
+/* Returns the length of the straight segment from a vertex across the opposite edge, from a to b,
+ * to the corner behind; GD__FAR if the segment misses the edge. Computed from positions, which A*
+ * loads anyway; records of sides would cost cache misses. */
 static double way_across(const struct gd_vec3 *vertex, const struct gd_vec3 *a,
                          const struct gd_vec3 *b, const struct gd_vec3 *beyond)
 {
@@ -197,8 +195,8 @@ static double way_across(const struct gd_vec3 *vertex, const struct gd_vec3 *a,
     return t > 0 && t < length ? sqrt(dx * dx + dy * dy) : GD__FAR;
 }
 
-/* Offers that way in the face of a fan's entry, unless even the straight line in space would be no
- * shorter than what the corner behind has. */
+/* Offers the segment across the face of a fan entry. Skips it if even the straight line in space
+ * would not shorten the path of the corner behind. */
 static enum gd_status relax_across(struct gd__guide *guide, uint32_t vertex, uint32_t entry,
                                    const struct gd_vec3 *from)
 {
@@ -207,11 +205,12 @@ static enum gd_status relax_across(struct gd__guide *guide, uint32_t vertex, uin
     uint32_t beyond = mesh->beyond[entry], next = entry + 1;
     double upper = guide->node[vertex].upper;
     if (beyond == GD_NONE || guide->node[beyond].closed) return GD_OK;
-    if (upper + straight(&p[vertex], &p[beyond]) >= guide->node[beyond].upper) return GD_OK;
+    if (upper + straight_distance(&p[vertex], &p[beyond]) >= guide->node[beyond].upper)
+        return GD_OK;
     if (next == gd__neighbours_end(mesh, vertex)) next = mesh->fan_first[vertex];
     double way = way_across(&p[vertex], &p[mesh->fan[entry].tip],
                             &p[gd__neighbour(mesh, vertex, next)], &p[beyond]);
-    return relax(guide, beyond, (struct offer){upper + way, vertex, entry}, from);
+    return relax_vertex(guide, beyond, (struct offer){upper + way, vertex, entry}, from);
 }
 
 enum gd_status gd__guide_step(struct gd__guide *guide)
@@ -219,9 +218,9 @@ enum gd_status gd__guide_step(struct gd__guide *guide)
     return ++guide->steps % CHECK_INTERVAL ? GD_OK : gd_control_check(guide->control, 0);
 }
 
-/* Asks for what is known of the corners of the faces round a vertex and of those behind them at
- * once: A* waits for little else. */
-GD__ASKING prefetch(const struct gd__guide *guide, uint32_t vertex)
+/* Prefetches the nodes of the corners around a vertex and of the corners behind them. A* waits for
+ * little else. */
+GD__PREFETCH guide_prefetch(const struct gd__guide *guide, uint32_t vertex)
 {
     const struct gd_mesh *mesh = guide->mesh;
     for (uint32_t i = mesh->fan_first[vertex]; i < mesh->fan_first[vertex + 1]; i++) {
@@ -234,27 +233,29 @@ GD__ASKING prefetch(const struct gd__guide *guide, uint32_t vertex)
     }
 }
 
-static enum gd_status expand(struct gd__guide *guide, uint32_t vertex, const struct gd_vec3 *from)
+static enum gd_status expand_vertex(struct gd__guide *guide, uint32_t vertex,
+                                    const struct gd_vec3 *from)
 {
     const struct gd_mesh *mesh = guide->mesh;
     uint32_t first = mesh->fan_first[vertex];
     double upper = guide->node[vertex].upper;
     enum gd_status status = GD_OK;
     guide->node[vertex].closed = true;
-    prefetch(guide, vertex);
+    guide_prefetch(guide, vertex);
     for (uint32_t i = first; i < gd__neighbours_end(mesh, vertex) && !status; i++) {
         uint32_t tip = gd__neighbour(mesh, vertex, i);
-        struct offer along = {upper + straight(&mesh->position[vertex], &mesh->position[tip]),
+        struct offer along = {upper +
+                                  straight_distance(&mesh->position[vertex], &mesh->position[tip]),
                               vertex, GD_NONE};
         status = gd__guide_step(guide);
-        if (!status) status = relax(guide, tip, along, from);
+        if (!status) status = relax_vertex(guide, tip, along, from);
     }
     for (uint32_t i = first; i < mesh->fan_first[vertex + 1] && !status; i++)
         status = relax_across(guide, vertex, i, from);
     return status;
 }
 
-/* The length of the best path from a point so far, and the vertex that it passes first. */
+/* Returns the length of the shortest known path from a point, and the first vertex of the path. */
 static double best_way(const struct gd__guide *guide, const struct gd__anchor *from,
                        uint32_t *first)
 {
@@ -276,18 +277,20 @@ uint32_t gd__guide_first(const struct gd__guide *guide, const struct gd_point *f
     return first;
 }
 
-static enum gd_status search(struct gd__guide *guide, const struct gd__anchor *from, double *upper)
+static enum gd_status search_upper_bound(struct gd__guide *guide, const struct gd__anchor *from,
+                                         double *upper)
 {
     uint32_t first;
     enum gd_status status = GD_OK;
     for (int k = 0; k < 4 && guide->target.corner[k] != GD_NONE && !status; k++)
-        status = relax(guide, guide->target.corner[k],
-                       (struct offer){guide->target.leg[k], GD_NONE, GD_NONE}, &from->position);
+        status =
+            relax_vertex(guide, guide->target.corner[k],
+                         (struct offer){guide->target.leg[k], GD_NONE, GD_NONE}, &from->position);
     *upper = best_way(guide, from, &first);
     while (!status && guide->heap_count && guide->heap[0].key < *upper) {
-        uint32_t vertex = pop(guide);
+        uint32_t vertex = heap_pop(guide);
         if (guide->node[vertex].closed) continue;
-        status = expand(guide, vertex, &from->position);
+        status = expand_vertex(guide, vertex, &from->position);
         for (int k = 0; k < 4 && from->corner[k] != GD_NONE; k++)
             if (from->corner[k] == vertex)
                 *upper = fmin(*upper, guide->node[vertex].upper + from->leg[k]);
@@ -296,7 +299,7 @@ static enum gd_status search(struct gd__guide *guide, const struct gd__anchor *f
     return status;
 }
 
-/* --- aiming ----------------------------------------------------------------------------------- */
+/* --- target ----------------------------------------------------------------------------------- */
 
 static void clean_node(struct gd__guide_node *node)
 {
@@ -343,16 +346,16 @@ enum gd_status gd__guide_aim(struct gd__guide *guide, const struct gd_mesh *mesh
                                         largest_coordinate(start.position));
     read_landmarks(guide, &guide->target, &guide->from_target);
     read_landmarks(guide, &start, &guide->from_start);
-    status = search(guide, &start, upper);
+    status = search_upper_bound(guide, &start, upper);
     if (!status) *upper *= 1 + GD_TOL_BOUND;
     return status;
 }
 
-/* --- the better end --------------------------------------------------------------------------- */
+/* --- choice of the end ------------------------------------------------------------------------ */
 
-/* Where a path runs so much along the surface, and lower bounds miss so much of the rest of the
- * way, a search is about as wide as the square root of that; and it has the more windows, the
- * farther it is from its source. */
+/* Returns the estimated work of a search. Its width is about the square root of the part of the
+ * remaining length that the lower bounds miss. Its number of windows grows with the distance from
+ * its source. */
 static double work_at(double run, double rest, double lower)
 {
     return sqrt(run * fmax(rest - lower, 0));
@@ -376,14 +379,14 @@ bool gd__guide_prefers_turn(const struct gd__guide *guide, const struct gd_point
 
 enum gd_status gd__guide_turn(struct gd__guide *guide, const struct gd_point *from)
 {
-    const struct gd__guide_sight sight = guide->from_target;
+    const struct gd__landmark_bounds bounds = guide->from_target;
     enum gd_status status = GD_OK;
     clean_touched(guide);
     guide->target = gd__anchor(guide->mesh, from);
     guide->from_target = guide->from_start;
-    guide->from_start = sight;
+    guide->from_start = bounds;
     for (int k = 0; k < 4 && guide->target.corner[k] != GD_NONE && !status; k++) {
-        status = touch(guide, guide->target.corner[k]);
+        status = touch_vertex(guide, guide->target.corner[k]);
         if (!status) guide->node[guide->target.corner[k]].upper = guide->target.leg[k];
     }
     return status;

@@ -7,15 +7,19 @@
 #include "base/prefetch.h"
 #include "kernel/kernel.h"
 
-/* hops from ring to ring: nearer ones lose more, farther ones cut through the surface */
+/* Hops from ring to ring. The bound loses a little at each ring, so a smaller spacing loses more.
+ * With a larger spacing the straight lines cut more through the inside of the surface. */
 #define SPACING 6
-#define LEAST   3 /* hops from a vertex to the ring that it is measured by */
-/* of the bound that lower bounds miss of the way: with less, rings cost more than they save */
-#define GAP    0.02
-#define AHEAD  8   /* vertices: whose records are asked for before they are looked at */
-#define COARSE 1e3 /* edges so many times longer than the bound: floats would tell nothing */
+#define LEAST   3 /* least number of hops between a vertex and the ring that gives its bound */
+/* Smallest part of the bound by which the other lower bounds must miss the path. If they miss less,
+ * rings cost more than they save. */
+#define GAP   0.02
+#define AHEAD 8 /* vertices ahead whose records are prefetched */
+/* Largest length of an edge relative to the bound. With longer edges floats would lose all
+ * precision. */
+#define COARSE 1e3
 
-/* in place of hops: no way within the bound passes the vertex by */
+/* Value of `hops`: no path within the bound passes the vertex. */
 #define OUT_OF_THE_WAY GD_NONE
 
 size_t gd__rings_held(const struct gd__rings *rings)
@@ -50,8 +54,9 @@ static struct gd__place place_of(const struct gd__guide *guide, uint32_t vertex)
                               (float)((p->z - target->z) * scale)};
 }
 
-/* Lower bound of the way to the target from a place by a ring, over the bound; and, as a linear
- * function, from parts of edges between such places, none longer than `own`. */
+/* Returns a lower bound of the distance from a point to the target by a ring, divided by the
+ * search's bound. The bound also holds, as a linear function, for parts of edges between such
+ * points, none longer than `own`. */
 static float by_ring(const struct gd__rings *rings, uint32_t number, struct gd__place p, float own)
 {
     const struct gd__ring_group *group = rings->group;
@@ -60,13 +65,14 @@ static float by_ring(const struct gd__rings *rings, uint32_t number, struct gd__
            rings->slack;
 }
 
-/* The ring that tells most of a vertex of so many hops: not so near that much is lost. */
+/* Returns the ring that gives the best bound for a vertex of that many hops. A ring that is too
+ * near gives a poor bound. */
 static uint32_t ring_for(uint32_t hops)
 {
     return hops < LEAST ? 0 : (hops - LEAST) / SPACING;
 }
 
-static double measured(const struct gd__guide *guide, float lower)
+static double distance_of_bound(const struct gd__guide *guide, float lower)
 {
     return guide->rings.bound * (1 - GD_TOL_BOUND) * (double)lower - guide->margin;
 }
@@ -75,17 +81,18 @@ double gd__rings_lower(const struct gd__guide *guide, uint32_t vertex)
 {
     uint32_t hops = guide->rings.hops[vertex];
     if (hops == 0 || hops == OUT_OF_THE_WAY) return GD__FAR;
-    return measured(guide, by_ring(&guide->rings, ring_for(hops - 1), place_of(guide, vertex), 0));
+    return distance_of_bound(
+        guide, by_ring(&guide->rings, ring_for(hops - 1), place_of(guide, vertex), 0));
 }
 
-/* --- which vertices ways may pass by ---------------------------------------------------------- */
+/* --- vertices that paths may pass ------------------------------------------------------------- */
 
-/* Rings on their way outwards. */
+/* Rings under construction. */
 struct growth {
     struct gd__guide *guide;
     struct gd__anchor from;
-    uint32_t hops;  /* of the outermost vertices, which are */
-    uint32_t first; /* marked [first, marked_count) */
+    uint32_t hops; /* hops of the outermost vertices, which are marked [first, marked_count) */
+    uint32_t first;
 };
 
 static double square(const struct gd_vec3 *a, const struct gd_vec3 *b)
@@ -94,7 +101,8 @@ static double square(const struct gd_vec3 *a, const struct gd_vec3 *b)
     return x * x + y * y + z * z;
 }
 
-/* From places: the records of its sides would have to be fetched. */
+/* Returns the length of the longest edge at a vertex. Computed from positions, because the records
+ * of sides would cost cache misses. */
 static double longest_edge_at(const struct gd_mesh *mesh, uint32_t vertex)
 {
     double longest = 0;
@@ -106,8 +114,9 @@ static double longest_edge_at(const struct gd_mesh *mesh, uint32_t vertex)
     return sqrt(longest);
 }
 
-/* Whether no way within the bound passes through a face of the vertex, from which the rest is no
- * shorter than `rest`: within a face it is an edge's length away at the most. */
+/* Returns true if no path within the bound passes through a face of the vertex. `rest` is a lower
+ * bound of the distance from the vertex to the target. A point of such a face is at most an edge
+ * length away. */
 static bool is_out_of_the_way(const struct growth *growth, uint32_t vertex, double rest)
 {
     const struct gd__guide *guide = growth->guide;
@@ -116,7 +125,8 @@ static bool is_out_of_the_way(const struct growth *growth, uint32_t vertex, doub
            whole > guide->rings.bound + 2 * longest_edge_at(guide->mesh, vertex);
 }
 
-/* Whether straight lines to both ends are within the bound: without a root. */
+/* Returns true if the sum of the straight lines to both ends is within the bound. Uses no square
+ * root. */
 static bool is_between(const struct growth *growth, uint32_t vertex)
 {
     const struct gd__guide *guide = growth->guide;
@@ -133,9 +143,9 @@ static enum gd_status make_room_to_mark(struct gd__guide *guide, uint32_t vertic
                                &rings->marked_capacity, sizeof *rings->marked);
 }
 
-/* Marks a vertex that is not yet; there is room. Without a branch, which would be as good as
- * random. */
-static inline void mark(const struct growth *growth, uint32_t vertex)
+/* Marks an unmarked vertex. There must be room. Branchless, because a branch would be mispredicted
+ * half of the time. */
+static inline void mark_vertex(const struct growth *growth, uint32_t vertex)
 {
     struct gd__rings *rings = &growth->guide->rings;
     uint32_t hops = rings->hops[vertex];
@@ -151,11 +161,12 @@ static enum gd_status mark_neighbours(const struct growth *growth, uint32_t vert
     enum gd_status status = gd__guide_step(growth->guide);
     if (!status) status = make_room_to_mark(growth->guide, end - first);
     if (status) return status;
-    for (uint32_t i = first; i < end; i++) mark(growth, gd__neighbour(mesh, vertex, i));
+    for (uint32_t i = first; i < end; i++) mark_vertex(growth, gd__neighbour(mesh, vertex, i));
     return GD_OK;
 }
 
-/* Which of the outermost vertices no way within the bound passes by, as straight lines tell it. */
+/* Marks as OUT_OF_THE_WAY the outermost vertices that no path within the bound passes. Uses lower
+ * bounds by straight lines. */
 static enum gd_status leave_out_of_the_way(const struct growth *growth)
 {
     struct gd__guide *guide = growth->guide;
@@ -173,15 +184,15 @@ static enum gd_status leave_out_of_the_way(const struct growth *growth)
     return status;
 }
 
-/* Asks for the fan of a vertex that comes up, and where that of a farther one begins. */
-GD__ASKING prefetch_fan(const struct gd_mesh *mesh, uint32_t near, uint32_t far)
+/* Prefetches the fan of a vertex that is needed soon, and the start of the fan of a later one. */
+GD__PREFETCH prefetch_fan(const struct gd_mesh *mesh, uint32_t near, uint32_t far)
 {
     __builtin_prefetch(&mesh->fan_first[far]);
     __builtin_prefetch(&mesh->fan[mesh->fan_first[near]]);
 }
 
-/* One hop farther. */
-static enum gd_status grow(struct growth *growth)
+/* Grows the region by one hop. */
+static enum gd_status grow_ring(struct growth *growth)
 {
     const struct gd__rings *rings = &growth->guide->rings;
     uint32_t first = growth->first, end = rings->marked_count;
@@ -198,9 +209,9 @@ static enum gd_status grow(struct growth *growth)
     return status ? status : leave_out_of_the_way(growth);
 }
 
-/* --- drawing ---------------------------------------------------------------------------------- */
+/* --- rings ------------------------------------------------------------------------------------ */
 
-/* A group of which no lane is taken. */
+/* Adds a group whose lanes are all empty. */
 static enum gd_status add_group(struct gd__guide *guide)
 {
     struct gd__rings *rings = &guide->rings;
@@ -215,9 +226,9 @@ static enum gd_status add_group(struct gd__guide *guide)
     return GD_OK;
 }
 
-/* One more point of a ring that has so many. */
-static enum gd_status put(struct gd__guide *guide, uint32_t *points, struct gd__place p,
-                          float lower, float part)
+/* Adds a point to a ring that has `count` points. */
+static enum gd_status put_ring_point(struct gd__guide *guide, uint32_t *points, struct gd__place p,
+                                     float lower, float part)
 {
     uint32_t lane = (*points)++ % GD__RING_LANES;
     enum gd_status status = lane == 0 ? add_group(guide) : GD_OK;
@@ -231,7 +242,7 @@ static enum gd_status put(struct gd__guide *guide, uint32_t *points, struct gd__
     return GD_OK;
 }
 
-/* The groups from the end of the ring before up to here are a ring. */
+/* Closes a ring, which consists of the groups since the end of the last ring. */
 static enum gd_status close_ring(struct gd__guide *guide)
 {
     struct gd__rings *rings = &guide->rings;
@@ -257,8 +268,8 @@ static enum gd_status open_hops(struct gd__guide *guide)
     return GD_OK;
 }
 
-/* The target is a ring of its own. */
-static enum gd_status begin(struct gd__guide *guide)
+/* Adds the first ring, which is the target itself. */
+static enum gd_status begin_rings(struct gd__guide *guide)
 {
     struct gd__rings *rings = &guide->rings;
     enum gd_status status = open_hops(guide);
@@ -267,12 +278,12 @@ static enum gd_status begin(struct gd__guide *guide)
                                      sizeof *rings->ring);
     if (status) return status;
     rings->ring[0] = 0;
-    status = put(guide, &(uint32_t){0}, (struct gd__place){0, 0, 0}, 0, 0);
+    status = put_ring_point(guide, &(uint32_t){0}, (struct gd__place){0, 0, 0}, 0, 0);
     return status ? status : close_ring(guide);
 }
 
-/* Half of the edge from an outermost vertex to another vertex; 0 if that is no outermost one that
- * ways may pass by. */
+/* Returns half of the edge from an outermost vertex to another vertex; 0 if the other vertex is not
+ * an outermost one or is out of the way. */
 static float half_edge(const struct growth *growth, uint32_t vertex, uint32_t other)
 {
     const struct gd_mesh *mesh = growth->guide->mesh;
@@ -290,7 +301,8 @@ static float longest_half_edge(const struct growth *growth, uint32_t vertex)
     return longest;
 }
 
-/* The middles of the edges from an outermost vertex to others of higher numbers. */
+/* Adds the middles of the edges from an outermost vertex to outermost vertices of higher
+ * numbers. */
 static enum gd_status put_middles(const struct growth *growth, uint32_t *points, uint32_t vertex,
                                   struct gd__place p)
 {
@@ -304,13 +316,13 @@ static enum gd_status put_middles(const struct growth *growth, uint32_t *points,
         if (half == 0) continue;
         struct gd__place q = place_of(guide, other),
                          middle = {0.5f * (p.x + q.x), 0.5f * (p.y + q.y), 0.5f * (p.z + q.z)};
-        status = put(guide, points, middle,
-                     by_ring(&guide->rings, guide->rings.count - 1, middle, half), half);
+        status = put_ring_point(guide, points, middle,
+                                by_ring(&guide->rings, guide->rings.count - 1, middle, half), half);
     }
     return status;
 }
 
-/* A vertex and its edges become points of the ring, unless the ring before shows it to be out of
+/* Adds a vertex and its edges to the ring, unless the ring before proves that the vertex is out of
  * the way. */
 static enum gd_status put_vertex(struct growth *growth, uint32_t *points, uint32_t vertex)
 {
@@ -319,16 +331,16 @@ static enum gd_status put_vertex(struct growth *growth, uint32_t *points, uint32
     struct gd__place p = place_of(guide, vertex);
     float half = longest_half_edge(growth, vertex),
           lower = by_ring(rings, rings->count - 1, p, half);
-    if (is_out_of_the_way(growth, vertex, measured(guide, lower))) {
+    if (is_out_of_the_way(growth, vertex, distance_of_bound(guide, lower))) {
         rings->hops[vertex] = OUT_OF_THE_WAY;
         return GD_OK;
     }
-    enum gd_status status = put(guide, points, p, lower, half);
+    enum gd_status status = put_ring_point(guide, points, p, lower, half);
     if (!status) status = put_middles(growth, points, vertex, p);
     return status ? status : gd__guide_step(guide);
 }
 
-/* The outermost vertices become a ring, but for those that it shows to be out of the way. */
+/* Adds a ring of the outermost vertices, without those proved to be out of the way. */
 static enum gd_status add_ring(struct growth *growth)
 {
     struct gd__rings *rings = &growth->guide->rings;
@@ -340,18 +352,18 @@ static enum gd_status add_ring(struct growth *growth)
     return status ? status : close_ring(growth->guide);
 }
 
-static enum gd_status draw(struct growth *growth)
+static enum gd_status draw_rings(struct growth *growth)
 {
     struct gd__guide *guide = growth->guide;
     struct gd__rings *rings = &guide->rings;
-    enum gd_status status = begin(guide);
+    enum gd_status status = begin_rings(guide);
     if (!status) status = make_room_to_mark(guide, 4);
     for (int k = 0; k < 4 && guide->target.corner[k] != GD_NONE && !status; k++)
-        mark(growth, guide->target.corner[k]);
+        mark_vertex(growth, guide->target.corner[k]);
     if (!status) status = leave_out_of_the_way(growth);
     while (growth->first < rings->marked_count && !status) {
         if (growth->hops && growth->hops % SPACING == 0) status = add_ring(growth);
-        if (!status) status = grow(growth);
+        if (!status) status = grow_ring(growth);
     }
     return status;
 }
@@ -363,14 +375,14 @@ enum gd_status gd__rings_draw(struct gd__guide *guide, const struct gd_point *fr
     double coarseness = 1 + 2 * guide->mesh->summary.edge_length.max / guide->mesh->unit / bound,
            sure = GD__FAR;
     gd__rings_clean(rings);
-    gd__guide_ask_again(guide);
+    gd__guide_reset_lower(guide);
     for (int k = 0; k < 4 && growth.from.corner[k] != GD_NONE; k++)
         sure = fmin(sure, gd__guide_lower(guide, growth.from.corner[k]) + growth.from.leg[k]);
     if (!(bound > 0) || sure > bound * (1 - GAP) || coarseness > COARSE) return GD_OK;
     rings->bound = bound;
     rings->slack = (float)(GD_TOL_RING * coarseness);
-    enum gd_status status = draw(&growth);
+    enum gd_status status = draw_rings(&growth);
     if (status) gd__rings_clean(rings);
-    gd__guide_ask_again(guide);
+    gd__guide_reset_lower(guide);
     return status;
 }

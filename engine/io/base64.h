@@ -1,27 +1,28 @@
-/* Base64 (RFC 4648): bytes as text, as data: URIs have them. */
+/* Base64 (RFC 4648): bytes as text, as in data: URIs. */
 #ifndef GD_IO_BASE64_H
 #define GD_IO_BASE64_H
 
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Most bytes that so many characters hold. */
+/* Returns an upper bound on the bytes that the characters decode to. */
 static inline size_t gd__base64_bytes(size_t characters)
 {
     return characters / 4 * 3 + 3;
 }
 
-/* Characters, padding included, that so many bytes take. */
+/* Returns the number of characters that encode the bytes, including padding. */
 static inline size_t gd__base64_characters(size_t bytes)
 {
     return (bytes + 2) / 3 * 4;
 }
 
-/* Reads text, with or without padding; "\/", as some JSON writers put it, is "/". `out` has room
- * for gd__base64_bytes. False: a character that is none of the alphabet. */
+/* Decodes text with or without padding. Accepts "\/" for "/", because some JSON writers escape it.
+ * `out` must have room for gd__base64_bytes(length). Returns false if a character is not in the
+ * alphabet, or if the length is invalid. */
 bool gd__base64_read(const char *text, size_t length, char *out, size_t *size);
 
-/* Writes gd__base64_characters(size) to `out`. */
+/* Encodes the bytes. Writes gd__base64_characters(size) characters to `out`. */
 void gd__base64_write(const char *bytes, size_t size, char *out);
 
 #endif

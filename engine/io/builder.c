@@ -1,22 +1,24 @@
 #include "io/builder.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdbool.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 #include "base/large.h"
 
-/* Keeps every corner offset within 32 bits: a polygon of n corners counts n - 2 triangles, so there
- * are at most 3 x 2^30 corners. */
+/* Largest limit, which keeps every corner offset within 32 bits: a polygon of n corners counts as n
+ * - 2 triangles, so there are at most 3 x 2^30 corners. */
 #define LARGEST_LIMIT (UINT32_C(1) << 30)
 
 #define SMALLEST_CAPACITY 64
 
-/* Bytes of input from one look at the control to the next: text is read at a hundred of them a
- * microsecond or more. */
+/* Bytes of input between two checks of the control. Text is read at 100 bytes a microsecond or
+ * more. */
 #define LOOK_BYTES 65536
 
-/* Doubles are all whole from here on, and still fit an integer. */
+/* From here on all doubles are whole numbers. The value still fits an integer. */
 #define LARGEST_WHOLE 0x1p53
 
 static uint32_t effective_limit(uint32_t limit)
@@ -32,6 +34,7 @@ struct gd__builder gd__builder_begin(const struct gd__scan *scan,
         .scan = scan,
         .limits = {.max_faces = effective_limit(wanted.max_faces),
                    .max_vertices = effective_limit(wanted.max_vertices),
+                   .skipped = wanted.skipped,
                    .control = wanted.control},
         .next_look = scan->at,
     };
@@ -50,8 +53,8 @@ static enum gd_status no_memory(const struct gd__builder *builder)
     return gd_fail(builder->scan->detail, GD_NO_MEMORY, "the system is out of memory");
 }
 
-/* The array with room for `capacity` items, NULL if there is no memory for it: then the array is as
- * it was. */
+/* Resizes an array to `capacity` items. Returns NULL if there is no memory; the array is then
+ * unchanged. */
 static void *resized(void *array, size_t capacity, size_t item)
 {
     size_t bytes;
@@ -180,7 +183,7 @@ enum gd_status gd__builder_add_index(struct gd__builder *builder, double index, 
     return gd__builder_add_corner(builder, (uint64_t)number, at);
 }
 
-/* Begins to keep `first`, the polygons so far being triangles. */
+/* Allocates and fills `first` for the polygons so far, which are all triangles. */
 static bool begin_first(struct gd__builder *builder)
 {
     if (!resize_first(builder, grown(builder->polygon_count))) return false;
@@ -189,7 +192,7 @@ static bool begin_first(struct gd__builder *builder)
     return true;
 }
 
-/* Notes where the open polygon begins, if the polygons are not all triangles. */
+/* Stores the first corner of the open polygon, unless all polygons are triangles. */
 static bool keep_first(struct gd__builder *builder)
 {
     bool triangle = builder->corner_count - builder->open == 3;
@@ -202,12 +205,33 @@ static bool keep_first(struct gd__builder *builder)
     return true;
 }
 
+enum gd_status gd__builder_skip(struct gd__builder *builder, const char *at, enum gd_status status,
+                                const char *format, ...)
+{
+    const struct gd__scan *scan = builder->scan;
+    struct gd_mended *skipped = builder->limits.skipped;
+    if (skipped) {
+        /* counting lines takes as long as reading up to them */
+        uint64_t place = skipped->listed < GD_MENDED_LISTED ? gd__scan_place(scan, at) : 0;
+        gd_mended_add(skipped, place < UINT32_MAX ? (uint32_t)place : UINT32_MAX, 0);
+        return GD_OK;
+    }
+    char sentence[GD_DETAIL_TEXT];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(sentence, sizeof sentence, format, arguments);
+    va_end(arguments);
+    return gd__scan_fail(scan, at, status, "%s (repair=split skips it)", sentence);
+}
+
 enum gd_status gd__builder_close_polygon(struct gd__builder *builder, const char *at)
 {
     size_t corners = builder->corner_count - builder->open;
-    if (corners < 3)
-        return gd__scan_fail(builder->scan, at, GD_SYNTAX, "a face has %zu corners, it needs three",
-                             corners);
+    if (corners < 3) {
+        builder->corner_count = builder->open;
+        return gd__builder_skip(builder, at, GD_SYNTAX, "a face has %zu corners, it needs three",
+                                corners);
+    }
     builder->triangles += corners - 2;
     if (builder->triangles > builder->limits.max_faces) return too_many_faces(builder, at);
     if (!keep_first(builder)) return no_memory(builder);
@@ -224,7 +248,7 @@ enum gd_status gd__builder_no_such_vertex(const struct gd__builder *builder, lon
                          number, builder->position_count, builder->index_base);
 }
 
-/* Shrinking may fail, the array is good as it is then. `capacity` > 0. */
+/* Shrinks the arrays to their length. If that fails, the arrays remain valid. `capacity` > 0. */
 static void shrink(struct gd__builder *builder)
 {
     resize_positions(builder, builder->position_count);
@@ -249,11 +273,13 @@ enum gd_status gd__builder_finish(struct gd__builder *builder, struct gd_polygon
         builder->first[builder->polygon_count] = (uint32_t)builder->corner_count;
     }
     shrink(builder);
-    *out = (struct gd_polygons){.positions = builder->positions,
-                                .position_count = (uint32_t)builder->position_count,
-                                .polygon_count = (uint32_t)builder->polygon_count,
-                                .corners = builder->corners,
-                                .first = builder->first};
+    *out = (struct gd_polygons){
+        .positions = builder->positions,
+        .position_count = (uint32_t)builder->position_count,
+        .polygon_count = (uint32_t)builder->polygon_count,
+        .corners = builder->corners,
+        .first = builder->first,
+    };
     builder->positions = NULL;
     builder->corners = NULL;
     builder->first = NULL;

@@ -1,6 +1,6 @@
-/* Builder: the polygons of a file while it is being read. Arrays grow by half, within the limits;
- * what they hold at any time is at most a small multiple of the bytes read, because readers add
- * nothing, and reserve nothing, that those bytes don't account for. */
+/* Builder: collects the polygons of a file while it is being read. Arrays grow by half, within the
+ * limits. Their size is at most a small multiple of the bytes read, because readers add and reserve
+ * nothing that those bytes do not contain. */
 #ifndef GD_IO_BUILDER_H
 #define GD_IO_BUILDER_H
 
@@ -12,12 +12,12 @@
 #include "io/scan.h"
 
 struct gd__builder {
-    const struct gd__scan *scan;   /* borrowed: errors name its places */
-    struct gd_read_options limits; /* neither is 0 */
-    /* how the format numbers its first vertex: 0 or 1; for error texts only */
+    const struct gd__scan *scan;   /* borrowed; errors name its line or byte */
+    struct gd_read_options limits; /* limits are never 0 */
+    /* number of the first vertex in the format: 0 or 1; for error texts only */
     uint32_t index_base;
-    const char *next_look; /* at the control, once the scan is there */
-    double done;           /* part of the reading, as the control was told last */
+    const char *next_look; /* checks the control once the scan has reached this position */
+    double done;           /* fraction of the reading that was last reported to the control */
 
     double (*positions)[3];
     size_t position_count, position_capacity;
@@ -25,60 +25,70 @@ struct gd__builder {
     uint32_t *corners;
     size_t corner_count, corner_capacity;
 
-    /* NULL as long as all polygons are triangles, else the beginning of each closed polygon */
+    /* NULL as long as all polygons are triangles; otherwise the first corner of each closed
+     * polygon */
     uint32_t *first;
     size_t first_capacity;
 
     size_t polygon_count;
-    size_t open;        /* first corner of the polygon that is being added */
-    uint64_t triangles; /* of the closed polygons */
+    size_t open;        /* first corner of the open polygon */
+    uint64_t triangles; /* number of triangles of the closed polygons */
 
-    uint64_t last_vertex;       /* the highest that a corner names, which may be defined later */
-    const char *last_vertex_at; /* and where; NULL before the first corner */
+    /* largest vertex number of a corner; the vertex may be defined later */
+    uint64_t last_vertex;
+    /* where the corner with last_vertex stands; NULL before the first corner */
+    const char *last_vertex_at;
 };
 
-/* An empty builder. `limits` may be NULL. */
+/* Returns an empty builder. `limits` may be NULL. */
 struct gd__builder gd__builder_begin(const struct gd__scan *scan,
                                      const struct gd_read_options *limits);
 void gd__builder_free(struct gd__builder *builder);
 
-/* Room for so many vertices and triangles: call it with counts that the input's length was checked
- * to hold. GD_TOO_LARGE, GD_NO_MEMORY. */
+/* Reserves room for that many vertices and triangles. The caller must have checked that the input
+ * is long enough for them. GD_TOO_LARGE, GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__builder_reserve(struct gd__builder *builder, uint64_t positions,
                                                uint64_t polygons);
 
-/* Looks at the control if it is time to; to be called for whatever is read and not added.
- * GD_CANCELLED, GD_DEADLINE. */
+/* Checks the control if enough input was read since the last check. Readers call it for input that
+ * they skip. GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__builder_look(struct gd__builder *builder);
 
-/* For a loop over what was added so far. */
+/* Returns a pace for a loop over the elements added so far. */
 struct gd__pace gd__builder_pace(const struct gd__builder *builder);
 
-/* Each names `at` in its errors, and looks at the control. GD_NON_FINITE, GD_TOO_LARGE,
- * GD_NO_MEMORY. */
+/* Adds a vertex. Errors name the position `at`. Checks the control at intervals. GD_NON_FINITE,
+ * GD_TOO_LARGE, GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__builder_add_position(struct gd__builder *builder,
                                                     const double xyz[3], const char *at);
 
-/* Adds a corner to the open polygon, zero-based; whether the vertex exists is asked by
- * gd__builder_finish. GD_NO_MEMORY. Looks at the control. */
+/* Adds a zero-based corner to the open polygon. gd__builder_finish checks that the vertex exists.
+ * Checks the control at intervals. GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__builder_add_corner(struct gd__builder *builder, uint64_t vertex,
                                                   const char *at);
 
-/* The same for a number of a format that doesn't tell integers from others. GD_SYNTAX (not whole),
- * GD_INDEX (negative), GD_NO_MEMORY. */
+/* As gd__builder_add_corner, for a format that does not distinguish integers from other numbers.
+ * GD_SYNTAX (not whole), GD_INDEX (negative), GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__builder_add_index(struct gd__builder *builder, double index,
                                                  const char *at);
 
-/* Makes a polygon of the corners since the last one. GD_SYNTAX (fewer than three), GD_TOO_LARGE,
- * GD_NO_MEMORY. */
+/* Handles an element at `at` that is invalid but can be skipped. If limits.skipped is set, records
+ * its line there and returns GD_OK. Otherwise fails with `status` and the formatted sentence. */
+GD_MUST_USE enum gd_status gd__builder_skip(struct gd__builder *builder, const char *at,
+                                            enum gd_status status, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
+
+/* Closes the open polygon. Skips a polygon of fewer than three corners (gd__builder_skip).
+ * GD_SYNTAX (fewer than three corners), GD_TOO_LARGE, GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__builder_close_polygon(struct gd__builder *builder, const char *at);
 
-/* GD_INDEX for a vertex that a face names, in the file's own numbering. */
+/* Returns GD_INDEX for a vertex number of a face that does not exist; `number` is in the file's
+ * numbering. */
 enum gd_status gd__builder_no_such_vertex(const struct gd__builder *builder, long long number,
                                           const char *at);
 
-/* Hands the arrays, shrunk to their length, over to `out`; the builder is empty then. GD_EMPTY,
- * GD_INDEX, GD_NO_MEMORY. */
+/* Moves the arrays, shrunk to their length, to `out` and empties the builder. GD_EMPTY, GD_INDEX,
+ * GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__builder_finish(struct gd__builder *builder, struct gd_polygons *out);
 
 #endif

@@ -1,11 +1,12 @@
-/* Control meshes: any mesh file, and in OBJ the tag lines `t name ints/floats/strings values...` of
- * OpenSubdiv. */
+/* Control meshes: reads any mesh file, and in OBJ the tag lines `t name ints/floats/strings
+ * values...` of OpenSubdiv. */
 #include "gd/control_mesh.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "io/scan.h"
+#include "io/readers.h"
+#include "io/utf16.h"
 
 void gd_control_mesh_free(struct gd_control_mesh *mesh)
 {
@@ -16,12 +17,12 @@ void gd_control_mesh_free(struct gd_control_mesh *mesh)
     *mesh = (struct gd_control_mesh){0};
 }
 
-/* The counts behind a tag's name. */
+/* The counts behind the name of a tag. */
 struct counts {
     int64_t whole, real, text;
 };
 
-/* One tag's values: whole numbers, then real ones. */
+/* A tag whose values are being read: whole numbers first, then real ones. */
 struct tag {
     struct gd__scan *scan;
     struct gd_control_mesh *mesh;
@@ -59,7 +60,7 @@ static enum gd_status read_vertex(const struct tag *tag, uint32_t *out)
     return GD_OK;
 }
 
-/* Sharpnesses: one for all `count` items, or one each. */
+/* Reads the sharpness of item `index`. A tag has one sharpness for all items, or one for each. */
 static enum gd_status read_sharpness(const struct tag *tag, int64_t index, double *value)
 {
     return index < tag->counts.real ? gd__scan_number(tag->scan, value) : GD_OK;
@@ -81,7 +82,7 @@ static void *grown(void *array, uint32_t count, int64_t more, size_t size)
     return realloc(array, (count + (size_t)more + 1) * size);
 }
 
-/* A tag can't have more values than its line has characters. */
+/* Checks that a tag has no more values than its line has characters. */
 static enum gd_status check_length(const struct tag *tag)
 {
     if ((uint64_t)tag->counts.whole <= gd__scan_left(tag->scan)) return GD_OK;
@@ -188,9 +189,15 @@ enum gd_status gd_read_control_mesh(const void *bytes, size_t size,
     struct gd_read_options own = options ? *options : (struct gd_read_options){0};
     if (own.format == GD_FORMAT_ANY) own.format = gd_format_recognise(bytes, size);
     struct gd_control_mesh mesh = {0};
-    enum gd_status status = gd_read_polygons(bytes, size, &own, &mesh.polygons, detail);
+    enum gd_status status = GD_OK;
+    char *text = NULL;
+    if (gd__is_utf16_text(bytes, size, own.format))
+        status = gd__utf16_decode(bytes, size, own.control, &text, &size);
+    if (text) bytes = text;
+    if (!status) status = gd_read_polygons(bytes, size, &own, &mesh.polygons, detail);
     if (!status && own.format == GD_FORMAT_OBJ)
         status = read_tags(bytes, size, &own, &mesh, detail);
+    free(text);
     if (status)
         gd_control_mesh_free(&mesh);
     else

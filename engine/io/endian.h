@@ -1,4 +1,4 @@
-/* Endian: numbers of either byte order at any address. */
+/* Endian: reads numbers of either byte order at any address, and writes little-endian ones. */
 #ifndef GD_IO_ENDIAN_H
 #define GD_IO_ENDIAN_H
 
@@ -40,7 +40,8 @@ static inline double gd__load_f64(const char *at, bool big_endian)
 static inline void gd__store_little_endian(char *at, uint64_t value, int size)
 {
     for (int i = 0; i < size && i < 8; i++)
-        at[i] = (char)(value >> 8 * i); /* compilers that see no `size` fear for more than 8 */
+        /* `i < 8` avoids a warning where the compiler does not know `size` */
+        at[i] = (char)(value >> 8 * i);
 }
 
 #endif

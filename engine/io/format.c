@@ -1,7 +1,9 @@
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
 #include "io/readers.h"
+#include "io/utf16.h"
 
 static const struct {
     enum gd_format format;
@@ -51,30 +53,54 @@ const char *gd_format_media_type(enum gd_format format)
     return "application/octet-stream";
 }
 
-/* The most certain first: GLB has four bytes of its own, the size of a binary STL file fits no
- * other format's text, glTF and JSON are told apart by their keys, OBJ has no signature at all. */
+/* Signatures, the most reliable ones first. GLB has a magic number of four bytes. No text format
+ * has the size of a binary STL file. glTF and JSON differ in their keys. OBJ has no signature. */
 static const struct {
     enum gd_format format;
     bool (*recognise)(struct gd__scan scan);
 } signatures[] = {
-    {GD_FORMAT_GLB, gd__glb_recognise},   {GD_FORMAT_STL, gd__stl_recognise},
-    {GD_FORMAT_PLY, gd__ply_recognise},   {GD_FORMAT_OFF, gd__off_recognise},
-    {GD_FORMAT_GLTF, gd__gltf_recognise}, {GD_FORMAT_JSON, gd__json_recognise},
-    {GD_FORMAT_OBJ, gd__obj_recognise},
+    {GD_FORMAT_GLB, gd__glb_recognise},   {GD_FORMAT_3MF, gd__3mf_recognise},
+    {GD_FORMAT_STL, gd__stl_recognise},   {GD_FORMAT_PLY, gd__ply_recognise},
+    {GD_FORMAT_OFF, gd__off_recognise},   {GD_FORMAT_GLTF, gd__gltf_recognise},
+    {GD_FORMAT_JSON, gd__json_recognise}, {GD_FORMAT_OBJ, gd__obj_recognise},
 };
+
+#define UTF16_BEGINNING ((size_t)1 << 16) /* bytes of UTF-16 that are searched for a signature */
 
 #define TEXT_BEGINNING                                                                             \
     ((size_t)1                                                                                     \
-     << 20) /* bytes, in which a text says what it is: blanks and comments may come before */
+     << 20) /* bytes of text searched for a signature, which blanks and comments may precede */
+
+static enum gd_format recognise_beginning(struct gd__scan beginning)
+{
+    for (size_t i = 0; i < sizeof signatures / sizeof signatures[0]; i++) {
+        if (signatures[i].recognise(beginning)) return signatures[i].format;
+    }
+    return GD_FORMAT_ANY;
+}
+
+/* Returns GD_FORMAT_ANY also if there is no memory. */
+static enum gd_format recognise_utf16(const void *bytes, size_t size)
+{
+    char *text;
+    size_t length;
+    enum gd_status status = gd__utf16_decode(bytes, size < UTF16_BEGINNING ? size : UTF16_BEGINNING,
+                                             NULL, &text, &length);
+    if (status != GD_OK) return GD_FORMAT_ANY;
+    enum gd_format format =
+        length ? recognise_beginning(gd__scan_begin(text, length, NULL)) : GD_FORMAT_ANY;
+    free(text);
+    return format;
+}
 
 enum gd_format gd_format_recognise(const void *bytes, size_t size)
 {
     struct gd__scan whole = gd__scan_begin(bytes, size, NULL), beginning = whole;
     if (size > TEXT_BEGINNING) beginning.end = beginning.begin + TEXT_BEGINNING;
     if (size == 0) return GD_FORMAT_ANY;
-    if (gd__stl_has_binary_size(&whole) && !gd__glb_recognise(beginning)) return GD_FORMAT_STL;
-    for (size_t i = 0; i < sizeof signatures / sizeof signatures[0]; i++) {
-        if (signatures[i].recognise(beginning)) return signatures[i].format;
-    }
-    return GD_FORMAT_ANY;
+    if (gd__stl_has_binary_size(&whole) && !gd__glb_recognise(beginning) &&
+        !gd__3mf_recognise(beginning))
+        return GD_FORMAT_STL;
+    return gd__is_utf16(bytes, size) ? recognise_utf16(bytes, size)
+                                     : recognise_beginning(beginning);
 }

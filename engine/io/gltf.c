@@ -1,5 +1,5 @@
-/* glTF 2.0 and its binary form, GLB: the container, the document's lists, and the way from a scene
- * to triangles. See gltf.h. */
+/* glTF 2.0 and its binary form GLB: reads the container, the lists of the document, and the meshes
+ * of the scene. See gltf.h. */
 #include "io/gltf.h"
 
 #include <math.h>
@@ -15,14 +15,15 @@
 #define CHUNK_JSON   UINT32_C(0x4E4F534A)
 #define CHUNK_BINARY UINT32_C(0x004E4942)
 
-/* --- recognising ------------------------------------------------------------------------------ */
+/* --- recognition ------------------------------------------------------------------------------ */
 
 bool gd__glb_recognise(struct gd__scan scan)
 {
     return scan.end - scan.begin >= 4 && memcmp(scan.begin, "glTF", 4) == 0;
 }
 
-/* By its first key: a mesh as JSON arrays begins with another. */
+/* Recognises the format by the first key of the document: a mesh as JSON arrays begins with other
+ * keys. */
 bool gd__gltf_recognise(struct gd__scan scan)
 {
     static const char *const keys[] = {"asset",
@@ -55,7 +56,7 @@ bool gd__gltf_recognise(struct gd__scan scan)
     return false;
 }
 
-/* --- looking things up ------------------------------------------------------------------------ */
+/* --- members of objects ----------------------------------------------------------------------- */
 
 enum gd_status gd__gltf_whole(const struct gd__gltf *gltf, uint32_t object, const char *name,
                               uint64_t otherwise, uint64_t most, uint64_t *out)
@@ -75,7 +76,7 @@ enum gd_status gd__gltf_index(const struct gd__gltf *gltf, uint32_t value,
 {
     double number = -1;
     if (!gd__json_real(&gltf->json, value, &number) || !(number >= 0) || number != floor(number))
-        return gd__gltf_fail(gltf, value, GD_SYNTAX, "this is no number of one of the '%s'",
+        return gd__gltf_fail(gltf, value, GD_SYNTAX, "this is not a number of one of the '%s'",
                              list->name);
     if (number >= list->count)
         return gd__gltf_fail(gltf, value, GD_SYNTAX,
@@ -113,12 +114,12 @@ enum gd_status gd__gltf_reals(const struct gd__gltf *gltf, uint32_t object, cons
 
 /* --- the document ----------------------------------------------------------------------------- */
 
-/* Extensions without which the shape is the same. */
+/* Returns true for an extension that does not change the shape. */
 static bool leaves_shape(const struct gd__json *json, uint32_t name)
 {
-    static const char *const beginnings[] = {"KHR_materials_", "KHR_texture_",  "KHR_lights_",
-                                             "KHR_xmp",        "EXT_texture_",  "EXT_lights_",
-                                             "MSFT_texture",   "KHR_animation_"};
+    static const char *const beginnings[] = {"KHR_materials_", "KHR_techniques_", "KHR_texture_",
+                                             "KHR_lights_",    "KHR_xmp",         "EXT_texture_",
+                                             "EXT_lights_",    "MSFT_texture",    "KHR_animation_"};
     if (gd__json_says(json, name, "KHR_mesh_quantization")) return true;
     for (size_t i = 0; i < sizeof beginnings / sizeof beginnings[0]; i++) {
         if (strncmp(gd__json_at(json, name) + 1, beginnings[i], strlen(beginnings[i])) == 0)
@@ -166,7 +167,8 @@ static enum gd_status check_version(const struct gd__gltf *gltf)
         return gd__gltf_fail(gltf, 0, GD_SYNTAX,
                              "the document is no glTF: it has no 'asset' with a 'version'");
     if (strncmp(gd__json_at(&gltf->json, version), "\"2.", 3) == 0) return GD_OK;
-    return gd__gltf_fail(gltf, version, GD_UNSUPPORTED, "the file is not of version 2 of glTF");
+    return gd__gltf_fail(gltf, version, GD_UNSUPPORTED,
+                         "the file is not of version 2 of glTF, only 2.0 is read: convert it");
 }
 
 static uint32_t count_items(const struct gd__json *json, uint32_t list)
@@ -220,7 +222,7 @@ static void free_document(struct gd__gltf *gltf)
     gd__json_free(&gltf->json);
 }
 
-/* The document that the scan's cursor is at, up to its end. */
+/* Reads the document from the scan's cursor to its end. */
 static enum gd_status read_document(struct gd__gltf *gltf)
 {
     enum gd_status status = gd__json_parse(&gltf->scan, gltf->control, &gltf->json);
@@ -232,7 +234,7 @@ static enum gd_status read_document(struct gd__gltf *gltf)
 
 /* --- the container ---------------------------------------------------------------------------- */
 
-/* The next chunk of a GLB, which ends at scan->end. */
+/* Reads the next chunk of a GLB, which ends at scan->end. */
 static enum gd_status read_chunk(struct gd__scan *scan, uint32_t *type, struct gd__gltf_bytes *out)
 {
     if (gd__scan_left(scan) < CHUNK_HEADER)
@@ -248,7 +250,7 @@ static enum gd_status read_chunk(struct gd__scan *scan, uint32_t *type, struct g
     return GD_OK;
 }
 
-/* Bytes behind the length that it declares are no part of it. */
+/* Reads the header of a GLB. Ignores bytes behind the declared length. */
 static enum gd_status read_header(struct gd__scan *scan)
 {
     size_t size = (size_t)(scan->end - scan->begin);
@@ -259,7 +261,8 @@ static enum gd_status read_header(struct gd__scan *scan)
     uint32_t version = gd__load_u32(scan->at + 4, false),
              length = gd__load_u32(scan->at + 8, false);
     if (version != 2)
-        return gd__scan_fail(scan, scan->at + 4, GD_UNSUPPORTED, "the GLB is of version %u, not 2",
+        return gd__scan_fail(scan, scan->at + 4, GD_UNSUPPORTED,
+                             "the GLB is of version %u of glTF, only 2.0 is read: convert it",
                              version);
     if (length > size || length < GLB_HEADER)
         return gd__scan_fail(scan, scan->at + 8, GD_TRUNCATED,
@@ -289,7 +292,7 @@ static enum gd_status open_glb(struct gd__gltf *gltf)
     return read_document(gltf);
 }
 
-/* `*out` is to be freed whatever the result. */
+/* The caller must free `*out` in any case. */
 static enum gd_status open_file(const struct gd__scan *scan, const struct gd_control *control,
                                 bool is_glb, struct gd__gltf *out)
 {
@@ -301,13 +304,13 @@ static enum gd_status open_file(const struct gd__scan *scan, const struct gd_con
 /* --- the scene -------------------------------------------------------------------------------- */
 
 struct counting {
-    struct gd__gltf_visitor visitor; /* first */
+    struct gd__gltf_visitor visitor; /* must be the first member */
     const struct gd__gltf *gltf;
     struct gd__gltf_sum sum;
 };
 
 static enum gd_status count_mesh(struct gd__gltf_visitor *visitor, uint32_t mesh,
-                                 const struct gd__gltf_place *place)
+                                 const struct gd__place *place)
 {
     struct counting *counting = (struct counting *)visitor;
     (void)place;
@@ -323,12 +326,12 @@ static enum gd_status count(const struct gd__gltf *gltf, struct gd__gltf_sum *ou
 }
 
 struct placing {
-    struct gd__gltf_visitor visitor; /* first */
+    struct gd__gltf_visitor visitor; /* must be the first member */
     struct gd__gltf_making making;
 };
 
 static enum gd_status make_mesh(struct gd__gltf_visitor *visitor, uint32_t mesh,
-                                const struct gd__gltf_place *place)
+                                const struct gd__place *place)
 {
     return gd__gltf_make_mesh(&((struct placing *)visitor)->making, mesh, place);
 }
@@ -374,7 +377,7 @@ static enum gd_status read_file(const struct gd__scan *scan, struct gd__builder 
     struct gd__gltf_sum sum = {0};
     enum gd_status status = open_file(scan, builder->limits.control, is_glb, &gltf);
     builder->scan = &gltf.scan;
-    builder->next_look = gltf.scan.end; /* the making looks at the control itself */
+    builder->next_look = gltf.scan.end; /* the conversion checks the control itself */
     if (status == GD_OK) status = count(&gltf, &sum);
     if (status == GD_OK && sum.triangles == 0) status = fail_empty(&gltf, &sum);
     if (status == GD_OK) status = reserve(builder, &sum);
@@ -396,13 +399,13 @@ enum gd_status gd__glb_read(struct gd__scan *scan, struct gd__builder *builder)
     return read_file(scan, builder, true);
 }
 
-/* --- what it costs ---------------------------------------------------------------------------- */
+/* --- memory ----------------------------------------------------------------------------------- */
 
-/* A position, and the slots by which it is found again (weld.h: at most four). */
+/* Memory of a position and its slots in the weld (weld.h: at most four). */
 #define VERTEX_BYTES (sizeof(double[3]) + 4 * sizeof(uint32_t))
 
-/* A value of the tree takes at least two of its bytes; the lists and marks of what nodes there are,
- * no more than half as much again. */
+/* Bytes of the tree per byte of text: a value takes at least two bytes of text. The lists and the
+ * marks of nodes take at most half as much as the tree. */
 #define TREE_FACTOR 6
 
 static size_t cost_of(const struct gd__gltf_sum *sum, const struct gd_read_options *limits)

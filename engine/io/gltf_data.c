@@ -1,5 +1,5 @@
-/* glTF's data: buffers, the views that cut pieces out of them, the accessors that say what numbers
- * a piece holds. See gltf.h. */
+/* glTF data: buffers, views (pieces of buffers) and accessors (the types and positions of the
+ * numbers in a view). See gltf.h. */
 #include "io/gltf.h"
 
 #include <math.h>
@@ -9,7 +9,7 @@
 #include "io/base64.h"
 #include "io/endian.h"
 
-#define LARGEST_WHOLE (UINT64_C(1) << 53) /* of what JSON's numbers say exactly */
+#define LARGEST_WHOLE (UINT64_C(1) << 53) /* whole numbers up to here are exact in JSON */
 
 /* --- buffers ---------------------------------------------------------------------------------- */
 
@@ -23,13 +23,14 @@ static enum gd_status fail_external(const struct gd__gltf *gltf, uint32_t uri)
         gd__excerpt(name).text);
 }
 
-/* What follows ";base64," in a data: URI, up to the quote. */
+/* Returns the text behind ";base64," of a data: URI, up to its quote. */
 static enum gd_status encoded_part(const struct gd__gltf *gltf, uint32_t uri,
                                    struct gd__gltf_bytes *out)
 {
     static const char mark[] = ";base64,";
     const char *at = gd__json_at(&gltf->json, uri) + 1, *end = gltf->json.text + gltf->json.size;
-    const char *quote = memchr(at, '"', (size_t)(end - at)); /* the tree has seen it */
+    /* exists: the tree has parsed the string */
+    const char *quote = memchr(at, '"', (size_t)(end - at));
     if (quote - at < 5 || memcmp(at, "data:", 5) != 0) return fail_external(gltf, uri);
     const char *found = memchr(at, ',', (size_t)(quote - at));
     if (!found || found - at < 12 || memcmp(found + 2 - sizeof mark, mark, sizeof mark - 1) != 0)
@@ -57,7 +58,8 @@ static enum gd_status decode_uri(struct gd__gltf *gltf, uint32_t uri, struct gd_
     return GD_OK;
 }
 
-/* The first buffer of a GLB is its binary chunk, if it names nothing else. */
+/* Finds the bytes of a buffer. The first buffer of a GLB is its binary chunk, unless it has a
+ * URI. */
 static enum gd_status find_bytes(struct gd__gltf *gltf, uint32_t number,
                                  struct gd__gltf_buffer *out)
 {
@@ -100,7 +102,7 @@ void gd__gltf_buffers_free(struct gd__gltf *gltf)
 
 /* --- views ------------------------------------------------------------------------------------ */
 
-/* A piece of a buffer. */
+/* A view: a piece of a buffer. */
 struct view {
     uint32_t value;
     struct gd__gltf_bytes bytes;
@@ -148,7 +150,7 @@ static enum gd_status open_view(struct gd__gltf *gltf, uint32_t value, struct vi
     return GD_OK;
 }
 
-/* The view that an object names; `out->bytes.at` is NULL if it names none. */
+/* Opens the view that an object refers to. `out->bytes.at` is NULL if it refers to none. */
 static enum gd_status open_named_view(struct gd__gltf *gltf, uint32_t object, struct view *out)
 {
     uint32_t view;
@@ -214,7 +216,8 @@ static enum gd_status read_type(struct gd__gltf_accessor *accessor, bool is_posi
     return GD_OK;
 }
 
-/* Where `count` elements of `size` bytes begin in a view, as an object's byteOffset says. */
+/* Returns the position of `count` elements of `size` bytes in a view, at the byteOffset of an
+ * object. */
 static enum gd_status find_elements(const struct gd__gltf *gltf, uint32_t object,
                                     const struct view *view, uint32_t count, size_t size,
                                     size_t stride, const char **out)
@@ -245,7 +248,7 @@ static enum gd_status find_dense(struct gd__gltf *gltf, struct gd__gltf_accessor
                          &accessor->at);
 }
 
-/* One of the two lists of a sparse accessor: `object` is "indices" or "values". */
+/* Finds one of the two lists of a sparse accessor; `name` is "indices" or "values". */
 static enum gd_status find_sparse_list(struct gd__gltf *gltf, uint32_t sparse, const char *name,
                                        uint32_t count, size_t size, const char **out)
 {
@@ -324,7 +327,7 @@ static double load(const char *at, uint32_t type)
     }
 }
 
-/* glTF 2.0, 3.6.2.2 and the table of 3.11: what whole numbers stand for. */
+/* Converts a normalised whole number (glTF 2.0, 3.6.2.2 and the table of 3.11). */
 static double normalized(double value, uint32_t type)
 {
     switch (type) {
@@ -341,8 +344,8 @@ static double normalized(double value, uint32_t type)
     }
 }
 
-/* Where the next element stands: in the sparse list if it is the next of that. NULL: nowhere, it is
- * zero. */
+/* Returns the position of the next element: in the sparse list if that list holds it, otherwise in
+ * the accessor's view. NULL: the element is zero. */
 static enum gd_status find_next(struct gd__gltf_accessor *accessor, const char **out)
 {
     uint32_t place = accessor->next++, sparse = accessor->sparse_next;

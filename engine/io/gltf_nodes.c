@@ -1,67 +1,48 @@
-/* glTF's scene: which meshes stand where. See gltf.h. */
+/* glTF scene: visits the nodes and computes the placement of each mesh. See gltf.h. */
 #include "io/gltf.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define DEPTH 256 /* of nodes in one another */
+#define DEPTH 256 /* nesting of nodes */
 
 enum { IS_CHILD = 1, IS_VISITED = 2 };
 
-/* A node on the way from the root, and which of its children comes next. */
+/* A node on the path from the root, and its next child. */
 struct step {
-    uint32_t child, end; /* values of the list of its children */
-    struct gd__gltf_place place;
+    uint32_t child, end; /* JSON values in the list of its children */
+    struct gd__place place;
 };
 
 struct walk {
     const struct gd__gltf *gltf;
     struct gd__gltf_visitor *visitor;
-    uint8_t *marks; /* of each node */
+    uint8_t *marks; /* one per node */
     struct step *steps;
     unsigned depth;
 };
 
-static const struct gd__gltf_place unmoved = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}}};
+/* --- transforms ------------------------------------------------------------------------------- */
 
-/* --- places ----------------------------------------------------------------------------------- */
-
-/* What is placed by `inner` within something that is placed by `outer`. */
-static struct gd__gltf_place compose(const struct gd__gltf_place *outer,
-                                     const struct gd__gltf_place *inner)
-{
-    struct gd__gltf_place out;
-    for (int column = 0; column < 4; column++) {
-        const double *c = inner->columns[column];
-        for (int axis = 0; axis < 3; axis++)
-            out.columns[column][axis] =
-                outer->columns[0][axis] * c[0] + outer->columns[1][axis] * c[1] +
-                outer->columns[2][axis] * c[2] + (column == 3 ? outer->columns[3][axis] : 0);
-    }
-    return out;
-}
-
-/* A quaternion's rotation. Files have it rounded to floats: taken as it is, it would stretch the
- * mesh by what it lacks of unit length. */
+/* Converts a quaternion to a rotation. Normalises it first: files store quaternions rounded to
+ * floats, which would scale the mesh slightly. */
 static enum gd_status rotate(const struct gd__gltf *gltf, uint32_t node, const double q[4],
-                             struct gd__gltf_place *out)
+                             struct gd__place *out)
 {
     double norm = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
     if (!(norm > 0) || !isfinite(norm))
         return gd__gltf_fail(gltf, node, GD_SYNTAX,
                              "the node's rotation is no quaternion of length 1");
     double s = 2 / norm, x = q[0], y = q[1], z = q[2], w = q[3];
-    *out = (struct gd__gltf_place){
-        {{1 - s * (y * y + z * z), s * (x * y + z * w), s * (x * z - y * w)},
-         {s * (x * y - z * w), 1 - s * (x * x + z * z), s * (y * z + x * w)},
-         {s * (x * z + y * w), s * (y * z - x * w), 1 - s * (x * x + y * y)},
-         {0, 0, 0}}};
+    *out = (struct gd__place){{{1 - s * (y * y + z * z), s * (x * y + z * w), s * (x * z - y * w)},
+                               {s * (x * y - z * w), 1 - s * (x * x + z * z), s * (y * z + x * w)},
+                               {s * (x * z + y * w), s * (y * z - x * w), 1 - s * (x * x + y * y)},
+                               {0, 0, 0}}};
     return GD_OK;
 }
 
-static enum gd_status read_steps(const struct gd__gltf *gltf, uint32_t node,
-                                 struct gd__gltf_place *out)
+static enum gd_status read_steps(const struct gd__gltf *gltf, uint32_t node, struct gd__place *out)
 {
     double translation[3] = {0}, rotation[4] = {0, 0, 0, 1}, scale[3] = {1, 1, 1};
     enum gd_status status = gd__gltf_reals(gltf, node, "translation", 3, translation);
@@ -75,8 +56,7 @@ static enum gd_status read_steps(const struct gd__gltf *gltf, uint32_t node,
     return GD_OK;
 }
 
-static enum gd_status read_place(const struct gd__gltf *gltf, uint32_t node,
-                                 struct gd__gltf_place *out)
+static enum gd_status read_place(const struct gd__gltf *gltf, uint32_t node, struct gd__place *out)
 {
     if (gd__json_member(&gltf->json, node, "matrix") == GD__NO_VALUE)
         return read_steps(gltf, node, out);
@@ -88,17 +68,16 @@ static enum gd_status read_place(const struct gd__gltf *gltf, uint32_t node,
     return GD_OK;
 }
 
-/* --- the way through the nodes ---------------------------------------------------------------- */
+/* --- traversal -------------------------------------------------------------------------------- */
 
-static enum gd_status visit_mesh(struct walk *walk, uint32_t node,
-                                 const struct gd__gltf_place *place)
+static enum gd_status visit_mesh(struct walk *walk, uint32_t node, const struct gd__place *place)
 {
     const struct gd__gltf *gltf = walk->gltf;
     uint32_t mesh;
     enum gd_status status = gd__gltf_reference(gltf, node, "mesh", &gltf->meshes, &mesh);
     if (status != GD_OK || mesh == GD__NO_VALUE) return status;
     bool is_skinned = gd__json_member(&gltf->json, node, "skin") != GD__NO_VALUE;
-    return walk->visitor->visit(walk->visitor, mesh, is_skinned ? &unmoved : place);
+    return walk->visitor->visit(walk->visitor, mesh, is_skinned ? &gd__unmoved : place);
 }
 
 static enum gd_status mark_visited(struct walk *walk, uint32_t number)
@@ -114,7 +93,8 @@ static enum gd_status mark_visited(struct walk *walk, uint32_t number)
     return GD_OK;
 }
 
-/* The list that an object holds, as the values from `*begin` to `*end`; empty if it holds none. */
+/* Reads the list that a member of an object holds, as the values from `*begin` to `*end`. Empty if
+ * the member is missing. */
 static enum gd_status list_of(const struct gd__gltf *gltf, uint32_t object, const char *name,
                               uint32_t *begin, uint32_t *end)
 {
@@ -128,24 +108,24 @@ static enum gd_status list_of(const struct gd__gltf *gltf, uint32_t object, cons
     return GD_OK;
 }
 
-static enum gd_status enter(struct walk *walk, uint32_t number, const struct gd__gltf_place *outer)
+static enum gd_status enter(struct walk *walk, uint32_t number, const struct gd__place *outer)
 {
     uint32_t node = walk->gltf->nodes.values[number];
-    struct gd__gltf_place place;
+    struct gd__place place;
     enum gd_status status = mark_visited(walk, number);
     if (status != GD_OK) return status;
     struct step *step = &walk->steps[walk->depth];
     status = read_place(walk->gltf, node, &place);
     if (status == GD_OK) status = list_of(walk->gltf, node, "children", &step->child, &step->end);
     if (status != GD_OK) return status;
-    step->place = compose(outer, &place);
+    step->place = gd__place_compose(outer, &place);
     walk->depth++;
     return visit_mesh(walk, node, &step->place);
 }
 
 static enum gd_status walk_tree(struct walk *walk, uint32_t root)
 {
-    enum gd_status status = enter(walk, root, &unmoved);
+    enum gd_status status = enter(walk, root, &gd__unmoved);
     while (status == GD_OK && walk->depth > 0) {
         struct step *step = &walk->steps[walk->depth - 1];
         if (step->child >= step->end) {
@@ -202,7 +182,7 @@ static enum gd_status walk_meshes(struct walk *walk)
 {
     enum gd_status status = GD_OK;
     for (uint32_t mesh = 0; mesh < walk->gltf->meshes.count && status == GD_OK; mesh++)
-        status = walk->visitor->visit(walk->visitor, walk->gltf->meshes.values[mesh], &unmoved);
+        status = walk->visitor->visit(walk->visitor, walk->gltf->meshes.values[mesh], &gd__unmoved);
     return status;
 }
 

@@ -1,26 +1,27 @@
-/* glTF's primitives: triangles, strips and fans become triangles; points and lines are counted and
- * left out. See gltf.h. */
+/* glTF primitives: converts triangles, strips and fans to triangles. Points and lines are counted
+ * and skipped. See gltf.h. */
 #include "io/gltf.h"
 
 #include <string.h>
 
-#define LOOK_ELEMENTS 8192 /* vertices and corners between two looks at the control */
+#define LOOK_ELEMENTS 8192 /* vertices and corners between two checks of the control */
 
-/* of a scene, each counted as often as it is placed */
+/* Largest number of primitives of a scene, counted each time they are placed. */
 #define MOST_PRIMITIVES (UINT64_C(1) << 20)
 
 enum mode { MODE_TRIANGLES = 4, MODE_STRIP = 5, MODE_FAN = 6 };
 
-/* What a primitive says of itself. */
+/* A primitive: its mode and its accessors. */
 struct primitive {
     uint32_t value;
     enum mode mode;
-    /* accessors; no positions: no triangles; no indices: its vertices in their order */
+    /* accessors; `positions` GD__NO_VALUE: no triangles; `indices` GD__NO_VALUE: the vertices in
+     * their order */
     uint32_t positions, indices;
     uint32_t vertex_count, corner_count;
 };
 
-/* --- what it says ----------------------------------------------------------------------------- */
+/* --- members ---------------------------------------------------------------------------------- */
 
 static uint64_t triangle_count(const struct primitive *primitive)
 {
@@ -28,8 +29,8 @@ static uint64_t triangle_count(const struct primitive *primitive)
     return primitive->corner_count < 3 ? 0 : primitive->corner_count - 2;
 }
 
-/* Bytes that only Draco's decoder could read: the accessors say what would come of it, and have
- * none themselves. */
+/* Rejects primitives whose positions exist only in the form that Draco compressed. Their accessors
+ * describe the decoded data and have no data themselves. */
 static enum gd_status refuse_draco(const struct gd__gltf *gltf, const struct primitive *primitive)
 {
     uint32_t extensions = gd__json_member(&gltf->json, primitive->value, "extensions");
@@ -62,7 +63,7 @@ static enum gd_status read_counts(const struct gd__gltf *gltf, struct primitive 
     return status;
 }
 
-/* `out->positions` is GD__NO_VALUE where there is nothing to make triangles of. */
+/* Reads a primitive. `out->positions` is GD__NO_VALUE if it has no triangles. */
 static enum gd_status read_primitive(const struct gd__gltf *gltf, uint32_t value,
                                      struct primitive *out)
 {
@@ -76,7 +77,7 @@ static enum gd_status read_primitive(const struct gd__gltf *gltf, uint32_t value
     return status == GD_OK && out->positions != GD__NO_VALUE ? read_counts(gltf, out) : status;
 }
 
-/* The primitives of a mesh, as values from `*begin` to `*end`. */
+/* Returns the primitives of a mesh, as values from `*begin` to `*end`. */
 static enum gd_status primitives_of(const struct gd__gltf *gltf, uint32_t mesh, uint32_t *begin,
                                     uint32_t *end)
 {
@@ -118,7 +119,7 @@ enum gd_status gd__gltf_count_mesh(const struct gd__gltf *gltf, uint32_t mesh,
     return status;
 }
 
-/* --- its vertices ----------------------------------------------------------------------------- */
+/* --- vertices --------------------------------------------------------------------------------- */
 
 static enum gd_status look(struct gd__gltf_making *making)
 {
@@ -128,16 +129,8 @@ static enum gd_status look(struct gd__gltf_making *making)
     return gd_control_check(making->gltf->control, making->builder->done);
 }
 
-static void apply(const struct gd__gltf_place *place, const double local[3], double out[3])
-{
-    for (int axis = 0; axis < 3; axis++)
-        out[axis] = place->columns[0][axis] * local[0] + place->columns[1][axis] * local[1] +
-                    place->columns[2][axis] * local[2] + place->columns[3][axis];
-}
-
 static enum gd_status add_vertices(struct gd__gltf_making *making,
-                                   const struct primitive *primitive,
-                                   const struct gd__gltf_place *place)
+                                   const struct primitive *primitive, const struct gd__place *place)
 {
     const char *at = gd__json_at(&making->gltf->json, primitive->positions);
     struct gd__gltf_accessor accessor;
@@ -147,17 +140,18 @@ static enum gd_status add_vertices(struct gd__gltf_making *making,
         double local[3], xyz[3];
         status = gd__gltf_accessor_next(&accessor, local);
         if (status != GD_OK) break;
-        apply(place, local, xyz);
+        gd__place_apply(place, local, xyz);
         status = gd__weld_vertex(&making->weld, xyz, at, &making->vertices[i]);
         if (status == GD_OK) status = look(making);
     }
     return status;
 }
 
-/* Primitives often share their vertices, each having the faces of one material. */
+/* Adds the vertices of a primitive, unless the previous primitive has the same ones. Primitives
+ * often share an accessor, one primitive per material. */
 static enum gd_status provide_vertices(struct gd__gltf_making *making,
                                        const struct primitive *primitive,
-                                       const struct gd__gltf_place *place)
+                                       const struct gd__place *place)
 {
     if (making->accessor == primitive->positions &&
         memcmp(&making->place, place, sizeof *place) == 0)
@@ -170,16 +164,18 @@ static enum gd_status provide_vertices(struct gd__gltf_making *making,
     return GD_OK;
 }
 
-/* --- its triangles ---------------------------------------------------------------------------- */
+/* --- triangles -------------------------------------------------------------------------------- */
 
-/* The corners of a primitive one after the other, and the triangles that they make. */
+/* Iterates over the corners of a primitive and the triangles that they form. */
 struct run {
     struct gd__gltf_making *making;
     const struct primitive *primitive;
-    struct gd__gltf_accessor indices; /* if it has indices */
-    const char *at;                   /* that errors name */
-    bool is_mirrored;                 /* by its place: faces turn round */
-    /* the first corner of a fan, and the last two; of a list the last three */
+    struct gd__gltf_accessor indices; /* if the primitive has indices */
+    const char *at;                   /* position that errors name */
+    /* the placement mirrors, so faces are reversed (glTF 2.0, 3.7.4) */
+    bool is_mirrored;
+    /* strip: the last three corners; fan: the first corner and the last two; list: the last
+     * three */
     uint32_t recent[3];
 };
 
@@ -208,7 +204,8 @@ static enum gd_status add_triangle(struct run *run, uint32_t a, uint32_t b, uint
     return status == GD_OK ? gd__builder_close_polygon(builder, run->at) : status;
 }
 
-/* Strips are sewn together by triangles that repeat a corner and are nothing: they are left out. */
+/* Adds a triangle of a strip or a fan. Skips triangles that repeat a corner: they only join
+ * strips. */
 static enum gd_status add_linked(struct run *run, uint32_t number)
 {
     const uint32_t *recent = run->recent;
@@ -219,7 +216,7 @@ static enum gd_status add_linked(struct run *run, uint32_t number)
                   : add_triangle(run, recent[0], recent[1], recent[2]);
 }
 
-/* The corner that comes into `recent`; in a fan the first one stays. */
+/* Moves a corner into `recent`. In a fan the first corner stays. */
 static void shift(struct run *run, uint32_t number, uint32_t corner)
 {
     if (run->primitive->mode != MODE_FAN || number <= 2) run->recent[0] = run->recent[1];
@@ -245,17 +242,8 @@ static enum gd_status add_triangles(struct run *run)
     return status;
 }
 
-/* A place that turns space inside out turns the faces round (glTF 2.0, 3.7.4). */
-static bool mirrors(const struct gd__gltf_place *place)
-{
-    const double *x = place->columns[0], *y = place->columns[1], *z = place->columns[2];
-    return x[0] * (y[1] * z[2] - y[2] * z[1]) + x[1] * (y[2] * z[0] - y[0] * z[2]) +
-               x[2] * (y[0] * z[1] - y[1] * z[0]) <
-           0;
-}
-
 static enum gd_status make_primitive(struct gd__gltf_making *making, uint32_t value,
-                                     const struct gd__gltf_place *place)
+                                     const struct gd__place *place)
 {
     struct primitive primitive;
     enum gd_status status = read_primitive(making->gltf, value, &primitive);
@@ -264,7 +252,7 @@ static enum gd_status make_primitive(struct gd__gltf_making *making, uint32_t va
     struct run run = {.making = making,
                       .primitive = &primitive,
                       .at = gd__json_at(&making->gltf->json, value),
-                      .is_mirrored = mirrors(place)};
+                      .is_mirrored = gd__place_mirrors(place)};
     status = provide_vertices(making, &primitive, place);
     if (status == GD_OK && primitive.indices != GD__NO_VALUE)
         status = gd__gltf_accessor_open(making->gltf, primitive.indices, false, &run.indices);
@@ -272,7 +260,7 @@ static enum gd_status make_primitive(struct gd__gltf_making *making, uint32_t va
 }
 
 enum gd_status gd__gltf_make_mesh(struct gd__gltf_making *making, uint32_t mesh,
-                                  const struct gd__gltf_place *place)
+                                  const struct gd__place *place)
 {
     uint32_t value = 0, end = 0;
     enum gd_status status = primitives_of(making->gltf, mesh, &value, &end);

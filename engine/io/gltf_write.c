@@ -1,6 +1,6 @@
-/* See gltf_write.h. The bytes are, one behind the other: positions, indices, colours, distances,
- * the lines' points; each a view with one accessor, but that each line has an accessor of its
- * own. */
+/* Writes glTF (gltf_write.h). The data is, in this order: positions, indices, colours, distances,
+ * points of the lines. Each kind has one view and one accessor, except that each line has its own
+ * accessor. */
 #include "io/gltf_write.h"
 
 #include <math.h>
@@ -15,7 +15,7 @@
 enum { TYPE_SHORT = 5123, TYPE_INT = 5125, TYPE_FLOAT = 5126 };
 enum { TARGET_VERTICES = 34962, TARGET_INDICES = 34963 };
 
-/* Grey of vertices that no distance is known of. */
+/* Grey, for vertices whose distance is unknown. */
 static const struct gd_colour unknown = {0.5, 0.5, 0.5};
 
 struct box {
@@ -24,10 +24,10 @@ struct box {
 
 struct writing {
     const struct gd_result *result;
-    double origin[3];                      /* that positions are relative to */
-    double largest;                        /* distance */
-    uint32_t views, accessors, primitives; /* so far */
-    uint64_t bytes;                        /* of the views so far */
+    double origin[3];                      /* subtracted from positions */
+    double largest;                        /* largest distance */
+    uint32_t views, accessors, primitives; /* written so far */
+    uint64_t bytes;                        /* in the views so far */
     struct gd__output *json, *binary;
 };
 
@@ -70,16 +70,16 @@ static size_t mesh_count(const struct gd_result *result)
     return result->mesh ? result->mesh->position_count : 0;
 }
 
-/* A multiple of a power of two of the box's size, so that it is a short number, and 0 for what is
- * about there anyway. */
+/* Returns the centre of the box, rounded to a multiple of a power of two of the box's size. So it
+ * is a short number, and 0 if the box lies about the origin. */
 static double round_centre(double min, double max, double size)
 {
     double step = ldexp(1, ilogb(size) - 1), centre = min / 2 + max / 2;
     return step > 0 && isfinite(centre / step) ? rint(centre / step) * step : centre;
 }
 
-/* Zero for what floats hold as it is: that is to come back as it is. Else about the middle, so that
- * floats hold the most digits. */
+/* Chooses the origin: zero if floats represent all positions exactly, so that they read back
+ * unchanged. Otherwise about the middle of the box, where floats are most precise. */
 static void find_origin(struct writing *writing)
 {
     const struct gd_result *result = writing->result;
@@ -103,7 +103,8 @@ static float from_origin(const struct writing *writing, const double position[3]
     return (float)(position[axis] - writing->origin[axis]);
 }
 
-/* The box of positions as they are written. False: not all are floats. */
+/* Computes the box of the positions as written. Returns false if a position is beyond the range of
+ * floats. */
 static bool float_box(const struct writing *writing, const double (*positions)[3], size_t count,
                       struct box *out)
 {
@@ -120,7 +121,7 @@ static bool float_box(const struct writing *writing, const double (*positions)[3
     return true;
 }
 
-/* --- the bytes -------------------------------------------------------------------------------- */
+/* --- data ------------------------------------------------------------------------------------- */
 
 static void write_positions(const struct writing *writing, const double (*positions)[3],
                             size_t count)
@@ -163,7 +164,8 @@ static void write_distances(const struct writing *writing)
     }
 }
 
-/* A line of one point is there twice: a strip has at least two. */
+/* Returns the number of points of a line as a strip. The point of a line of one point is written
+ * twice, because a strip has at least two points. */
 static size_t strip_points(const struct gd_result *result, uint32_t line)
 {
     size_t count = result->first[line + 1] - result->first[line];
@@ -201,8 +203,8 @@ static void text(struct writing *writing, const char *text)
     gd__output_text(writing->json, text);
 }
 
-/* A number behind its key, which is written as it stands, with its quotes, colon and what comes
- * before it. */
+/* Writes a number with its key. `key` includes its quotes, its colon and the separator before
+ * it. */
 static void member(struct writing *writing, const char *key, uint64_t value)
 {
     text(writing, key);
@@ -219,8 +221,8 @@ static void triple(struct writing *writing, const char *key, const double values
     text(writing, "]");
 }
 
-/* `stride`: bytes from element to element, which a view of several accessors has to tell; 0: it has
- * one. */
+/* Writes a view. `stride`: bytes from element to element, required if several accessors share the
+ * view; 0: not written. */
 static void describe_view(struct writing *writing, uint64_t size, unsigned stride, unsigned target)
 {
     text(writing, writing->views++ ? ",{\"buffer\":0" : "{\"buffer\":0");
@@ -252,7 +254,7 @@ static void describe_views(struct writing *writing)
     text(writing, "]");
 }
 
-/* All but its type and what closes it. */
+/* Writes an accessor up to its type, which the caller writes. */
 static void begin_accessor(struct writing *writing, uint32_t view, uint64_t offset, unsigned type,
                            uint64_t count)
 {
@@ -263,7 +265,7 @@ static void begin_accessor(struct writing *writing, uint32_t view, uint64_t offs
     member(writing, ",\"count\":", count);
 }
 
-/* False: a position is beyond the range of floats. */
+/* Writes the accessor of positions. Returns false if a position is beyond the range of floats. */
 static bool describe_positions(struct writing *writing, uint32_t view, uint64_t offset,
                                const double (*positions)[3], size_t count, size_t written)
 {
@@ -350,7 +352,7 @@ static void describe_scene(struct writing *writing)
     text(writing, "]}]");
 }
 
-/* The document but for the end of its one buffer, which follows. */
+/* Writes the document up to the length of its one buffer, which the caller writes. */
 static bool describe(struct writing *writing)
 {
     describe_scene(writing);
@@ -360,7 +362,7 @@ static bool describe(struct writing *writing)
     return fits;
 }
 
-/* --- both together ---------------------------------------------------------------------------- */
+/* --- files ------------------------------------------------------------------------------------ */
 
 static double largest_distance(const struct gd_result *result)
 {

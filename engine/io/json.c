@@ -1,8 +1,8 @@
 /* JSON (RFC 8259): {"vertices": [[x, y, z], ...], "faces": [[i, j, k, ...], ...]}, the two members
  * in either order, zero-based indices.
  *
- * The depth is fixed, so there is no parser's stack. Keys are compared as they are written, without
- * unescaping. A number is an index when its value is whole: JSON knows no integers, 3.0 is 3. */
+ * The nesting is fixed, so the parser needs no stack. Keys are compared without unescaping. A whole
+ * number is an index: JSON has no integers, so 3.0 is 3. */
 #include "io/json_text.h"
 #include "io/readers.h"
 
@@ -10,7 +10,7 @@ enum member { MEMBER_VERTICES, MEMBER_FACES, MEMBER_COUNT };
 
 static const char *const member_names[MEMBER_COUNT] = {"\"vertices\"", "\"faces\""};
 
-/* Begins an object or array; `*more` tells whether it has an item. */
+/* Reads the beginning of an object or array. `*more` is true if it has an item. */
 static enum gd_status open_items(struct gd__scan *scan, char open, char close, bool *more)
 {
     enum gd_status status = gd__json_expect(scan, open);
@@ -18,7 +18,7 @@ static enum gd_status open_items(struct gd__scan *scan, char open, char close, b
     return status;
 }
 
-/* Behind an item; `*more` tells whether another one follows. */
+/* Reads the separator behind an item. `*more` is true if another item follows. */
 static enum gd_status next_item(struct gd__scan *scan, char close, bool *more)
 {
     *more = gd__json_accept(scan, ',');
@@ -73,7 +73,7 @@ static enum gd_status read_list(struct gd__scan *scan, struct gd__builder *build
     return status;
 }
 
-/* The member that is called `key` and was not `seen` yet. */
+/* Returns the member with the name `key`, which must not be `seen` yet. */
 static enum gd_status member_of(const struct gd__scan *scan, struct gd__word key,
                                 bool seen[MEMBER_COUNT], enum member *out)
 {

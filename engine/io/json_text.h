@@ -1,5 +1,5 @@
-/* JSON text (RFC 8259): its words, for readers that know what they expect, and for the tree of a
- * document (json_tree.h). Errors are those of gd__scan_unexpected. */
+/* JSON text (RFC 8259): parses tokens, for readers that know what they expect and for json_tree.h.
+ * Errors are those of gd__scan_unexpected. */
 #ifndef GD_IO_JSON_TEXT_H
 #define GD_IO_JSON_TEXT_H
 
@@ -7,19 +7,19 @@
 
 void gd__json_skip_space(struct gd__scan *scan);
 
-/* Past space and `c`, if that comes next. */
+/* Skips space, and `c` if it comes next. Returns true if `c` was there. */
 bool gd__json_accept(struct gd__scan *scan, char c);
 GD_MUST_USE enum gd_status gd__json_expect(struct gd__scan *scan, char c);
 
-/* Past space and a number, which may be too large for a double: then it is infinite. */
+/* Skips space and parses a number. A number that is too large for a double becomes infinite. */
 GD_MUST_USE enum gd_status gd__json_number(struct gd__scan *scan, double *out);
 
-/* Within a string: past some `most` bytes, or to the quote that ends it. */
+/* Advances within a string by about `most` bytes, or to the quote that ends it. */
 GD_MUST_USE enum gd_status gd__json_string_run(struct gd__scan *scan, const char *what,
                                                size_t most);
 
-/* Past a string; `*out` is what is written, quotes included and nothing unescaped. `what` is called
- * for if there is none ("a key"). */
+/* Skips space and parses a string. `*out` is the raw text with its quotes, not unescaped. `what`
+ * names the expected string in an error ("a key"). */
 GD_MUST_USE enum gd_status gd__json_string(struct gd__scan *scan, const char *what,
                                            struct gd__word *out);
 

@@ -6,18 +6,19 @@
 #include "gd/number.h"
 #include "io/json_text.h"
 
-#define LOOK_BYTES 65536 /* of text between two looks at the control */
+#define LOOK_BYTES 65536 /* bytes of text between two checks of the control */
 
-/* Values are counted first, and then, when there is memory for them, noted. */
+/* The parser runs twice: it counts the values first, and stores them when their memory is
+ * allocated. */
 struct parser {
     struct gd__scan scan;
-    const char *text; /* where the document begins */
+    const char *text; /* beginning of the document */
     const struct gd_control *control;
     const char *next_look;
-    struct gd__json_value *values; /* NULL: only to be counted */
+    struct gd__json_value *values; /* NULL: values are only counted */
     uint32_t count;
-    uint32_t open[GD__JSON_DEPTH]; /* the containers around the cursor */
-    char ends[GD__JSON_DEPTH];     /* and how they end */
+    uint32_t open[GD__JSON_DEPTH]; /* the open containers around the cursor */
+    char ends[GD__JSON_DEPTH];     /* the character that closes each of them */
     unsigned depth;
 };
 
@@ -36,7 +37,7 @@ static void begin_value(struct parser *parser)
     parser->count++;
 }
 
-/* All that the value holds has been read. */
+/* Stores the end of a value, after its contents have been read. */
 static void end_value(struct parser *parser, uint32_t value)
 {
     if (parser->values) parser->values[value].next = parser->count;
@@ -80,7 +81,7 @@ static enum gd_status enter(struct parser *parser, char end)
     return GD_OK;
 }
 
-/* A value, or the beginning of one that holds others. */
+/* Reads a value that holds no others, or the beginning of an object or array. */
 static enum gd_status read_value(struct parser *parser)
 {
     struct gd__scan *scan = &parser->scan;
@@ -104,7 +105,7 @@ static enum gd_status read_key(struct parser *parser)
     return status == GD_OK ? gd__json_expect(&parser->scan, ':') : status;
 }
 
-/* Behind a value: ends the containers that end here. */
+/* Reads the text behind a value: a comma, or the ends of containers. */
 static enum gd_status leave(struct parser *parser)
 {
     while (parser->depth > 0) {
@@ -116,7 +117,8 @@ static enum gd_status leave(struct parser *parser)
     return GD_OK;
 }
 
-/* A member, item or the document itself, and the ends of what ends with it. */
+/* Reads a member, an item or the document itself, and the ends of the containers that end with
+ * it. */
 static enum gd_status read_item(struct parser *parser)
 {
     bool in_object = parser->depth > 0 && parser->ends[parser->depth - 1] == '}';
@@ -125,7 +127,7 @@ static enum gd_status read_item(struct parser *parser)
     if (status == GD_OK && in_object) status = read_key(parser);
     if (status == GD_OK) status = read_value(parser);
     if (status != GD_OK) return status;
-    if (parser->depth > depth) { /* a container has begun: it may be empty */
+    if (parser->depth > depth) { /* the value is a container, which may be empty */
         if (!gd__json_accept(&parser->scan, parser->ends[depth])) return GD_OK;
         end_value(parser, parser->open[--parser->depth]);
     }
@@ -177,7 +179,7 @@ void gd__json_free(struct gd__json *json)
 bool gd__json_says(const struct gd__json *json, uint32_t value, const char *text)
 {
     const char *at = gd__json_at(json, value);
-    /* a string ends with a quote, which ends the comparison of a longer text */
+    /* safe if `text` is longer: the closing quote of the value ends the comparison */
     size_t length = strlen(text);
     return at[0] == '"' && strncmp(at + 1, text, length) == 0 && at[1 + length] == '"';
 }

@@ -1,5 +1,5 @@
-/* Wavefront OBJ: "v x y z" and "f a b c ..." with one-based or relative indices; every other
- * statement is skipped, no file that one names is opened. A face may come before its vertices. */
+/* Wavefront OBJ: reads "v x y z" and "f a b c ..." with one-based or relative indices. Skips every
+ * other statement; opens no file that a statement names. A face may come before its vertices. */
 #include "io/readers.h"
 
 #include <string.h>
@@ -10,20 +10,35 @@ static void set_dialect(struct gd__scan *scan)
     scan->continued = true;
 }
 
-bool gd__obj_recognise(struct gd__scan scan)
+static bool is_keyword(struct gd__word word)
 {
     static const char *const keywords[] = {"v", "vt", "vn", "vp", "f",      "l",
                                            "p", "o",  "g",  "s",  "mtllib", "usemtl"};
-    set_dialect(&scan);
-    gd__scan_skip_space(&scan);
-    struct gd__word word = gd__scan_word(&scan);
     for (size_t i = 0; i < sizeof keywords / sizeof keywords[0]; i++) {
         if (gd__word_is(word, keywords[i])) return true;
     }
     return false;
 }
 
-/* What follows the coordinates (a weight, a colour) is skipped with the line. */
+/* Recognises the format by its first word, or by a vertex behind lines of another kind, which all
+ * readers skip. */
+bool gd__obj_recognise(struct gd__scan scan)
+{
+    double xyz[3];
+    scan.detail = NULL;
+    set_dialect(&scan);
+    gd__scan_skip_space(&scan);
+    struct gd__word word = gd__scan_word(&scan);
+    bool is_obj = is_keyword(word);
+    for (; !is_obj && gd__scan_left(&scan) > 0; word = gd__scan_word(&scan)) {
+        is_obj = gd__word_is(word, "v") && gd__scan_xyz(&scan, xyz) == GD_OK;
+        gd__scan_skip_line(&scan);
+    }
+    return is_obj;
+}
+
+/* Reads a vertex. Whatever follows its coordinates (a weight, a colour) is skipped with the
+ * line. */
 static enum gd_status read_vertex(struct gd__scan *scan, struct gd__builder *builder)
 {
     const char *place = scan->at;
@@ -32,7 +47,7 @@ static enum gd_status read_vertex(struct gd__scan *scan, struct gd__builder *bui
     return status == GD_OK ? gd__builder_add_position(builder, xyz, place) : status;
 }
 
-/* Past "/7", "//7" or "/7/7" behind a corner's vertex. */
+/* Skips "/7", "//7" or "/7/7" behind the vertex of a corner. */
 static enum gd_status skip_attributes(struct gd__scan *scan)
 {
     if (scan->at < scan->end && *scan->at == '/') {

@@ -1,6 +1,6 @@
-/* Object File Format of Geomview, text: keyword, counts, a line for each vertex and each face.
- * Numbers behind a vertex (the colours and normals of COFF, NOFF, STOFF ...) and behind a face (its
- * colour) are skipped. */
+/* Object File Format of Geomview, as text: a keyword, counts, a line for each vertex, one or more
+ * lines for each face. Numbers behind a vertex (the colours and normals of COFF, NOFF, STOFF ...)
+ * and behind a face (its colour) are skipped. */
 #include "io/readers.h"
 
 #include <string.h>
@@ -9,41 +9,41 @@
 #define SMALLEST_VERTEX 6
 #define SMALLEST_FACE   8
 
-enum keyword { NO_KEYWORD, KEYWORD_3D, KEYWORD_OTHER_DIMENSION };
-
-/* [ST][C][N][4][n]OFF */
-static enum keyword keyword_of(struct gd__word word)
+/* Returns the length of "[ST][C][N][4][n]OFF" at the beginning of the word; the count of vertices
+ * may follow without a blank. Returns 0 if there is no such keyword. */
+static size_t keyword_length(struct gd__word word, bool *is_3d)
 {
-    static const char *const prefixes[] = {"ST", "C", "N"};
+    static const char *const prefixes[] = {"ST", "C", "N", "4", "n"};
     const char *at = word.at, *end = word.at + word.length;
+    *is_3d = true;
     for (size_t i = 0; i < sizeof prefixes / sizeof prefixes[0]; i++) {
         size_t length = strlen(prefixes[i]);
-        if ((size_t)(end - at) >= length && memcmp(at, prefixes[i], length) == 0) at += length;
+        if ((size_t)(end - at) < length || memcmp(at, prefixes[i], length) != 0) continue;
+        at += length;
+        if (i >= 3) *is_3d = false;
     }
-    const char *dimension = at;
-    if (at < end && *at == '4') at++;
-    if (at < end && *at == 'n') at++;
-    if (end - at != 3 || memcmp(at, "OFF", 3) != 0) return NO_KEYWORD;
-    return at == dimension ? KEYWORD_3D : KEYWORD_OTHER_DIMENSION;
+    if (end - at < 3 || memcmp(at, "OFF", 3) != 0) return 0;
+    at += 3;
+    return at == end || (*at >= '0' && *at <= '9') ? (size_t)(at - word.at) : 0;
 }
 
 bool gd__off_recognise(struct gd__scan scan)
 {
+    bool is_3d;
     scan.comments = true;
     gd__scan_skip_space(&scan);
-    return keyword_of(gd__scan_word(&scan)) != NO_KEYWORD;
+    return keyword_length(gd__scan_word(&scan), &is_3d) > 0;
 }
 
 static enum gd_status read_keyword(struct gd__scan *scan)
 {
     gd__scan_skip_space(scan);
     const char *place = scan->at;
-    enum keyword keyword = keyword_of(gd__scan_word(scan));
-    if (keyword == NO_KEYWORD) {
-        scan->at = place;
-        return gd__scan_unexpected(scan, "the keyword OFF");
-    }
-    if (keyword == KEYWORD_OTHER_DIMENSION) {
+    bool is_3d;
+    size_t length = keyword_length(gd__scan_word(scan), &is_3d);
+    scan->at = place + length;
+    if (length == 0) return gd__scan_unexpected(scan, "the keyword OFF");
+    if (!is_3d) {
         return gd__scan_fail(scan, place, GD_UNSUPPORTED,
                              "OFF of other than three dimensions is not supported");
     }
@@ -55,7 +55,7 @@ static enum gd_status read_keyword(struct gd__scan *scan)
     return GD_OK;
 }
 
-/* Skips space first: the counts may stand on the keyword's line or a later one. */
+/* Reads a count. Skips space first: the counts may stand on the keyword's line or a later one. */
 static enum gd_status read_count(struct gd__scan *scan, uint64_t *out)
 {
     gd__scan_skip_space(scan);
@@ -68,7 +68,7 @@ static enum gd_status read_count(struct gd__scan *scan, uint64_t *out)
     return GD_OK;
 }
 
-/* Counts of vertices and faces; a third, of edges, is skipped with the line. */
+/* Reads the counts of vertices and faces. Skips a third count, of edges, with the line. */
 static enum gd_status read_counts(struct gd__scan *scan, uint64_t *vertices, uint64_t *faces)
 {
     enum gd_status status = read_count(scan, vertices);
@@ -76,7 +76,7 @@ static enum gd_status read_counts(struct gd__scan *scan, uint64_t *vertices, uin
     if (status != GD_OK) return status;
     const char *place = scan->at;
     gd__scan_skip_line(scan);
-    /* The last line may lack its end. */
+    /* The last line may lack its line end. */
     size_t left = gd__scan_left(scan) + 1;
     if (*vertices > left / SMALLEST_VERTEX ||
         *faces > (left - *vertices * SMALLEST_VERTEX) / SMALLEST_FACE) {
@@ -97,21 +97,42 @@ static enum gd_status read_vertex(struct gd__scan *scan, struct gd__builder *bui
     return status == GD_OK ? gd__builder_add_position(builder, xyz, place) : status;
 }
 
+/* Reads a corner, which may stand on a later line than the one before. `*is_wrapped` is set
+ * then. */
+static enum gd_status read_corner(struct gd__scan *scan, bool *is_wrapped, int64_t *out)
+{
+    gd__scan_skip_blanks(scan);
+    if (gd__scan_at_line_end(scan)) *is_wrapped = true;
+    gd__scan_skip_space(scan);
+    return gd__scan_integer(scan, out);
+}
+
+/* Ends a face. Skips a colour behind the corners of a single line. If the corners take several
+ * lines, the text behind them would be the beginning of another face. */
+static enum gd_status end_face(struct gd__scan *scan, bool is_wrapped)
+{
+    gd__scan_skip_blanks(scan);
+    if (is_wrapped && !gd__scan_at_line_end(scan))
+        return gd__scan_unexpected(scan, "the end of a face that began on another line");
+    gd__scan_skip_line(scan);
+    return GD_OK;
+}
+
 static enum gd_status read_face(struct gd__scan *scan, struct gd__builder *builder)
 {
     gd__scan_skip_space(scan);
     const char *place = scan->at;
     int64_t corners, vertex;
+    bool is_wrapped = false;
     enum gd_status status = gd__scan_integer(scan, &corners);
     for (int64_t corner = 0; status == GD_OK && corner < corners; corner++) {
-        status = gd__scan_integer(scan, &vertex);
+        status = read_corner(scan, &is_wrapped, &vertex);
         if (status == GD_OK && vertex < 0)
             status = gd__builder_no_such_vertex(builder, vertex, place);
         if (status == GD_OK) status = gd__builder_add_corner(builder, (uint64_t)vertex, place);
     }
     if (status == GD_OK) status = gd__builder_close_polygon(builder, place);
-    gd__scan_skip_line(scan);
-    return status;
+    return status == GD_OK ? end_face(scan, is_wrapped) : status;
 }
 
 enum gd_status gd__off_read(struct gd__scan *scan, struct gd__builder *builder)

@@ -8,7 +8,7 @@
 #include "gd/number.h"
 
 #define SMALLEST_CAPACITY 1024
-#define LOOK_BYTES        ((size_t)1 << 18) /* between two looks at the control */
+#define LOOK_BYTES        ((size_t)1 << 18) /* bytes between two checks of the control */
 
 static void fail(struct gd__output *output, enum gd_status status)
 {
@@ -39,7 +39,8 @@ static bool grow(struct gd__output *output, size_t size)
     return true;
 }
 
-/* Where `size` more bytes may be put, NULL when there is no memory for them, or it is to end. */
+/* Returns the position for `size` more bytes. NULL: there is no memory, or the control stops the
+ * call. */
 static char *room_for(struct gd__output *output, size_t size)
 {
     if (output->failed) return NULL;
@@ -77,7 +78,7 @@ void gd__output_text(struct gd__output *output, const char *text)
 
 void gd__output_integer(struct gd__output *output, uint64_t value)
 {
-    char digits[20]; /* of 2^64 - 1 */
+    char digits[20]; /* 2^64 - 1 has 20 digits */
     char *end = digits + sizeof digits, *at = end;
     do *--at = (char)('0' + value % 10);
     while (value /= 10);

@@ -1,5 +1,6 @@
-/* PLY 1.0, text and binary of either byte order. The vertices' x, y, z and the faces' corner lists
- * are kept, all else is skipped; elements may come in any order. In text each record is a line. */
+/* PLY 1.0, text and binary of either byte order. Reads the vertices' x, y, z and the corner lists
+ * of faces and triangle strips, and skips everything else. Elements may come in any order. In text
+ * each record is a line. */
 #include "io/ply.h"
 
 #include "io/endian.h"
@@ -55,7 +56,7 @@ static enum gd_status read_value(struct ply *ply, enum gd__ply_type type, double
     return GD_OK;
 }
 
-/* Skipped text is not looked at: a colour may be "nan". */
+/* Skips values. Skipped text is not parsed: a colour may be "nan". */
 static enum gd_status skip_values(struct ply *ply, enum gd__ply_type type, uint64_t count)
 {
     struct gd__scan *scan = ply->scan;
@@ -99,9 +100,43 @@ static enum gd_status read_corners(struct ply *ply, enum gd__ply_type type, uint
     return status == GD_OK ? gd__builder_close_polygon(ply->builder, place) : status;
 }
 
-/* `place` is where the record begins; a coordinate goes into `xyz`, corners to the builder. */
-static enum gd_status read_property(struct ply *ply, const struct gd__ply_property *property,
-                                    const char *place, double xyz[3])
+static enum gd_status add_triangle(struct gd__builder *builder, const double corners[3],
+                                   const char *place)
+{
+    enum gd_status status = GD_OK;
+    for (int k = 0; k < 3 && status == GD_OK; k++)
+        status = gd__builder_add_index(builder, corners[k], place);
+    return status == GD_OK ? gd__builder_close_polygon(builder, place) : status;
+}
+
+/* Reads triangle strips; -1 ends a strip. Skips triangles that repeat a corner: they only join
+ * strips. */
+static enum gd_status read_strips(struct ply *ply, enum gd__ply_type type, uint64_t count,
+                                  const char *place)
+{
+    double before[2] = {0}, corner;
+    uint64_t length = 0;
+    enum gd_status status = GD_OK;
+    for (; count > 0 && status == GD_OK; count--) {
+        status = read_value(ply, type, &corner);
+        bool is_odd = length % 2 != 0;
+        const double corners[3] = {before[is_odd], before[!is_odd], corner};
+        bool is_triangle = length >= 2 && corner != before[0] && corner != before[1] &&
+                           before[0] != before[1] && corner != -1;
+        if (status == GD_OK && is_triangle) status = add_triangle(ply->builder, corners, place);
+        if (status == GD_OK) status = gd__builder_look(ply->builder);
+        length = corner == -1 ? 0 : length + 1;
+        before[0] = before[1];
+        before[1] = corner;
+    }
+    return status;
+}
+
+/* Reads a property. Writes a coordinate to `xyz` and corners to the builder. `place` is the
+ * beginning of the record. */
+static enum gd_status read_property(struct ply *ply, const struct gd__ply_element *element,
+                                    const struct gd__ply_property *property, const char *place,
+                                    double xyz[3])
 {
     uint64_t count = 1;
     enum gd_status status =
@@ -113,7 +148,8 @@ static enum gd_status read_property(struct ply *ply, const struct gd__ply_proper
     case GD__PLY_Z:
         return read_value(ply, property->type, &xyz[property->role - GD__PLY_X]);
     case GD__PLY_CORNERS:
-        return read_corners(ply, property->type, count, place);
+        return element->kind == GD__PLY_FACE ? read_corners(ply, property->type, count, place)
+                                             : read_strips(ply, property->type, count, place);
     default:
         return skip_values(ply, property->type, count);
     }
@@ -122,11 +158,18 @@ static enum gd_status read_property(struct ply *ply, const struct gd__ply_proper
 static enum gd_status end_record(struct ply *ply)
 {
     struct gd__scan *scan = ply->scan;
+    enum gd_status status = GD_OK;
     if (ply->header.encoding != GD__PLY_ASCII) return GD_OK;
     gd__scan_skip_blanks(scan);
-    if (!gd__scan_at_line_end(scan)) return gd__scan_unexpected(scan, "the end of the line");
+    if (!gd__scan_at_line_end(scan)) {
+        struct gd__scan ahead = *scan;
+        status = gd__builder_skip(ply->builder, scan->at, GD_SYNTAX,
+                                  "found '%s' where the end of the line should be",
+                                  gd__excerpt(gd__scan_word(&ahead)).text);
+        gd__scan_skip_line(scan);
+    }
     gd__scan_skip_space(scan);
-    return GD_OK;
+    return status;
 }
 
 static enum gd_status read_record(struct ply *ply, const struct gd__ply_element *element)
@@ -136,7 +179,7 @@ static enum gd_status read_record(struct ply *ply, const struct gd__ply_element 
     double xyz[3] = {0};
     enum gd_status status = gd__builder_look(ply->builder);
     for (uint32_t i = 0; i < element->property_count && status == GD_OK; i++) {
-        status = read_property(ply, &properties[i], place, xyz);
+        status = read_property(ply, element, &properties[i], place, xyz);
     }
     if (status == GD_OK && element->kind == GD__PLY_VERTEX)
         status = gd__builder_add_position(ply->builder, xyz, place);
@@ -160,7 +203,7 @@ enum gd_status gd__ply_read(struct gd__scan *scan, struct gd__builder *builder)
 {
     if (!gd__ply_recognise(*scan)) return gd__scan_unexpected(scan, "a line with the word ply");
     struct ply ply = {.scan = scan, .builder = builder};
-    enum gd_status status = gd__ply_read_header(scan, &ply.header);
+    enum gd_status status = gd__ply_read_header(scan, builder, &ply.header);
     if (status != GD_OK) return status;
     if (ply.header.encoding == GD__PLY_ASCII)
         gd__scan_skip_space(scan);

@@ -1,10 +1,10 @@
-/* The header of a PLY file: what its elements are, in the order in which the body holds them. */
+/* PLY header: the elements of a file, in the order in which the body holds them. */
 #ifndef GD_IO_PLY_H
 #define GD_IO_PLY_H
 
-#include "io/scan.h"
+#include "io/builder.h"
 
-/* X(NAME, name, its other spelling, bytes in a binary body) */
+/* X(NAME, name, alternative name, bytes in a binary body) */
 #define GD__PLY_TYPE_MAP(X)                                                                        \
     X(CHAR, char, int8, 1)                                                                         \
     X(UCHAR, uchar, uint8, 1)                                                                      \
@@ -21,16 +21,16 @@ enum gd__ply_type {
 #undef GD__PLY_TYPE_ENUM
 };
 
-/* Bytes of a scalar in a binary body. */
+/* Returns the bytes of a scalar in a binary body. */
 int gd__ply_size(enum gd__ply_type type);
 
 enum gd__ply_encoding { GD__PLY_ASCII, GD__PLY_LITTLE_ENDIAN, GD__PLY_BIG_ENDIAN };
 
-/* What a property is to us. */
+/* The meaning of a property for the reader. */
 enum gd__ply_role { GD__PLY_SKIPPED, GD__PLY_X, GD__PLY_Y, GD__PLY_Z, GD__PLY_CORNERS };
 
 struct gd__ply_property {
-    uint8_t type; /* enum gd__ply_type: of the scalar, or of a list's items */
+    uint8_t type; /* enum gd__ply_type of the scalar, or of the items of a list */
     uint8_t count_type;
     uint8_t role; /* enum gd__ply_role */
     bool list;
@@ -54,9 +54,9 @@ struct gd__ply_header {
     struct gd__ply_property properties[GD__PLY_PROPERTIES];
 };
 
-/* Leaves the cursor at the first byte of the body, and knows the input to hold at least the fewest
- * bytes that the counts can mean. GD_SYNTAX, GD_UNSUPPORTED, GD_TRUNCATED. */
-GD_MUST_USE enum gd_status gd__ply_read_header(struct gd__scan *scan,
+/* Reads the header and leaves the cursor at the first byte of the body. Checks that the input is
+ * long enough for the counts of the header. GD_SYNTAX, GD_UNSUPPORTED, GD_TRUNCATED. */
+GD_MUST_USE enum gd_status gd__ply_read_header(struct gd__scan *scan, struct gd__builder *builder,
                                                struct gd__ply_header *header);
 
 #endif

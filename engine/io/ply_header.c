@@ -21,7 +21,7 @@ static bool is_floating(enum gd__ply_type type)
     return type == GD__PLY_FLOAT || type == GD__PLY_DOUBLE;
 }
 
-/* The next word, which must be one of the types. */
+/* Reads the next word, which must be a type. */
 static enum gd_status read_type(struct gd__scan *scan, uint8_t *out)
 {
     gd__scan_skip_blanks(scan);
@@ -62,7 +62,7 @@ static enum gd__ply_kind kind_of(struct gd__word name)
     return GD__PLY_OTHER;
 }
 
-/* "element <name> <count>" */
+/* Reads "element <name> <count>". */
 static enum gd_status read_element(struct gd__scan *scan, struct gd__ply_header *header)
 {
     const char *place = scan->at;
@@ -87,6 +87,11 @@ static enum gd_status read_element(struct gd__scan *scan, struct gd__ply_header 
     return GD_OK;
 }
 
+static bool is_corner_list(enum gd__ply_kind kind)
+{
+    return kind == GD__PLY_FACE || kind == GD__PLY_TRISTRIPS;
+}
+
 static enum gd__ply_role role_of(enum gd__ply_kind kind, struct gd__word name, bool list)
 {
     if (kind == GD__PLY_VERTEX && !list) {
@@ -94,14 +99,14 @@ static enum gd__ply_role role_of(enum gd__ply_kind kind, struct gd__word name, b
         if (gd__word_is(name, "y")) return GD__PLY_Y;
         if (gd__word_is(name, "z")) return GD__PLY_Z;
     }
-    if (kind == GD__PLY_FACE && list &&
+    if (is_corner_list(kind) && list &&
         (gd__word_is(name, "vertex_indices") || gd__word_is(name, "vertex_index"))) {
         return GD__PLY_CORNERS;
     }
     return GD__PLY_SKIPPED;
 }
 
-/* "property <type> <name>" or "property list <count type> <item type> <name>" */
+/* Reads "property <type> <name>" or "property list <count type> <item type> <name>". */
 static enum gd_status read_property(struct gd__scan *scan, struct gd__ply_header *header)
 {
     const char *place = scan->at;
@@ -128,7 +133,8 @@ static enum gd_status read_property(struct gd__scan *scan, struct gd__ply_header
     return GD_OK;
 }
 
-/* Each of the roles from `first` to `last` belongs to one property of the element. */
+/* Returns true if each role from `first` to `last` belongs to exactly one property of the
+ * element. */
 static bool has_roles(const struct gd__ply_header *header, const struct gd__ply_element *element,
                       enum gd__ply_role first, enum gd__ply_role last)
 {
@@ -149,41 +155,38 @@ static enum gd_status check_roles(const struct gd__scan *scan, const struct gd__
             return gd__scan_fail(scan, scan->at, GD_SYNTAX,
                                  "the vertices need the scalar properties x, y and z, once each");
         }
-        if (element->kind == GD__PLY_FACE &&
+        if (is_corner_list(element->kind) &&
             !has_roles(header, element, GD__PLY_CORNERS, GD__PLY_CORNERS)) {
             return gd__scan_fail(scan, scan->at, GD_SYNTAX,
-                                 "the faces need one list property vertex_indices or vertex_index");
-        }
-        if (element->kind == GD__PLY_TRISTRIPS && element->count > 0) {
-            return gd__scan_fail(
-                scan, scan->at, GD_UNSUPPORTED,
-                "triangle strips are not supported: save the mesh with a face element");
+                                 "the %s need one list property vertex_indices or vertex_index",
+                                 element->kind == GD__PLY_FACE ? "faces" : "triangle strips");
         }
     }
     return GD_OK;
 }
 
-/* The fewest bytes of a property: a face has three corners, other lists may be empty. In text a
- * value is a digit and a separator. */
-static uint64_t smallest_size(const struct gd__ply_header *header,
+/* Returns the fewest bytes of a property: a face has three corners, other lists may be empty. In
+ * text a value is a digit and a separator. */
+static uint64_t smallest_size(const struct gd__ply_header *header, enum gd__ply_kind kind,
                               const struct gd__ply_property *property)
 {
-    uint64_t items = property->role == GD__PLY_CORNERS ? 3 : 0;
+    uint64_t items = property->role == GD__PLY_CORNERS && kind == GD__PLY_FACE ? 3 : 0;
     if (header->encoding == GD__PLY_ASCII) return property->list ? 2 + 2 * items : 2;
     uint64_t size = (uint64_t)gd__ply_size(property->type);
     return property->list ? (uint64_t)gd__ply_size(property->count_type) + items * size : size;
 }
 
-/* Whether the rest of the input is long enough for all that the header declares. */
+/* Returns true if the rest of the input is long enough for all elements of the header. */
 static bool holds_declared(const struct gd__scan *scan, const struct gd__ply_header *header)
 {
-    /* the last line may lack its end */
+    /* the last line may lack its line end */
     uint64_t left = gd__scan_left(scan) + (header->encoding == GD__PLY_ASCII);
     for (uint32_t i = 0; i < header->element_count; i++) {
         const struct gd__ply_element *element = &header->elements[i];
         uint64_t record = 0;
         for (uint32_t k = 0; k < element->property_count; k++) {
-            record += smallest_size(header, &header->properties[element->first_property + k]);
+            record += smallest_size(header, element->kind,
+                                    &header->properties[element->first_property + k]);
         }
         if (record == 0) continue;
         if (element->count > left / record) return false;
@@ -192,8 +195,8 @@ static bool holds_declared(const struct gd__scan *scan, const struct gd__ply_hea
     return true;
 }
 
-/* The line's end as the file's first line has it: in a binary body, what follows a lone CR may be
- * data that looks like LF. */
+/* Skips the end of the header's last line. It is a lone CR if that ends the file's first line: the
+ * LF that follows it in a binary body may be data. */
 static void skip_header_end(struct gd__scan *scan, bool lone_cr)
 {
     if (lone_cr && scan->at < scan->end && *scan->at == '\r')
@@ -202,9 +205,9 @@ static void skip_header_end(struct gd__scan *scan, bool lone_cr)
         gd__scan_skip_line(scan);
 }
 
-/* One line of the header; `*done` at the last. */
-static enum gd_status read_statement(struct gd__scan *scan, struct gd__ply_header *header,
-                                     bool *formatted, bool *done)
+/* Reads one line of the header. Sets `*done` at the last line. */
+static enum gd_status read_statement(struct gd__scan *scan, struct gd__builder *builder,
+                                     struct gd__ply_header *header, bool *formatted, bool *done)
 {
     gd__scan_skip_blanks(scan);
     const char *place = scan->at;
@@ -219,11 +222,15 @@ static enum gd_status read_statement(struct gd__scan *scan, struct gd__ply_heade
     *done = gd__word_is(keyword, "end_header");
     if (*done && !*formatted)
         return gd__scan_fail(scan, place, GD_SYNTAX, "the header has no format line");
-    if (!*done) scan->at = place;
-    return *done ? GD_OK : gd__scan_unexpected(scan, "element, property, comment or end_header");
+    if (*done || gd__scan_left(scan) == 0)
+        return *done ? GD_OK : gd__scan_unexpected(scan, "end_header");
+    return gd__builder_skip(builder, place, GD_SYNTAX,
+                            "found '%s' where element, property, comment or end_header should be",
+                            gd__excerpt(keyword).text);
 }
 
-enum gd_status gd__ply_read_header(struct gd__scan *scan, struct gd__ply_header *header)
+enum gd_status gd__ply_read_header(struct gd__scan *scan, struct gd__builder *builder,
+                                   struct gd__ply_header *header)
 {
     *header = (struct gd__ply_header){0};
     gd__scan_word(scan);
@@ -232,7 +239,7 @@ enum gd_status gd__ply_read_header(struct gd__scan *scan, struct gd__ply_header 
     enum gd_status status = GD_OK;
     while (status == GD_OK && !done) {
         gd__scan_skip_line(scan);
-        status = read_statement(scan, header, &formatted, &done);
+        status = read_statement(scan, builder, header, &formatted, &done);
     }
     if (status == GD_OK) status = check_roles(scan, header);
     if (status != GD_OK) return status;

@@ -1,17 +1,21 @@
-/* The formats from the inside: for each, what recognises it and what reads it. One source file a
- * format. */
+/* Readers: for each format, a function that recognises it and one that reads it. One source file
+ * per format. */
 #ifndef GD_IO_READERS_H
 #define GD_IO_READERS_H
 
 #include "io/builder.h"
 #include "io/scan.h"
 
-/* By the size of the input, of which this is the whole. */
+/* Returns true if the scan, which must hold the whole input, has the size of a binary STL file. */
 bool gd__stl_has_binary_size(const struct gd__scan *scan);
 
-/* gd__obj_recognise: whether the bytes, from the cursor on, look like the format. Reads leading
- * space and comments and what follows them. gd__obj_read: adds the whole input to the builder,
- * which borrows the same scan. All errors of gd_read_polygons. */
+/* Returns true if the input is UTF-16 text that must be decoded before it is read in that
+ * format. */
+bool gd__is_utf16_text(const void *bytes, size_t size, enum gd_format format);
+
+/* gd__NAME_recognise returns true if the bytes from the cursor on look like the format. It skips
+ * leading space and comments. gd__NAME_read adds the whole input to the builder, which borrows the
+ * same scan. Errors: those of gd_read_polygons. */
 #define GD__READER(NAME, name, media)                                                              \
     bool gd__##name##_recognise(struct gd__scan scan);                                             \
     GD_MUST_USE enum gd_status gd__##name##_read(struct gd__scan *scan,                            \
@@ -19,7 +23,9 @@ bool gd__stl_has_binary_size(const struct gd__scan *scan);
 GD_FORMAT_MAP(GD__READER)
 #undef GD__READER
 
-/* gd_read_cost of a glTF; 0: it can't be read. */
+/* Return the memory that reading a 3MF or glTF file takes (gd_read_cost). gd__gltf_cost returns 0
+ * for an invalid file. */
+size_t gd__3mf_cost(const void *bytes, size_t size, const struct gd_read_options *options);
 size_t gd__gltf_cost(const void *bytes, size_t size, bool is_glb,
                      const struct gd_read_options *limits);
 

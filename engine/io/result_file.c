@@ -28,7 +28,7 @@ static void write_line(struct gd__output *output, uint64_t begin, uint64_t count
     gd__output_text(output, "\n");
 }
 
-/* The lines that follow are of another level than those before. */
+/* Returns true if the line has another level than the line before. */
 static bool begins_level(const struct gd_result *result, uint32_t line)
 {
     return result->levels && (!line || result->levels[line] != result->levels[line - 1]);
@@ -41,7 +41,7 @@ static void write_group(struct gd__output *output, double level)
     gd__output_text(output, "\n");
 }
 
-/* A line of one point is no line in OBJ: its vertex stands there alone. */
+/* Writes OBJ. A line of one point is not valid in OBJ, so only its vertex is written. */
 static enum gd_status write_obj(struct gd__output *output, const struct gd_result *result)
 {
     if (!result->line_count) return GD_INVALID_ARGUMENT;
@@ -62,7 +62,7 @@ static enum gd_status write_obj(struct gd__output *output, const struct gd_resul
 
 /* --- CSV -------------------------------------------------------------------------------------- */
 
-/* All of a row behind its numbers but for its end. */
+/* Writes the columns of a row behind its numbers, without the line end. */
 static void write_place(struct gd__output *output, const double position[3], double distance)
 {
     gd__output_text(output, ",");
@@ -112,7 +112,7 @@ static enum gd_status write_csv(struct gd__output *output, const struct gd_resul
     return GD_OK;
 }
 
-/* --- all of them ------------------------------------------------------------------------------ */
+/* --- all formats ------------------------------------------------------------------------------ */
 
 static enum gd_status write_glb(struct gd__output *output, const struct gd_result *result)
 {
@@ -140,8 +140,8 @@ enum gd_status gd_write_result(const struct gd_result *result, enum gd_result_fo
     return gd__output_finish(&output, status, out, size);
 }
 
-/* A number is GD_NUMBER_SIZE characters at most, an index 11; the output grows by half, so that
- * there are two and a half of it for a moment. */
+/* A number has GD_NUMBER_SIZE characters at most, an index 11. The output grows by half, so that up
+ * to 2.5 times its size exists while it is copied. */
 #define ROW_BYTES    (5 * (GD_NUMBER_SIZE + 1) + 2 * 11)
 #define CORNER_BYTES 11
 #define GROWTH       2.5

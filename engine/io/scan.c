@@ -11,7 +11,7 @@
 struct gd__scan gd__scan_begin(const void *bytes, size_t size, struct gd_detail *detail)
 {
     struct gd__scan scan = {.begin = bytes, .at = bytes, .detail = detail};
-    /* an empty file may have no bytes to point to */
+    /* `bytes` of an empty file may be NULL */
     scan.end = size ? scan.begin + size : scan.begin;
     if (size >= 3 && memcmp(bytes, "\xEF\xBB\xBF", 3) == 0) scan.at += 3;
     return scan;
@@ -20,11 +20,16 @@ struct gd__scan gd__scan_begin(const void *bytes, size_t size, struct gd_detail 
 static uint64_t line_of(const struct gd__scan *scan, const char *at)
 {
     uint64_t ends = 0;
-    /* has no byte behind it */
+    /* the last byte has no byte behind it */
     const char *last = at > scan->begin && at == scan->end ? at - 1 : at;
     for (const char *c = scan->begin; c < last; c++)
         ends += (*c == '\n') | ((*c == '\r') & (c[1] != '\n'));
     return 1 + ends + (last < at && gd__is_newline(*last));
+}
+
+uint64_t gd__scan_place(const struct gd__scan *scan, const char *at)
+{
+    return scan->by_byte ? (uint64_t)(at - scan->begin) : line_of(scan, at);
 }
 
 bool gd__scan_is_over(struct gd__scan *scan)
@@ -48,7 +53,7 @@ enum gd_status gd__scan_fail(const struct gd__scan *scan, const char *at, enum g
     va_start(arguments, format);
     vsnprintf(sentence, sizeof sentence, format, arguments);
     va_end(arguments);
-    uint64_t place = scan->by_byte ? (uint64_t)(at - scan->begin) : line_of(scan, at);
+    uint64_t place = gd__scan_place(scan, at);
     gd_fail(scan->detail, status, "%s %llu: %s", scan->by_byte ? "byte" : "line",
             (unsigned long long)place, sentence);
     gd_detail_add(scan->detail, scan->by_byte ? GD_ELEMENT_BYTE : GD_ELEMENT_LINE, place, 0);
@@ -81,7 +86,7 @@ enum gd_status gd__scan_unexpected(const struct gd__scan *scan, const char *expe
                          expected);
 }
 
-/* Past one line end, if the cursor is at one. */
+/* Skips one line end, if the cursor is at one. */
 static void skip_newline(struct gd__scan *scan)
 {
     char c = scan->at < scan->end ? *scan->at : '\0';
@@ -89,14 +94,14 @@ static void skip_newline(struct gd__scan *scan)
     if (c == '\r' && scan->at < scan->end && *scan->at == '\n') scan->at++;
 }
 
-/* At the backslash that joins this line to the next. */
+/* Returns true at a backslash that continues the line on the next one. */
 static bool at_joint(const struct gd__scan *scan)
 {
     return scan->continued && gd__scan_left(scan) > 1 && *scan->at == '\\' &&
            gd__is_newline(scan->at[1]);
 }
 
-/* Past characters of a kind. */
+/* Skips characters of a kind. */
 static inline void skip_run(struct gd__scan *scan, bool (*is_of_kind)(char c))
 {
     for (;;) {
@@ -107,7 +112,7 @@ static inline void skip_run(struct gd__scan *scan, bool (*is_of_kind)(char c))
     }
 }
 
-/* For each byte that is passed: looks at the deadline now and then. */
+/* Called for each byte that is skipped: checks the deadline at intervals. */
 static inline bool is_to_end(struct gd__scan *scan)
 {
     return ((uintptr_t)scan->at & (GD__SCAN_LOOK - 1)) == 0 && gd__scan_is_over(scan);
@@ -170,7 +175,7 @@ bool gd__word_resembles(struct gd__word word, const char *text)
     return word.length == strlen(text) && strncasecmp(word.at, text, word.length) == 0;
 }
 
-/* Whether a number that ends at the cursor is cut out of something longer, such as 0x1p3 or
+/* Returns true if the number that ends at the cursor is part of something longer, such as 0x1p3 or
  * 1.5.2. */
 static bool runs_on(const struct gd__scan *scan, const char *at)
 {
@@ -178,10 +183,22 @@ static bool runs_on(const struct gd__scan *scan, const char *at)
            (isalnum((unsigned char)*at) || *at == '.' || *at == '_' || *at == '-' || *at == '+');
 }
 
+/* Rejects infinities and NaNs as C libraries of Windows print them: 1.#INF, -1.#IND, 1.#QNAN. */
+static enum gd_status refuse_nan(const struct gd__scan *scan, const char *hash)
+{
+    size_t length = (size_t)(hash - scan->at);
+    while (scan->at + length < scan->end && isgraph((unsigned char)scan->at[length]) &&
+           length < sizeof(struct gd__excerpt))
+        length++;
+    return gd__scan_fail(scan, scan->at, GD_NON_FINITE, "'%s' is no finite number",
+                         gd__excerpt((struct gd__word){scan->at, length}).text);
+}
+
 enum gd_status gd__scan_number(struct gd__scan *scan, double *out)
 {
     gd__scan_skip_blanks(scan);
     const char *end = gd_number_parse(scan->at, scan->end, out);
+    if (end && end < scan->end && *end == '#' && end[-1] == '.') return refuse_nan(scan, end);
     if (!end || runs_on(scan, end)) return gd__scan_unexpected(scan, "a number");
     scan->at = end;
     return GD_OK;

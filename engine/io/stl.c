@@ -1,9 +1,9 @@
-/* Stereolithography, text and binary: loose triangles, welded where their corners are equal.
+/* Stereolithography, text and binary: separate triangles, which are welded at equal corners.
  * Normals and attributes are skipped.
  *
- * Binary files may begin with "solid" too, and may carry bytes behind their last triangle. So the
- * input is binary when its size is exactly what its count says, or it doesn't begin with "solid",
- * or has a NUL where text can't. */
+ * Binary files may also begin with "solid", and may have bytes behind their last triangle. So the
+ * input is binary if its size is exactly that of its count of triangles, if it does not begin with
+ * "solid", or if it has a NUL where text cannot have one. */
 #include "io/readers.h"
 
 #include <string.h>
@@ -27,7 +27,7 @@ static size_t size_of(const struct gd__scan *scan)
     return (size_t)(scan->end - scan->begin);
 }
 
-/* Of an input that has a preamble. */
+/* Returns the count of triangles of an input that has a preamble. */
 static uint32_t declared_triangles(const struct gd__scan *scan)
 {
     return gd__load_u32(scan->begin + HEADER_SIZE, false);
@@ -118,7 +118,8 @@ static enum gd_status read_text_corner(struct stl *stl)
     return status == GD_OK ? add_corner(stl, xyz, place) : status;
 }
 
-/* Behind the word "facet", whose line holds the normal, up to and with "endfacet". */
+/* Reads a facet, from behind the word "facet", whose line holds the normal, to the end of
+ * "endfacet". */
 static enum gd_status read_text_facet(struct stl *stl)
 {
     struct gd__scan *scan = stl->scan;
@@ -132,7 +133,8 @@ static enum gd_status read_text_facet(struct stl *stl)
     return status == GD_OK ? gd__builder_close_polygon(stl->builder, place) : status;
 }
 
-/* Behind the word "solid", whose line holds the name, up to and with the line of "endsolid". */
+/* Reads a solid, from behind the word "solid", whose line holds the name, to the end of the line of
+ * "endsolid". */
 static enum gd_status read_text_solid(struct stl *stl)
 {
     struct gd__scan *scan = stl->scan;

@@ -7,18 +7,19 @@
 
 #define SMALLEST_SLOT_COUNT 256
 
-/* 64 random bits: the golden ratio's. */
+/* The first 64 fractional bits of the golden ratio. */
 #define GOLDEN UINT64_C(0x9E3779B97F4A7C15)
 
-/* Both halves of the product, folded: every bit of either factor moves every bit of the result. */
+/* Combines both halves of the product: every bit of either factor affects every bit of the
+ * result. */
 static uint64_t folded_product(uint64_t a, uint64_t b)
 {
     unsigned __int128 product = (unsigned __int128)a * b;
     return (uint64_t)product ^ (uint64_t)(product >> 64);
 }
 
-/* The secrets differ from call to call, so that no file can be made whose positions all collide;
- * the numbering doesn't depend on them. */
+/* The secrets differ from call to call, so that nobody can make a file whose positions all collide.
+ * The numbering of vertices does not depend on them. */
 struct gd__weld gd__weld_begin(struct gd__builder *builder)
 {
     uint64_t seed = folded_product(gd_now_ns() ^ GOLDEN, (uint64_t)(uintptr_t)builder ^ ~GOLDEN);
@@ -47,7 +48,7 @@ static uint64_t hash(const struct gd__weld *weld, const double xyz[3])
     return folded_product(plane ^ bits_of(xyz[2]), weld->secret[1]);
 }
 
-/* The slot that holds the vertex at `xyz`, or the free one where it belongs. */
+/* Returns the slot that holds the vertex at `xyz`, or the free slot where it belongs. */
 static uint32_t *slot_of(const struct gd__weld *weld, const double xyz[3])
 {
     size_t mask = weld->slot_count - 1;

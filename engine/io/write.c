@@ -6,7 +6,7 @@
 #include "io/gltf_write.h"
 #include "io/writers.h"
 
-#define PLY_HEADER_MOST 512 /* bytes */
+#define PLY_HEADER_MOST 512 /* bytes of the header, at most */
 
 static uint32_t size_of_polygon(const struct gd_polygons *polygons, uint32_t polygon)
 {
@@ -31,7 +31,7 @@ void gd__write_xyz(struct gd__output *output, const double position[3], const ch
     }
 }
 
-/* The polygon's vertices, the first vertex of all numbered `base`. */
+/* Writes the vertices of a polygon. `base` is the number of the first vertex. */
 static void write_corners(struct gd__output *output, const struct gd_polygons *polygons,
                           uint32_t polygon, uint32_t base, const char *separator)
 {
@@ -148,7 +148,7 @@ static struct gd_vec3 corner_position(const struct gd_polygons *polygons, uint32
     return (struct gd_vec3){position[0], position[1], position[2]};
 }
 
-/* Unit normal of a triangle, zero if it has none. */
+/* Returns the unit normal of a triangle; zero if it has none. */
 static struct gd_vec3 normal_of(struct gd_vec3 a, struct gd_vec3 b, struct gd_vec3 c)
 {
     struct gd_vec3 normal = gd_vec3_cross(gd_vec3_sub(b, a), gd_vec3_sub(c, a));
@@ -182,7 +182,7 @@ static enum gd_status write_stl(struct gd__output *output, const struct gd_polyg
         }
         write_stl_vector(output, normal_of(corners[0], corners[1], corners[2]));
         for (int k = 0; k < 3; k++) write_stl_vector(output, corners[k]);
-        gd__output_little_endian(output, 0, 2); /* attributes: none */
+        gd__output_little_endian(output, 0, 2); /* no attributes */
     }
     return GD_OK;
 }
@@ -204,8 +204,9 @@ static enum gd_status write_format(struct gd__output *output, const struct gd_po
 #define WRITER_CASE(NAME, name, media)                                                             \
     case GD_FORMAT_##NAME:                                                                         \
         return write_##name(output, polygons);
-        GD_FORMAT_MAP(WRITER_CASE)
+        GD_WRITTEN_FORMAT_MAP(WRITER_CASE)
 #undef WRITER_CASE
+    case GD_FORMAT_3MF:
     case GD_FORMAT_ANY:
         break;
     }

@@ -1,4 +1,4 @@
-/* Writers: what meshes and results are both written by. */
+/* Writers: functions that write both meshes and results. */
 #ifndef GD_IO_WRITERS_H
 #define GD_IO_WRITERS_H
 
@@ -8,15 +8,16 @@
 
 void gd__write_xyz(struct gd__output *output, const double position[3], const char *separator);
 
-/* The mesh as `v` and `f` statements. */
+/* Writes the mesh as `v` and `f` statements. */
 void gd__write_obj(struct gd__output *output, const struct gd_polygons *polygons);
 
-/* The mesh as binary PLY, with `distance` as a property of its vertices unless `distances` is
- * NULL. */
+/* Writes the mesh as binary PLY. Unless `distances` is NULL, its vertices have a property
+ * `distance`. */
 void gd__write_ply(struct gd__output *output, const struct gd_polygons *polygons,
                    const double *distances);
 
-/* Hands over what was written without failure, else frees it. `status`, or GD_NO_MEMORY. */
+/* Moves the bytes to `out`, or frees them if writing failed. Returns `status`, or the error of the
+ * output. */
 GD_MUST_USE enum gd_status gd__output_finish(struct gd__output *output, enum gd_status status,
                                              char **out, size_t *size);
 

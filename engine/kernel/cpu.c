@@ -7,7 +7,7 @@
 
 #include "kernel/kernel.h"
 
-/* Narrowest first. */
+/* The kernels, narrowest lanes first. */
 static const struct gd__kernel *const kernels[] = {
     &gd__kernel_plain,
 #if defined(__x86_64__)

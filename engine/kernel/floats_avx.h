@@ -1,4 +1,5 @@
-/* Floats, AVX: eight at a time, for the kernels that have them (lanes_avx2.h, lanes_avx512.h). */
+/* Floats in AVX, eight at a time, for the AVX2 and AVX-512 kernels (lanes_avx2.h,
+ * lanes_avx512.h). */
 #ifndef GD_KERNEL_FLOATS_H
 #define GD_KERNEL_FLOATS_H
 

@@ -1,6 +1,6 @@
-/* Part of kernel_lanes.h: windows cast across a face. */
-/* Offers the apex the lengths of straight ways, by turns. They are few: a root for all lanes would
- * take longer than theirs. */
+/* Part of kernel_lanes.h: casts windows across a face. */
+/* Offers the apex the lengths of straight paths, one by one. There are few of them, and a square
+ * root of all lanes would take longer. */
 static inline void reach_straight(struct gd__apex *apex, const struct gd__windows *w, uint32_t i,
                                   mask offers, double px, double py)
 {
@@ -20,7 +20,7 @@ static inline void reach_straight(struct gd__apex *apex, const struct gd__window
     }
 }
 
-/* A direction stays of unit length, whatever rounding makes of it across many narrow faces. */
+/* Restores the unit length of a direction, which rounding changes across many narrow faces. */
 static inline void keep_unit(mask linear, lanes *x, lanes *y)
 {
     lanes scale = pick(linear, all(1) / root(*x * *x + *y * *y), all(1));
@@ -28,7 +28,7 @@ static inline void keep_unit(mask linear, lanes *x, lanes *y)
     *y = *y * scale;
 }
 
-/* a / b and c / d by one division, the dearest operation of all. */
+/* Computes a / b and c / d by one division, the most expensive operation. */
 static inline void quotients(lanes a, lanes b, lanes c, lanes d, lanes *first, lanes *second)
 {
     lanes inverse = all(1) / (b * d);
@@ -36,16 +36,18 @@ static inline void quotients(lanes a, lanes b, lanes c, lanes d, lanes *first, l
     *second = c * (b * inverse);
 }
 
-/* A group of windows with the rays through their ends: e = b - x, and k(b), which tells on which
- * side of the apex a ray passes. */
+/* A group of windows with the rays through their ends: e = b - x, and k(b). The sign of k is the
+ * side of the apex on which the ray passes. */
 struct rays {
     lanes b0, b1, x, y, sigma, e0, e1, k0, k1;
-    lanes beyond; /* what a linear window's distance grows by from the frame's origin to the apex */
+    /* linear windows only: difference between the distance at the apex and at the frame's origin */
+    lanes beyond;
     ids source;
     mask active, linear;
 };
 
-#define INLINE static inline __attribute__((always_inline)) /* so that groups stay in registers */
+/* Inlined so that groups stay in registers. */
+#define INLINE static inline __attribute__((always_inline))
 
 INLINE struct rays load_rays(const struct gd__windows *w, uint32_t i, uint32_t count, lanes px,
                              lanes py)
@@ -75,7 +77,7 @@ INLINE struct rays load_rays(const struct gd__windows *w, uint32_t i, uint32_t c
     return r;
 }
 
-/* Casts the windows of `may` on the edge from the origin to the apex. */
+/* Casts the windows in the mask `may` onto the edge from the origin to the apex. */
 INLINE void cast_left(const struct gd_side *side, const struct rays *r, mask may,
                       struct chain *chain, bool more, bool coalesce)
 {
@@ -94,7 +96,7 @@ INLINE void cast_left(const struct gd_side *side, const struct rays *r, mask may
            r->sigma, r->source);
 }
 
-/* And on the edge from the apex to the destination. */
+/* Casts the windows in the mask `may` onto the edge from the apex to the destination. */
 INLINE void cast_right(const struct gd_side *side, const struct rays *r, mask may, lanes px,
                        lanes py, struct chain *chain, bool more, bool coalesce)
 {

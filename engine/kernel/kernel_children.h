@@ -1,7 +1,7 @@
-/* Part of kernel_lanes.h: lists of children while they are built. Windows that see one source are
- * joined, others that overlap contest each other. */
-/* A list of children while it is built: the last window (as it was before its successor cut it) in
- * all lanes, and where the source of the last one that was offered lies, joined or not. */
+/* Part of kernel_lanes.h: lists of children under construction. Joins windows of one source;
+ * contests other windows that overlap. */
+/* A list of children under construction: the last window (before its successor cut it) in all
+ * lanes, and the source of the window offered last, joined or not. */
 struct chain {
     struct gd__children *list;
     double width;
@@ -25,15 +25,15 @@ static inline void tangle(struct chain *chain, uint32_t first, uint32_t last)
     if (last > chain->list->tangled_last) chain->list->tangled_last = last;
 }
 
-/* A group of children, compressed. own_b1: before others were joined to it, which is what it is
- * contested by: the others may come in the next group. */
+/* A compressed group of children. own_b1: a window's end before other windows were joined to it.
+ * Contests use own_b1, because the others may come in the next group. */
 struct group {
     uint32_t count;
     lanes b0, b1, own_b1, x, y, sigma;
     ids source;
 };
 
-/* Lanes that see the source of the window before them and go on where it ends. */
+/* Returns the lanes that have the same source as the window before and start where it ends. */
 static inline mask find_joined(const struct chain *chain, const struct group *g, mask active)
 {
     lanes x = after(chain->offered_x, g->x), y = after(chain->offered_y, g->y),
@@ -53,13 +53,13 @@ static inline mask find_joined(const struct chain *chain, const struct group *g,
     return both(same, both(ge(b1, reach), both(le(b0, g->b0), ge(g->b1, b1))));
 }
 
-/* Joins runs of windows into their first ones. */
+/* Joins runs of windows of one source into the first window of each run. */
 static void join(struct chain *chain, struct group *g, mask joined)
 {
     const struct gd__windows *out = &chain->list->at;
     uint32_t active = bits(first_lanes(g->count)), inner = bits(joined),
              ends = active & ~(inner >> 1);
-    if (inner & 1) { /* the first run goes on with the list's last window */
+    if (inner & 1) { /* the first run continues the list's last window */
         lanes end = compress(mask_of(ends & -ends), g->b1);
         out->b1[chain->list->count - 1] = first_of(end);
         chain->b1 = last_of(end, 1);
@@ -76,8 +76,8 @@ static void join(struct chain *chain, struct group *g, mask joined)
     g->source = ids_compress(starts, g->source);
 }
 
-/* Contests each window with the one before it where they overlap, and cuts both where the overlap
- * changes hands. */
+/* Contests each window with the window before it where they overlap. Cuts both where the winner
+ * changes. */
 static inline __attribute__((always_inline)) void
 resolve(struct chain *chain, struct group *g, lanes b0_before, lanes b1_before, mask overlap)
 {
@@ -109,13 +109,13 @@ resolve(struct chain *chain, struct group *g, lanes b0_before, lanes b1_before, 
     if (any(tangled)) tangle(chain, count + first_set(tangled), count + last_set(tangled));
 }
 
-/* Appends the windows of `keep`. */
+/* Appends the windows in the mask `keep`. */
 static inline void append(struct chain *chain, bool more, bool coalesce, mask keep, lanes b0,
                           lanes b1, lanes x, lanes y, lanes sigma, ids source)
 {
     uint32_t set = bits(keep);
     if (!set) return;
-    struct group g; /* field by field: an initialiser would clear it first */
+    struct group g; /* set field by field: an initialiser would clear the struct first */
     g.count = (uint32_t)__builtin_popcount(set);
     g.b0 = b0;
     g.b1 = b1;
@@ -123,7 +123,7 @@ static inline void append(struct chain *chain, bool more, bool coalesce, mask ke
     g.y = y;
     g.sigma = sigma;
     g.source = source;
-    if (set & (set + 1)) { /* not the first ones: seldom so on the left */
+    if (set & (set + 1)) { /* the kept lanes are not the first ones; rare on the left */
         g.b0 = compress(keep, b0);
         g.b1 = compress(keep, b1);
         g.x = compress(keep, x);
@@ -162,7 +162,8 @@ static inline void append(struct chain *chain, bool more, bool coalesce, mask ke
     chain->source = ids_last_of(g.source, g.count);
 }
 
-/* A source at or beside the line of the children's edge: gd__window_grazes in lanes. */
+/* Drops windows whose source is on or beside the line of the children's edge. This is
+ * gd__window_grazes in lanes. */
 static inline mask drop_grazing(mask keep, lanes x, lanes y, double length)
 {
     const lanes zero = all(0), whole = all(length);
@@ -177,7 +178,7 @@ static inline mask wide_enough(mask may, lanes t0, lanes t1, lanes x, lanes y, d
                                mask linear)
 {
     mask keep = both(may, gt(t1 - t0, all(GD_TOL_WIDTH * length)));
-    if (WITH_LINEAR) { /* their y is of a unit vector */
+    if (WITH_LINEAR) { /* y of a linear window is part of a unit vector */
         keep = except(keep, both(linear, le(y, all(GD_TOL_GRAZING))));
         y = pick(linear, all(length), y);
     }

@@ -1,17 +1,17 @@
-/* Part of kernel_lanes.h: contests. */
-/* Windows as far as a contest needs them. */
+/* Part of kernel_lanes.h: contests of windows. */
+/* The fields of windows that a contest needs. */
 struct sources {
     lanes x, y, sigma;
 };
 
-/* A tie at an end says nothing of an overlap that is wide against the distance of the sources; in
- * one so many times narrower it holds all along. */
+/* A tie at an end does not decide an overlap that is wide compared with the distance of the
+ * sources. It decides an overlap that is narrower by this factor. */
 #define NARROW 1024
 
-/* Where the overlap [lo, hi] changes hands: up to there the owner o is better, from there on the
- * challenger c; hi or lo where one of them is better all along. Returns the lanes of `may` for
- * which *at says it; for the others contest.c has to. It has the same formulas with their
- * reasons. */
+/* Computes where the winner of the overlap [lo, hi] changes: the owner o wins up to *at, the
+ * challenger c from there on. *at is hi or lo if one of them wins everywhere. Returns the lanes of
+ * `may` for which *at is valid; contest.c decides the others. The formulas and their reasons are in
+ * contest.c. */
 static inline mask contest_equal(mask may, struct sources c, struct sources o, lanes lo, lanes hi,
                                  lanes *at)
 {
@@ -37,8 +37,8 @@ static inline mask contest_equal(mask may, struct sources c, struct sources o, l
                 either(either(owner_only, challenger_only), both(owner_first, challenger_last)));
 }
 
-/* The lanes in which one of the two is better in the middle, for where the difference has no root:
- * then it is better all along. */
+/* Returns the lanes in which one window wins in the middle. The difference has no root there, so
+ * that window wins everywhere. */
 static mask contest_middle(mask may, struct sources c, struct sources o, lanes lo, lanes hi,
                            lanes *at)
 {
@@ -51,7 +51,7 @@ static mask contest_middle(mask may, struct sources c, struct sources o, lanes l
     return either(owner, challenger);
 }
 
-/* Whether n / d lies in (0, span) and on the branch; asked without dividing. */
+/* Returns true in the lanes where n / d lies in (0, span) and on the branch, without a division. */
 static inline mask is_on_branch(lanes p, lanes q, lanes n, lanes d, lanes span, lanes sign,
                                 lanes least)
 {
@@ -61,7 +61,8 @@ static inline mask is_on_branch(lanes p, lanes q, lanes n, lanes d, lanes span, 
                 ge((p * up + q * size) * sign, least * size));
 }
 
-/* The same for unequal sigma: the difference falls at one root in (lo, hi), or there is none. */
+/* As contest_equal, for unequal sigma: the difference falls at its one root in (lo, hi), or has no
+ * root. */
 static inline mask contest_unequal(mask may, struct sources c, struct sources o, lanes lo, lanes hi,
                                    lanes *at)
 {

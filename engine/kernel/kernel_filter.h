@@ -1,5 +1,5 @@
-/* Part of kernel_lanes.h: filters. */
-/* Moves the windows of `keep` from place `from` to place `to` <= from. */
+/* Part of kernel_lanes.h: filters windows. */
+/* Moves the windows in the mask `keep` from index `from` to index `to` <= from. */
 static uint32_t close_ranks(const struct gd__windows *w, uint32_t from, uint32_t to, mask keep)
 {
     store(w->b0 + to, compress(keep, load(w->b0 + from)));
@@ -11,8 +11,9 @@ static uint32_t close_ranks(const struct gd__windows *w, uint32_t from, uint32_t
     return to + (uint32_t)__builtin_popcount(bits(keep));
 }
 
-/* Trims windows at places [i, i + LANES) where the way round an end becomes shorter inside: as far
- * from it as a source right beside it is, so nothing that is squared may cancel. */
+/* Trims the windows at indices [i, i + LANES) where the path round an end becomes shorter inside
+ * the window. A source beside the end is nearly as far from the window as the end is, so no squared
+ * term may cancel. */
 static void trim(const struct gd__windows *w, uint32_t i, mask first, mask last, double length,
                  lanes c0, lanes c1)
 {

@@ -1,15 +1,15 @@
-/* The kernel for one set of lanes; included by kernel_plain.c, kernel_avx2.c and kernel_avx512.c
- * behind their lanes_*.h, and once more by kernel_linear_plain.c and so on with WITH_LINEAR 1: what
- * concerns linear windows is left out of the former.
+/* The kernel for one set of lanes. kernel_plain.c, kernel_avx2.c and kernel_avx512.c define the
+ * lanes (lanes_*.h) and then include this file. kernel_linear_plain.c and so on define WITH_LINEAR
+ * 1 first; otherwise the code for linear windows is left out.
  *
- * LANES doubles make one `lanes`, their 32-bit companions `ids`, a truth value a lane `mask`.
- * Arithmetic is written with C's operators; of the functions, `pick` chooses by lane, `compress`
- * moves the lanes of a mask to the front, `after(carry, a)` moves all lanes one up and takes the
- * carry's last one in, `ahead` moves them one down, `last_of` spreads lane count - 1. bits and
- * mask_of convert a mask to and from an integer. FLOATS floats make one `floats`.
+ * A `lanes` holds LANES doubles, an `ids` as many 32-bit integers, a `mask` one truth value for
+ * each lane. Arithmetic uses C's operators. `pick` selects by lane. `compress` moves the lanes of a
+ * mask to the front. `after(carry, a)` shifts all lanes up by one and inserts the last lane of
+ * `carry`. `ahead` shifts them down by one. `last_of` broadcasts lane count - 1. `bits` and
+ * `mask_of` convert a mask to and from an integer. A `floats` holds FLOATS floats.
  *
- * In a side's frame the apex is p = (px, py), a source (x, -y). For a point (b, 0) of the edge,
- * k(b) = (b - x)(py + y) - y (px - x) is negative when the ray through it passes left of p. */
+ * In a side's frame the apex is p = (px, py) and a source (x, -y). For a point (b, 0) of the edge,
+ * k(b) = (b - x)(py + y) - y (px - x) is negative if the ray through the point passes left of p. */
 #include "base/tolerance.h"
 #include "kernel/kernel.h"
 
@@ -28,7 +28,7 @@ static inline bool any(mask m)
     return bits(m) != 0;
 }
 
-/* The lowest lane that is set. */
+/* Returns the lowest lane that is set. */
 static inline uint32_t first_set(mask m)
 {
     return (uint32_t)__builtin_ctz(bits(m));
@@ -39,7 +39,7 @@ static inline uint32_t last_set(mask m)
     return 31 - (uint32_t)__builtin_clz(bits(m));
 }
 
-/* Lanes whose windows are linear (window/window.h). */
+/* Returns the lanes whose windows are linear (window/window.h). */
 static inline mask linear_of(ids source)
 {
 #if WITH_LINEAR

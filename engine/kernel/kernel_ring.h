@@ -1,9 +1,11 @@
-/* Part of kernel_lanes.h: ways through a ring's points. Single precision is enough for bounds. */
+/* Part of kernel_lanes.h: bounds of paths through the points of a ring. Single precision is enough
+ * for bounds. */
 
-/* How far a distance in space between points of two parts of edges may lie below the bilinear
- * function of those between their ends: of a part of length s and a point d away from one of its
- * ends, the second derivative is at most 1 / d (1 - (s/d)^2), of which the chord misses s^2 / 8;
- * where parts are as long as they are far away, half of their lengths in any case. */
+/* Returns a bound on how far a distance in space between points of two parts of edges may lie below
+ * the bilinear interpolation of the distances between their ends. For a part of length s and a
+ * point at distance d from one of its ends, the second derivative is at most 1 / d (1 - (s/d)^2),
+ * and the chord lies above the distance by at most s^2 / 8 of it. If parts are as long as they are
+ * far away, half of their lengths is a bound. */
 static inline floats ring_sag(floats square, floats d, floats part, floats own)
 {
     floats both = part + own, eighth = floats_all(0.125f),

@@ -1,13 +1,6 @@
-/* Part of kernel_lanes.h: windows written as wedges. */
-/* Starts of wedges, in units of 2^-32 of the edge; of those in `at_end` that is the edge's end,
- * whatever rounding made of it. */
-static inline lanes starts_of(lanes b, double scale, mask at_end)
-{
-    return pick(at_end, all(0), lesser(greater(b * all(scale), all(0)), all(GD__WEDGE_LATEST)));
-}
-
-/* Whether a start lies behind the end of the window before it by more than what counts as
- * adjacent. */
+/* Part of kernel_lanes.h: writes windows as wedges. */
+/* Returns true if a window starts behind the end of the window before it by more than the tolerance
+ * for adjacent windows. */
 static bool has_gaps(const struct gd__windows *w, uint32_t count, double length)
 {
     const lanes tolerance = all(GD_TOL_ADJACENT * length);
@@ -18,59 +11,90 @@ static bool has_gaps(const struct gd__windows *w, uint32_t count, double length)
     return false;
 }
 
-static void store_straight(const struct gd__windows *w, uint32_t count, double length, bool gap,
-                           struct gd__wedges to)
+/* The destination of windows: the wedges behind the first gap, if there is one. */
+struct storing {
+    struct gd__wedges to; /* without the first gap */
+    double units;         /* start units per length */
+    double scale;         /* scale of x and y */
+    uint64_t nibble;      /* mask of the bits of a source's number that x and y hold */
+};
+
+/* Writes a whole group from `at` on to each array in turn. Lanes outside `here` are written too,
+ * behind the end of an array: to padding, or to the next array, which is written afterwards. */
+static inline __attribute__((always_inline)) void
+store_group(const struct storing *s, uint32_t at, lanes b0, lanes x, lanes y, ids source, mask here)
 {
-    const double scale = GD__WEDGE_UNITS / length;
-    for (uint32_t i = 0; i < count; i += LANES) {
-        store_first(to.x + i, load(w->x + i), count - i);
-        store_first(to.y + i, all(-0.0) - load(w->y + i), count - i);
-        store_starts(to.start + i, starts_of(load(w->b0 + i), scale, mask_of(i == 0 && !gap)),
-                     ids_load(w->source + i), count - i);
+    lanes start = lesser(greater(b0 * all(s->units), all(0)), all(GD__WEDGE_LATEST));
+    store_starts(s->to.start + at, pick(here, start, all(0)));
+    store_highs(&s->to, at, ids_pick(here, source));
+    store(s->to.x + at, packed(x * all(s->scale), source, GD__WEDGE_SHIFT, s->nibble));
+    store(s->to.y + at, packed(y * all(s->scale), source, GD__WEDGE_SHIFT - 4, s->nibble));
+}
+
+static inline uint32_t last_group(uint32_t count)
+{
+    return (count - 1) & ~(uint32_t)(LANES - 1);
+}
+
+/* Writes the last group first. Its excess lanes overwrite the beginning of the next array, which
+ * the other groups write afterwards. */
+static void store_straight(const struct gd__windows *w, uint32_t count, const struct storing *s)
+{
+    mask here = first_lanes(count - last_group(count));
+    for (uint32_t i = last_group(count);; i -= LANES, here = mask_of(UINT32_MAX)) {
+        store_group(s, i, load(w->b0 + i), load(w->x + i), all(-0.0) - load(w->y + i),
+                    ids_load(w->source + i), here);
+        if (!i) return;
     }
 }
 
-/* From the last window to the first; groups begin before the list for the last of them, where a
- * block's own arrays or its header lie. */
-static void store_mirrored(const struct gd__windows *w, uint32_t count, double length, bool gap,
-                           struct gd__wedges to)
+/* Writes windows from the last to the first. The groups of the last windows begin before the list,
+ * in the block's own arrays or header. */
+static void store_mirrored(const struct gd__windows *w, uint32_t count, double length,
+                           const struct storing *s)
 {
-    const double scale = GD__WEDGE_UNITS / length;
     const lanes whole = all(length);
-    for (uint32_t i = 0; i < count; i += LANES) {
+    mask here = first_lanes(count - last_group(count));
+    for (uint32_t i = last_group(count);; i -= LANES, here = mask_of(UINT32_MAX)) {
         ptrdiff_t at = (ptrdiff_t)count - i - LANES;
-        store_first(to.x + i, reversed(whole - load(w->x + at)), count - i);
-        store_first(to.y + i, reversed(load(w->y + at)), count - i);
-        store_starts(to.start + i,
-                     starts_of(reversed(whole - load(w->b1 + at)), scale, mask_of(i == 0 && !gap)),
-                     ids_reversed(ids_load(w->source + at)), count - i);
+        store_group(s, i, reversed(whole - load(w->b1 + at)), reversed(whole - load(w->x + at)),
+                    reversed(load(w->y + at)), ids_reversed(ids_load(w->source + at)), here);
+        if (!i) return;
     }
 }
 
-static void store_gap(struct gd__wedges to, uint32_t at, double b, double length)
+static void store_gap(const struct gd__wedges *to, uint32_t at, double b, double units)
 {
-    double start = b * (GD__WEDGE_UNITS / length);
-    to.x[at] = to.y[at] = 0;
-    to.start[at] =
-        (uint64_t)(start < GD__WEDGE_LATEST ? start : GD__WEDGE_LATEST) | (uint64_t)GD_NONE << 32;
+    double start = b * units;
+    start = start < GD__WEDGE_LATEST ? start : GD__WEDGE_LATEST;
+    gd__wedge_put(to, at, (uint32_t)start, 0, 0, GD_NONE);
 }
 
-static uint32_t store_wedges(const struct gd__windows *w, uint32_t count, double length,
-                             bool mirrored, double *data)
+static bool store_wedges(const struct gd__windows *w, uint32_t count, double length, bool mirrored,
+                         struct gd__chunk *out)
 {
-    /* linear: in another form, see wedges.c */
-    if (WITH_LINEAR || has_gaps(w, count, length)) return 0;
+    /* linear windows have another form, see wedges.c */
+    if (WITH_LINEAR || has_gaps(w, count, length)) return false;
     bool before = w->b0[0] > GD_TOL_ADJACENT * length,
          behind = w->b1[count - 1] + GD_TOL_ADJACENT * length < length;
     bool first = mirrored ? behind : before, last = mirrored ? before : behind;
-    uint32_t total = count + first + last;
-    struct gd__wedges whole = gd__wedges_at(data, total),
-                      to = {whole.x + first, whole.y + first, whole.start + first};
+    out->is_far = mirrored;
+    out->count = count + first + last;
+    struct gd__wedges whole = gd__chunk_wedges(out);
+    bool is_wide = whole.form == GD__WEDGE_WIDE;
+    struct storing s = {.to = gd__wedges_from(&whole, first),
+                        .units = GD__WEDGE_UNITS / length,
+                        .scale = is_wide ? 1 : GD__WEDGE_SCALE,
+                        .nibble = is_wide ? 0 : ~GD__WEDGE_MASK};
+    memset((char *)whole.x - GD__CHUNK_UNIT, 0, GD__CHUNK_UNIT); /* the padding before x */
     if (mirrored)
-        store_mirrored(w, count, length, first, to);
+        store_mirrored(w, count, length, &s);
     else
-        store_straight(w, count, length, first, to);
-    if (first) store_gap(whole, 0, 0, length);
-    if (last) store_gap(whole, total - 1, mirrored ? length - w->b0[0] : w->b1[count - 1], length);
-    return total;
+        store_straight(w, count, &s);
+    whole.start[0] = 0; /* exactly the edge's end */
+    if (first) store_gap(&whole, 0, 0, s.units);
+    if (last)
+        store_gap(&whole, whole.count - 1, mirrored ? length - w->b0[0] : w->b1[count - 1],
+                  s.units);
+    return true;
 }

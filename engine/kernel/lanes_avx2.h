@@ -1,5 +1,5 @@
-/* Lanes, AVX2: four at a time. See kernel.h for what each operation means; the three sets of them
- * must agree to the last bit. */
+/* Lanes of AVX2: four at a time. kernel_lanes.h describes the operations. The three sets of lanes
+ * must return the same bits. */
 #ifndef GD_KERNEL_LANES_H
 #define GD_KERNEL_LANES_H
 
@@ -8,6 +8,7 @@
 #include <stdint.h>
 
 #include "kernel/floats_avx.h"
+#include "window/wedges.h"
 
 #define LANES            4
 #define KERNEL(x)        gd__##x##_avx2
@@ -17,7 +18,7 @@ typedef __m256d lanes;
 typedef __m256d mask;
 typedef __m128i ids;
 
-/* Per set of lanes: which halves of lanes (32 bits) come first when the others are left out. */
+/* Per set of chosen lanes: the order of half lanes (32 bits) that moves them to the front. */
 #define HALVES(a, b, c, d)                                                                         \
     {                                                                                              \
         2 * a, 2 * a + 1, 2 * b, 2 * b + 1, 2 * c, 2 * c + 1, 2 * d, 2 * d + 1                     \
@@ -54,13 +55,9 @@ static inline mask mask_of(uint32_t set)
 }
 static inline mask first_lanes(uint32_t count)
 {
-    /* compared: a choice would be a branch as good as random */
+    /* by comparison: a branch would be mispredicted half of the time */
     const __m256i place = _mm256_set_epi64x(3, 2, 1, 0);
     return _mm256_castsi256_pd(_mm256_cmpgt_epi64(_mm256_set1_epi64x(count), place));
-}
-static inline void store_first(double *p, lanes a, uint32_t count)
-{
-    _mm256_maskstore_pd(p, _mm256_castpd_si256(first_lanes(count)), a);
 }
 static inline lanes root(lanes a)
 {
@@ -167,7 +164,7 @@ static inline mask ids_eq(ids a, ids b)
 {
     return _mm256_castsi256_pd(_mm256_cvtepi32_epi64(_mm_cmpeq_epi32(a, b)));
 }
-/* The highest bit. */
+/* Returns the highest bit of each number. */
 static inline mask ids_top(ids a)
 {
     return _mm256_castsi256_pd(_mm256_cvtepi32_epi64(_mm_srai_epi32(a, 31)));
@@ -189,15 +186,40 @@ static inline ids ids_reversed(ids a)
     return _mm_shuffle_epi32(a, 0x1b);
 }
 
-static inline void store_starts(uint64_t *p, lanes start, ids source, uint32_t count)
+static inline void store_starts(uint32_t *p, lanes start)
 {
     /* added to a whole number below 2^32, it leaves that number in the low half of the double */
     const double two52 = 4503599627370496.0;
     __m256d whole = _mm256_round_pd(start, _MM_FROUND_TO_ZERO | _MM_FROUND_NO_EXC);
     __m256i low = _mm256_castpd_si256(_mm256_add_pd(whole, _mm256_set1_pd(two52)));
-    __m256i high = _mm256_slli_epi64(_mm256_cvtepu32_epi64(source), 32);
-    _mm256_maskstore_epi64((long long *)p, _mm256_castpd_si256(first_lanes(count)),
-                           _mm256_blend_epi32(low, high, 0xaa));
+    __m256i order = _mm256_setr_epi32(0, 2, 4, 6, 0, 2, 4, 6);
+    _mm_storeu_si128((void *)p, _mm256_castsi256_si128(_mm256_permutevar8x32_epi32(low, order)));
+}
+
+static inline ids ids_pick(mask m, ids a)
+{
+    __m256i order = _mm256_setr_epi32(0, 2, 4, 6, 0, 2, 4, 6);
+    __m256i narrow = _mm256_permutevar8x32_epi32(_mm256_castpd_si256(m), order);
+    return _mm_and_si128(_mm256_castsi256_si128(narrow), a);
+}
+
+static inline void store_highs(const struct gd__wedges *to, uint32_t at, ids source)
+{
+    __m128i high = _mm_srli_epi32(source, 8);
+    if (to->form == GD__WEDGE_16)
+        _mm_storeu_si32((uint8_t *)to->high + at,
+                        _mm_shuffle_epi8(high, _mm_set1_epi32(0x0c080400)));
+    else if (to->form == GD__WEDGE_24)
+        _mm_storel_epi64((void *)((uint16_t *)to->high + at), _mm_packus_epi32(high, high));
+    else
+        _mm_storeu_si128((void *)((uint32_t *)to->high + at), source);
+}
+
+static inline lanes packed(lanes a, ids source, int shift, uint64_t nibble)
+{
+    __m256i bits = _mm256_and_si256(_mm256_slli_epi64(_mm256_cvtepu32_epi64(source), shift),
+                                    _mm256_set1_epi64x((long long)nibble));
+    return _mm256_or_pd(a, _mm256_castsi256_pd(bits));
 }
 
 #endif

@@ -1,5 +1,5 @@
-/* Lanes, AVX-512 (F, VL, DQ): eight at a time. See kernel.h for what each operation means; the
- * three sets of them must agree to the last bit. */
+/* Lanes of AVX-512 (F, VL, DQ): eight at a time. kernel_lanes.h describes the operations. The three
+ * sets of lanes must return the same bits. */
 #ifndef GD_KERNEL_LANES_H
 #define GD_KERNEL_LANES_H
 
@@ -8,6 +8,7 @@
 #include <stdint.h>
 
 #include "kernel/floats_avx.h"
+#include "window/wedges.h"
 
 #define LANES            8
 #define KERNEL(x)        gd__##x##_avx512
@@ -31,13 +32,9 @@ static inline void store(double *p, lanes a)
 }
 static inline mask first_lanes(uint32_t count)
 {
-    /* compared: a choice would be a branch as good as random */
+    /* by comparison: a branch would be mispredicted half of the time */
     const __m256i place = _mm256_set_epi32(7, 6, 5, 4, 3, 2, 1, 0);
     return _mm256_cmpgt_epu32_mask(_mm256_set1_epi32((int)count), place);
-}
-static inline void store_first(double *p, lanes a, uint32_t count)
-{
-    _mm512_mask_storeu_pd(p, first_lanes(count), a);
 }
 static inline lanes root(lanes a)
 {
@@ -140,7 +137,7 @@ static inline mask ids_eq(ids a, ids b)
 {
     return _mm256_cmpeq_epi32_mask(a, b);
 }
-/* The highest bit. */
+/* Returns the highest bit of each number. */
 static inline mask ids_top(ids a)
 {
     return _mm256_movepi32_mask(a);
@@ -162,11 +159,33 @@ static inline ids ids_reversed(ids a)
     return _mm256_permutexvar_epi32(_mm256_set_epi32(0, 1, 2, 3, 4, 5, 6, 7), a);
 }
 
-static inline void store_starts(uint64_t *p, lanes start, ids source, uint32_t count)
+static inline void store_starts(uint32_t *p, lanes start)
 {
-    __m512i low = _mm512_cvtepu32_epi64(_mm512_cvttpd_epu32(start)),
-            high = _mm512_slli_epi64(_mm512_cvtepu32_epi64(source), 32);
-    _mm512_mask_storeu_epi64(p, first_lanes(count), _mm512_or_si512(low, high));
+    _mm256_storeu_si256((void *)p, _mm512_cvttpd_epu32(start));
+}
+
+static inline ids ids_pick(mask m, ids a)
+{
+    return _mm256_maskz_mov_epi32(m, a);
+}
+
+static inline void store_highs(const struct gd__wedges *to, uint32_t at, ids source)
+{
+    ids high = _mm256_srli_epi32(source, 8);
+    if (to->form == GD__WEDGE_16)
+        _mm_storel_epi64((void *)((uint8_t *)to->high + at), _mm256_cvtepi32_epi8(high));
+    else if (to->form == GD__WEDGE_24)
+        _mm_storeu_si128((void *)((uint16_t *)to->high + at), _mm256_cvtepi32_epi16(high));
+    else
+        _mm256_storeu_si256((void *)((uint32_t *)to->high + at), source);
+}
+
+static inline lanes packed(lanes a, ids source, int shift, uint64_t nibble)
+{
+    __m512i bits =
+        _mm512_and_si512(_mm512_slli_epi64(_mm512_cvtepu32_epi64(source), (unsigned)shift),
+                         _mm512_set1_epi64((long long)nibble));
+    return _mm512_castsi512_pd(_mm512_or_si512(_mm512_castpd_si512(a), bits));
 }
 
 #endif

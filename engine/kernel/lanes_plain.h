@@ -1,11 +1,13 @@
-/* Lanes, plain C: one at a time. See kernel.h for what each operation means; the three sets of them
- * must agree to the last bit. */
+/* Lanes in plain C: one at a time. kernel_lanes.h describes the operations. The three sets of lanes
+ * must return the same bits. */
 #ifndef GD_KERNEL_LANES_H
 #define GD_KERNEL_LANES_H
 
 #include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
+
+#include "window/wedges.h"
 
 #define LANES            1
 #define KERNEL(x)        gd__##x##_plain
@@ -26,10 +28,6 @@ static inline lanes load(const double *p)
 static inline void store(double *p, lanes a)
 {
     *p = a;
-}
-static inline void store_first(double *p, lanes a, uint32_t count)
-{
-    (void)count, *p = a;
 }
 static inline lanes root(lanes a)
 {
@@ -138,7 +136,7 @@ static inline mask ids_eq(ids a, ids b)
 {
     return a == b;
 }
-/* The highest bit. */
+/* Returns the highest bit. */
 static inline mask ids_top(ids a)
 {
     return a >> 31;
@@ -163,10 +161,32 @@ static inline ids ids_reversed(ids a)
     return a;
 }
 
-static inline void store_starts(uint64_t *p, lanes start, ids source, uint32_t count)
+/* Stores starts as integers. They are numbers below 2^32. */
+static inline void store_starts(uint32_t *p, lanes start)
 {
-    (void)count;
-    *p = (uint64_t)start | (uint64_t)source << 32;
+    *p = (uint32_t)start;
+}
+
+/* Returns `a` in the lanes of m, zero elsewhere. */
+static inline ids ids_pick(mask m, ids a)
+{
+    return m ? a : 0;
+}
+
+/* Stores the bits of source numbers that x and y do not hold, in the chunk's form. */
+static inline void store_highs(const struct gd__wedges *to, uint32_t at, ids source)
+{
+    if (to->form == GD__WEDGE_16) ((uint8_t *)to->high)[at] = (uint8_t)(source >> 8);
+    if (to->form == GD__WEDGE_24) ((uint16_t *)to->high)[at] = (uint16_t)(source >> 8);
+    if (to->form == GD__WEDGE_WIDE) ((uint32_t *)to->high)[at] = source;
+}
+
+/* Packs a scaled coordinate with the bits `nibble` of a source's shifted number. */
+static inline lanes packed(lanes a, ids source, int shift, uint64_t nibble)
+{
+    uint64_t word = gd__wedge_bits(&a) | ((uint64_t)source << shift & nibble);
+    memcpy(&a, &word, sizeof a);
+    return a;
 }
 
 #define FLOATS 1

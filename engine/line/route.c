@@ -3,11 +3,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/array.h"
 #include "mesh/canonical.h"
 #include "mesh/segment.h"
 #include "line/unfold.h"
-
-enum { FIRST_CAPACITY = 16 };
 
 void gd__route_free(struct gd__route *route)
 {
@@ -15,25 +14,14 @@ void gd__route_free(struct gd__route *route)
     *route = (struct gd__route){0};
 }
 
-static enum gd_status reserve(struct gd__route *route, uint32_t more,
-                              const struct gd_control *control)
+static enum gd_status route_reserve(struct gd__route *route, uint32_t more,
+                                    const struct gd_control *control)
 {
-    size_t need = (size_t)route->count + more,
-           capacity = route->capacity ? route->capacity : FIRST_CAPACITY;
-    if (need <= route->capacity) return GD_OK;
-    while (capacity < need) capacity *= 2;
-    if (capacity > UINT32_MAX) return GD_TOO_LARGE;
-    enum gd_status status =
-        gd_control_afford(control, (capacity + route->capacity) * sizeof *route->points);
-    if (status) return status;
-    struct gd_point *points = realloc(route->points, capacity * sizeof *points);
-    if (!points) return GD_NO_MEMORY;
-    route->points = points;
-    route->capacity = (uint32_t)capacity;
-    return GD_OK;
+    return gd__array_extend(&route->points, &route->capacity, (uint64_t)route->count + more,
+                            sizeof *route->points, control);
 }
 
-static void append(struct gd__route *route, const struct gd_point *point)
+static void route_append(struct gd__route *route, const struct gd_point *point)
 {
     if (route->count && gd_point_equal(&route->points[route->count - 1], point)) return;
     route->points[route->count++] = *point;
@@ -42,9 +30,9 @@ static void append(struct gd__route *route, const struct gd_point *point)
 enum gd_status gd__route_add(struct gd__route *route, const struct gd_point *point, double run,
                              const struct gd_control *control)
 {
-    enum gd_status status = reserve(route, 1, control);
+    enum gd_status status = route_reserve(route, 1, control);
     if (status) return status;
-    append(route, point);
+    route_append(route, point);
     route->length += run;
     return GD_OK;
 }
@@ -53,9 +41,10 @@ enum gd_status gd__route_join(struct gd__route *route, const struct gd_point *po
                               uint32_t count, double length, bool backwards,
                               const struct gd_control *control)
 {
-    enum gd_status status = reserve(route, count, control);
+    enum gd_status status = route_reserve(route, count, control);
     if (status) return status;
-    for (uint32_t i = 0; i < count; i++) append(route, &points[backwards ? count - 1 - i : i]);
+    for (uint32_t i = 0; i < count; i++)
+        route_append(route, &points[backwards ? count - 1 - i : i]);
     route->length += length;
     return GD_OK;
 }
@@ -106,13 +95,13 @@ enum gd_status gd__route_split(const struct gd_mesh *mesh, struct gd__route *rou
         run = gd__route_run(mesh, &route->points[i], &route->points[i + 1]);
         if (left <= run) break;
     }
-    if (i + 1 == route->count) return GD_OK; /* beyond the end, by rounding */
+    if (i + 1 == route->count) return GD_OK; /* beyond the end by rounding */
     struct gd_point point = gd__route_between(mesh, &route->points[i], &route->points[i + 1],
                                               left > 0 ? left / run : 0);
     bool is_first = gd_point_equal(&point, &route->points[i]);
     *out = is_first ? i : i + 1;
     if (is_first || gd_point_equal(&point, &route->points[i + 1])) return GD_OK;
-    enum gd_status status = reserve(route, 1, control);
+    enum gd_status status = route_reserve(route, 1, control);
     if (status) return status;
     memmove(route->points + i + 2, route->points + i + 1,
             (route->count - i - 1) * sizeof *route->points);

@@ -1,5 +1,5 @@
-/* Route: a polyline on the surface while it is worked on: points that follow each other within one
- * face. Inside unit. */
+/* Route: a polyline on the surface under construction. Consecutive points lie in one face.
+ * Normalised unit. */
 #ifndef GD_LINE_ROUTE_H
 #define GD_LINE_ROUTE_H
 
@@ -7,53 +7,53 @@
 #include "gd/path.h"
 #include "mesh/topology.h"
 
-/* All zero is an empty route. */
+/* A struct that is all zero is an empty route. */
 struct gd__route {
-    struct gd_point *points; /* owned; no two consecutive ones are equal */
+    struct gd_point *points; /* owned; no two consecutive points are equal */
     uint32_t count, capacity;
     double length;
 };
 
 void gd__route_free(struct gd__route *route); /* leaves an empty route */
 
-/* Makes it empty, and keeps its memory. */
+/* Empties the route and keeps its memory. */
 static inline void gd__route_clear(struct gd__route *route)
 {
     route->count = 0;
     route->length = 0;
 }
 
-/* One more point, `run` behind the last one; left out when it is that one. GD_NO_MEMORY,
+/* Appends a point at distance `run` from the last point, unless the two are equal. GD_NO_MEMORY,
  * GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__route_add(struct gd__route *route, const struct gd_point *point,
                                          double run, const struct gd_control *control);
 
-/* More points, in their order or backwards, that lie `length` along. */
+/* Appends points, in their order or reversed. `length` is their total length. */
 GD_MUST_USE enum gd_status gd__route_join(struct gd__route *route, const struct gd_point *points,
                                           uint32_t count, double length, bool backwards,
                                           const struct gd_control *control);
 
-/* An order of points that has nothing to do with where they are: does a come after b? Lines between
- * two points are made in one order of them, so that a line and its reverse are the same. */
+/* Returns true if a comes after b in an arbitrary order of points. A line between two points is
+ * always computed in this order, so that a line and its reverse are the same. */
 bool gd__point_follows(const struct gd_point *a, const struct gd_point *b);
 
 void gd__points_reverse(struct gd_point *points, uint32_t count);
 
-/* The length of the segment between two points that follow each other. */
+/* Returns the length of the segment between two consecutive points. */
 double gd__route_run(const struct gd_mesh *mesh, const struct gd_point *a,
                      const struct gd_point *b);
 
-/* The point of that segment that is `part` of the way along. */
+/* Returns the point at the fraction `part` of the segment from a to b. */
 struct gd_point gd__route_between(const struct gd_mesh *mesh, const struct gd_point *a,
                                   const struct gd_point *b, double part);
 
-/* The point `part` of the way along, in [0, 1], put between the others: its number. Of a point
- * alone it is that point. GD_NO_MEMORY, GD_BUDGET. */
+/* Inserts the point at the fraction `part`, in [0, 1], of the route's length, and returns its
+ * number in *out. In a route of one point that point is returned. GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__route_split(const struct gd_mesh *mesh, struct gd__route *route,
                                            double part, const struct gd_control *control,
                                            uint32_t *out);
 
-/* Where the straight part of a geodesic that begins at point i < count - 1 ends: at its next
+/* Returns the end of the straight piece of a geodesic that begins at point i < count - 1: its next
  * vertex, or its last point. */
 static inline uint32_t gd__route_bend(const struct gd_point *points, uint32_t count, uint32_t i)
 {
@@ -62,16 +62,16 @@ static inline uint32_t gd__route_bend(const struct gd_point *points, uint32_t co
     return i;
 }
 
-/* The turn (turn.h) in which a geodesic of at least two points leaves its first one; at the last
- * one, the turn to where it came from. It is laid flat up to its next vertex, so that the turn is
- * as exact as that is far. GD_INTERNAL: two points have no face in common. */
+/* Compute the turn (turn.h) in which a geodesic of at least two points leaves its first point
+ * (ahead), or the turn at its last point back along it (back). For precision they unfold the
+ * geodesic up to its next vertex. GD_INTERNAL: two points have no common face. */
 GD_MUST_USE enum gd_status gd__route_ahead(const struct gd_mesh *mesh,
                                            const struct gd_point *points, uint32_t count,
                                            double *out);
 GD_MUST_USE enum gd_status gd__route_back(const struct gd_mesh *mesh, const struct gd_point *points,
                                           uint32_t count, double *out);
 
-/* Gives the points away as a path in the caller's unit; leaves an empty route. */
+/* Moves the points into a path in the caller's unit and empties the route. */
 struct gd_path gd__route_take(const struct gd_mesh *mesh, struct gd__route *route);
 
 #endif

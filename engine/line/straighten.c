@@ -2,13 +2,15 @@
 
 #include <stdlib.h>
 
+#include "base/array.h"
 #include "base/tolerance.h"
 #include "mesh/canonical.h"
 #include "mesh/segment.h"
 #include "line/turn.h"
 #include "line/unfold.h"
 
-enum { LOOK = 16384 }; /* gates laid between two looks at the control: well under a millisecond */
+/* Portals unfolded between two checks of the control: well under a millisecond. */
+enum { LOOK = 16384 };
 
 void gd__straightener_free(struct gd__straightener *straightener)
 {
@@ -33,100 +35,104 @@ struct gd__bend gd__bend_of_turns(const struct gd_mesh *mesh, const struct gd_po
 
 /* --- corners ---------------------------------------------------------------------------------- */
 
-/* The gates in a row that have the corner at the same end. */
+/* The consecutive portals that end at the corner on the same side. */
 struct row {
     uint32_t vertex, first, last;
 };
 
-static uint32_t end_of(const struct gd_mesh *mesh, const struct gd__gate *gate, bool is_left)
+static uint32_t straighten_end_of(const struct gd_mesh *mesh, const struct gd__portal *portal,
+                                  bool is_left)
 {
-    return mesh->origin[is_left ? gate->side : gate->side ^ 1];
+    return mesh->origin[is_left ? portal->side : portal->side ^ 1];
 }
 
-static struct row row_of(const struct gd_mesh *mesh, const struct gd__strip *strip,
-                         const struct gd__corner *corner)
+static struct row straighten_row_of(const struct gd_mesh *mesh, const struct gd__strip *strip,
+                                    const struct gd__corner *corner)
 {
-    struct row row = {end_of(mesh, &strip->gates[corner->gate], corner->is_left), corner->gate,
-                      corner->gate};
+    struct row row = {straighten_end_of(mesh, &strip->portals[corner->portal], corner->is_left),
+                      corner->portal, corner->portal};
     while (row.first > 0 &&
-           end_of(mesh, &strip->gates[row.first - 1], corner->is_left) == row.vertex)
+           straighten_end_of(mesh, &strip->portals[row.first - 1], corner->is_left) == row.vertex)
         row.first--;
     while (row.last + 1 < strip->count &&
-           end_of(mesh, &strip->gates[row.last + 1], corner->is_left) == row.vertex)
+           straighten_end_of(mesh, &strip->portals[row.last + 1], corner->is_left) == row.vertex)
         row.last++;
     return row;
 }
 
-/* The face before a gate, and its side by which it lies in the plane. */
-static struct gd__gate before(const struct gd_mesh *mesh, const struct gd__strip *strip,
-                              uint32_t gate)
+/* Returns the portal before a portal. For the first portal that is a side of the strip's first
+ * face. */
+static struct gd__portal gate_before(const struct gd_mesh *mesh, const struct gd__strip *strip,
+                                     uint32_t portal)
 {
-    if (gate > 0) return strip->gates[gate - 1];
-    return (struct gd__gate){.side = mesh->face_side[strip->face][0], .along = {1, 0}};
+    if (portal > 0) return strip->portals[portal - 1];
+    return (struct gd__portal){.side = mesh->face_side[strip->face][0], .along = {1, 0}};
 }
 
-/* The turn at a vertex of a direction in the plane that leads into the gate's face. */
-static double turn_of(const struct gd_mesh *mesh, uint32_t vertex, const struct gd__gate *gate,
+/* Returns the turn at a vertex of a direction in the plane that leads into the portal's face. */
+static double turn_of(const struct gd_mesh *mesh, uint32_t vertex, const struct gd__portal *portal,
                       struct gd__local way)
 {
     const struct gd_point at = gd__point_of_vertex(vertex);
-    struct gd__local u = gate->along;
-    return gd__turn_in_face(mesh, &at, gate->side, way.x * u.x + way.y * u.y,
+    struct gd__local u = portal->along;
+    return gd__turn_in_face(mesh, &at, portal->side, way.x * u.x + way.y * u.y,
                             way.y * u.x - way.x * u.y);
 }
 
-/* What can be done about a corner: nothing; the line is shorter on the other side of the vertex; or
- * the strip goes round it more than once. */
+/* The state of a corner. TAUT: the line cannot be shortened there. LOOSE: it is shorter on the
+ * other side of the vertex. WOUND: the strip winds around the vertex more than once. */
 enum hold { HOLD_TAUT, HOLD_LOOSE, HOLD_WOUND };
 
-/* `from` and `to` are the neighbours of the corner on the line. The angle in the strip is half a
- * turn at least; one that seems to be less is a whole one more. */
+/* Returns the state of a corner. `from` and `to` are the corner's neighbours on the line. The angle
+ * in the strip is at least pi; if it seems to be less, 2 pi is added. */
 static enum hold hold_of(const struct gd_mesh *mesh, const struct gd__strip *strip,
                          const struct gd__corner *corner, const struct row *row,
                          struct gd__local from, struct gd__local to)
 {
-    struct gd__gate in = before(mesh, strip, row->first);
+    struct gd__portal in = gate_before(mesh, strip, row->first);
     struct gd__local at = corner->at;
     const struct gd_point vertex = gd__point_of_vertex(row->vertex);
     if (!gd__turn_is_closed(mesh, &vertex)) return HOLD_TAUT;
     double back = turn_of(mesh, row->vertex, &in, (struct gd__local){from.x - at.x, from.y - at.y}),
-           ahead = turn_of(mesh, row->vertex, &strip->gates[row->last],
+           ahead = turn_of(mesh, row->vertex, &strip->portals[row->last],
                            (struct gd__local){to.x - at.x, to.y - at.y});
     struct gd__bend bend = gd__bend_of_turns(mesh, &vertex, back, ahead);
     double inside = corner->is_left ? bend.right : bend.left,
            other = corner->is_left ? bend.left : bend.right;
     uint32_t faces = mesh->fan_first[row->vertex + 1] - mesh->fan_first[row->vertex],
-             gates = row->last - row->first + 1;
-    /* along one edge there and back: a gate less */
-    bool is_whole_turn = inside < M_PI - GD_TOL_BEND && gates + 1 >= faces;
-    if (is_whole_turn && gates >= faces) return HOLD_WOUND;
+             portals = row->last - row->first + 1;
+    /* one portal fewer if the line goes along an edge and back */
+    bool is_whole_turn = inside < M_PI - GD_TOL_BEND && portals + 1 >= faces;
+    if (is_whole_turn && portals >= faces) return HOLD_WOUND;
     return is_whole_turn || other < M_PI - GD_TOL_BEND ? HOLD_LOOSE : HOLD_TAUT;
 }
 
 /* --- rounds ----------------------------------------------------------------------------------- */
 
-/* Copies gates up to, but without, `end`. */
+/* Copies portals [begin, end). */
 static enum gd_status copy_gates(struct gd__straightener *s, uint32_t begin, uint32_t end)
 {
     enum gd_status status = GD_OK;
     for (uint32_t i = begin; i < end && !status; i++)
-        status = gd__strip_push(&s->other, s->strip.gates[i].side, s->control);
+        status = gd__strip_push(&s->other, s->strip.portals[i].side, s->control);
     return status;
 }
 
-/* By the other side, or, if it is wound, by the same one but once less. */
+/* Moves the strip to the other side of a corner. A wound strip stays on its side but winds once
+ * less. */
 static enum gd_status go_round(struct gd__straightener *s, const struct gd__corner *corner,
                                const struct row *row, enum hold hold)
 {
-    uint32_t from = s->mesh->side_face[s->strip.gates[row->first].side ^ 1],
-             to = s->mesh->side_face[s->strip.gates[row->last].side];
+    uint32_t from = s->mesh->side_face[s->strip.portals[row->first].side ^ 1],
+             to = s->mesh->side_face[s->strip.portals[row->last].side];
     bool counter_clockwise = corner->is_left == (hold == HOLD_WOUND);
     return gd__strip_wind(s->mesh, &s->other, row->vertex, from, to, counter_clockwise, s->control);
 }
 
-/* Lays the strip round the other side of its loose corners, into s->other. Of rows that overlap the
- * first is taken; the rest is for the next round. */
-static enum gd_status relax(struct gd__straightener *s, uint32_t corner_count, bool *has_moved)
+/* Moves the strip to the other side of its loose corners, into s->other. Of overlapping rows only
+ * the first is moved; the others wait for the next round. */
+static enum gd_status straighten_relax(struct gd__straightener *s, uint32_t corner_count,
+                                       bool *has_moved)
 {
     const struct gd__strip *strip = &s->strip;
     const struct gd__corner *corners = s->corners;
@@ -136,7 +142,7 @@ static enum gd_status relax(struct gd__straightener *s, uint32_t corner_count, b
     s->other.count = 0;
     s->other.from = strip->from, s->other.to = strip->to, s->other.face = strip->face;
     for (uint32_t k = 0; k < corner_count && !status; k++) {
-        struct row row = row_of(s->mesh, strip, &corners[k]);
+        struct row row = straighten_row_of(s->mesh, strip, &corners[k]);
         struct gd__local from = k ? corners[k - 1].at : strip->begin,
                          to = k + 1 < corner_count ? corners[k + 1].at : strip->end;
         if (row.first < done) continue;
@@ -153,20 +159,12 @@ static enum gd_status relax(struct gd__straightener *s, uint32_t corner_count, b
 
 static enum gd_status reserve_corners(struct gd__straightener *s)
 {
-    if (s->corner_capacity > s->strip.count) return GD_OK;
-    uint32_t capacity = s->strip.capacity + 1;
-    enum gd_status status =
-        gd_control_afford(s->control, 2 * (size_t)capacity * sizeof *s->corners);
-    if (status) return status;
-    struct gd__corner *corners = realloc(s->corners, capacity * sizeof *corners);
-    if (!corners) return GD_NO_MEMORY;
-    s->corners = corners;
-    s->corner_capacity = capacity;
-    return GD_OK;
+    return gd__array_extend(&s->corners, &s->corner_capacity, s->strip.capacity + 1ULL,
+                            sizeof *s->corners, s->control);
 }
 
-static double length_of(const struct gd__strip *strip, const struct gd__corner *corners,
-                        uint32_t count)
+static double straighten_length_of(const struct gd__strip *strip, const struct gd__corner *corners,
+                                   uint32_t count)
 {
     struct gd__local a = strip->begin;
     double length = 0;
@@ -178,24 +176,25 @@ static double length_of(const struct gd__strip *strip, const struct gd__corner *
     return length;
 }
 
-static enum gd_status measure(struct gd__straightener *s, uint32_t *corner_count, double *length)
+static enum gd_status straighten_measure(struct gd__straightener *s, uint32_t *corner_count,
+                                         double *length)
 {
     enum gd_status status = gd__strip_lay(s->mesh, &s->strip);
     if (!status) status = reserve_corners(s);
     if (status) return status;
     *corner_count = gd__strip_corners(&s->strip, s->corners);
-    *length = length_of(&s->strip, s->corners, *corner_count);
+    *length = straighten_length_of(&s->strip, s->corners, *corner_count);
     return GD_OK;
 }
 
-static void swap(struct gd__straightener *s)
+static void straighten_swap(struct gd__straightener *s)
 {
     struct gd__strip strip = s->strip;
     s->strip = s->other;
     s->other = strip;
 }
 
-static enum gd_status look(struct gd__straightener *s)
+static enum gd_status straighten_check_control(struct gd__straightener *s)
 {
     s->laid += s->strip.count;
     if (s->laid < LOOK) return GD_OK;
@@ -203,27 +202,27 @@ static enum gd_status look(struct gd__straightener *s)
     return gd_control_check(s->control, s->progress);
 }
 
-/* Rounds go on as long as the line gets shorter by more than `least_gain` of its length, which is
- * *out in the end. */
+/* Repeats rounds as long as a round shortens the line by more than `least_gain` of its length. *out
+ * is the final length. */
 static enum gd_status tighten(struct gd__straightener *s, double least_gain, uint32_t *corner_count,
                               double *out)
 {
     double length, before = INFINITY;
     bool has_moved = true;
-    enum gd_status status = measure(s, corner_count, &length);
+    enum gd_status status = straighten_measure(s, corner_count, &length);
     while (!status && length < before) {
         before = length * (1 - least_gain);
-        status = relax(s, *corner_count, &has_moved);
+        status = straighten_relax(s, *corner_count, &has_moved);
         if (status || !has_moved) break;
-        swap(s);
-        status = measure(s, corner_count, &length);
-        if (!status) status = look(s);
+        straighten_swap(s);
+        status = straighten_measure(s, corner_count, &length);
+        if (!status) status = straighten_check_control(s);
     }
     if (!status) *out = length;
     return status;
 }
 
-/* --- the whole -------------------------------------------------------------------------------- */
+/* --- straightening ---------------------------------------------------------------------------- */
 
 static enum gd_status straighten(struct gd__straightener *s, const struct gd__route *route,
                                  bool backwards, struct gd__route *out)

@@ -1,16 +1,16 @@
-/* Straighten: a polyline made a geodesic by moving it across the surface, its ends held. Inside
- * unit. */
+/* Straighten: moves a polyline across the surface, with its ends fixed, until it is a geodesic.
+ * Normalised unit. */
 #ifndef GD_LINE_STRAIGHTEN_H
 #define GD_LINE_STRAIGHTEN_H
 
 #include "line/strip.h"
 
-/* Memory that is used again from one line to the next. All zero to begin with. */
+/* Memory that is reused from line to line. All zero at first. */
 struct gd__straightener {
     const struct gd_mesh *mesh;
     const struct gd_control *control;
-    double progress; /* of the caller's work, to tell the control */
-    uint64_t laid;   /* gates since it was told */
+    double progress; /* progress to report to the control */
+    uint64_t laid;   /* portals unfolded since the last report */
     struct gd__strip strip, other;
     struct gd__corner *corners;
     uint32_t corner_capacity;
@@ -19,24 +19,24 @@ struct gd__straightener {
 
 void gd__straightener_free(struct gd__straightener *straightener);
 
-/* The locally shortest line that `route` becomes when it is pulled tight: it is no longer than the
- * route, and where it bends it passes a vertex with at least half a turn on either side, or the
- * boundary. In its strip the shortest line is found; at each vertex where that leaves less than
- * half a turn on the side where the strip is not, the strip goes round there instead; until there
- * is none. A route and its reverse give the same line. `out` is filled anew. GD_NO_MEMORY,
- * GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL (the route is none). */
+/* Computes the locally shortest line into which `route` can be moved. It is no longer than the
+ * route. Where it bends, it passes the boundary, or a vertex with an angle of at least pi on either
+ * side. Method: find the shortest line in the strip of faces. At each vertex with less than pi on
+ * the side outside the strip, move the strip to that side. Repeat until there is no such vertex. A
+ * route and its reverse give the same line. Replaces the content of `out`. GD_NO_MEMORY, GD_BUDGET,
+ * GD_CANCELLED, GD_DEADLINE, GD_INTERNAL (not a valid route). */
 GD_MUST_USE enum gd_status gd__straighten(struct gd__straightener *straightener,
                                           const struct gd__route *route, struct gd__route *out);
 
-/* The length of a line that `route` becomes when it is pulled only until a round makes it shorter
- * by less than `least_gain` of its length: that of a line on the surface, too, and for most routes
- * little more than the locally shortest one's. Its errors. */
+/* Computes the length of a line on the surface into which `route` can be moved. Stops when a round
+ * shortens the line by less than `least_gain` of its length. Usually the result is little longer
+ * than the locally shortest line. Errors: those of gd__straighten. */
 GD_MUST_USE enum gd_status gd__straighten_length(struct gd__straightener *straightener,
                                                  const struct gd__route *route, double least_gain,
                                                  double *out);
 
-/* The angles between a line that came from the turn `back` and goes on in the turn `ahead`, on
- * either side; INFINITY where the boundary is. */
+/* The angles on both sides of a line at a point. `back` is the turn towards the line before the
+ * point, `ahead` the turn in which it leaves. INFINITY on the side of a boundary. */
 struct gd__bend {
     double right, left;
 };

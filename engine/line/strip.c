@@ -1,50 +1,35 @@
 #include "line/strip.h"
 
-#include <stdlib.h>
-
+#include "base/array.h"
 #include "mesh/canonical.h"
 #include "mesh/segment.h"
 
-enum { FIRST_CAPACITY = 32 };
-
 void gd__strip_free(struct gd__strip *strip)
 {
-    free(strip->gates);
+    free(strip->portals);
     *strip = (struct gd__strip){0};
 }
 
-/* --- gates ------------------------------------------------------------------------------------ */
-
-static enum gd_status grow(struct gd__strip *strip, const struct gd_control *control)
-{
-    size_t capacity = strip->capacity ? 2 * (size_t)strip->capacity : FIRST_CAPACITY;
-    if (capacity > UINT32_MAX) return GD_TOO_LARGE;
-    enum gd_status status =
-        gd_control_afford(control, (capacity + strip->capacity) * sizeof *strip->gates);
-    if (status) return status;
-    struct gd__gate *gates = realloc(strip->gates, capacity * sizeof *gates);
-    if (!gates) return GD_NO_MEMORY;
-    strip->gates = gates;
-    strip->capacity = (uint32_t)capacity;
-    return GD_OK;
-}
+/* --- portals
+ * ------------------------------------------------------------------------------------ */
 
 enum gd_status gd__strip_push(struct gd__strip *strip, uint32_t side,
                               const struct gd_control *control)
 {
     if (!strip->keeps_ways_back && strip->count &&
-        strip->gates[strip->count - 1].side == (side ^ 1)) {
+        strip->portals[strip->count - 1].side == (side ^ 1)) {
         strip->count--;
         return GD_OK;
     }
-    enum gd_status status = strip->count == strip->capacity ? grow(strip, control) : GD_OK;
-    if (!status) strip->gates[strip->count++].side = side;
+    enum gd_status status = gd__array_extend(&strip->portals, &strip->capacity, strip->count + 1ULL,
+                                             sizeof *strip->portals, control);
+    if (!status) strip->portals[strip->count++].side = side;
     return status;
 }
 
 /* --- around vertices -------------------------------------------------------------------------- */
 
-/* The entry of a face in the fan of one of its corners, counted from the fan's first. */
+/* Returns the number of a face in the fan of one of its corners, from the fan's first entry. */
 static uint32_t entry_of(const struct gd_mesh *mesh, uint32_t vertex, uint32_t face)
 {
     int k = 0;
@@ -52,7 +37,8 @@ static uint32_t entry_of(const struct gd_mesh *mesh, uint32_t vertex, uint32_t f
     return mesh->side_fan[mesh->face_side[face][k]] - mesh->fan_first[vertex];
 }
 
-/* Faces on the way round. Where the boundary is between, more than there are. */
+/* Returns the number of faces to walk around the vertex; larger than the fan if the boundary is in
+ * between. */
 static uint32_t faces_between(const struct gd_mesh *mesh, uint32_t vertex, uint32_t from,
                               uint32_t to, bool counter_clockwise)
 {
@@ -92,10 +78,10 @@ static enum gd_status pass_vertex(const struct gd_mesh *mesh, struct gd__strip *
 
 /* --- along a route ---------------------------------------------------------------------------- */
 
-/* From face to face through a point of both. */
-static enum gd_status pass(const struct gd_mesh *mesh, struct gd__strip *strip,
-                           const struct gd_point *point, uint32_t face, uint32_t next,
-                           const struct gd_control *control)
+/* Appends the portals from a face to the next face through a common point. */
+static enum gd_status strip_pass(const struct gd_mesh *mesh, struct gd__strip *strip,
+                                 const struct gd_point *point, uint32_t face, uint32_t next,
+                                 const struct gd_control *control)
 {
     uint32_t side = 2 * point->element;
     if (point->kind == GD_POINT_VERTEX)
@@ -117,7 +103,8 @@ enum gd_status gd__strip_along(const struct gd_mesh *mesh, const struct gd__rout
     for (uint32_t i = 1; i + 1 < route->count && !status; i++) {
         if (gd__face_contains(mesh, face, &points[i + 1])) continue;
         uint32_t next = gd__common_face(mesh, &points[i], &points[i + 1]);
-        status = next == GD_NONE ? GD_INTERNAL : pass(mesh, strip, &points[i], face, next, control);
+        status = next == GD_NONE ? GD_INTERNAL
+                                 : strip_pass(mesh, strip, &points[i], face, next, control);
         face = next;
     }
     return status;
@@ -132,19 +119,20 @@ static bool is_on(const struct gd_mesh *mesh, uint32_t side, const struct gd_poi
            (mesh->origin[side] == point->element || mesh->origin[side ^ 1] == point->element);
 }
 
-static void trim(const struct gd_mesh *mesh, struct gd__strip *strip)
+static void strip_trim(const struct gd_mesh *mesh, struct gd__strip *strip)
 {
     uint32_t skip = 0;
-    while (strip->count && is_on(mesh, strip->gates[strip->count - 1].side, &strip->to))
+    while (strip->count && is_on(mesh, strip->portals[strip->count - 1].side, &strip->to))
         strip->count--;
-    while (skip < strip->count && is_on(mesh, strip->gates[skip].side, &strip->from)) skip++;
+    while (skip < strip->count && is_on(mesh, strip->portals[skip].side, &strip->from)) skip++;
     if (!skip) return;
-    strip->face = mesh->side_face[strip->gates[skip - 1].side];
+    strip->face = mesh->side_face[strip->portals[skip - 1].side];
     strip->count -= skip;
-    for (uint32_t i = 0; i < strip->count; i++) strip->gates[i].side = strip->gates[i + skip].side;
+    for (uint32_t i = 0; i < strip->count; i++)
+        strip->portals[i].side = strip->portals[i + skip].side;
 }
 
-/* `by` is a unit vector in the frame of which `along` is the x axis. */
+/* Rotates `by` from the frame whose x axis is `along` into the plane. */
 static struct gd__local turned(struct gd__local along, struct gd__local by)
 {
     return (struct gd__local){along.x * by.x - along.y * by.y, along.x * by.y + along.y * by.x};
@@ -156,67 +144,68 @@ static struct gd__local placed(struct gd__local origin, struct gd__local along, 
     return (struct gd__local){origin.x + way.x, origin.y + way.y};
 }
 
-/* The next gate, over the left or the right edge of the face of `side`, that lies there as the last
- * gate does; or, at the beginning, over that side itself. */
-static bool lay_gate(const struct gd_mesh *mesh, const struct gd__gate *last, struct gd__gate *out)
+/* Places the next portal beside the last one. It is the left or right edge of the face behind the
+ * last portal, or the way back through the last portal itself. Returns false for any other side. */
+static bool lay_gate(const struct gd_mesh *mesh, const struct gd__portal *last,
+                     struct gd__portal *out)
 {
     const struct gd_side *s = &mesh->side[last->side];
     struct gd__local apex =
         placed(last->left, last->along,
                (struct gd__local){s->left_length * s->left_x, s->left_length * s->left_y});
     if (out->side == s->left)
-        *out = (struct gd__gate){s->left, last->left, apex,
-                                 turned(last->along, (struct gd__local){s->left_x, s->left_y})};
+        *out = (struct gd__portal){s->left, last->left, apex,
+                                   turned(last->along, (struct gd__local){s->left_x, s->left_y})};
     else if (out->side == s->right)
-        *out = (struct gd__gate){s->right, apex, last->right,
-                                 turned(last->along, (struct gd__local){s->right_x, s->right_y})};
+        *out = (struct gd__portal){s->right, apex, last->right,
+                                   turned(last->along, (struct gd__local){s->right_x, s->right_y})};
     else if (out->side == (last->side ^ 1))
-        *out =
-            (struct gd__gate){out->side, last->right, last->left, {-last->along.x, -last->along.y}};
+        *out = (struct gd__portal){
+            out->side, last->right, last->left, {-last->along.x, -last->along.y}};
     else
         return false;
     return true;
 }
 
-struct gd__local gd__gate_place(const struct gd_mesh *mesh, const struct gd__gate *gate,
-                                const struct gd_point *point)
+struct gd__local gd__portal_place(const struct gd_mesh *mesh, const struct gd__portal *portal,
+                                  const struct gd_point *point)
 {
-    uint32_t face = mesh->side_face[gate->side];
+    uint32_t face = mesh->side_face[portal->side];
     double weight[3];
     gd__point_weights(mesh, point, face, weight);
-    int k = mesh->face_side[face][0] == gate->side   ? 0
-            : mesh->face_side[face][1] == gate->side ? 1
-                                                     : 2;
-    return placed(gate->left, gate->along,
-                  gd__face_local(mesh, gate->side,
+    int k = mesh->face_side[face][0] == portal->side   ? 0
+            : mesh->face_side[face][1] == portal->side ? 1
+                                                       : 2;
+    return placed(portal->left, portal->along,
+                  gd__face_local(mesh, portal->side,
                                  (double[3]){weight[k], weight[(k + 1) % 3], weight[(k + 2) % 3]}));
 }
 
-struct gd__gate gd__strip_entrance(const struct gd_mesh *mesh, const struct gd__strip *strip)
+struct gd__portal gd__strip_entrance(const struct gd_mesh *mesh, const struct gd__strip *strip)
 {
     uint32_t side = mesh->face_side[strip->face][0];
-    return (struct gd__gate){side, {0, 0}, {mesh->side[side].length, 0}, {1, 0}};
+    return (struct gd__portal){side, {0, 0}, {mesh->side[side].length, 0}, {1, 0}};
 }
 
 enum gd_status gd__strip_lay(const struct gd_mesh *mesh, struct gd__strip *strip)
 {
-    trim(mesh, strip);
-    struct gd__gate last = gd__strip_entrance(mesh, strip);
-    strip->begin = gd__gate_place(mesh, &last, &strip->from);
+    strip_trim(mesh, strip);
+    struct gd__portal last = gd__strip_entrance(mesh, strip);
+    strip->begin = gd__portal_place(mesh, &last, &strip->from);
     for (uint32_t i = 0; i < strip->count; i++) {
-        if (!lay_gate(mesh, &last, &strip->gates[i])) return GD_INTERNAL;
-        last = strip->gates[i];
+        if (!lay_gate(mesh, &last, &strip->portals[i])) return GD_INTERNAL;
+        last = strip->portals[i];
         if (mesh->side_face[last.side] == GD_NONE) return GD_INTERNAL;
     }
     if (!gd__face_contains(mesh, mesh->side_face[last.side], &strip->to)) return GD_INTERNAL;
-    strip->end = gd__gate_place(mesh, &last, &strip->to);
+    strip->end = gd__portal_place(mesh, &last, &strip->to);
     return GD_OK;
 }
 
 /* --- the funnel ------------------------------------------------------------------------------- */
 
-/* Twice the area of abc: > 0 where c lies to the left of ab. */
-static double area(struct gd__local a, struct gd__local b, struct gd__local c)
+/* Returns twice the area of abc: > 0 if c lies to the left of ab. */
+static double strip_area(struct gd__local a, struct gd__local b, struct gd__local c)
 {
     return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
@@ -226,19 +215,20 @@ static bool is_same(struct gd__local a, struct gd__local b)
     return a.x == b.x && a.y == b.y;
 }
 
-/* All that can be seen from the apex lies between it and the two ends, each of a gate. */
+/* The funnel: all points that are visible from the apex lie between two ends of portals, `left` and
+ * `right`. */
 struct funnel {
     struct gd__local apex, left, right;
     uint32_t left_gate, right_gate;
 };
 
-/* The right end moves to that of gate i (as long as that is the apex itself, it bounds nothing),
- * unless that leads over the left one: false. */
+/* Moves the right end to that of portal i, if that narrows the funnel. Returns false if the new end
+ * would cross the left end. While the right end is the apex, it bounds nothing. */
 static bool tighten_right(struct funnel *f, struct gd__local to, uint32_t i)
 {
     bool is_apex = is_same(f->right, f->apex), stays = is_same(to, f->apex);
-    if (!is_apex && area(f->apex, f->right, to) < 0) return true;
-    if (!stays && !is_same(f->left, f->apex) && area(f->apex, f->left, to) >= 0) return false;
+    if (!is_apex && strip_area(f->apex, f->right, to) < 0) return true;
+    if (!stays && !is_same(f->left, f->apex) && strip_area(f->apex, f->left, to) >= 0) return false;
     f->right = to;
     f->right_gate = i;
     return true;
@@ -247,8 +237,9 @@ static bool tighten_right(struct funnel *f, struct gd__local to, uint32_t i)
 static bool tighten_left(struct funnel *f, struct gd__local to, uint32_t i)
 {
     bool is_apex = is_same(f->left, f->apex), stays = is_same(to, f->apex);
-    if (!is_apex && area(f->apex, f->left, to) > 0) return true;
-    if (!stays && !is_same(f->right, f->apex) && area(f->apex, f->right, to) <= 0) return false;
+    if (!is_apex && strip_area(f->apex, f->left, to) > 0) return true;
+    if (!stays && !is_same(f->right, f->apex) && strip_area(f->apex, f->right, to) <= 0)
+        return false;
     f->left = to;
     f->left_gate = i;
     return true;
@@ -259,8 +250,8 @@ uint32_t gd__strip_corners(const struct gd__strip *strip, struct gd__corner *out
     struct funnel f = {strip->begin, strip->begin, strip->begin, 0, 0};
     uint32_t count = 0;
     for (uint32_t i = 0; i <= strip->count; i++) {
-        struct gd__local right = i < strip->count ? strip->gates[i].right : strip->end,
-                         left = i < strip->count ? strip->gates[i].left : strip->end;
+        struct gd__local right = i < strip->count ? strip->portals[i].right : strip->end,
+                         left = i < strip->count ? strip->portals[i].left : strip->end;
         struct gd__corner corner;
         if (!tighten_right(&f, right, i))
             corner = (struct gd__corner){f.left_gate, true, f.left};
@@ -268,9 +259,9 @@ uint32_t gd__strip_corners(const struct gd__strip *strip, struct gd__corner *out
             corner = (struct gd__corner){f.right_gate, false, f.right};
         else
             continue;
-        if (corner.gate == strip->count) break; /* the end itself */
+        if (corner.portal == strip->count) break; /* the end of the line itself */
         out[count++] = corner;
-        i = corner.gate;
+        i = corner.portal;
         f = (struct funnel){corner.at, corner.at, corner.at, i, i};
     }
     return count;
@@ -278,19 +269,19 @@ uint32_t gd__strip_corners(const struct gd__strip *strip, struct gd__corner *out
 
 /* --- the line --------------------------------------------------------------------------------- */
 
-/* Where the line from a to b crosses a gate, from its left end. */
-static struct gd_point crossing(const struct gd_mesh *mesh, const struct gd__gate *gate,
-                                struct gd__local a, struct gd__local b)
+/* Returns the point where the line from a to b crosses a portal. */
+static struct gd_point strip_crossing(const struct gd_mesh *mesh, const struct gd__portal *portal,
+                                      struct gd__local a, struct gd__local b)
 {
-    double left = area(a, b, gate->left), right = area(a, b, gate->right);
+    double left = strip_area(a, b, portal->left), right = strip_area(a, b, portal->right);
     double part = left > 0 && right < 0 ? left / (left - right) : fabs(right) < fabs(left) ? 1 : 0;
-    return gd__point_of_edge(mesh, gate->side >> 1, gate->side & 1 ? 1 - part : part);
+    return gd__point_of_edge(mesh, portal->side >> 1, portal->side & 1 ? 1 - part : part);
 }
 
-static struct gd_point point_of(const struct gd_mesh *mesh, const struct gd__strip *strip,
-                                const struct gd__corner *corner)
+static struct gd_point strip_point_of(const struct gd_mesh *mesh, const struct gd__strip *strip,
+                                      const struct gd__corner *corner)
 {
-    uint32_t side = strip->gates[corner->gate].side;
+    uint32_t side = strip->portals[corner->portal].side;
     return gd__point_of_vertex(mesh->origin[corner->is_left ? side : side ^ 1]);
 }
 
@@ -303,12 +294,12 @@ enum gd_status gd__strip_line(const struct gd_mesh *mesh, const struct gd__strip
     for (uint32_t k = 0, i = 0; k <= corner_count && !status; k++) {
         bool is_end = k == corner_count;
         struct gd__local b = is_end ? strip->end : corners[k].at;
-        uint32_t stop = is_end ? strip->count : corners[k].gate;
+        uint32_t stop = is_end ? strip->count : corners[k].portal;
         for (; i < stop && !status; i++) {
-            struct gd_point point = crossing(mesh, &strip->gates[i], a, b);
+            struct gd_point point = strip_crossing(mesh, &strip->portals[i], a, b);
             status = gd__route_add(out, &point, 0, control);
         }
-        struct gd_point point = is_end ? strip->to : point_of(mesh, strip, &corners[k]);
+        struct gd_point point = is_end ? strip->to : strip_point_of(mesh, strip, &corners[k]);
         if (!status) status = gd__route_add(out, &point, hypot(b.x - a.x, b.y - a.y), control);
         a = b;
         i = stop + 1;

@@ -1,74 +1,74 @@
-/* Strip: the faces that a line runs through, from a point to another, over sides that are known one
- * by one; and the shortest line in it. Inside unit. */
+/* Strip: the sequence of faces that a line between two points crosses, stored as the crossed sides;
+ * and the shortest line in it. Normalised unit. */
 #ifndef GD_LINE_STRIP_H
 #define GD_LINE_STRIP_H
 
 #include "mesh/local.h"
 #include "line/route.h"
 
-/* A side over which the strip enters the side's face, and how it lies in the plane into which all
- * are laid. Left of the way is the side's origin. */
-struct gd__gate {
+/* Portal: a side through which the strip enters the side's face, and its position in the plane of
+ * the unfolded strip. The side's origin is on the left. */
+struct gd__portal {
     uint32_t side;
     struct gd__local left, right;
-    struct gd__local along; /* unit vector of the side */
+    struct gd__local along; /* unit vector in the direction of the side */
 };
 
-/* All zero is an empty strip. */
+/* A struct that is all zero is an empty strip. */
 struct gd__strip {
     struct gd_point from, to;
-    uint32_t face;          /* in which it begins, laid into the frame of its side 0 */
-    struct gd__gate *gates; /* owned */
+    uint32_t face;              /* the first face, placed in the frame of its side 0 */
+    struct gd__portal *portals; /* owned */
     uint32_t count, capacity;
-    /* a way back over a gate is another gate; else it takes that away */
+    /* True: crossing a portal back adds another portal. False: it removes the portal. */
     bool keeps_ways_back;
-    struct gd__local begin, end; /* of the line, in the plane */
+    struct gd__local begin, end; /* the line's ends in the plane */
 };
 
 void gd__strip_free(struct gd__strip *strip);
 
-/* One more gate; a way back over the last one takes that away instead, unless the strip keeps it.
- * GD_NO_MEMORY, GD_BUDGET. */
+/* Appends a portal. If it crosses the last portal back, removes that one instead, unless
+ * keeps_ways_back is set. GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__strip_push(struct gd__strip *strip, uint32_t side,
                                           const struct gd_control *control);
 
-/* Gates around a vertex, from one of its faces to another, counter-clockwise (the vertex is at
- * their left) or clockwise. GD_INTERNAL: the boundary is between. O(gates). */
+/* Appends the portals around a vertex from one of its faces to another, counter-clockwise (the
+ * vertex is on their left) or clockwise. GD_INTERNAL: the boundary is in between. O(portals). */
 GD_MUST_USE enum gd_status gd__strip_wind(const struct gd_mesh *mesh, struct gd__strip *strip,
                                           uint32_t vertex, uint32_t from_face, uint32_t to_face,
                                           bool counter_clockwise, const struct gd_control *control);
 
-/* The strip along a route of at least two points. Around a vertex of the route it goes the way of
- * fewer faces. The strip's memory is used again. GD_INTERNAL: two points that follow each other
- * have no face in common. O(points, and faces around its vertices). */
+/* Builds the strip along a route of at least two points. Around a vertex of the route it takes the
+ * side with fewer faces. Reuses the strip's memory. GD_INTERNAL: two consecutive points have no
+ * common face. O(points + faces around the vertices). */
 GD_MUST_USE enum gd_status gd__strip_along(const struct gd_mesh *mesh,
                                            const struct gd__route *route, struct gd__strip *strip,
                                            const struct gd_control *control);
 
-/* Leaves out gates at the ends on which `from` or `to` lie, and lays the strip flat. GD_INTERNAL:
- * it is none. O(count). */
+/* Removes portals that contain `from` or `to` at the ends of the strip, and unfolds the strip.
+ * GD_INTERNAL: not a valid strip. O(count). */
 GD_MUST_USE enum gd_status gd__strip_lay(const struct gd_mesh *mesh, struct gd__strip *strip);
 
-/* The side from which the first face of a strip is laid, as if it were a gate; and where a point of
- * the face behind a gate lies in the plane. */
-struct gd__gate gd__strip_entrance(const struct gd_mesh *mesh, const struct gd__strip *strip);
-struct gd__local gd__gate_place(const struct gd_mesh *mesh, const struct gd__gate *gate,
-                                const struct gd_point *point);
+/* gd__strip_entrance returns the placed side of the strip's first face as a portal.
+ * gd__portal_place returns the position in the plane of a point of the face behind a portal. */
+struct gd__portal gd__strip_entrance(const struct gd_mesh *mesh, const struct gd__strip *strip);
+struct gd__local gd__portal_place(const struct gd_mesh *mesh, const struct gd__portal *portal,
+                                  const struct gd_point *point);
 
-/* A vertex at which the shortest line in a strip bends: the left or right end of a gate; of several
- * gates in a row the last. */
+/* A vertex where the shortest line in a strip bends: the left or right end of a portal. If several
+ * consecutive portals end there, the last one. */
 struct gd__corner {
-    uint32_t gate;
+    uint32_t portal;
     bool is_left;
     struct gd__local at;
 };
 
-/* The corners, in order, into an array of strip->count; their number is the result. Lee and
- * Preparata's funnel, as it is known from path finding: O(count) but for what is looked at again
- * behind a corner. The strip must have been laid. */
+/* Writes the corners in order to an array of strip->count items and returns their number. Uses the
+ * funnel algorithm of Lee and Preparata: O(count), except that the part behind a corner is scanned
+ * again. The strip must be unfolded. */
 uint32_t gd__strip_corners(const struct gd__strip *strip, struct gd__corner *out);
 
-/* The line through the corners, into an empty route. GD_NO_MEMORY, GD_BUDGET. O(count). */
+/* Appends the line through the corners to an empty route. GD_NO_MEMORY, GD_BUDGET. O(count). */
 GD_MUST_USE enum gd_status gd__strip_line(const struct gd_mesh *mesh, const struct gd__strip *strip,
                                           const struct gd__corner *corners, uint32_t corner_count,
                                           struct gd__route *out, const struct gd_control *control);

@@ -1,6 +1,6 @@
 #include "line/turn.h"
 
-#include "field/frame.h"
+#include "field/face_frame.h"
 
 static uint32_t number_in_face(const struct gd_mesh *mesh, uint32_t side)
 {
@@ -40,7 +40,7 @@ double gd__turn_reduce(const struct gd_mesh *mesh, const struct gd_point *point,
 
 /* --- angles ----------------------------------------------------------------------------------- */
 
-/* The side of a face that goes out from one of its corners. */
+/* Returns the side of a face that leaves one of its corners. */
 static uint32_t side_from(const struct gd_mesh *mesh, uint32_t face, uint32_t vertex)
 {
     int k = 0;
@@ -48,13 +48,13 @@ static uint32_t side_from(const struct gd_mesh *mesh, uint32_t face, uint32_t ve
     return mesh->face_side[face][k];
 }
 
-/* The turn at which the angles of a point begin. */
+/* Returns the turn of angle zero. */
 static double zero_of(const struct gd_mesh *mesh, const struct gd_point *point)
 {
     struct gd_direction zero;
     uint32_t side = 2 * point->element;
     switch (point->kind) {
-    case GD_POINT_VERTEX: /* at an angle of zero begins the face into which it leads */
+    case GD_POINT_VERTEX: /* angle zero is the start of the face into which it leads */
         if (gd_direction_at_angle(mesh, point, 0, &zero, NULL)) return 0;
         side = side_from(mesh, mesh->face_of_index[zero.face.index], point->element);
         return mesh->fan[mesh->side_fan[side]].angle;
@@ -113,14 +113,14 @@ double gd__turn_in_face(const struct gd_mesh *mesh, const struct gd_point *point
                         double x, double y)
 {
     uint32_t face = mesh->side_face[side], own = mesh->face_side[face][0], k = 0;
-    struct gd__frame frame = gd__frame_of_face(mesh, face);
+    struct gd__face_frame frame = gd__face_frame_of(mesh, face);
     if (point->kind == GD_POINT_VERTEX) own = side_from(mesh, face, point->element);
     if (point->kind == GD_POINT_EDGE)
         own = gd__side_is_boundary(mesh, 2 * point->element) ? 2 * point->element + 1
                                                              : 2 * point->element;
     if (point->kind == GD_POINT_EDGE && mesh->side_face[own] != face) own ^= 1;
     k = number_in_face(mesh, own);
-    struct gd__local d = gd__frame_turn(&frame, (int)number_in_face(mesh, side), x, y),
+    struct gd__local d = gd__face_frame_turn(&frame, (int)number_in_face(mesh, side), x, y),
                      axis = frame.along[k];
     double angle = atan2(axis.x * d.y - axis.y * d.x, axis.x * d.x + axis.y * d.y);
     if (point->kind == GD_POINT_VERTEX)
@@ -144,8 +144,8 @@ static struct gd__ray ray_from_vertex(const struct gd_mesh *mesh, uint32_t verte
     return ray_from(mesh->fan[i].side, 0, 0, turn - mesh->fan[i].angle);
 }
 
-/* A turn along a boundary edge may be in the half where there is no face, by rounding: it is laid
- * over. */
+/* Returns the ray of a turn at a point of an edge. Due to rounding, a turn along a boundary edge
+ * may lie in the half without a face. It is mirrored then. */
 static struct gd__ray ray_from_edge(const struct gd_mesh *mesh, const struct gd_point *point,
                                     double turn)
 {

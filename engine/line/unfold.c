@@ -1,15 +1,15 @@
 #include "line/unfold.h"
 
-#include "field/frame.h"
+#include "field/face_frame.h"
 
-/* Where a face lies in the plane of the first one: its side's frame begins at `origin` and runs
- * along `along`. */
+/* Position of a face in the plane of the first face: the frame of `side` begins at `origin`, with
+ * the x axis `along`. */
 struct laid {
     uint32_t side;
     struct gd__local origin, along;
 };
 
-static struct gd__local place(const struct laid *laid, struct gd__local at)
+static struct gd__local unfold_place(const struct laid *laid, struct gd__local at)
 {
     struct gd__local u = laid->along;
     return (struct gd__local){laid->origin.x + at.x * u.x - at.y * u.y,
@@ -27,7 +27,7 @@ static bool contains(const struct gd_mesh *mesh, uint32_t face, const struct gd_
     return weight[0] + weight[1] + weight[2] > 0;
 }
 
-/* A face at `a` that contains `b`, or GD_NONE. */
+/* Returns a face at `a` that contains `b`, or GD_NONE. */
 static uint32_t face_beside(const struct gd_mesh *mesh, const struct gd_point *a,
                             const struct gd_point *b)
 {
@@ -52,7 +52,7 @@ static struct gd__local local_of(const struct gd_mesh *mesh, uint32_t side,
     return gd__face_local(mesh, side, (double[3]){w[k], w[(k + 1) % 3], w[(k + 2) % 3]});
 }
 
-/* Does the point, a vertex or one of an edge, lie on an edge? */
+/* Returns true if a point (a vertex, or a point of an edge) lies on an edge. */
 static bool is_on(const struct gd_mesh *mesh, uint32_t edge, const struct gd_point *point)
 {
     if (point->kind == GD_POINT_EDGE) return point->element == edge;
@@ -62,7 +62,8 @@ static bool is_on(const struct gd_mesh *mesh, uint32_t edge, const struct gd_poi
 
 /* --- the strip -------------------------------------------------------------------------------- */
 
-/* Over a side of the face; false: the face across does not lie there. */
+/* Crosses a side of the face. Returns false if the edge is not a side of the face or has no face
+ * across. */
 static bool lay_next(const struct gd_mesh *mesh, struct laid *laid, uint32_t edge)
 {
     const struct gd_side *s = &mesh->side[laid->side];
@@ -72,11 +73,11 @@ static bool lay_next(const struct gd_mesh *mesh, struct laid *laid, uint32_t edg
         laid->side = s->left;
     } else if (s->right >> 1 == edge) {
         struct gd__local apex = {s->left_length * s->left_x, s->left_length * s->left_y};
-        laid->origin = place(laid, apex);
+        laid->origin = unfold_place(laid, apex);
         turn = (struct gd__local){s->right_x, s->right_y};
         laid->side = s->right;
     } else {
-        laid->origin = place(laid, (struct gd__local){s->length, 0});
+        laid->origin = unfold_place(laid, (struct gd__local){s->length, 0});
         turn = (struct gd__local){-1, 0};
         laid->side ^= 1;
     }
@@ -85,8 +86,8 @@ static bool lay_next(const struct gd_mesh *mesh, struct laid *laid, uint32_t edg
     return laid->side >> 1 == edge && mesh->side_face[laid->side] != GD_NONE;
 }
 
-/* Between points of one face. Differences of weights, in the frame of the corner nearest to the
- * first point, keep the direction of a short line exact. */
+/* Measures the line between two points of one face. Differences of weights, in the frame of the
+ * corner nearest to the first point, keep the direction of a short line precise. */
 static void measure_in_face(const struct gd_mesh *mesh, uint32_t face, const struct gd_point *a,
                             const struct gd_point *b, struct gd__straight *out)
 {
@@ -100,7 +101,7 @@ static void measure_in_face(const struct gd_mesh *mesh, uint32_t face, const str
     struct gd__local d =
         gd__side_local(&mesh->side[side], to[next] - from[next], to[last] - from[last]);
     out->length = hypot(d.x, d.y);
-    if (out->length == 0) d.x = 1; /* any direction: the turns are of the same one */
+    if (out->length == 0) d.x = 1; /* an arbitrary direction, the same for both turns */
     out->ahead = gd__turn_in_face(mesh, a, side, d.x, d.y);
     out->back = gd__turn_in_face(mesh, b, side, -d.x, -d.y);
 }
@@ -109,7 +110,7 @@ enum gd_status gd__unfold(const struct gd_mesh *mesh, const struct gd_point *poi
                           struct gd__straight *out)
 {
     const struct gd_point *a = &points[0], *b = &points[count - 1];
-    uint32_t begin = 1, end = count - 1; /* the edges crossed: not those on which an end lies */
+    uint32_t begin = 1, end = count - 1; /* the crossed edges, except those that contain an end */
     while (begin < end && is_on(mesh, points[begin].element, a)) begin++;
     while (begin < end && is_on(mesh, points[end - 1].element, b)) end--;
     uint32_t face = face_beside(mesh, a, begin < end ? &points[begin] : b);
@@ -124,7 +125,7 @@ enum gd_status gd__unfold(const struct gd_mesh *mesh, const struct gd_point *poi
         if (!lay_next(mesh, &laid, points[i].element)) return GD_INTERNAL;
     if (!contains(mesh, mesh->side_face[laid.side], b)) return GD_INTERNAL;
     struct gd__local from = local_of(mesh, first, a),
-                     to = place(&laid, local_of(mesh, laid.side, b)), u = laid.along;
+                     to = unfold_place(&laid, local_of(mesh, laid.side, b)), u = laid.along;
     double x = to.x - from.x, y = to.y - from.y, length = hypot(x, y);
     if (length == 0) x = 1;
     *out = (struct gd__straight){

@@ -25,27 +25,27 @@ static void anchor_face(const struct gd_mesh *mesh, const struct gd_point *point
     }
 }
 
-static void add(struct gd_vec3 *sum, double weight, struct gd_vec3 v)
+static void anchor_add(struct gd_vec3 *sum, double weight, struct gd_vec3 v)
 {
     sum->x += weight * v.x;
     sum->y += weight * v.y;
     sum->z += weight * v.z;
 }
 
-static struct gd_vec3 position_of(const struct gd_mesh *mesh, const struct gd_point *point)
+static struct gd_vec3 anchor_position_of(const struct gd_mesh *mesh, const struct gd_point *point)
 {
     struct gd_vec3 sum = {0};
     switch (point->kind) {
     case GD_POINT_VERTEX:
         return mesh->position[point->element];
     case GD_POINT_EDGE:
-        add(&sum, 1 - point->weight[0], mesh->position[mesh->origin[2 * point->element]]);
-        add(&sum, point->weight[0], mesh->position[mesh->origin[2 * point->element + 1]]);
+        anchor_add(&sum, 1 - point->weight[0], mesh->position[mesh->origin[2 * point->element]]);
+        anchor_add(&sum, point->weight[0], mesh->position[mesh->origin[2 * point->element + 1]]);
         break;
     case GD_POINT_FACE:
         for (int k = 0; k < 3; k++)
-            add(&sum, point->weight[k],
-                mesh->position[mesh->origin[mesh->face_side[point->element][k]]]);
+            anchor_add(&sum, point->weight[k],
+                       mesh->position[mesh->origin[mesh->face_side[point->element][k]]]);
         break;
     }
     return sum;
@@ -54,7 +54,7 @@ static struct gd_vec3 position_of(const struct gd_mesh *mesh, const struct gd_po
 struct gd__anchor gd__anchor(const struct gd_mesh *mesh, const struct gd_point *point)
 {
     struct gd__anchor anchor = {.corner = {GD_NONE, GD_NONE, GD_NONE, GD_NONE},
-                                .position = position_of(mesh, point)};
+                                .position = anchor_position_of(mesh, point)};
     switch (point->kind) {
     case GD_POINT_VERTEX:
         anchor.corner[0] = point->element;

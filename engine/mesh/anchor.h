@@ -1,14 +1,15 @@
-/* Anchor: how a point hangs on the vertices of the faces that contain it. */
+/* Anchor: the vertices around a point, with their straight distances from it. */
 #ifndef GD_MESH_ANCHOR_H
 #define GD_MESH_ANCHOR_H
 
 #include "mesh/topology.h"
 
-/* Where a point lies: vertices of the faces that contain it and the straight ways to them. */
+/* The vertices of the faces that contain a point, and the lengths of the straight segments to
+ * them. */
 struct gd__anchor {
-    uint32_t corner[4]; /* GD_NONE fills */
+    uint32_t corner[4]; /* padded by GD_NONE */
     double leg[4];
-    struct gd_vec3 position; /* inside unit */
+    struct gd_vec3 position; /* normalised unit */
 };
 struct gd__anchor gd__anchor(const struct gd_mesh *mesh, const struct gd_point *point);
 

@@ -1,12 +1,12 @@
-/* Axes: a side's frame (topology.h) in space. */
+/* Axes: the frame of a side (topology.h) in space. */
 #ifndef GD_MESH_AXES_H
 #define GD_MESH_AXES_H
 
 #include "mesh/topology.h"
 
 struct gd__axes {
-    struct gd_vec3 origin, along,
-        across; /* origin: inside unit; unit vectors along the side, and across it into its face */
+    struct gd_vec3 origin;        /* normalised unit */
+    struct gd_vec3 along, across; /* unit vectors: along the side, and across it into its face */
 };
 
 static inline struct gd__axes gd__axes_of_side(const struct gd_mesh *mesh, uint32_t side)

@@ -5,7 +5,7 @@
 #include "mesh/construction.h"
 #include "mesh/closest_point.h"
 
-/* No coordinate is NaN: plain comparisons, which are single instructions where fmin and fmax are
+/* No coordinate is NaN. Plain comparisons are single instructions, whereas fmin and fmax are
  * calls. */
 static struct gd_vec3 lower(struct gd_vec3 a, struct gd_vec3 b)
 {
@@ -17,7 +17,7 @@ static struct gd_vec3 upper(struct gd_vec3 a, struct gd_vec3 b)
     return (struct gd_vec3){a.x > b.x ? a.x : b.x, a.y > b.y ? a.y : b.y, a.z > b.z ? a.z : b.z};
 }
 
-static struct gd__box join(struct gd__box a, struct gd__box b)
+static struct gd__box bvh_join(struct gd__box a, struct gd__box b)
 {
     return (struct gd__box){lower(a.min, b.min), upper(a.max, b.max)};
 }
@@ -36,7 +36,7 @@ static uint32_t parents(uint32_t children, uint32_t width)
     return (children + width - 1) / width;
 }
 
-/* Lays out the levels; returns the number of boxes. */
+/* Computes the levels. Returns the number of boxes. */
 static uint32_t plan_levels(struct gd_bvh *bvh, uint32_t face_count)
 {
     uint32_t total = 0;
@@ -57,7 +57,7 @@ static void fill_leaves(struct gd__construction *work)
         if (end > mesh->face_count) end = mesh->face_count;
         bvh->box[i] = box_of_face(mesh, begin);
         for (uint32_t f = begin + 1; f < end; f++)
-            bvh->box[i] = join(bvh->box[i], box_of_face(mesh, f));
+            bvh->box[i] = bvh_join(bvh->box[i], box_of_face(mesh, f));
     }
 }
 
@@ -70,7 +70,7 @@ static void fill_level(struct gd__construction *work, uint32_t level)
         if (end > bvh->level_count[level - 1]) end = bvh->level_count[level - 1];
         struct gd__box *box = &bvh->box[bvh->level_first[level] + i];
         *box = below[begin];
-        for (uint32_t c = begin + 1; c < end; c++) *box = join(*box, below[c]);
+        for (uint32_t c = begin + 1; c < end; c++) *box = bvh_join(*box, below[c]);
     }
 }
 
@@ -87,19 +87,19 @@ enum gd_status gd__make_bvh(struct gd__construction *work)
     return GD_OK;
 }
 
-/* A box that waits to be looked into. */
+/* A box to be visited. */
 struct pending {
     double bound;
     uint32_t level, index;
 };
 
-/* Each level leaves at most GD_BVH_WIDTH boxes waiting. */
+/* Stack of boxes to be visited. Each level leaves at most GD_BVH_WIDTH boxes on it. */
 struct agenda {
     struct pending entry[GD_BVH_MAX_LEVELS * GD_BVH_WIDTH];
     uint32_t count;
 };
 
-/* Puts the children of `parent` that matter on the agenda, the nearest on top. */
+/* Pushes the children of `parent` that are within the limit on the agenda, the nearest on top. */
 static void push_children(const struct gd_bvh *bvh, const struct gd__bvh_search *search,
                           struct pending parent, struct agenda *agenda)
 {

@@ -1,12 +1,12 @@
-/* The nearest point of a triangle is the nearest of four candidates: one on each edge, and the foot
- * of the perpendicular if it lies inside. Taking the least of them is right for slivers and faces
- * of area zero too, where telling regions apart by signs would not be. */
+/* The closest point of a triangle is the nearest of four candidates: one on each edge, and the foot
+ * of the perpendicular if it lies inside. The minimum is also right for slivers and faces of area
+ * zero, for which tests by signs fail. */
 #include "mesh/closest_point.h"
 
 #include "base/tolerance.h"
 #include "mesh/canonical.h"
 
-/* A face with what its corners are needed for. */
+/* The corners of a face. */
 struct corners {
     const uint32_t *side;
     struct gd_vec3 p[3];
@@ -25,8 +25,8 @@ struct edge_foot {
     struct gd_vec3 position;
 };
 
-/* On side k of the face, but always seen from the edge's side 0: both faces of the edge compute the
- * same. */
+/* Returns the closest point on side k of the face. Computed from the edge's side 0, so that both
+ * faces of the edge get the same result. */
 static struct edge_foot foot_on_side(const struct corners *c, int k, struct gd_vec3 q)
 {
     int end = k == 2 ? 0 : k + 1, backwards = c->side[k] % 2;
@@ -44,7 +44,8 @@ struct face_foot {
     struct gd_vec3 position;
 };
 
-/* The foot of the perpendicular, by the areas of the triangles that it makes with the edges. */
+/* Returns the foot of the perpendicular, from the areas of the triangles that it forms with the
+ * edges. */
 static struct face_foot foot_in_plane(const struct corners *c, struct gd_vec3 q)
 {
     struct gd_vec3 edge[3];
@@ -73,7 +74,7 @@ static double squared_distance(struct gd_vec3 a, struct gd_vec3 b)
 struct nearest {
     double squared;
     struct gd_vec3 position;
-    int side; /* 0..2: on that side of the face, -1: inside */
+    int side; /* 0 to 2: on that side of the face; -1: inside */
 };
 
 static struct nearest nearest_of(const struct corners *c, struct gd_vec3 q,
@@ -96,7 +97,7 @@ double gd__face_square_distance(const struct gd_mesh *mesh, uint32_t face, struc
     return nearest_of(&c, q, &inner).squared;
 }
 
-/* What rounding does to coordinates as large as the face's. */
+/* Returns the rounding error of coordinates as large as the face's. */
 static double rounding_near(const struct corners *c, double magnitude)
 {
     for (int k = 0; k < 3; k++) magnitude = fmax(magnitude, gd__largest_coordinate(c->p[k]));

@@ -27,15 +27,16 @@ uint32_t gd__input_polygon(const struct gd_mesh *mesh, uint32_t face)
     return mesh->source_polygon ? mesh->source_polygon[index] : index;
 }
 
-/* Edges of a manifold: a vertex with d face corners has at most d + 1 edges, so 2 E <= 3 F + V. */
+/* Returns an upper bound on edges: at a manifold vertex d face corners have at most d + 1 edges, so
+ * 2 E <= 3 F + V. */
 static uint64_t most_edges(uint64_t faces, uint64_t vertices)
 {
     uint64_t referenced = vertices < 3 * faces ? vertices : 3 * faces;
     return (3 * faces + referenced) / 2;
 }
 
-/* Bytes: what the mesh keeps an element, the steps' working arrays that live beside it, and the
- * table of interval.c. */
+/* Bytes of each element in the mesh and in the working arrays of the steps, and bytes of the table
+ * of interval.c. */
 #define COST_VERTEX 90
 #define COST_FACE   170
 #define COST_EDGE   170

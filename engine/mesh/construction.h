@@ -1,10 +1,11 @@
 /* Construction: the state that the steps of gd_mesh_build share. The steps are in repair/ and
  * construction/; construction/build.c runs them.
  *
- * A step fills fields of the mesh or of the construction and returns a status. build.c frees what a
- * step allocates, also after a failure. Loops over elements step the pace; a step that was stopped
- * may return any status, build.c replaces it by that of the pace. From gd__order on, vertices and
- * faces have internal numbers (topology.h); errors name the caller's numbers. */
+ * A step fills fields of the mesh or of the construction and returns a status. build.c frees
+ * everything that a step allocates, also after a failure. Loops over elements step the pace. A step
+ * that was stopped may return any status, because build.c replaces it by that of the pace. From
+ * gd__order on, vertices and faces have internal numbers (topology.h); errors name the caller's
+ * numbers. */
 #ifndef GD_MESH_CONSTRUCTION_H
 #define GD_MESH_CONSTRUCTION_H
 
@@ -12,48 +13,49 @@
 #include "base/tolerance.h"
 #include "mesh/topology.h"
 
-/* Three sides a face are numbered in 32 bits. */
+/* Largest number of faces: the three sides of each face have 32-bit numbers. */
 #define GD_MESH_MAX_FACES (1u << 30)
 
 struct gd__construction {
     const struct gd_polygons *input;    /* borrowed */
-    const struct gd_polygons *polygons; /* of the next steps: the input, or `merged` */
+    const struct gd_polygons *polygons; /* input of the next steps: `input` or &`merged` */
     struct gd_mesh_options options;
     const struct gd_control *control; /* borrowed, may be NULL */
     struct gd_detail *detail;         /* borrowed, may be NULL */
-    struct gd__pace pace;             /* of all loops over elements */
+    struct gd__pace pace;             /* pace of all loops over elements */
     struct gd_mesh *mesh;             /* half-built, owned */
 
-    /* Made by weld and repair; NULL and 0 if they changed nothing. */
-    /* per input vertex: the one that it was merged into, itself if none */
+    /* Set by weld and repair; NULL and 0 if they change nothing. */
+    /* per input vertex: the vertex into which it was merged, or itself; a union-find forest */
     uint32_t *representative;
-    /* the input's polygons by representatives; what is left of some has no corners */
+    /* the input's polygons with merged vertices; a removed polygon has no corners */
     struct gd_polygons merged;
     /* per triangle: its index, ascending; NULL: triangle i has index i */
     uint32_t *face_index;
-    uint32_t copy_count; /* of vertices; mesh->copy_of holds what they are copies of */
+    uint32_t copy_count; /* number of appended vertices; mesh->copy_of has their originals */
 
-    uint32_t (*triangle)[3]; /* mesh->face_count: vertex indices */
-    uint32_t (*corner)[3];   /* per face: vertices; counter-clockwise from gd__orient on */
-    /* per face side 3 f + k, from corner k to k + 1: that side in the face across, or GD_NONE */
+    uint32_t (*triangle)[3]; /* mesh->face_count triples of vertex indices */
+    uint32_t (*corner)[3];   /* per face: its vertices; counter-clockwise from gd__orient on */
+    /* per face side 3 f + k, from corner k to k + 1: the matching side of the neighbour; GD_NONE:
+     * none */
     uint32_t *neighbour;
-    uint32_t *component; /* per face */
+    uint32_t *component; /* per face: number of its component */
     uint32_t component_count;
 
-    /* Parts of the whole work done before and after the current step, for reports within it. */
-    double begun, until;
+    /* Progress of the build before and after the current step. */
+    double progress, progress_end;
 };
 
-/* Zeroed array that the mesh will own, counted in mesh->bytes; NULL: out of memory. */
+/* Allocates a zeroed array owned by the mesh and adds its size to mesh->bytes. NULL: no memory. */
 void *gd__mesh_array(struct gd_mesh *mesh, size_t count, size_t size);
 
-/* The same for sides, aligned to their cache line and not zeroed. */
+/* As gd__mesh_array, for sides: aligned to cache lines, not zeroed. */
 struct gd_side *gd__mesh_sides(struct gd_mesh *mesh, size_t count);
 
-/* GD_BUDGET if building so large a mesh would exceed the budget. */
+/* Returns GD_BUDGET if building a mesh of that size would exceed the budget. */
 enum gd_status gd__afford(const struct gd__construction *work, uint64_t faces, uint64_t vertices);
 
-/* The caller's number of a face: the input polygon that it came from. */
+/* Returns the caller's number of a face: the input polygon that it came from. */
 uint32_t gd__input_polygon(const struct gd_mesh *mesh, uint32_t face);
 
 static inline uint32_t gd__next_corner(uint32_t k)

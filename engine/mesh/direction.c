@@ -3,27 +3,27 @@
 #include "base/tolerance.h"
 #include "mesh/axes.h"
 
-/* Directions of a point. Around it lie sectors, counter-clockwise: one of 2 pi in a face, two of pi
- * on an edge, at a vertex the corners of its faces. A direction is a sector and an angle in it.
- * Angles are as they are on the surface ("turned", from zero); only at an interior vertex they are
- * scaled where they come in or go out. */
+/* Directions at a point. The surface around the point consists of sectors, counter-clockwise: one
+ * of 2 pi in a face, two of pi on an edge, the corners of the faces at a vertex. A direction is a
+ * sector and an angle in it. Angles are measured on the surface from the zero direction ("turned").
+ * At an interior vertex they are scaled at the interface only. */
 
 struct sector {
     uint32_t face;
-    /* unit vectors: where the sector begins, and at right angles to it in the face */
+    /* unit vectors: along the start of the sector, and perpendicular to it in the face */
     struct gd_vec3 along, across;
-    double begin, extent; /* turned */
+    double begin, extent; /* angles on the surface */
 };
 
 struct ring {
     const struct gd_mesh *mesh;
     const struct gd_point *point;
-    uint32_t first, end; /* its sectors' numbers: entries of the fan, or at an edge 0 and 1 */
-    /* at a vertex: the entry with whose side angles begin; on an edge: the side */
+    uint32_t first, end; /* numbers of the sectors: fan entries, or 0 and 1 at an edge */
+    /* at a vertex: the fan entry with angle 0; on an edge: the side */
     uint32_t zero;
-    double total;   /* angle; more than that of the sectors at a boundary edge */
-    double scale;   /* angle / turned */
-    bool is_closed; /* all around is surface */
+    double total;   /* total angle; at a boundary edge larger than that of the sectors */
+    double scale;   /* ratio of angle to turned angle */
+    bool is_closed; /* the point is interior */
 };
 
 /* --- rings ------------------------------------------------------------------------------------ */
@@ -33,7 +33,7 @@ static bool is_boundary_vertex(const struct ring *ring)
     return ring->point->kind == GD_POINT_VERTEX && !ring->is_closed;
 }
 
-/* The entry that leads to the lowest-numbered neighbour. */
+/* Returns the fan entry of the neighbour with the lowest number. */
 static uint32_t lowest_entry(const struct gd_mesh *mesh, uint32_t first, uint32_t end)
 {
     uint32_t best = first;
@@ -92,8 +92,8 @@ static struct sector sector_of_side(const struct gd_mesh *mesh, uint32_t side, d
     return (struct sector){mesh->side_face[side], axes.along, axes.across, begin, extent};
 }
 
-/* From the input's first corner to its second, which is the third one where the face was turned
- * over. */
+/* Returns the sector of a face. It starts in the direction from the input's first corner to its
+ * second one. That is the internal third corner if the face was flipped. */
 static struct sector sector_of_face(const struct gd_mesh *mesh, uint32_t face)
 {
     uint32_t side = mesh->face_side[face][0];
@@ -132,14 +132,15 @@ static struct sector sector_at(const struct ring *ring, uint32_t i)
 
 struct heading {
     struct sector sector;
-    double angle;     /* in the sector: in [0, extent] */
-    double outside;   /* by how much it had to be moved into it; INFINITY: no heading */
-    double deviation; /* of a vector: squared distance of the unit vectors */
+    double angle; /* angle in the sector, in [0, extent] */
+    /* angle by which the heading was moved into the sector; INFINITY: no direction */
+    double outside;
+    double deviation; /* for a vector: squared distance between the unit vectors */
 };
 
 static const struct heading nowhere = {.outside = INFINITY};
 
-/* The angle that is the same but for whole turns and nearest to the sector. */
+/* Adds the multiple of 2 pi that brings the angle nearest to the sector. */
 static double nearest_turn(double angle, double extent)
 {
     return remainder(angle - 0.5 * extent, 2 * M_PI) + 0.5 * extent;
@@ -157,7 +158,7 @@ static struct gd_vec3 vector_of(const struct heading *heading)
                          sin(heading->angle), heading->sector.across);
 }
 
-static double angle_of(const struct ring *ring, const struct heading *heading)
+static double mesh_direction_angle_of(const struct ring *ring, const struct heading *heading)
 {
     double angle = (heading->sector.begin + heading->angle) * ring->scale;
     return angle < 2 * M_PI || is_boundary_vertex(ring) ? angle : 0;
@@ -165,7 +166,7 @@ static double angle_of(const struct ring *ring, const struct heading *heading)
 
 static struct gd_direction direction_of(const struct ring *ring, const struct heading *heading)
 {
-    return (struct gd_direction){.angle = angle_of(ring, heading),
+    return (struct gd_direction){.angle = mesh_direction_angle_of(ring, heading),
                                  .xyz = vector_of(heading),
                                  .face = {ring->mesh->index_of_face[heading->sector.face]}};
 }
@@ -192,8 +193,8 @@ static struct heading heading_at(const struct ring *ring, double turned)
     return best;
 }
 
-/* In [0, 2 pi), where whole turns don't count; never -0. */
-static double reduce(const struct ring *ring, double angle)
+/* Reduces the angle to [0, 2 pi) at an interior point; never returns -0. */
+static double mesh_direction_reduce(const struct ring *ring, double angle)
 {
     if (is_boundary_vertex(ring)) return angle + 0.0;
     angle = fmod(angle, 2 * M_PI) + 0.0;
@@ -208,7 +209,7 @@ enum gd_status gd_direction_at_angle(const struct gd_mesh *mesh, const struct gd
     if (!isfinite(angle))
         return gd_fail(detail, GD_INVALID_ARGUMENT, "the angle is not a finite number");
     struct ring ring = ring_of(mesh, point);
-    angle = reduce(&ring, angle);
+    angle = mesh_direction_reduce(&ring, angle);
     struct heading heading = heading_at(&ring, angle / ring.scale);
     if (!ring.is_closed && heading.outside > GD_TOL_INPUT) return refuse_outside(detail);
     *out = direction_of(&ring, &heading);
@@ -218,29 +219,22 @@ enum gd_status gd_direction_at_angle(const struct gd_mesh *mesh, const struct gd
 
 /* --- from a vector ---------------------------------------------------------------------------- */
 
-/* Of length 1, or 0 for none. */
-static struct gd_vec3 unit(struct gd_vec3 v)
-{
-    double largest = fmax(fabs(v.x), fmax(fabs(v.y), fabs(v.z)));
-    if (!(largest > 0 && isfinite(largest))) return (struct gd_vec3){0, 0, 0};
-    v = (struct gd_vec3){v.x / largest, v.y / largest, v.z / largest};
-    return gd_vec3_scale(v, 1 / gd_vec3_length(v));
-}
-
-/* The mean of the normals around a vertex, of length 1, or 0 when there is none; elsewhere 0. */
-static struct gd_vec3 normal_of(const struct ring *ring)
+/* Returns the mean normal around a vertex, of length 1. Returns zero if there is none or the point
+ * is not a vertex. */
+static struct gd_vec3 mesh_direction_normal_of(const struct ring *ring)
 {
     struct gd_vec3 sum = {0, 0, 0};
     for (uint32_t i = ring->first; i < ring->end && ring->point->kind == GD_POINT_VERTEX; i++) {
         struct sector sector = sector_at(ring, i);
         sum = gd_vec3_along(sum, sector.extent, gd_vec3_cross(sector.along, sector.across));
     }
-    return unit(sum);
+    return gd_vec3_unit(sum);
 }
 
-/* Projects along the normal, if there is one and the face is not turned away from it, else at right
- * angles to the face. */
-static struct heading project(const struct sector *sector, struct gd_vec3 normal, struct gd_vec3 v)
+/* Projects a vector into a sector: along the normal, if there is one and the face is not turned
+ * away from it; otherwise perpendicularly to the face. */
+static struct heading mesh_direction_project(const struct sector *sector, struct gd_vec3 normal,
+                                             struct gd_vec3 v)
 {
     struct gd_vec3 up = gd_vec3_cross(sector->along, sector->across), w = v;
     double slope = gd_vec3_dot(up, normal);
@@ -253,8 +247,9 @@ static struct heading project(const struct sector *sector, struct gd_vec3 normal
     return heading;
 }
 
-/* Inside its sector comes first; of two that are, the one that turns the vector less. */
-static bool is_better(const struct heading *a, const struct heading *b)
+/* Returns true if a is better than b: a direction inside its sector is better. If both are inside,
+ * the one that turns the vector less is better. */
+static bool mesh_direction_is_better(const struct heading *a, const struct heading *b)
 {
     bool a_inside = a->outside <= GD_TOL_BETTER, b_inside = b->outside <= GD_TOL_BETTER;
     if (a_inside && b_inside) return a->deviation < b->deviation;
@@ -265,17 +260,17 @@ enum gd_status gd_direction_along(const struct gd_mesh *mesh, const struct gd_po
                                   struct gd_vec3 vector, struct gd_direction *out,
                                   struct gd_detail *detail)
 {
-    struct gd_vec3 v = unit(vector);
+    struct gd_vec3 v = gd_vec3_unit(vector);
     if (!(gd_vec3_length(v) > 0))
         return gd_fail(detail, GD_INVALID_ARGUMENT,
                        "the vector has no direction: it is zero, or not finite");
     struct ring ring = ring_of(mesh, point);
-    struct gd_vec3 normal = normal_of(&ring);
+    struct gd_vec3 normal = mesh_direction_normal_of(&ring);
     struct heading best = nowhere;
     for (uint32_t i = ring.first; i < ring.end; i++) {
         struct sector sector = sector_at(&ring, i);
-        struct heading heading = project(&sector, normal, v);
-        if (is_better(&heading, &best)) best = heading;
+        struct heading heading = mesh_direction_project(&sector, normal, v);
+        if (mesh_direction_is_better(&heading, &best)) best = heading;
     }
     if (isinf(best.outside))
         return gd_fail(detail, GD_INVALID_ARGUMENT,
@@ -286,7 +281,7 @@ enum gd_status gd_direction_along(const struct gd_mesh *mesh, const struct gd_po
     return GD_OK;
 }
 
-/* --- others ----------------------------------------------------------------------------------- */
+/* --- derived directions ----------------------------------------------------------------------- */
 
 struct gd_direction gd_direction_opposite(const struct gd_mesh *mesh, const struct gd_point *point,
                                           const struct gd_direction *back)
@@ -295,7 +290,7 @@ struct gd_direction gd_direction_opposite(const struct gd_mesh *mesh, const stru
     if (!gd_direction_at_angle(mesh, point, back->angle + M_PI, &direction, NULL)) return direction;
     if (!gd_direction_at_angle(mesh, point, back->angle - M_PI, &direction, NULL)) return direction;
     struct ring ring = ring_of(mesh, point);
-    return (struct gd_direction){.angle = reduce(&ring, back->angle + M_PI),
+    return (struct gd_direction){.angle = mesh_direction_reduce(&ring, back->angle + M_PI),
                                  .xyz = gd_vec3_scale(back->xyz, -1),
                                  .face = back->face};
 }

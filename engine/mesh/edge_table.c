@@ -1,4 +1,4 @@
-/* Buckets by the lower vertex, each sorted by the higher one. */
+/* Sorts the sides into buckets by their lower vertex, and each bucket by the higher vertex. */
 #include "base/large.h"
 #include "mesh/edge_table.h"
 
@@ -34,8 +34,8 @@ static void sort_bucket(struct gd__edge_use *use, uint32_t count)
     }
 }
 
-static void fill(const uint32_t (*corner)[3], uint32_t side_count, struct gd__pace *pace,
-                 struct gd__edge_table *table)
+static void edge_table_fill(const uint32_t (*corner)[3], uint32_t side_count, struct gd__pace *pace,
+                            struct gd__edge_table *table)
 {
     uint32_t vertex_count = table->vertex_count, low, high;
     GD__PACED (pace, s, side_count) {
@@ -66,7 +66,7 @@ enum gd_status gd__edge_table_create(const uint32_t (*corner)[3], uint32_t face_
                                    gd__large_array(3 * (size_t)face_count + 1, sizeof *table.use)};
     enum gd_status status = table.first && table.use ? GD_OK : GD_NO_MEMORY;
     if (!status) {
-        fill(corner, 3 * face_count, pace, &table);
+        edge_table_fill(corner, 3 * face_count, pace, &table);
         status = pace->status;
     }
     if (status)

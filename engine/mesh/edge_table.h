@@ -1,4 +1,4 @@
-/* Edge table: the faces' sides, gathered by edge. */
+/* Edge table: the sides of all faces, grouped by edge. */
 #ifndef GD_MESH_EDGE_TABLE_H
 #define GD_MESH_EDGE_TABLE_H
 
@@ -7,7 +7,7 @@
 
 #include "base/pace.h"
 
-/* A side of a face as its edge sees it. */
+/* A side of a face, as an entry of its edge. */
 struct gd__edge_use {
     uint32_t high; /* the edge's higher vertex */
     uint32_t side; /* 3 face + k, from corner k to k + 1 */
@@ -15,26 +15,26 @@ struct gd__edge_use {
 
 struct gd__edge_table {
     uint32_t vertex_count;
-    uint32_t *first; /* in `use`, per lower vertex, vertex_count + 1 */
-    /* 3 face_count: of each lower vertex by higher vertex, then by side */
+    uint32_t *first; /* index in `use`, per lower vertex; vertex_count + 1 entries */
+    /* 3 face_count entries; those of each lower vertex are sorted by higher vertex, then by side */
     struct gd__edge_use *use;
 };
 
-/* Gathers the sides of `face_count` triangles over `vertex_count` vertices. Linear time but for the
- * sorting within a bucket, whatever the input. GD_NO_MEMORY, and the status of the
- * pace. Free by gd__edge_table_free, which takes a zeroed one as well. */
+/* Groups the sides of `face_count` triangles over `vertex_count` vertices. Linear time, except for
+ * sorting each bucket. GD_NO_MEMORY, and the status of the pace. The caller frees the table by
+ * gd__edge_table_free, which also accepts a zeroed table. */
 enum gd_status gd__edge_table_create(const uint32_t (*corner)[3], uint32_t face_count,
                                      uint32_t vertex_count, struct gd__pace *pace,
                                      struct gd__edge_table *out);
 void gd__edge_table_free(struct gd__edge_table *table);
 
-/* The uses of one edge. All zero: before the first edge. */
+/* The sides of one edge. A struct that is all zero stands before the first edge. */
 struct gd__edge_run {
-    uint32_t low, high;    /* the edge */
-    uint32_t begin, count; /* in table->use */
+    uint32_t low, high;    /* vertices of the edge */
+    uint32_t begin, count; /* range in table->use */
 };
 
-/* Moves on to the next edge, in order of (low, high); false: there is none. */
+/* Advances to the next edge, in order of (low, high). Returns false at the end. */
 static inline bool gd__edge_table_next(const struct gd__edge_table *table, struct gd__edge_run *run)
 {
     uint32_t begin = run->begin + run->count, low = run->low;

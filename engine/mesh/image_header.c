@@ -4,7 +4,7 @@
 
 static const uint32_t byte_order = 0x01020304;
 
-static uint64_t mix(uint64_t hash, const void *bytes, size_t words)
+static uint64_t image_header_mix(uint64_t hash, const void *bytes, size_t words)
 {
     for (size_t i = 0; i < words; i++) {
         uint64_t word;
@@ -15,14 +15,15 @@ static uint64_t mix(uint64_t hash, const void *bytes, size_t words)
     return hash;
 }
 
-/* Tells meshes apart whose elements are numbered or placed differently: positions and the origins
- * of the sides say both. */
+/* Returns a hash of the positions and of the sides' origins. It differs if elements have other
+ * numbers or positions. */
 static uint64_t fingerprint_of(const struct gd_mesh *mesh)
 {
     uint64_t counts[3] = {mesh->vertex_count, mesh->face_count, mesh->edge_count};
-    uint64_t hash = mix(mix(0, counts, 3), &mesh->unit, 1);
-    hash = mix(hash, mesh->position, 3 * (size_t)mesh->vertex_count);
-    return mix(hash, mesh->origin, mesh->edge_count); /* 2 x 4 bytes an edge */
+    uint64_t hash = image_header_mix(image_header_mix(0, counts, 3), &mesh->unit, 1);
+    hash = image_header_mix(hash, mesh->position, 3 * (size_t)mesh->vertex_count);
+    /* two origins of 4 bytes per edge */
+    return image_header_mix(hash, mesh->origin, mesh->edge_count);
 }
 
 struct gd__image_header gd__image_header(const struct gd_mesh *mesh, const char magic[8],

@@ -1,4 +1,4 @@
-/* Life and accessors of a mesh. */
+/* Lifetime and accessors of a mesh. */
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,7 +12,7 @@ struct gd_mesh *gd_mesh_retain(const struct gd_mesh *mesh)
     return shared;
 }
 
-static void destroy(struct gd_mesh *mesh)
+static void mesh_destroy(struct gd_mesh *mesh)
 {
     void *arrays[] = {
         mesh->position,        mesh->total_angle,
@@ -38,7 +38,7 @@ void gd_mesh_release(const struct gd_mesh *mesh)
     if (!mesh) return;
     struct gd_mesh *shared = (struct gd_mesh *)mesh;
     if (atomic_fetch_sub_explicit(&shared->references, 1, memory_order_acq_rel) == 1)
-        destroy(shared);
+        mesh_destroy(shared);
 }
 
 size_t gd_mesh_memsize(const struct gd_mesh *mesh)

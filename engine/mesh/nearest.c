@@ -1,18 +1,18 @@
-/* gd_locate_nearest: branch and bound over the boxes. */
+/* gd_locate_nearest: branch and bound over the bounding boxes. */
 #include "base/tolerance.h"
 #include "mesh/bvh.h"
 #include "mesh/closest_point.h"
 
 struct nearest {
-    struct gd__bvh_search search; /* keys: squared distances */
+    struct gd__bvh_search search; /* its keys are squared distances */
     const struct gd_mesh *mesh;
     struct gd_vec3 q;
-    double slack; /* rounding of a distance */
+    double slack; /* rounding error of a distance */
     double best;
-    uint32_t face; /* GD_NONE: none yet */
+    uint32_t face; /* the nearest face so far; GD_NONE: none */
 };
 
-static double beyond(double x, double min, double max)
+static double excess_of(double x, double min, double max)
 {
     return x < min ? min - x : x > max ? x - max : 0;
 }
@@ -20,8 +20,9 @@ static double beyond(double x, double min, double max)
 static double bound_of_box(const struct gd__bvh_search *search, const struct gd__box *box)
 {
     struct gd_vec3 q = ((const struct nearest *)search)->q;
-    struct gd_vec3 d = {beyond(q.x, box->min.x, box->max.x), beyond(q.y, box->min.y, box->max.y),
-                        beyond(q.z, box->min.z, box->max.z)};
+    struct gd_vec3 d = {excess_of(q.x, box->min.x, box->max.x),
+                        excess_of(q.y, box->min.y, box->max.y),
+                        excess_of(q.z, box->min.z, box->max.z)};
     return gd_vec3_dot(d, d);
 }
 
@@ -39,8 +40,8 @@ static void visit_face(struct gd__bvh_search *search, uint32_t face)
     search->limit = reach * reach;
 }
 
-/* To the inside unit. What is too far for its square is brought nearer: from there all of the
- * surface is equally near. */
+/* Converts a point to the normalised unit. If the square of a coordinate would overflow, moves the
+ * point nearer: at that distance all of the surface is equally near. */
 static struct gd_vec3 bring_inside(const struct gd_mesh *mesh, struct gd_vec3 xyz)
 {
     double largest = gd__largest_coordinate(xyz);

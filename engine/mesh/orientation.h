@@ -1,5 +1,5 @@
-/* Orientation: which faces to turn over so that neighbours run along their common edge in opposite
- * directions. */
+/* Orientation: determines the faces to flip so that neighbours traverse their common edge in
+ * opposite directions. */
 #ifndef GD_MESH_ORIENTATION_H
 #define GD_MESH_ORIENTATION_H
 
@@ -8,27 +8,28 @@
 
 #include "base/pace.h"
 
-/* In: all but the last three, which are filled; `flipped` is zeroed. All are the caller's. */
+/* All members except the last three are input. The caller owns all arrays and zeroes `flipped`. */
 struct gd__orientation {
     const uint32_t (*corner)[3];
     const uint32_t *neighbour; /* per side, as in struct gd__construction */
     uint32_t face_count;
-    /* faces in the order in which components begin, GD_NONE is passed over; NULL: by number */
+    /* the first faces of components, in this order; GD_NONE is skipped; NULL: all faces by
+     * number */
     const uint32_t *seeds;
     uint32_t seed_count;
-    /* Called once for each component that has no orientation, with one of the sides where it
-     * breaks. May be NULL. */
+    /* Called once for each non-orientable component, with a side where the orientation fails. May
+     * be NULL. */
     void (*contradicted)(void *user, uint32_t side);
     void *user;
     struct gd__pace *pace;
 
-    uint8_t *flipped;    /* per face: turn it over */
+    uint8_t *flipped;    /* per face: 1 if it must be flipped */
     uint32_t *component; /* per face */
     uint32_t component_count, flipped_count;
 };
 
-/* Breadth first over each component; the majority of a component's faces is not turned, at a tie
- * its first one is not. GD_NO_MEMORY, and the status of the pace. Linear
+/* Orients the faces, breadth-first over each component. The majority of a component's faces is not
+ * flipped; in a tie its first face is not. GD_NO_MEMORY, and the status of the pace. Linear
  * time. */
 enum gd_status gd__orient_faces(struct gd__orientation *orientation);
 

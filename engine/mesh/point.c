@@ -11,8 +11,8 @@ struct gd_point gd__point_of_vertex(uint32_t vertex)
     return (struct gd_point){.kind = GD_POINT_VERTEX, .element = vertex};
 }
 
-/* `rest` = 1 - t, less the weight of a third corner that is left out. The lesser of the two has the
- * digits: it tells the place. */
+/* Returns a point of an edge. `rest` is 1 - t, less the weight of a third corner that is dropped.
+ * The smaller of t and rest is more precise and determines the point. */
 static struct gd_point of_edge(const struct gd_mesh *mesh, uint32_t edge, double t, double rest,
                                double border)
 {
@@ -33,7 +33,7 @@ static struct gd_point of_face(const struct gd_mesh *mesh, uint32_t face, const 
     }
     for (int k = 0; k < 3; k++) {
         if (weight[k] > border) continue;
-        /* on the side opposite to corner k: its parameter is the weight of the end of side 0 */
+        /* on the side opposite to corner k; the parameter is the weight of the end of side 0 */
         uint32_t h = side[(k + 1) % 3], end = h % 2 ? 1 : 2;
         return of_edge(mesh, h / 2, weight[(k + end) % 3], weight[(k + 3 - end) % 3], border);
     }
@@ -144,8 +144,8 @@ static enum gd_status check_barycentric(const double b[3], struct gd_detail *det
     return GD_OK;
 }
 
-/* Input order -> corners of the face inside; negative rounding is cut off; the sum is made 1 unless
- * it is that already. */
+/* Converts weights from the input's corner order to the internal one. Negative weights from
+ * rounding become 0, and the sum becomes 1 unless it is 1 already. */
 static void normalise(const struct gd_mesh *mesh, uint32_t face, const double b[3],
                       double weight[3])
 {
@@ -177,7 +177,8 @@ static inline struct gd_vec3 input_position(const struct gd_mesh *mesh, uint32_t
     return mesh->input_position[mesh->index_of_vertex[vertex]];
 }
 
-/* From one corner along edges: what is the same at all corners stays the same to the last bit. */
+/* Interpolates from one corner along edges, so that an equal coordinate of all corners stays equal
+ * to the last bit. */
 static inline struct gd_vec3 position_on_edge(const struct gd_mesh *mesh, uint32_t edge, double t)
 {
     struct gd_vec3 a = input_position(mesh, mesh->origin[2 * edge]);
@@ -194,7 +195,8 @@ static struct gd_vec3 position_in_face(const struct gd_mesh *mesh, uint32_t face
     return gd_vec3_add(a, gd_vec3_along(gd_vec3_scale(ab, weight[1]), weight[2], ac));
 }
 
-static inline struct gd_vec3 position_of(const struct gd_mesh *mesh, const struct gd_point *point)
+static inline struct gd_vec3 point_position_of(const struct gd_mesh *mesh,
+                                               const struct gd_point *point)
 {
     if (point->kind == GD_POINT_EDGE)
         return position_on_edge(mesh, point->element, point->weight[0]);
@@ -204,22 +206,21 @@ static inline struct gd_vec3 position_of(const struct gd_mesh *mesh, const struc
 
 struct gd_vec3 gd_point_position(const struct gd_mesh *mesh, const struct gd_point *point)
 {
-    return position_of(mesh, point);
+    return point_position_of(mesh, point);
 }
 
 void gd_points_positions(const struct gd_mesh *mesh, const struct gd_point *points, uint32_t count,
                          double (*out)[3])
 {
     for (uint32_t i = 0; i < count; i++) {
-        struct gd_vec3 position = position_of(mesh, &points[i]);
+        struct gd_vec3 position = point_position_of(mesh, &points[i]);
         out[i][0] = position.x;
         out[i][1] = position.y;
         out[i][2] = position.z;
     }
 }
 
-/* Of the faces around a vertex, or on both sides of an edge, the lowest-numbered one in the
- * input. */
+/* Returns the lowest-numbered input face around a vertex or on either side of an edge. */
 static uint32_t lowest_face(const struct gd_mesh *mesh, const struct gd_point *point)
 {
     if (point->kind == GD_POINT_FACE) return point->element;
@@ -236,7 +237,7 @@ static uint32_t lowest_face(const struct gd_mesh *mesh, const struct gd_point *p
     return best;
 }
 
-/* Barycentric coordinates of the point by the corners of `face` inside. */
+/* Computes the barycentric coordinates of the point by the internal corners of `face`. */
 static void weights_in_face(const struct gd_mesh *mesh, const struct gd_point *point, uint32_t face,
                             double weight[3])
 {

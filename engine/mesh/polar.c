@@ -4,8 +4,8 @@
 
 #include "base/tolerance.h"
 
-/* A point of an edge that ends in the vertex. The edge's outgoing side has no face where it is the
- * last of a boundary vertex' fan. */
+/* Handles a point of an edge that ends in the vertex. The edge's outgoing side has no face if it is
+ * the last side of a boundary fan. */
 static bool about_end_of_edge(const struct gd_mesh *mesh, const struct gd_point *point,
                               uint32_t vertex, struct gd__polar *out)
 {
@@ -44,7 +44,7 @@ bool gd__polar_about(const struct gd_mesh *mesh, const struct gd_point *point, u
     return true;
 }
 
-/* The least altitude of the faces round a vertex: twice the area over the longest side. */
+/* Returns the least altitude of the faces around a vertex: twice the area over the longest side. */
 static double least_altitude(const struct gd_mesh *mesh, uint32_t vertex)
 {
     double least = INFINITY;
@@ -56,7 +56,7 @@ static double least_altitude(const struct gd_mesh *mesh, uint32_t vertex)
     return least;
 }
 
-/* The vertex of which the point has most, or GD_NONE if it has less than all but a small part. */
+/* Returns the vertex with the largest weight, or GD_NONE if this weight is not close to 1. */
 static uint32_t main_vertex(const struct gd_mesh *mesh, const struct gd_point *point)
 {
     const double most = 1 - GD_TOL_BESIDE_VERTEX;

@@ -1,25 +1,25 @@
-/* gd_locate_first_hit. The intersection test is watertight: seen along the ray, two faces compute
- * the position of the ray against their common edge from the same numbers, so that no ray slips
- * between them. Source: S. Woop, C. Benthin, I. Wald, "Watertight ray/triangle intersection", JCGT
- * 2(1), 2013. */
+/* gd_locate_first_hit. The intersection test is watertight: two faces test the ray against their
+ * common edge with the same numbers, so no ray passes between them. Source: S. Woop, C. Benthin, I.
+ * Wald, "Watertight ray/triangle intersection", JCGT 2(1), 2013. */
 #include "base/tolerance.h"
 #include "mesh/bvh.h"
 #include "mesh/closest_point.h"
 
-/* A point as the ray sees it: the ray is the axis x = y = 0, z grows along it. */
+/* A point in the frame of the ray, which is the axis x = y = 0 in the direction of z. */
 struct sheared {
     double x, y, z;
 };
 
 struct ray {
-    struct gd__bvh_search search; /* keys: z */
+    struct gd__bvh_search search; /* its keys are z */
     const struct gd_mesh *mesh;
-    struct gd_vec3 origin, direction; /* inside unit; largest coordinate of `direction` is +-1 */
-    struct gd_vec3 inverse;           /* 1 / direction, by coordinate */
-    int axis;                         /* of the largest one */
-    double slack;                     /* rounding of a coordinate */
+    struct gd_vec3 origin,
+        direction;          /* normalised unit; largest coordinate of `direction` is +-1 */
+    struct gd_vec3 inverse; /* 1 / direction, by coordinate */
+    int axis;               /* coordinate in which `direction` is largest */
+    double slack;           /* rounding error of a coordinate */
     double best;
-    uint32_t face; /* GD_NONE: no hit yet */
+    uint32_t face; /* the first face hit so far; GD_NONE: none */
     double weight[3];
 };
 
@@ -33,13 +33,14 @@ static struct sheared shear(const struct ray *ray, uint32_t vertex)
     return (struct sheared){p.x - d.x * d.z * p.z, p.y - d.y * d.z * p.z, d.z * p.z};
 }
 
-/* Twice the signed area between the ray, a and b: exactly the negative of that of b and a. */
-static double area(struct sheared a, struct sheared b)
+/* Returns twice the signed area between the ray, a and b. Swapping a and b changes exactly the
+ * sign. */
+static double mesh_ray_area(struct sheared a, struct sheared b)
 {
     return a.x * b.y - a.y * b.x;
 }
 
-static void offer(struct ray *ray, uint32_t face, double z, const double weight[3])
+static void mesh_ray_offer(struct ray *ray, uint32_t face, double z, const double weight[3])
 {
     const uint32_t *index = ray->mesh->index_of_face;
     if (!(z >= -ray->slack)) return;
@@ -53,14 +54,14 @@ static void offer(struct ray *ray, uint32_t face, double z, const double weight[
     ray->search.limit = z + ray->slack;
 }
 
-/* Where the ray crosses the border of a face that it sees edge on. */
+/* A crossing of the ray with the border of a face that is seen edge on. */
 struct crossing {
     double z;
     double weight[3];
 };
 
-/* Where the ray meets side k of the face; z is NaN where it does not. A side along the ray counts
- * by its point nearest to the origin. */
+/* Returns where the ray meets side k of the face; z is NaN if it does not. If the side lies along
+ * the ray, returns its point nearest to the origin. */
 static struct crossing cross_side(const struct ray *ray, const struct sheared p[3], int k)
 {
     struct sheared a = p[k], b = p[(k + 1) % 3];
@@ -74,8 +75,8 @@ static struct crossing cross_side(const struct ray *ray, const struct sheared p[
     return crossing;
 }
 
-/* A face seen edge on: the ray runs in it from the first crossing of its border to the last, and
- * may start between them. */
+/* Handles a face that is seen edge on. The ray runs in it between the first and the last crossing
+ * of its border, and may start there. */
 static void offer_edge_on(struct ray *ray, uint32_t face, const struct sheared p[3])
 {
     struct crossing first = {.z = INFINITY}, last = {.z = -INFINITY};
@@ -89,7 +90,7 @@ static void offer_edge_on(struct ray *ray, uint32_t face, const struct sheared p
         for (int k = 0; k < 3; k++) first.weight[k] += t * (last.weight[k] - first.weight[k]);
         first.z = 0;
     }
-    if (first.z < INFINITY) offer(ray, face, first.z, first.weight);
+    if (first.z < INFINITY) mesh_ray_offer(ray, face, first.z, first.weight);
 }
 
 static void visit_face(struct gd__bvh_search *search, uint32_t face)
@@ -97,18 +98,20 @@ static void visit_face(struct gd__bvh_search *search, uint32_t face)
     struct ray *ray = (struct ray *)search;
     struct sheared p[3];
     for (int k = 0; k < 3; k++) p[k] = shear(ray, ray->mesh->origin[ray->mesh->face_side[face][k]]);
-    double u = area(p[1], p[2]), v = area(p[2], p[0]), w = area(p[0], p[1]), sum = u + v + w;
+    double u = mesh_ray_area(p[1], p[2]), v = mesh_ray_area(p[2], p[0]),
+           w = mesh_ray_area(p[0], p[1]), sum = u + v + w;
     if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return;
     if (sum == 0) {
         offer_edge_on(ray, face, p);
         return;
     }
     double weight[3] = {u / sum, v / sum, w / sum};
-    offer(ray, face, weight[0] * p[0].z + weight[1] * p[1].z + weight[2] * p[2].z, weight);
+    mesh_ray_offer(ray, face, weight[0] * p[0].z + weight[1] * p[1].z + weight[2] * p[2].z, weight);
 }
 
-/* Narrows [*enter, *leave] to where one coordinate of the ray is between min and max. A product of
- * 0 and infinity is NaN and fails every comparison: that coordinate then bounds nothing. */
+/* Clips [*enter, *leave] to the part of the ray where one of its coordinates is between min and
+ * max. 0 times infinity is NaN and fails every comparison, so that this coordinate bounds
+ * nothing. */
 static void clip_slab(double min, double max, double origin, double inverse, double *enter,
                       double *leave)
 {
@@ -158,16 +161,11 @@ static struct gd_vec3 hit_position(const struct ray *ray)
     return p;
 }
 
-static bool is_finite(struct gd_vec3 p)
-{
-    return isfinite(p.x) && isfinite(p.y) && isfinite(p.z);
-}
-
 enum gd_status gd_locate_first_hit(const struct gd_mesh *mesh, struct gd_vec3 origin,
                                    struct gd_vec3 direction, struct gd_point *out,
                                    struct gd_detail *detail)
 {
-    if (!is_finite(origin) || !is_finite(direction))
+    if (!gd_vec3_is_finite(origin) || !gd_vec3_is_finite(direction))
         return gd_fail(detail, GD_INVALID_ARGUMENT,
                        "a coordinate of the ray is not a finite number");
     if (gd__largest_coordinate(direction) == 0)

@@ -55,19 +55,19 @@ uint32_t gd__edge_between(const struct gd_mesh *mesh, const struct gd_point *a,
     return side == GD_NONE ? GD_NONE : side >> 1;
 }
 
-bool gd__segment_home_elsewhere(const struct gd_mesh *mesh, const struct gd_point *a,
-                                const struct gd_point *b, struct gd__home *out)
+bool gd__segment_locate_elsewhere(const struct gd_mesh *mesh, const struct gd_point *a,
+                                  const struct gd_point *b, struct gd__segment_location *out)
 {
-    struct gd__home home = {GD_NONE, GD_NONE};
+    struct gd__segment_location location = {GD_NONE, GD_NONE};
     if (gd_point_equal(a, b)) return false;
     uint32_t edge = gd__edge_between(mesh, a, b);
     if (edge != GD_NONE && is_on_edge(mesh, a, edge) && is_on_edge(mesh, b, edge)) {
-        home.edge = edge;
+        location.edge = edge;
     } else {
-        home.face = gd__common_face(mesh, a, b);
-        if (home.face == GD_NONE) return false;
+        location.face = gd__common_face(mesh, a, b);
+        if (location.face == GD_NONE) return false;
     }
-    *out = home;
+    *out = location;
     return true;
 }
 

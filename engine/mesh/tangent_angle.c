@@ -9,8 +9,8 @@ static bool is_in_face(const struct gd_mesh *mesh, const struct gd_point *point,
     return face != GD_NONE && gd__face_contains(mesh, face, point);
 }
 
-/* From side k of a face, in whose frame both lie. Differences are taken of the weights, which keep
- * small ones. */
+/* Returns the angle of a direction at a point of a face, in the frame of `side`. Differences of
+ * weights keep small vectors precise. */
 static double angle_in_face(const struct gd_mesh *mesh, uint32_t side, const struct gd_point *at,
                             const struct gd_point *to)
 {
@@ -24,7 +24,7 @@ static double angle_in_face(const struct gd_mesh *mesh, uint32_t side, const str
     return atan2(d.y, d.x);
 }
 
-/* From the first entry of the vertex' fan. */
+/* Returns the angle of a direction from the first entry of the vertex' fan. */
 static double angle_at_vertex(const struct gd_mesh *mesh, const struct gd_point *at,
                               const struct gd_point *to)
 {
@@ -36,7 +36,7 @@ static double angle_at_vertex(const struct gd_mesh *mesh, const struct gd_point 
     return NAN;
 }
 
-/* From the direction of the edge's side 0. */
+/* Returns the angle of a direction from the edge's side 0. */
 static double angle_at_edge(const struct gd_mesh *mesh, const struct gd_point *at,
                             const struct gd_point *to)
 {

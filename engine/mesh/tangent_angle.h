@@ -4,10 +4,10 @@
 
 #include "mesh/local.h"
 
-/* The angle between the directions from `at` to two other points, each in a face together with it:
- * the lesser of the two ways round, as it is on the surface (around a vertex up to half of its
- * total angle; around a boundary vertex up to all of it). NaN where a point shares no face with it.
- * O(1), at a vertex O(its faces). */
+/* Returns the angle at `at` between the directions to two other points. Each of these must have a
+ * common face with `at`. The angle is measured on the surface, and is the smaller of the two angles
+ * around the point: at most half of the total angle around a vertex, but up to all of it around a
+ * boundary vertex. Returns NaN if there is no common face. O(1); O(faces) at a vertex. */
 double gd__tangent_angle(const struct gd_mesh *mesh, const struct gd_point *at,
                          const struct gd_point *a, const struct gd_point *b);
 

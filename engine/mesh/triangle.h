@@ -1,6 +1,5 @@
-/* Triangle: lengths, area and shape of one face, however it is stored. Scaling by a power of two
- * changes no bit of a shape, so that what is measured before the inside unit is known agrees with
- * what is measured after. */
+/* Triangle: lengths, area and shape of one face. Scaling by a power of two changes no bit of a
+ * shape, so values from before and after normalisation agree. */
 #ifndef GD_MESH_TRIANGLE_H
 #define GD_MESH_TRIANGLE_H
 
@@ -11,11 +10,12 @@
 struct gd__triangle {
     struct gd_vec3 edge[3]; /* edge k runs from corner k to corner k + 1 */
     double length[3];
-    uint32_t longest; /* edge */
+    uint32_t longest; /* number of the longest edge */
     double double_area;
 };
 
-/* Of the three edges as vectors, whose squares neither overflow nor vanish. */
+/* Measures a triangle by its three edge vectors, whose squares must neither overflow nor
+ * underflow. */
 static inline struct gd__triangle gd__triangle_measure(struct gd_vec3 edge0, struct gd_vec3 edge1,
                                                        struct gd_vec3 edge2)
 {
@@ -29,7 +29,7 @@ static inline struct gd__triangle gd__triangle_measure(struct gd_vec3 edge0, str
     return t;
 }
 
-/* Height over the longest edge, relative to that edge. */
+/* Returns the height over the longest edge, relative to that edge. */
 static inline double gd__triangle_flatness(const struct gd__triangle *t)
 {
     return t->double_area / (t->length[t->longest] * t->length[t->longest]);

@@ -1,11 +1,11 @@
-/* Union-find over indices: each set is named by its lowest member. */
+/* Union-find over indices. The lowest member of a set represents it. */
 #ifndef GD_MESH_UNION_FIND_H
 #define GD_MESH_UNION_FIND_H
 
 #include <stdint.h>
 
-/* parent[i] <= i; a root is its own parent. Halves the path on the way. */
-static inline uint32_t gd__find(uint32_t *parent, uint32_t i)
+/* Returns the representative of i. parent[i] <= i; a root is its own parent. Halves the path. */
+static inline uint32_t gd__union_find_root(uint32_t *parent, uint32_t i)
 {
     while (parent[i] != i) {
         parent[i] = parent[parent[i]];
@@ -14,17 +14,17 @@ static inline uint32_t gd__find(uint32_t *parent, uint32_t i)
     return i;
 }
 
-static inline void gd__unite(uint32_t *parent, uint32_t i, uint32_t j)
+static inline void gd__union_find_join(uint32_t *parent, uint32_t i, uint32_t j)
 {
-    i = gd__find(parent, i);
-    j = gd__find(parent, j);
+    i = gd__union_find_root(parent, i);
+    j = gd__union_find_root(parent, j);
     if (i < j)
         parent[j] = i;
     else
         parent[i] = j;
 }
 
-static inline void gd__each_alone(uint32_t *parent, uint32_t count)
+static inline void gd__union_find_init(uint32_t *parent, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) parent[i] = i;
 }

@@ -39,29 +39,29 @@ static enum gd_status copy_piece(const struct gd__chain *chain, const struct gd_
     return GD_OK;
 }
 
-static enum gd_status copy_pieces(const struct gd__way *way, struct gd_geodesic *out)
+static enum gd_status copy_pieces(const struct gd__candidate *candidate, struct gd_geodesic *out)
 {
     uint32_t count = 0;
-    for (uint32_t i = 0; i < way->parts; i++) count += way->part[i].chain->piece_count;
+    for (uint32_t i = 0; i < candidate->parts; i++) count += candidate->part[i].chain->piece_count;
     out->pieces = calloc(count, sizeof *out->pieces);
     enum gd_status status = out->pieces ? GD_OK : GD_NO_MEMORY;
-    for (uint32_t i = 0; i < way->parts && !status; i++) {
-        const struct gd__chain *chain = way->part[i].chain;
+    for (uint32_t i = 0; i < candidate->parts && !status; i++) {
+        const struct gd__chain *chain = candidate->part[i].chain;
         for (uint32_t k = 0; k < chain->piece_count && !status; k++)
             status = copy_piece(chain, &chain->pieces[k], &out->pieces[out->piece_count++]);
     }
     return status;
 }
 
-/* Length of a span of a curve that knows no cells: by many panels, as lines of the surface may
- * cross it anywhere. */
+/* Returns the length of a span of a curve without cells. Integrates over many panels, because lines
+ * of the surface may cross the span anywhere. */
 static double panel_length(const struct gd__chain *chain, const struct gd__piece *piece,
                            uint32_t span)
 {
     const double *knot = piece->knots + chain->degree + span, width = (knot[1] - knot[0]) / PANELS;
     const struct gd__gauss *rule = gd__gauss(GD__GAUSS_LEAST);
     double sum = 0;
-    for (int i = 0; i < PANELS * GD__GAUSS_LEAST && gd__watch_step(chain->watch); i++) {
+    for (int i = 0; i < PANELS * GD__GAUSS_LEAST && gd__pace(chain->pace, GD__STEP); i++) {
         struct gd__curve_jet c;
         struct gd_jet x;
         double t = knot[0] + (i / GD__GAUSS_LEAST + rule->node[i % GD__GAUSS_LEAST]) * width;
@@ -73,12 +73,12 @@ static double panel_length(const struct gd__chain *chain, const struct gd__piece
     return sum;
 }
 
-/* Length, bend and unevenness of all pieces. */
-static void measure(const struct gd__way *way, struct gd_geodesic *out)
+/* Computes length, curvature and speed defect of all pieces. */
+static void answer_measure(const struct gd__candidate *candidate, struct gd_geodesic *out)
 {
     double uneven = 0;
-    for (uint32_t i = 0; i < way->parts; i++) {
-        const struct gd__chain *chain = way->part[i].chain;
+    for (uint32_t i = 0; i < candidate->parts; i++) {
+        const struct gd__chain *chain = candidate->part[i].chain;
         for (uint32_t k = 0; k < chain->piece_count; k++) {
             const struct gd__piece *piece = &chain->pieces[k];
             double length = 0;
@@ -95,7 +95,7 @@ static void measure(const struct gd__way *way, struct gd_geodesic *out)
     out->speed_defect = uneven / (out->length * out->length);
 }
 
-/* Parameter and angle at an end; a point has neither. */
+/* Computes parameter and angle at an end; 0 and pi / 2 for a point. */
 static void set_end(const struct gd__chain *chain, int side, double *parameter, double *angle)
 {
     const struct gd__joint *joint = &chain->joints[side ? chain->piece_count : 0];
@@ -118,13 +118,13 @@ static void set_end(const struct gd__chain *chain, int side, double *parameter, 
     *angle = atan2(gd_vec3_length(gd_vec3_cross(path, curve)), gd_vec3_dot(path, curve));
 }
 
-static void set_verdict(const struct gd__way *way, struct gd_geodesic *out)
+static void set_verdict(const struct gd__candidate *candidate, struct gd_geodesic *out)
 {
-    out->is_minimum = gd__way_is_minimum(way);
+    out->is_minimum = gd__candidate_is_minimum(candidate);
     if (!out->is_minimum) out->warnings |= GD_GEODESIC_NOT_MINIMAL;
-    if (way->parts > 1) out->warnings |= GD_GEODESIC_THROUGH_POLE;
-    for (uint32_t i = 0; i < way->parts; i++) {
-        const struct gd__solution *part = &way->part[i];
+    if (candidate->parts > 1) out->warnings |= GD_GEODESIC_THROUGH_POLE;
+    for (uint32_t i = 0; i < candidate->parts; i++) {
+        const struct gd__solution *part = &candidate->part[i];
         out->error += part->error;
         out->iterations += part->iterations;
         out->residual = fmax(out->residual, sqrt(2 * part->report.decrement));
@@ -134,20 +134,20 @@ static void set_verdict(const struct gd__way *way, struct gd_geodesic *out)
     }
 }
 
-enum gd_status gd__answer_make(const struct gd__way *way, struct gd_geodesic *out)
+enum gd_status gd__answer_make(const struct gd__candidate *candidate, struct gd_geodesic *out)
 {
     struct gd_geodesic answer = {0};
-    enum gd_status status = copy_pieces(way, &answer);
-    const struct gd__watch *watch = way->part[0].chain->watch;
-    if (!status) measure(way, &answer);
-    if (!status) status = watch->status;
+    enum gd_status status = copy_pieces(candidate, &answer);
+    const struct gd__pace *pace = candidate->part[0].chain->pace;
+    if (!status) answer_measure(candidate, &answer);
+    if (!status) status = pace->status;
     if (status) {
         geodesic_free(&answer);
         return status;
     }
-    set_end(way->part[0].chain, 0, &answer.from_parameter, &answer.from_angle);
-    set_end(way->part[way->parts - 1].chain, 1, &answer.to_parameter, &answer.to_angle);
-    set_verdict(way, &answer);
+    set_end(candidate->part[0].chain, 0, &answer.from_parameter, &answer.from_angle);
+    set_end(candidate->part[candidate->parts - 1].chain, 1, &answer.to_parameter, &answer.to_angle);
+    set_verdict(candidate, &answer);
     *out = answer;
     return GD_OK;
 }
@@ -158,9 +158,8 @@ static void piece_place(const struct gd_geodesic_piece *piece, double t, double 
     uint32_t span = gd__basis_span(piece->degree, piece->count, piece->knots, t);
     gd__basis(piece->degree, piece->knots, span, t, &basis);
     at[0] = at[1] = 0;
-    for (uint32_t i = 0; i <= piece->degree; i++)
-        for (int k = 0; k < 2; k++)
-            at[k] += basis.value[i] * piece->points[span - piece->degree + i][k];
+    gd__basis_sum(piece->degree, basis.value,
+                  (const double(*)[2])piece->points + (span - piece->degree), at);
 }
 
 enum gd_status gd_geodesic_sample(const struct gd_parametric *surface,
@@ -173,7 +172,7 @@ enum gd_status gd_geodesic_sample(const struct gd_parametric *surface,
         uint32_t piece =
             place < geodesic->piece_count ? (uint32_t)place : geodesic->piece_count - 1;
         piece_place(&geodesic->pieces[piece], place - piece, at);
-        for (int k = 0; k < 2; k++) { /* rounding leads no farther than the border */
+        for (int k = 0; k < 2; k++) { /* rounding may move it slightly beyond the border */
             const struct gd_axis *axis = surface->axis[k];
             if (!axis->closed) at[k] = fmin(fmax(at[k], axis->low), axis->high);
         }

@@ -1,5 +1,5 @@
 /* Band: symmetric positive definite matrices of small bandwidth, factored by Cholesky's method. Row
- * i of the lower triangle is kept as row[i * width + k] = A[i][i - k], k < width; entries before
+ * i of the lower triangle is stored as row[i * width + k] = A[i][i - k], k < width; entries before
  * the first column are zero. Golub and Van Loan, Matrix Computations, section 4.3. */
 #ifndef GD_NURBS_BAND_H
 #define GD_NURBS_BAND_H
@@ -8,8 +8,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* A = L L^T in place. False: a pivot is not positive beyond rounding; the matrix is spoilt then.
- * O(size width^2). */
+/* Factors A = L L^T in place. Returns false if a pivot is not positive beyond rounding; the matrix
+ * is then undefined. O(size width^2). */
 bool gd__band_factor(uint32_t size, uint32_t width, double *row);
 
 /* Solves L L^T x = b in place. O(size width). */

@@ -1,6 +1,8 @@
 #include "nurbs/bspline.h"
 
-/* From the j functions of degree j - 1 to the j + 1 of degree j, in place. */
+#include <math.h>
+
+/* Computes the j + 1 functions of degree j from the j functions of degree j - 1, in place. */
 static void raise_degree(uint32_t j, const double *knots, uint32_t span, double t, double *n)
 {
     double saved = 0;
@@ -13,8 +15,8 @@ static void raise_degree(uint32_t j, const double *knots, uint32_t span, double 
     n[j] = saved;
 }
 
-/* From the j values (or derivatives) of degree j - 1 to the derivatives of the j + 1 functions of
- * degree j. */
+/* Computes the derivatives of the j + 1 functions of degree j from the j values (or derivatives) of
+ * degree j - 1. */
 static void differentiate(uint32_t j, const double *knots, uint32_t span, const double *lower,
                           double *out)
 {
@@ -49,12 +51,21 @@ uint32_t gd__basis_span(uint32_t degree, uint32_t count, const double *knots, do
         for (high--; knots[high] >= knots[count];) high--;
         return high;
     }
-    while (high - low > 1) {
-        uint32_t middle = low + (high - low) / 2;
-        if (t < knots[middle])
-            high = middle;
-        else
-            low = middle;
-    }
-    return low;
+    return gd__interval(knots, low, high, t);
+}
+
+enum gd_status gd__knots_check(uint32_t degree, uint32_t count, const double *knots,
+                               struct gd_detail *detail)
+{
+    for (uint32_t i = 0; i < count + degree + 1; i++)
+        if (!isfinite(knots[i]) || (i && knots[i] < knots[i - 1]))
+            return gd_fail(detail, GD_INVALID_ARGUMENT,
+                           "knot %u of the curve is not finite or less than the one before", i);
+    for (uint32_t i = degree + 1; i + degree < count; i++)
+        if (knots[i] == knots[i + degree])
+            return gd_fail(detail, GD_INVALID_ARGUMENT,
+                           "knot %u of the curve is repeated more than %u times", i, degree);
+    if (!(knots[degree] < knots[count]))
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "the curve's knots leave it no domain");
+    return GD_OK;
 }

@@ -1,12 +1,11 @@
 /* B-spline basis: the degree + 1 functions that do not vanish on a knot span, with two derivatives.
  * Piegl and Tiller, The NURBS Book, section 2.2-2.5.
  *
- * They are evaluated as polynomials of the span, also beyond it. */
+ * Functions are evaluated as the polynomials of the span, also outside the span. */
 #ifndef GD_NURBS_BSPLINE_H
 #define GD_NURBS_BSPLINE_H
 
-#include <stdbool.h>
-#include <stdint.h>
+#include "gd/status.h"
 
 #define GD__DEGREE_MAX 15
 #define GD__ORDER_MAX  (GD__DEGREE_MAX + 1)
@@ -15,13 +14,41 @@ struct gd__basis {
     double value[GD__ORDER_MAX], first[GD__ORDER_MAX], second[GD__ORDER_MAX];
 };
 
-/* The functions of control points span - degree … span at `t`; knots[span] < knots[span + 1].
- * O(degree^2). */
+/* Computes the functions of control points span - degree … span at `t`, where knots[span] <
+ * knots[span + 1]. O(degree^2). */
 void gd__basis(uint32_t degree, const double *knots, uint32_t span, double t,
                struct gd__basis *out);
 
-/* The span of `t` in the domain [knots[degree], knots[count]]: the last one at its upper end. O(log
- * count). */
+/* Adds to `out` the sum of weight[i] * points[i], i <= degree. */
+static inline void gd__basis_sum(uint32_t degree, const double *weight, const double (*points)[2],
+                                 double out[2])
+{
+    for (uint32_t i = 0; i <= degree; i++)
+        for (int k = 0; k < 2; k++) out[k] += weight[i] * points[i][k];
+}
+
+/* Returns the last i in [low, high) with sorted[i] <= t; `low` if there is none. O(log(high -
+ * low)). */
+static inline uint32_t gd__interval(const double *sorted, uint32_t low, uint32_t high, double t)
+{
+    while (high - low > 1) {
+        uint32_t middle = low + (high - low) / 2;
+        if (t < sorted[middle])
+            high = middle;
+        else
+            low = middle;
+    }
+    return low;
+}
+
+/* Returns the span that contains `t`, in the domain [knots[degree], knots[count]]; at the upper
+ * end, the last span. O(log count). */
 uint32_t gd__basis_span(uint32_t degree, uint32_t count, const double *knots, double t);
+
+/* Validates the count + degree + 1 knots of a curve. Error: GD_INVALID_ARGUMENT (a knot is not
+ * finite or decreases, an inner knot is repeated so often that the curve has a gap, or the domain
+ * is empty). */
+GD_MUST_USE enum gd_status gd__knots_check(uint32_t degree, uint32_t count, const double *knots,
+                                           struct gd_detail *detail);
 
 #endif

@@ -22,30 +22,30 @@ size_t gd__chain_bytes(uint32_t degree, uint32_t piece_count, const uint32_t *sp
     return bytes;
 }
 
-static char *carve(char **at, size_t bytes)
+static char *chain_carve(char **at, size_t bytes)
 {
     char *begin = *at;
     *at += bytes;
     return begin;
 }
 
-struct gd__chain *gd__chain_create(const struct gd_parametric *surface, struct gd__watch *watch,
+struct gd__chain *gd__chain_create(const struct gd_parametric *surface, struct gd__pace *pace,
                                    uint32_t degree, uint32_t piece_count, const uint32_t *spans)
 {
     char *at = calloc(1, gd__chain_bytes(degree, piece_count, spans));
     if (!at) return NULL;
-    struct gd__chain *chain = (void *)carve(&at, sizeof *chain);
+    struct gd__chain *chain = (void *)chain_carve(&at, sizeof *chain);
     *chain = (struct gd__chain){
-        .surface = surface, .degree = degree, .piece_count = piece_count, .watch = watch};
-    chain->pieces = (void *)carve(&at, piece_count * sizeof *chain->pieces);
-    chain->joints = (void *)carve(&at, (piece_count + 1) * sizeof *chain->joints);
+        .surface = surface, .degree = degree, .piece_count = piece_count, .pace = pace};
+    chain->pieces = (void *)chain_carve(&at, piece_count * sizeof *chain->pieces);
+    chain->joints = (void *)chain_carve(&at, (piece_count + 1) * sizeof *chain->joints);
     for (uint32_t i = 0; i < piece_count; i++) {
         struct gd__piece *piece = &chain->pieces[i];
         uint32_t knots = spans[i] + 1 + 2 * degree;
         piece->spans = spans[i];
-        piece->knots = (void *)carve(&at, knots * sizeof *piece->knots);
-        piece->points = (void *)carve(&at, (spans[i] + degree) * sizeof *piece->points);
-        piece->nodes = (void *)carve(&at, spans[i] * (degree + 2) * sizeof *piece->nodes);
+        piece->knots = (void *)chain_carve(&at, knots * sizeof *piece->knots);
+        piece->points = (void *)chain_carve(&at, (spans[i] + degree) * sizeof *piece->points);
+        piece->nodes = (void *)chain_carve(&at, spans[i] * (degree + 2) * sizeof *piece->nodes);
         for (uint32_t k = 0; k < knots; k++)
             piece->knots[k] = k < degree              ? 0
                               : k > degree + spans[i] ? 1
@@ -72,6 +72,18 @@ void gd__chain_prepare(struct gd__chain *chain)
             }
         }
     }
+}
+
+struct gd__joint gd__joint_on_line(const struct gd_parametric *surface, int axis,
+                                   const double at[2])
+{
+    const struct gd_axis *along = surface->axis[1 - axis];
+    return (struct gd__joint){.kind = GD__JOINT_LINE,
+                              .at = at[1 - axis],
+                              .low = along->closed ? -INFINITY : along->low,
+                              .high = along->closed ? INFINITY : along->high,
+                              .axis = axis,
+                              .value = at[axis]};
 }
 
 void gd__joint_jet(const struct gd__joint *joint, double at, struct gd__curve_jet *out)
@@ -108,17 +120,14 @@ void gd__chain_attach(struct gd__chain *chain)
     }
 }
 
-static void combine(const struct gd__chain *chain, const double (*points)[2], const double *value,
-                    const double *first, const double *second, struct gd__curve_jet *out)
+static void chain_combine(const struct gd__chain *chain, const double (*points)[2],
+                          const double *value, const double *first, const double *second,
+                          struct gd__curve_jet *out)
 {
     *out = (struct gd__curve_jet){0};
-    for (uint32_t i = 0; i <= chain->degree; i++) {
-        for (int k = 0; k < 2; k++) {
-            out->at[k] += value[i] * points[i][k];
-            out->first[k] += first[i] * points[i][k];
-            out->second[k] += second[i] * points[i][k];
-        }
-    }
+    gd__basis_sum(chain->degree, value, points, out->at);
+    gd__basis_sum(chain->degree, first, points, out->first);
+    gd__basis_sum(chain->degree, second, points, out->second);
 }
 
 void gd__piece_node(const struct gd__chain *chain, const struct gd__piece *piece, uint32_t span,
@@ -126,7 +135,8 @@ void gd__piece_node(const struct gd__chain *chain, const struct gd__piece *piece
 {
     const struct gd__node *n =
         &piece->nodes[span * (uint32_t)gd__chain_gauss(chain) + (uint32_t)node];
-    combine(chain, (const double(*)[2])piece->points + span, n->value, n->first, n->second, out);
+    chain_combine(chain, (const double(*)[2])piece->points + span, n->value, n->first, n->second,
+                  out);
 }
 
 void gd__piece_at(const struct gd__chain *chain, const struct gd__piece *piece, uint32_t span,
@@ -134,8 +144,8 @@ void gd__piece_at(const struct gd__chain *chain, const struct gd__piece *piece, 
 {
     struct gd__basis basis;
     gd__basis(chain->degree, piece->knots, chain->degree + span, t, &basis);
-    combine(chain, (const double(*)[2])piece->points + span, basis.value, basis.first, basis.second,
-            out);
+    chain_combine(chain, (const double(*)[2])piece->points + span, basis.value, basis.first,
+                  basis.second, out);
 }
 
 void gd__piece_jet(const struct gd__chain *chain, const struct gd__piece *piece, const double at[2],
@@ -180,8 +190,8 @@ uint32_t gd__chain_spans(const struct gd__chain *chain)
 
 /* --- refinement ------------------------------------------------------------------------------- */
 
-/* Inserts t into a clamped knot vector of `*count` points; arrays have room. Boehm 1980; The NURBS
- * Book, section 5.2. */
+/* Inserts the knot t into a clamped B-spline of *count points. The arrays must have room. Boehm
+ * 1980; The NURBS Book, section 5.2. */
 static void insert_knot(uint32_t degree, double *knots, double (*points)[2], uint32_t *count,
                         double t)
 {
@@ -222,7 +232,7 @@ struct gd__chain *gd__chain_refine(const struct gd__chain *chain, const bool *ma
         for (uint32_t k = 0; k < chain->pieces[i].spans; k++) spans[i] += *mark++;
     }
     struct gd__chain *finer =
-        gd__chain_create(chain->surface, chain->watch, chain->degree, chain->piece_count, spans);
+        gd__chain_create(chain->surface, chain->pace, chain->degree, chain->piece_count, spans);
     free(spans);
     if (!finer) return NULL;
     memcpy(finer->joints, chain->joints, (chain->piece_count + 1) * sizeof *chain->joints);

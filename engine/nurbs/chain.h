@@ -1,17 +1,18 @@
 /* Chain: a curve in the parameter domain as B-spline pieces joined at the lines of the surface.
  *
  * DESIGN
- * - Each piece is a clamped B-spline c(t), t in [0, 1], that lies in one smooth cell of the surface
- *   (or, while it is `whole`, in any). Its first and last control points are the places of the
- *   joints around it.
- * - A joint is fixed, or has one unknown: the parameter on a curve that the path begins or ends on,
- *   or the coordinate along a line of the surface that it crosses there (also along a pole that it
- *   ends in).
- * - The length of the chain is F = sum of sqrt(2 E_k), E_k = 1/2 int |d/dt x(c_k)|^2 dt: for given
- *   ends of the piece E_k is least for the geodesic between them at constant speed, and then sqrt(2
- *   E_k) is its length. So the pieces need no common speed, and the minimum of F over control
- *   points and joints is the shortest path. With one piece it is the energy of the paper.
- * - Coordinates of closed directions go on beyond [low, high]. */
+ * - Each piece is a clamped B-spline c(t), t in [0, 1], in one smooth cell of the surface; a piece
+ *   that is `whole` may cross cells. Its first and last control points are the places of the
+ *   adjacent joints.
+ * - A joint is fixed, or has one unknown: the parameter on the curve where the path begins or ends,
+ *   or the coordinate along the line of the surface that the path crosses (or along the pole where
+ *   it ends).
+ * - The length of the chain is F = sum of sqrt(2 E_k), E_k = 1/2 int |d/dt x(c_k)|^2 dt. For fixed
+ *   ends of a piece, E_k is least for the geodesic of constant speed between them, and then sqrt(2
+ *   E_k) is the geodesic's length. Therefore the pieces need no common speed, and the minimum of F
+ *   over control points and joints is the shortest path. With one piece the minimum is that of the
+ *   paper's energy.
+ * - In closed directions coordinates may leave [low, high]. */
 #ifndef GD_NURBS_CHAIN_H
 #define GD_NURBS_CHAIN_H
 
@@ -19,7 +20,7 @@
 #include "gd/geodesic_like.h"
 #include "nurbs/curve.h"
 #include "nurbs/gauss.h"
-#include "nurbs/watch.h"
+#include "base/pace.h"
 
 #define GD__CHAIN_DEGREE_MOST GD_GEODESIC_DEGREE_MOST
 #define GD__CHAIN_ORDER_MOST  (GD__CHAIN_DEGREE_MOST + 1)
@@ -28,29 +29,29 @@ enum gd__joint_kind { GD__JOINT_FIXED, GD__JOINT_CURVE, GD__JOINT_LINE };
 
 struct gd__joint {
     enum gd__joint_kind kind;
-    double at;        /* the unknown: parameter on the curve, coordinate along the line */
-    double low, high; /* its bounds, maybe infinite */
-    /* FIXED: the place. CURVE: added to the curve's places, whole periods. */
+    double at;        /* the unknown: parameter on the curve, or coordinate along the line */
+    double low, high; /* bounds of `at`, possibly infinite */
+    /* FIXED: the joint's place. CURVE: whole periods that are added to the curve's places. */
     double place[2];
-    /* CURVE: by the polynomial of one interval, or, where `whole`, by all of the curve.
-       Borrowed. */
+    /* CURVE: the borrowed curve. With `whole` all of it is used, else the polynomial of
+       `interval`. */
     const struct gd_domain_curve *curve;
     uint32_t interval;
     bool whole;
-    /* LINE: coordinate `axis` is `value`. In a pole that a curve (`curve`, else NULL) passes: the
-     * curve's parameter there. */
+    /* LINE: coordinate `axis` has the constant `value`. If the line is a pole that a curve passes,
+       `curve` is that curve and `passes` its parameter at the pole; otherwise `curve` is NULL. */
     int axis;
     double value, passes;
 };
 
-/* The functions that do not vanish at a quadrature node. */
+/* The basis functions that do not vanish at a quadrature node, with derivatives. */
 struct gd__node {
     double value[GD__CHAIN_ORDER_MOST], first[GD__CHAIN_ORDER_MOST], second[GD__CHAIN_ORDER_MOST];
 };
 
 struct gd__piece {
     struct gd__cell cell;
-    bool whole; /* `cell` does not count */
+    bool whole; /* `cell` is unused */
     uint32_t spans;
     double *knots;          /* spans + 1 + 2 degree, clamped */
     double (*points)[2];    /* spans + degree */
@@ -62,7 +63,7 @@ struct gd__chain {
     uint32_t degree, piece_count;
     struct gd__piece *pieces;
     struct gd__joint *joints; /* piece_count + 1 */
-    struct gd__watch *watch;  /* borrowed: what goes through all spans looks at it */
+    struct gd__pace *pace;    /* borrowed; loops over spans check it */
 };
 
 static inline uint32_t gd__piece_points(const struct gd__chain *chain,
@@ -76,52 +77,67 @@ static inline int gd__chain_gauss(const struct gd__chain *chain)
     return (int)chain->degree + 2;
 }
 
-/* A chain with room for pieces of so many spans each, in one block: even knots, points zero. NULL:
- * no memory. Free it by free(). */
-struct gd__chain *gd__chain_create(const struct gd_parametric *surface, struct gd__watch *watch,
+/* Creates a chain with spans[i] spans in piece i, evenly spaced knots, and zero points. The chain
+ * is one block, to be freed by free(). Returns NULL if memory is exhausted. */
+struct gd__chain *gd__chain_create(const struct gd_parametric *surface, struct gd__pace *pace,
                                    uint32_t degree, uint32_t piece_count, const uint32_t *spans);
 
-/* Bytes of such a chain. */
+/* Returns the size of such a chain in bytes. */
 size_t gd__chain_bytes(uint32_t degree, uint32_t piece_count, const uint32_t *spans);
 
-/* Fills the nodes from the knots; once they are set. */
+/* Computes the quadrature nodes from the knots. */
 void gd__chain_prepare(struct gd__chain *chain);
 
-/* Place of a joint and its two derivatives by the unknown. */
+/* Returns a joint that slides along the line through a place on which coordinate `axis` is
+ * constant. */
+struct gd__joint gd__joint_on_line(const struct gd_parametric *surface, int axis,
+                                   const double at[2]);
+
+/* Computes a joint's place at the unknown `at`, and two derivatives by the unknown. */
 void gd__joint_jet(const struct gd__joint *joint, double at, struct gd__curve_jet *out);
 
 /* Sets the pieces' end points to the joints' places. */
 void gd__chain_attach(struct gd__chain *chain);
 
-/* c, c', c'' of a piece at a node of a span. */
+/* Computes c, c', c'' of a piece at a node of a span. */
 void gd__piece_node(const struct gd__chain *chain, const struct gd__piece *piece, uint32_t span,
                     int node, struct gd__curve_jet *out);
 
-/* ... and at t in a span. */
+/* Computes c, c', c'' of a piece at t in a span. */
 void gd__piece_at(const struct gd__chain *chain, const struct gd__piece *piece, uint32_t span,
                   double t, struct gd__curve_jet *out);
 
-/* The surface there, as the piece sees it. */
+/* Computes the surface's jet at a place, in the piece's cell. */
 void gd__piece_jet(const struct gd__chain *chain, const struct gd__piece *piece, const double at[2],
                    struct gd_jet *out);
 
-/* Velocity in space at the beginning (side 0) or the end (1) of a chain, and the place. */
+/* Returns the velocity in space at the beginning (side 0) or the end (side 1) of a chain; sets *x
+ * to the surface's jet there. */
 struct gd_vec3 gd__chain_velocity(const struct gd__chain *chain, int side, struct gd_jet *x);
 
-/* How far the chain's ends may be off because their coordinates are rounded, in sum. */
+/* Returns the error of the chain's length due to the rounding of its ends' coordinates. */
 double gd__chain_rounding(const struct gd__chain *chain);
 
-/* Total number of spans. */
+/* Returns the total number of spans. */
 uint32_t gd__chain_spans(const struct gd__chain *chain);
 
-/* A chain for the same curve with the marked spans (in order through all pieces) halved. NULL: no
- * memory. */
+/* Returns a chain for the same curve with the marked spans halved; `marked` is in order through all
+ * pieces. Returns NULL if memory is exhausted. */
 struct gd__chain *gd__chain_refine(const struct gd__chain *chain, const bool *marked);
 
-/* d/dt x(c): the velocity from a place's jet. */
+/* Returns the velocity d/dt x(c), from the jet of a place. */
 static inline struct gd_vec3 gd__velocity(const struct gd_jet *x, const double first[2])
 {
     return gd_vec3_along(gd_vec3_scale(x->u, first[0]), first[1], x->v);
+}
+
+/* Returns the acceleration d^2/dt^2 x(c), by the chain rule. */
+static inline struct gd_vec3 gd__acceleration(const struct gd_jet *x, const struct gd__curve_jet *c)
+{
+    struct gd_vec3 a = gd__velocity(x, c->second);
+    a = gd_vec3_along(a, c->first[0] * c->first[0], x->uu);
+    a = gd_vec3_along(a, 2 * c->first[0] * c->first[1], x->uv);
+    return gd_vec3_along(a, c->first[1] * c->first[1], x->vv);
 }
 
 #endif

@@ -5,9 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/array.h"
 #include "base/tolerance.h"
 #include "nurbs/bspline.h"
-#include "nurbs/watch.h"
+#include "base/pace.h"
 
 double gd__curve_reduce(const struct gd_domain_curve *curve, double s, double *turns)
 {
@@ -19,7 +20,7 @@ double gd__curve_reduce(const struct gd_domain_curve *curve, double s, double *t
     return fmin(fmax(s - *turns * period, curve->low), curve->high);
 }
 
-/* On a border, where rounding leads a little beyond it. */
+/* Returns t, clamped to the domain if it is outside only by rounding. */
 static double unround(const struct gd_axis *axis, double t)
 {
     double near = 4 * DBL_EPSILON * fmax(fabs(axis->low), fabs(axis->high));
@@ -27,24 +28,20 @@ static double unround(const struct gd_axis *axis, double t)
     return fmin(fmax(t, axis->low), axis->high);
 }
 
-static void evaluate(const struct gd_domain_curve *curve, uint32_t span, double s,
-                     struct gd__curve_jet *out)
+static void nurbs_curve_evaluate(const struct gd_domain_curve *curve, uint32_t span, double s,
+                                 struct gd__curve_jet *out)
 {
     struct gd__basis basis;
     gd__basis(curve->degree, curve->knots, span, s, &basis);
     *out = (struct gd__curve_jet){0};
-    for (uint32_t i = 0; i <= curve->degree; i++) {
-        const double *point = curve->points[span - curve->degree + i];
-        for (int k = 0; k < 2; k++) {
-            out->at[k] += basis.value[i] * point[k];
-            out->first[k] += basis.first[i] * point[k];
-            out->second[k] += basis.second[i] * point[k];
-        }
-    }
+    const double(*points)[2] = (const double(*)[2])curve->points + (span - curve->degree);
+    gd__basis_sum(curve->degree, basis.value, points, out->at);
+    gd__basis_sum(curve->degree, basis.first, points, out->first);
+    gd__basis_sum(curve->degree, basis.second, points, out->second);
     for (int k = 0; k < 2; k++) out->at[k] = unround(curve->surface->axis[k], out->at[k]);
 }
 
-static uint32_t span_of(const struct gd_domain_curve *curve, double s)
+static uint32_t nurbs_curve_span_of(const struct gd_domain_curve *curve, double s)
 {
     return gd__basis_span(curve->degree, curve->count, curve->knots, s);
 }
@@ -56,14 +53,15 @@ void gd__curve_jet(const struct gd_domain_curve *curve, double s, struct gd__cur
         return;
     }
     double turns, within = gd__curve_reduce(curve, s, &turns);
-    evaluate(curve, span_of(curve, within), within, out);
+    nurbs_curve_evaluate(curve, nurbs_curve_span_of(curve, within), within, out);
     for (int k = 0; k < 2; k++) out->at[k] += turns * curve->winding[k];
 }
 
 void gd__curve_jet_in(const struct gd_domain_curve *curve, uint32_t i, double s,
                       struct gd__curve_jet *out)
 {
-    evaluate(curve, span_of(curve, 0.5 * (curve->breaks[i] + curve->breaks[i + 1])), s, out);
+    nurbs_curve_evaluate(
+        curve, nurbs_curve_span_of(curve, 0.5 * (curve->breaks[i] + curve->breaks[i + 1])), s, out);
 }
 
 uint32_t gd__curve_interval(const struct gd_domain_curve *curve, double s)
@@ -73,41 +71,56 @@ uint32_t gd__curve_interval(const struct gd_domain_curve *curve, double s)
     return i;
 }
 
+enum gd_status gd__curve_places(const struct gd_domain_curve *curve,
+                                const struct gd__curve_places *wanted, double **out,
+                                uint32_t *count)
+{
+    uint32_t intervals = curve->is_point ? 0 : curve->break_count - 1, n = 0;
+    uint32_t each = intervals ? (wanted->least + intervals - 1) / intervals : 0;
+    if (each < wanted->each) each = wanted->each;
+    if (each * intervals > wanted->most) each = wanted->most / intervals + 1;
+    double *s = malloc((each * intervals + 1) * sizeof *s);
+    if (!s) return GD_NO_MEMORY;
+    for (uint32_t i = 0; i < intervals; i++)
+        for (uint32_t k = 0; k < each; k++)
+            s[n++] = curve->breaks[i] + (curve->breaks[i + 1] - curve->breaks[i]) * k / each;
+    if (curve->is_point || wanted->with_end || !curve->closed)
+        s[n++] = curve->is_point ? 0 : curve->high;
+    *out = s;
+    *count = n;
+    return GD_OK;
+}
+
 /* --- breaks ----------------------------------------------------------------------------------- */
 
-enum { LOOKS = 32 }; /* at a polynomial piece, for where it crosses lines of the surface */
+enum { LOOKS = 32 }; /* steps of a polynomial piece that are tested for crossings of lines */
 
 struct breaking {
     uint32_t capacity;
-    struct gd__watch watch;
+    struct gd__pace pace;
 };
 
 static enum gd_status add_break(struct gd_domain_curve *curve, struct breaking *breaking, double s)
 {
     double near = GD_TOL_ADJACENT * (curve->high - curve->low);
     if (curve->break_count && s - curve->breaks[curve->break_count - 1] <= near) return GD_OK;
-    if (curve->break_count == breaking->capacity) {
-        uint32_t capacity = breaking->capacity ? 2 * breaking->capacity : 16;
-        double *grown = realloc(curve->breaks, capacity * sizeof *grown);
-        if (!grown) return GD_NO_MEMORY;
-        curve->breaks = grown;
-        breaking->capacity = capacity;
-    }
-    curve->breaks[curve->break_count++] = s;
-    return GD_OK;
+    enum gd_status status = gd__array_extend(&curve->breaks, &breaking->capacity,
+                                             curve->break_count + 1ULL, sizeof s, NULL);
+    if (!status) curve->breaks[curve->break_count++] = s;
+    return status;
 }
 
-/* Where the coordinate changes between cells, between a and b: bisection. */
-static double crossing(const struct gd_domain_curve *curve, uint32_t span, int k, double a,
-                       double b)
+/* Returns the parameter between a and b where coordinate k enters another cell, by bisection. */
+static double nurbs_curve_crossing(const struct gd_domain_curve *curve, uint32_t span, int k,
+                                   double a, double b)
 {
     const struct gd_axis *axis = curve->surface->axis[k];
     struct gd__curve_jet jet;
-    evaluate(curve, span, a, &jet);
+    nurbs_curve_evaluate(curve, span, a, &jet);
     int32_t cell = gd__axis_cell(axis, jet.at[k]);
     for (int i = 0; i < 100 && a < 0.5 * (a + b) && 0.5 * (a + b) < b; i++) {
         double middle = 0.5 * (a + b);
-        evaluate(curve, span, middle, &jet);
+        nurbs_curve_evaluate(curve, span, middle, &jet);
         if (gd__axis_cell(axis, jet.at[k]) == cell)
             a = middle;
         else
@@ -125,16 +138,16 @@ static bool crosses_several(const struct gd_parametric *surface, const double a[
     return false;
 }
 
-/* Appends the crossings within one step of a polynomial piece, in order. A step over several lines
- * of a direction is halved until it crosses one. */
+/* Appends the crossings within one step of a polynomial piece, in order. A step that crosses
+ * several lines of one direction is halved. */
 static enum gd_status break_step(struct gd_domain_curve *curve, struct breaking *breaking,
                                  uint32_t span, double a, double b)
 {
     struct gd__curve_jet from, to;
     double middle = 0.5 * (a + b), at[2] = {INFINITY, INFINITY};
-    if (!gd__watch_step(&breaking->watch)) return breaking->watch.status;
-    evaluate(curve, span, a, &from);
-    evaluate(curve, span, b, &to);
+    if (!gd__pace(&breaking->pace, GD__STEP)) return breaking->pace.status;
+    nurbs_curve_evaluate(curve, span, a, &from);
+    nurbs_curve_evaluate(curve, span, b, &to);
     if (crosses_several(curve->surface, from.at, to.at) && a < middle && middle < b) {
         enum gd_status status = break_step(curve, breaking, span, a, middle);
         return status ? status : break_step(curve, breaking, span, middle, b);
@@ -142,7 +155,7 @@ static enum gd_status break_step(struct gd_domain_curve *curve, struct breaking 
     for (int k = 0; k < 2; k++) {
         const struct gd_axis *axis = curve->surface->axis[k];
         if (gd__axis_cell(axis, from.at[k]) != gd__axis_cell(axis, to.at[k]))
-            at[k] = crossing(curve, span, k, a, b);
+            at[k] = nurbs_curve_crossing(curve, span, k, a, b);
     }
     enum gd_status status = GD_OK;
     if (fmin(at[0], at[1]) <= b) status = add_break(curve, breaking, fmin(at[0], at[1]));
@@ -150,7 +163,7 @@ static enum gd_status break_step(struct gd_domain_curve *curve, struct breaking 
     return status;
 }
 
-/* The piece lies in the hull of its control points. */
+/* Returns true if a polynomial piece lies in one cell, because its control points do. */
 static bool is_in_one_cell(const struct gd_domain_curve *curve, uint32_t span)
 {
     const double(*points)[2] = (const double(*)[2])curve->points + (span - curve->degree);
@@ -165,7 +178,7 @@ static bool is_in_one_cell(const struct gd_domain_curve *curve, uint32_t span)
 
 static enum gd_status find_breaks(struct gd_domain_curve *curve, const struct gd_control *control)
 {
-    struct breaking breaking = {.watch = {.control = control}};
+    struct breaking breaking = {.pace = {.control = control}};
     enum gd_status status = GD_OK;
     for (uint32_t span = curve->degree; span < curve->count && !status; span++) {
         double a = curve->knots[span], b = curve->knots[span + 1];
@@ -180,14 +193,14 @@ static enum gd_status find_breaks(struct gd_domain_curve *curve, const struct gd
     return status;
 }
 
-/* --- making one ------------------------------------------------------------------------------- */
+/* --- construction ----------------------------------------------------------------------------- */
 
-/* Closed: both ends are one place, or as many whole periods apart. */
+/* Determines whether the curve is closed: both ends are the same place, or whole periods apart. */
 static void find_closure(struct gd_domain_curve *curve)
 {
     struct gd__curve_jet from, to;
-    evaluate(curve, span_of(curve, curve->low), curve->low, &from);
-    evaluate(curve, span_of(curve, curve->high), curve->high, &to);
+    nurbs_curve_evaluate(curve, nurbs_curve_span_of(curve, curve->low), curve->low, &from);
+    nurbs_curve_evaluate(curve, nurbs_curve_span_of(curve, curve->high), curve->high, &to);
     curve->closed = true;
     for (int k = 0; k < 2; k++) {
         const struct gd_axis *axis = curve->surface->axis[k];
@@ -199,7 +212,7 @@ static void find_closure(struct gd_domain_curve *curve)
     if (!curve->closed) curve->winding[0] = curve->winding[1] = 0;
 }
 
-/* Far from the domain coordinates are rounded by more than is of use. */
+/* Returns true if a place is so many periods away that its coordinates are too imprecise. */
 static bool is_far(const struct gd_parametric *surface, const double at[2])
 {
     for (int k = 0; k < 2; k++) {
@@ -232,30 +245,14 @@ static enum gd_status check_places(const struct gd_parametric *surface, const do
     return GD_OK;
 }
 
-static enum gd_status check_knots(uint32_t degree, const double *knots, uint32_t count,
-                                  struct gd_detail *detail)
-{
-    for (uint32_t i = 0; i < count + degree + 1; i++)
-        if (!isfinite(knots[i]) || (i && knots[i] < knots[i - 1]))
-            return gd_fail(detail, GD_INVALID_ARGUMENT,
-                           "knot %u of the curve is not finite or less than the one before", i);
-    for (uint32_t i = degree + 1; i + degree < count; i++)
-        if (knots[i] == knots[i + degree])
-            return gd_fail(detail, GD_INVALID_ARGUMENT,
-                           "knot %u of the curve is repeated more than %u times", i, degree);
-    if (!(knots[degree] < knots[count]))
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "the curve's knots leave it no domain");
-    return GD_OK;
-}
-
-/* Takes checked arrays; `degree` 0 with one point is a point. */
-static enum gd_status make(const struct gd_parametric *surface, uint32_t degree,
-                           const double *knots, const double (*points)[2], uint32_t count,
-                           const struct gd_control *control, struct gd_domain_curve **out,
-                           struct gd_detail *detail)
+/* Creates a curve from validated arrays; degree 0 with one control point makes a point. */
+static enum gd_status nurbs_curve_make(const struct gd_parametric *surface, uint32_t degree,
+                                       const double *knots, const double (*points)[2],
+                                       uint32_t count, const struct gd_control *control,
+                                       struct gd_domain_curve **out, struct gd_detail *detail)
 {
     struct gd_domain_curve *curve = calloc(1, sizeof *curve);
-    if (!curve) return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
+    if (!curve) return gd_fail_status(detail, GD_NO_MEMORY);
     atomic_init(&curve->references, 1);
     curve->surface = gd_parametric_retain(surface);
     curve->degree = degree;
@@ -276,7 +273,7 @@ static enum gd_status make(const struct gd_parametric *surface, uint32_t degree,
     }
     if (status) {
         gd_domain_curve_release(curve);
-        return gd_fail(detail, status, "%s", gd_status_sentence(status));
+        return gd_fail_status(detail, status);
     }
     *out = curve;
     return GD_OK;
@@ -293,7 +290,7 @@ enum gd_status gd_domain_curve_point(const struct gd_parametric *surface, double
         return gd_fail(detail, GD_INVALID_ARGUMENT,
                        "the point (%.17g, %.17g) lies more than %d periods away from the domain", u,
                        v, GD_DOMAIN_CURVE_PERIODS_MAX);
-    return make(surface, 0, (double[]){0, 1}, at, 1, NULL, out, detail);
+    return nurbs_curve_make(surface, 0, (double[]){0, 1}, at, 1, NULL, out, detail);
 }
 
 enum gd_status gd_domain_curve_bspline(const struct gd_parametric *surface,
@@ -310,10 +307,10 @@ enum gd_status gd_domain_curve_bspline(const struct gd_parametric *surface,
                        "a curve of degree %u has between %u and %d points", degree, degree + 1,
                        GD_DOMAIN_CURVE_COUNT_MAX);
     enum gd_status status = check_places(surface, spline->points, count, detail);
-    if (!status) status = check_knots(degree, spline->knots, count, detail);
-    return status
-               ? status
-               : make(surface, degree, spline->knots, spline->points, count, control, out, detail);
+    if (!status) status = gd__knots_check(degree, count, spline->knots, detail);
+    return status ? status
+                  : nurbs_curve_make(surface, degree, spline->knots, spline->points, count, control,
+                                     out, detail);
 }
 
 enum gd_status gd_domain_curve_polyline(const struct gd_parametric *surface,
@@ -333,11 +330,11 @@ enum gd_status gd_domain_curve_polyline(const struct gd_parametric *surface,
             return gd_fail(detail, GD_INVALID_ARGUMENT,
                            "corners %u and %u of the polyline are one place", i - 1, i);
     double *knots = malloc((count + 2) * sizeof *knots);
-    if (!knots) return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
+    if (!knots) return gd_fail_status(detail, GD_NO_MEMORY);
     for (uint32_t i = 0; i < count; i++) knots[i + 1] = i;
     knots[0] = 0;
     knots[count + 1] = count - 1;
-    status = make(surface, 1, knots, corners, count, control, out, detail);
+    status = nurbs_curve_make(surface, 1, knots, corners, count, control, out, detail);
     free(knots);
     return status;
 }

@@ -1,4 +1,4 @@
-/* The inside of a domain curve: its smooth spans, and where they lie on the surface. */
+/* Domain curve: its smooth intervals, and evaluation. */
 #ifndef GD_NURBS_CURVE_H
 #define GD_NURBS_CURVE_H
 
@@ -14,30 +14,43 @@ struct gd_domain_curve {
     double (*points)[2];
     bool is_point, closed;
     double low, high;
-    double winding[2]; /* closed: by how much (u, v) has moved after one turn: whole periods */
-    /* The curve is smooth, and stays in one cell of the surface, between consecutive breaks. */
+    double winding[2]; /* for a closed curve: the change of (u, v) after one turn, whole periods */
+    /* The curve is smooth and stays in one cell of the surface between consecutive breaks. */
     uint32_t break_count; /* at least 2 */
     double *breaks;
     _Atomic uint32_t references;
 };
 
-/* Place and two derivatives at a parameter. */
+/* Place and two derivatives by the parameter. */
 struct gd__curve_jet {
     double at[2], first[2], second[2];
 };
 
-/* At any parameter: on a closed curve beyond its range too, where (u, v) goes on by `winding`. */
+/* Evaluates a curve. On a closed curve s may be outside the range; (u, v) then continues by
+ * `winding`. */
 void gd__curve_jet(const struct gd_domain_curve *curve, double s, struct gd__curve_jet *out);
 
-/* The same, by the polynomial that the curve is between breaks[i] and breaks[i + 1]; s may lie on
- * either, or a little outside. */
+/* Evaluates the polynomial between breaks[i] and breaks[i + 1], also at these breaks and slightly
+ * outside. */
 void gd__curve_jet_in(const struct gd_domain_curve *curve, uint32_t i, double s,
                       struct gd__curve_jet *out);
 
-/* The interval of breaks that s (in range) lies in. */
+/* Lists parameters in ascending order: at least `each` in each interval and `least` on the whole
+ * curve, but not many more than `most`. The end of a closed curve is included only with `with_end`.
+ * A point has the single parameter 0. The caller frees *out. Error: GD_NO_MEMORY. */
+struct gd__curve_places {
+    uint32_t each, least, most;
+    bool with_end;
+};
+GD_MUST_USE enum gd_status gd__curve_places(const struct gd_domain_curve *curve,
+                                            const struct gd__curve_places *wanted, double **out,
+                                            uint32_t *count);
+
+/* Returns the interval of breaks that contains s, which must be in range. */
 uint32_t gd__curve_interval(const struct gd_domain_curve *curve, double s);
 
-/* Wrapped (closed) or clamped into the range; `*turns`: how often it was wrapped. */
+/* Returns s, wrapped (closed curve) or clamped into the range. Sets *turns to the number of periods
+ * removed. */
 double gd__curve_reduce(const struct gd_domain_curve *curve, double s, double *turns);
 
 #endif

@@ -4,8 +4,9 @@
 
 #include "nurbs/band.h"
 
-/* The coordinate is on a border and the descent points out of the domain. */
-static bool is_held(const struct gd_axis *axis, double t, double gradient)
+/* Returns true if a coordinate is on a border and the descent direction points out of the
+ * domain. */
+static bool elimination_is_held(const struct gd_axis *axis, double t, double gradient)
 {
     return !axis->closed && ((t <= axis->low && gradient > 0) || (t >= axis->high && gradient < 0));
 }
@@ -17,8 +18,9 @@ static void hold(const struct gd__chain *chain, const struct gd__piece *piece,
     part->contact = false;
     for (uint32_t k = 0; k < unknowns; k++) {
         bool end = k < 2 || k >= unknowns - 2;
-        bool border = !end && is_held(chain->surface->axis[k % 2], piece->points[k / 2][k % 2],
-                                      part->energy.gradient[k]);
+        bool border =
+            !end && elimination_is_held(chain->surface->axis[k % 2], piece->points[k / 2][k % 2],
+                                        part->energy.gradient[k]);
         part->held[k] = end || border;
         part->contact = part->contact || border;
     }
@@ -30,7 +32,8 @@ static double entry(const double *row, uint32_t width, uint32_t i, uint32_t j)
     return high - low < width ? row[(size_t)high * width + (high - low)] : 0;
 }
 
-/* Column of the Hessian for a joint's unknown: its end point moves by the joint's derivative. */
+/* Computes the Hessian's column for a joint's unknown: the end point moves by the joint's
+ * derivative. */
 static void joint_column(const struct gd__chain *chain, const struct gd__part *part,
                          uint32_t unknowns, int side, double *out)
 {
@@ -53,8 +56,8 @@ static bool factor_interior(const struct gd__chain *chain, struct gd__part *part
     return gd__band_factor(unknowns, width, part->factor);
 }
 
-/* What the curve that an end slides on adds: its own acceleration along the path. `*weight`: its
- * squared speed. */
+/* Returns the curvature term of the curve on which an end slides: the curve's acceleration along
+ * the path. Sets *weight to the squared speed. */
 static double end_bend(const struct gd__chain *chain, const struct gd__piece *piece,
                        const struct gd__curve_jet *end, int side, double *weight)
 {
@@ -62,11 +65,8 @@ static double end_bend(const struct gd__chain *chain, const struct gd__piece *pi
     struct gd__curve_jet c;
     gd__piece_jet(chain, piece, end->at, &x);
     gd__piece_at(chain, piece, side ? piece->spans - 1 : 0, side, &c);
-    struct gd_vec3 slide = gd__velocity(&x, end->first), a = gd__velocity(&x, end->second);
+    struct gd_vec3 slide = gd__velocity(&x, end->first), a = gd__acceleration(&x, end);
     *weight = gd_vec3_dot(slide, slide);
-    a = gd_vec3_along(a, end->first[0] * end->first[0], x.uu);
-    a = gd_vec3_along(a, 2 * end->first[0] * end->first[1], x.uv);
-    a = gd_vec3_along(a, end->first[1] * end->first[1], x.vv);
     return (side ? 1 : -1) * gd_vec3_dot(gd__velocity(&x, c.first), a);
 }
 
@@ -79,9 +79,9 @@ static double dot_free(const struct gd__part *part, uint32_t unknowns, const dou
     return sum;
 }
 
-/* Eliminates the interior of a piece. False: its Hessian is not positive definite. */
-static bool reduce(const struct gd__chain *chain, const struct gd__piece *piece,
-                   enum gd__hessian kind, struct gd__part *part)
+/* Eliminates the interior of a piece. Returns false if its Hessian is not positive definite. */
+static bool elimination_reduce(const struct gd__chain *chain, const struct gd__piece *piece,
+                               enum gd__hessian kind, struct gd__part *part)
 {
     uint32_t unknowns = gd__piece_unknowns(chain, piece);
     hold(chain, piece, part);
@@ -109,11 +109,11 @@ static bool reduce(const struct gd__chain *chain, const struct gd__piece *piece,
     return true;
 }
 
-/* Solves for the piece's right-hand sides and finishes its part of the joints' system. */
+/* Solves for the piece's right-hand sides, and completes its contribution to the joints' system. */
 bool gd__part_eliminate(const struct gd__chain *chain, const struct gd__piece *piece,
                         enum gd__hessian kind, double *scratch, struct gd__part *part)
 {
-    if (!reduce(chain, piece, kind, part)) return false;
+    if (!elimination_reduce(chain, piece, kind, part)) return false;
     uint32_t unknowns = gd__piece_unknowns(chain, piece), width = gd__energy_width(chain);
     gd__band_solve(unknowns, width, part->factor, part->solution[GD__PART_GRADIENT]);
     for (int side = 0; side < 2; side++)
@@ -126,7 +126,8 @@ bool gd__part_eliminate(const struct gd__chain *chain, const struct gd__piece *p
         memcpy(scratch, column, unknowns * sizeof *scratch);
         gd__band_solve(unknowns, width, part->factor, column);
         part->schur[side][side] -= dot_free(part, unknowns, scratch, column);
-        /* the other column: still unsolved for side 0, solved for side 1 */
+        /* the mixed derivative: the unsolved column of one side times the solved column of the
+           other */
         if (side == 1)
             part->schur[1][0] -= dot_free(part, unknowns, scratch, part->solution[GD__PART_FROM]);
     }

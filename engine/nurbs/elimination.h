@@ -1,5 +1,5 @@
-/* Elimination: the interior of a piece taken out of Newton's system, which leaves its length as a
- * function of the joints at its ends. */
+/* Elimination: removes the interior unknowns of a piece from Newton's system, which leaves the
+ * piece's length as a function of the joints at its ends. */
 #ifndef GD_NURBS_ELIMINATION_H
 #define GD_NURBS_ELIMINATION_H
 
@@ -10,21 +10,24 @@ enum {
     GD__PART_FROM,
     GD__PART_TO,
     GD__PART_SOLUTIONS
-}; /* right-hand sides of a piece: its gradient, and the columns of its two joints */
-/* One piece in a step. */
+}; /* right-hand sides of a piece: its gradient and the columns of its two joints */
+/* The data of one piece in one step. */
 struct gd__part {
     struct gd__energy energy;
     double length;
-    double *factor;                       /* as energy.hessian */
+    double *factor;                       /* laid out as energy.hessian */
     double *solution[GD__PART_SOLUTIONS]; /* 2 n each */
-    /* unknowns that do not move of themselves: the ends, and what is held on a border */
+    /* per unknown: fixed in this step, because it belongs to an end or is held on a border */
     bool *held;
-    struct gd__curve_jet end[2]; /* of its joints */
-    double slope[2];             /* dE by the joints' unknowns, interior unmoved */
-    double reduced[2];           /* the same when the interior follows */
-    double schur[2][2];          /* second derivatives likewise */
-    bool contact;                /* something is held on a border */
-    double weight[2];            /* squared speed at which the ends move by the joints' unknowns */
+    struct gd__curve_jet end[2]; /* jets of the joints' places */
+    /* derivatives of E by the joints' unknowns, with a fixed interior */
+    double slope[2];
+    /* derivatives of E by the joints' unknowns, with an optimal interior */
+    double reduced[2];
+    double schur[2][2]; /* second derivatives, with an optimal interior */
+    bool contact;       /* some unknown is held on a border */
+    /* squared speeds of the ends with respect to the joints' unknowns */
+    double weight[2];
 };
 
 static inline uint32_t gd__piece_unknowns(const struct gd__chain *chain,
@@ -33,8 +36,8 @@ static inline uint32_t gd__piece_unknowns(const struct gd__chain *chain,
     return 2 * gd__piece_points(chain, piece);
 }
 
-/* From energy and ends to solution, slope, reduced, schur and weight. `scratch`: as many numbers as
- * there are unknowns. False: the Hessian is not positive definite. O(spans degree^2). */
+/* Computes the members after `end` from `energy` and `end`. `scratch` has one number for each
+ * unknown. Returns false if the Hessian is not positive definite. O(spans degree^2). */
 bool gd__part_eliminate(const struct gd__chain *chain, const struct gd__piece *piece,
                         enum gd__hessian kind, double *scratch, struct gd__part *part);
 

@@ -7,7 +7,7 @@ double gd__energy_value(const struct gd__chain *chain, const struct gd__piece *p
 {
     int gauss = gd__chain_gauss(chain);
     double sum = 0;
-    for (uint32_t span = 0; span < piece->spans && gd__watch_step(chain->watch); span++) {
+    for (uint32_t span = 0; span < piece->spans && gd__pace(chain->pace, GD__STEP); span++) {
         const double *knot = piece->knots + chain->degree + span;
         for (int g = 0; g < gauss; g++) {
             struct gd__curve_jet c;
@@ -21,15 +21,16 @@ double gd__energy_value(const struct gd__chain *chain, const struct gd__piece *p
     return sum;
 }
 
-/* What the Hessian needs of a node: with J_ia = N_i' x_a + N_i y_a, y_a = d/dt x_a,
- * J_ia . J_jb = N_i' N_j' metric + N_i' N_j mixed[a][b] + N_i N_j' mixed[b][a] + N_i N_j square,
- * and `square` also takes what goes off the tangent plane and the curvature. */
+/* Terms of the Hessian at a node. With J_ia = N_i' x_a + N_i y_a, y_a = d/dt x_a: J_ia . J_jb =
+ * N_i' N_j' metric + N_i' N_j mixed[a][b] + N_i N_j' mixed[b][a] + N_i N_j square. `square` also
+ * includes the terms of make_covariant. */
 struct forms {
     double linear[2], slope[2]; /* d . y_a, d . x_a */
     double metric[2][2], mixed[2][2], square[2][2];
 };
 
-/* Takes the normal parts of y_a from `square`, and K w w^T with K det g = LN - M^2. */
+/* Subtracts the normal components of y_a from `square`, and the curvature term K w w^T with K det g
+ * = LN - M^2. */
 static void make_covariant(const struct gd_jet *x, const double first[2], struct forms *f)
 {
     struct gd_vec3 normal = gd_vec3_cross(x->u, x->v);
@@ -62,7 +63,8 @@ static void forms_of(const struct gd_jet *x, const double first[2], enum gd__hes
     if (kind == GD__HESSIAN_NEWTON) make_covariant(x, first, out);
 }
 
-/* Adds a node to gradient and Hessian; `first_unknown` belongs to the span's first point. */
+/* Adds a node to gradient and Hessian. `first_unknown` is the first unknown of the span's first
+ * point. */
 static void add_node(const struct gd__chain *chain, const struct gd__node *node,
                      const struct forms *f, double weight, uint32_t first_unknown,
                      struct gd__energy *out)
@@ -93,7 +95,7 @@ void gd__energy_expand(const struct gd__chain *chain, const struct gd__piece *pi
     out->value = 0;
     memset(out->gradient, 0, unknowns * sizeof *out->gradient);
     memset(out->hessian, 0, (size_t)unknowns * gd__energy_width(chain) * sizeof *out->hessian);
-    for (uint32_t span = 0; span < piece->spans && gd__watch_step(chain->watch); span++) {
+    for (uint32_t span = 0; span < piece->spans && gd__pace(chain->pace, GD__STEP); span++) {
         const double *knot = piece->knots + chain->degree + span;
         for (int g = 0; g < gauss; g++) {
             struct gd__curve_jet c;
@@ -117,16 +119,13 @@ void gd__energy_bend(const struct gd__chain *chain, const struct gd__piece *piec
     int gauss = gd__chain_gauss(chain);
     const double *knot = piece->knots + chain->degree + span;
     *bend = *length = 0;
-    if (!gd__watch_step(chain->watch)) return;
+    if (!gd__pace(chain->pace, GD__STEP)) return;
     for (int g = 0; g < gauss; g++) {
         struct gd__curve_jet c;
         struct gd_jet x;
         gd__piece_node(chain, piece, span, g, &c);
         gd__piece_jet(chain, piece, c.at, &x);
-        struct gd_vec3 d = gd__velocity(&x, c.first), a = gd__velocity(&x, c.second);
-        a = gd_vec3_along(a, c.first[0] * c.first[0], x.uu);
-        a = gd_vec3_along(a, 2 * c.first[0] * c.first[1], x.uv);
-        a = gd_vec3_along(a, c.first[1] * c.first[1], x.vv);
+        struct gd_vec3 d = gd__velocity(&x, c.first), a = gd__acceleration(&x, &c);
         struct gd_vec3 normal = gd_vec3_cross(x.u, x.v);
         double area = gd_vec3_length(normal), speed = gd_vec3_length(d);
         double weight = (knot[1] - knot[0]) * gd__gauss(gauss)->weight[g];
@@ -144,7 +143,7 @@ double gd__energy_uneven(const struct gd__chain *chain, const struct gd__piece *
     int gauss = gd__chain_gauss(chain);
     const double *knot = piece->knots + chain->degree + span, half = 0.5 * (knot[1] - knot[0]);
     double sum = 0;
-    for (int g = 0; g < 2 * gauss && gd__watch_step(chain->watch); g++) {
+    for (int g = 0; g < 2 * gauss && gd__pace(chain->pace, GD__STEP); g++) {
         struct gd__curve_jet c;
         struct gd_jet x;
         gd__piece_at(chain, piece, span,

@@ -1,18 +1,20 @@
-/* From a trail to a chain: the cells that it runs through, and a piece in each. */
+/* Fits a chain to a polyline: finds the cells that the polyline passes, and makes one piece in
+ * each. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/array.h"
 #include "base/tolerance.h"
-#include "nurbs/trail.h"
+#include "nurbs/uv_polyline.h"
 
 enum { CUTS_MOST = 65536 };
 
-/* Where the trail goes over from one cell to the next. */
+/* A place where the polyline enters another cell. */
 struct cut {
-    double position;    /* on the trail */
-    int axis;           /* of the line that it crosses */
-    double line, along; /* its coordinate, and the other one there */
+    double position;    /* position on the polyline */
+    int axis;           /* direction of the line that it crosses */
+    double line, along; /* the line's coordinate, and the place's other coordinate */
     struct gd__cell next;
 };
 
@@ -24,21 +26,16 @@ struct cuts {
 static enum gd_status add_cut(struct cuts *cuts, const struct cut *cut)
 {
     if (cuts->count == CUTS_MOST) return GD_INTERNAL;
-    if (cuts->count == cuts->capacity) {
-        uint32_t capacity = cuts->capacity ? 2 * cuts->capacity : 16;
-        struct cut *grown = realloc(cuts->cut, capacity * sizeof *grown);
-        if (!grown) return GD_NO_MEMORY;
-        cuts->cut = grown;
-        cuts->capacity = capacity;
-    }
-    cuts->cut[cuts->count++] = *cut;
-    return GD_OK;
+    enum gd_status status =
+        gd__array_extend(&cuts->cut, &cuts->capacity, cuts->count + 1ULL, sizeof *cuts->cut, NULL);
+    if (!status) cuts->cut[cuts->count++] = *cut;
+    return status;
 }
 
 /* --- cells ------------------------------------------------------------------------------------ */
 
-/* The lines around a cell in one direction; a border of the domain is none and nothing passes
- * it. */
+/* The lines around a cell in one direction. Borders of the domain do not count, because no path
+ * crosses them. */
 struct slab {
     double low, high, slack;
 };
@@ -62,11 +59,12 @@ static bool is_inside(const struct gd_parametric *surface, struct gd__cell cell,
     return true;
 }
 
-/* The first place after `from` that is not inside; count if there is none. */
-static uint32_t first_outside(const struct gd_parametric *surface, const struct gd__trail *trail,
-                              struct gd__cell cell, uint32_t from)
+/* Returns the first place from `from` on that is outside the cell; polyline->count if none is. */
+static uint32_t first_outside(const struct gd_parametric *surface,
+                              const struct gd__uv_polyline *polyline, struct gd__cell cell,
+                              uint32_t from)
 {
-    while (from < trail->count && is_inside(surface, cell, trail->at[from])) from++;
+    while (from < polyline->count && is_inside(surface, cell, polyline->at[from])) from++;
     return from;
 }
 
@@ -76,11 +74,12 @@ static bool exists(const struct gd_axis *axis, int32_t index)
     return index >= 0 && index <= (int32_t)axis->line_count;
 }
 
-/* Of the cells around the first place, the one in which the trail stays longest. */
+/* Returns the cell, among those around the first place, in which the polyline stays longest. */
 static struct gd__cell first_cell(const struct gd_parametric *surface,
-                                  const struct gd__trail *trail)
+                                  const struct gd__uv_polyline *polyline)
 {
-    struct gd__cell base = gd__surface_cell(surface, trail->at[0][0], trail->at[0][1]), best = base;
+    struct gd__cell base = gd__surface_cell(surface, polyline->at[0][0], polyline->at[0][1]),
+                    best = base;
     uint32_t longest = 0;
     for (int i = 0; i < 9; i++) {
         /* the place's own cell first */
@@ -88,7 +87,7 @@ static struct gd__cell first_cell(const struct gd_parametric *surface,
         struct gd__cell cell = {{base.index[0] + offsets[i / 3], base.index[1] + offsets[i % 3]}};
         if (!exists(surface->axis[0], cell.index[0]) || !exists(surface->axis[1], cell.index[1]))
             continue;
-        uint32_t stay = first_outside(surface, trail, cell, 0);
+        uint32_t stay = first_outside(surface, polyline, cell, 0);
         if (stay > longest) longest = stay, best = cell;
     }
     return best;
@@ -96,7 +95,8 @@ static struct gd__cell first_cell(const struct gd_parametric *surface,
 
 /* --- crossings -------------------------------------------------------------------------------- */
 
-/* How far along the segment from a to b the slab is left, and to which side; INFINITY: not. */
+/* Returns the fraction of the segment from a to b at which it leaves the slab, and sets *side;
+ * INFINITY if it stays inside. */
 static double leaves(const struct slab *slab, double a, double b, int *side)
 {
     double line = b > slab->high + slab->slack  ? slab->high
@@ -107,11 +107,12 @@ static double leaves(const struct slab *slab, double a, double b, int *side)
     return a == b ? 0 : fmin(fmax((line - a) / (b - a), 0), 1);
 }
 
-/* The cut on the segment that ends at place i, which lies outside `cell`. */
-static struct cut find_cut(const struct gd_parametric *surface, const struct gd__trail *trail,
-                           struct gd__cell cell, uint32_t i, double corner)
+/* Returns the cut on the segment that ends at place i, the first outside `cell`. */
+static struct cut find_cut(const struct gd_parametric *surface,
+                           const struct gd__uv_polyline *polyline, struct gd__cell cell, uint32_t i,
+                           double corner)
 {
-    const double *a = trail->at[i - 1], *b = trail->at[i];
+    const double *a = polyline->at[i - 1], *b = polyline->at[i];
     double part[2];
     int side[2] = {0, 0};
     struct slab slab[2];
@@ -127,66 +128,65 @@ static struct cut find_cut(const struct gd_parametric *surface, const struct gd_
     double width = slab[1 - k].high - slab[1 - k].low;
     double near = isfinite(width) ? corner * width : slab[1 - k].slack * corner / GD_TOL_CELL;
     for (int s = -1; s <= 1; s += 2) {
-        /* heading for the corner: over to the opposite cell at once */
+        /* near a corner of cells, continues directly in the opposite cell */
         double line = s > 0 ? slab[1 - k].high : slab[1 - k].low;
-        uint32_t ahead = i + 2 < trail->count ? i + 2 : trail->count - 1;
+        uint32_t ahead = i + 2 < polyline->count ? i + 2 : polyline->count - 1;
         if (fabs(cut.along - line) <= near &&
-            s * (trail->at[ahead][1 - k] - line) > slab[1 - k].slack)
+            s * (polyline->at[ahead][1 - k] - line) > slab[1 - k].slack)
             cut.next.index[1 - k] += s;
     }
     return cut;
 }
 
-static enum gd_status find_cuts(const struct gd_parametric *surface, const struct gd__trail *trail,
-                                double corner, struct gd__cell *cell, struct cuts *out)
+static enum gd_status find_cuts(const struct gd_parametric *surface,
+                                const struct gd__uv_polyline *polyline, double corner,
+                                struct gd__cell *cell, struct cuts *out)
 {
-    *cell = first_cell(surface, trail);
+    *cell = first_cell(surface, polyline);
     struct gd__cell now = *cell;
     enum gd_status status = GD_OK;
-    uint32_t i = first_outside(surface, trail, now, 1);
-    while (i < trail->count && !status) {
-        struct cut cut = find_cut(surface, trail, now, i, corner);
+    uint32_t i = first_outside(surface, polyline, now, 1);
+    while (i < polyline->count && !status) {
+        struct cut cut = find_cut(surface, polyline, now, i, corner);
         now = cut.next;
         status = add_cut(out, &cut);
-        i = first_outside(surface, trail, now, i);
+        i = first_outside(surface, polyline, now, i);
     }
     return status;
 }
 
 /* --- pieces ----------------------------------------------------------------------------------- */
 
-/* Control points at the Greville abscissae: they give back the trail but for its bends. */
-static void fill(const struct gd__chain *chain, struct gd__piece *piece,
-                 const struct gd__trail *trail, double from, double to)
+/* Returns the arc length at a position of the polyline. */
+static double run_at(const struct gd__uv_polyline *polyline, double position)
 {
-    uint32_t first = (uint32_t)from < trail->count - 1 ? (uint32_t)from : trail->count - 2;
-    double run[2];
-    double ends[2] = {from, to};
-    for (int k = 0; k < 2; k++) {
-        uint32_t i = (uint32_t)ends[k] < trail->count - 1 ? (uint32_t)ends[k] : trail->count - 2;
-        run[k] = trail->run[i] + (ends[k] - i) * (trail->run[i + 1] - trail->run[i]);
-    }
+    uint32_t i = position < polyline->count - 1 ? (uint32_t)position : polyline->count - 2;
+    return polyline->arc[i] + (position - i) * (polyline->arc[i + 1] - polyline->arc[i]);
+}
+
+/* Sets control points at the Greville abscissae, which reproduces straight parts of the
+ * polyline. */
+static void fit_fill(const struct gd__chain *chain, struct gd__piece *piece,
+                     const struct gd__uv_polyline *polyline, double from, double to)
+{
+    uint32_t first = (uint32_t)from < polyline->count - 1 ? (uint32_t)from : polyline->count - 2;
+    double run[2] = {run_at(polyline, from), run_at(polyline, to)};
     for (uint32_t i = 0; i < gd__piece_points(chain, piece); i++) {
         double t = 0;
         for (uint32_t k = 1; k <= chain->degree; k++) t += piece->knots[i + k] / chain->degree;
-        double position = gd__trail_position(trail, run[0] + t * (run[1] - run[0]), first);
-        gd__trail_place(trail, fmin(fmax(position, from), to), piece->points[i]);
+        double position = gd__uv_polyline_position(polyline, run[0] + t * (run[1] - run[0]), first);
+        gd__uv_polyline_at(polyline, fmin(fmax(position, from), to), piece->points[i]);
     }
 }
 
-static double run_at(const struct gd__trail *trail, double position)
-{
-    uint32_t i = position < trail->count - 1 ? (uint32_t)position : trail->count - 2;
-    return trail->run[i] + (position - i) * (trail->run[i + 1] - trail->run[i]);
-}
-
-static uint32_t *share_spans(const struct gd__trail *trail, const struct cuts *cuts, uint32_t total)
+static uint32_t *share_spans(const struct gd__uv_polyline *polyline, const struct cuts *cuts,
+                             uint32_t total)
 {
     uint32_t *spans = malloc((cuts->count + 1) * sizeof *spans);
     if (!spans) return NULL;
-    double all = trail->run[trail->count - 1], before = 0;
+    double all = polyline->arc[polyline->count - 1], before = 0;
     for (uint32_t i = 0; i <= cuts->count; i++) {
-        double run = i < cuts->count ? run_at(trail, cuts->cut[i].position) : all;
+        double run = i < cuts->count ? run_at(polyline, cuts->cut[i].position) : all;
         double share = all > 0 ? ceil(total * (run - before) / all - 0.25) : 1;
         spans[i] = share > 1 ? (uint32_t)share : 1;
         before = run;
@@ -194,34 +194,31 @@ static uint32_t *share_spans(const struct gd__trail *trail, const struct cuts *c
     return spans;
 }
 
-/* A joint that slides on the line of a cut. */
-static struct gd__joint joint_of(const struct gd_parametric *surface, const struct cut *cut)
+/* Returns a joint that slides on the line of a cut. */
+static struct gd__joint fit_joint_of(const struct gd_parametric *surface, const struct cut *cut)
 {
-    const struct gd_axis *along = surface->axis[1 - cut->axis];
-    return (struct gd__joint){.kind = GD__JOINT_LINE,
-                              .at = cut->along,
-                              .low = along->closed ? -INFINITY : along->low,
-                              .high = along->closed ? INFINITY : along->high,
-                              .axis = cut->axis,
-                              .value = cut->line};
+    double at[2];
+    at[cut->axis] = cut->line;
+    at[1 - cut->axis] = cut->along;
+    return gd__joint_on_line(surface, cut->axis, at);
 }
 
 static struct gd__chain *assemble(const struct gd_parametric *surface,
-                                  const struct gd__trail *trail, const struct gd__fit *fit,
-                                  struct gd__watch *watch, struct gd__cell cell,
+                                  const struct gd__uv_polyline *polyline, const struct gd__fit *fit,
+                                  struct gd__pace *pace, struct gd__cell cell,
                                   const struct cuts *cuts, const uint32_t *spans)
 {
-    struct gd__chain *chain = gd__chain_create(surface, watch, fit->degree, cuts->count + 1, spans);
+    struct gd__chain *chain = gd__chain_create(surface, pace, fit->degree, cuts->count + 1, spans);
     if (!chain) return NULL;
     double from = 0;
     chain->joints[0] = fit->from;
     for (uint32_t i = 0; i <= cuts->count; i++) {
         bool last = i == cuts->count;
-        double to = last ? trail->count - 1 : cuts->cut[i].position;
+        double to = last ? polyline->count - 1 : cuts->cut[i].position;
         chain->pieces[i].cell = cell;
         chain->pieces[i].whole = fit->whole;
-        fill(chain, &chain->pieces[i], trail, from, to);
-        chain->joints[i + 1] = last ? fit->to : joint_of(surface, &cuts->cut[i]);
+        fit_fill(chain, &chain->pieces[i], polyline, from, to);
+        chain->joints[i + 1] = last ? fit->to : fit_joint_of(surface, &cuts->cut[i]);
         if (!last) cell = cuts->cut[i].next;
         from = to;
     }
@@ -230,21 +227,21 @@ static struct gd__chain *assemble(const struct gd_parametric *surface,
     return chain;
 }
 
-enum gd_status gd__trail_fit(const struct gd_parametric *surface, const struct gd__trail *trail,
-                             const struct gd__fit *fit, struct gd__watch *watch,
-                             struct gd__chain **out)
+enum gd_status gd__chain_fit(const struct gd_parametric *surface,
+                             const struct gd__uv_polyline *polyline, const struct gd__fit *fit,
+                             struct gd__pace *pace, struct gd__chain **out)
 {
     struct cuts cuts = {0};
-    struct gd__cell cell = gd__surface_cell(surface, trail->at[0][0], trail->at[0][1]);
+    struct gd__cell cell = gd__surface_cell(surface, polyline->at[0][0], polyline->at[0][1]);
     enum gd_status status =
-        fit->whole ? GD_OK : find_cuts(surface, trail, fit->corner, &cell, &cuts);
-    uint32_t *spans = status ? NULL : share_spans(trail, &cuts, fit->spans);
+        fit->whole ? GD_OK : find_cuts(surface, polyline, fit->corner, &cell, &cuts);
+    uint32_t *spans = status ? NULL : share_spans(polyline, &cuts, fit->spans);
     if (!status && !spans) status = GD_NO_MEMORY;
     if (!status)
         status =
-            gd_control_afford(watch->control, gd__chain_bytes(fit->degree, cuts.count + 1, spans));
+            gd_control_afford(pace->control, gd__chain_bytes(fit->degree, cuts.count + 1, spans));
     if (!status) {
-        struct gd__chain *chain = assemble(surface, trail, fit, watch, cell, &cuts, spans);
+        struct gd__chain *chain = assemble(surface, polyline, fit, pace, cell, &cuts, spans);
         if (chain)
             *out = chain;
         else
@@ -260,7 +257,7 @@ bool gd__chain_is_proper(const struct gd__chain *chain)
     for (uint32_t i = 0; i < chain->piece_count; i++) {
         const struct gd__piece *piece = &chain->pieces[i];
         if (piece->whole) continue;
-        for (uint32_t span = 0; span < piece->spans && gd__watch_step(chain->watch); span++) {
+        for (uint32_t span = 0; span < piece->spans && gd__pace(chain->pace, GD__STEP); span++) {
             const double *knot = piece->knots + chain->degree + span;
             for (int k = 0; k <= 4; k++) {
                 struct gd__curve_jet c;

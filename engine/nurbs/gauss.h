@@ -1,5 +1,5 @@
-/* Gauss-Legendre quadrature on [0, 1]: nodes and weights for 4 to 7 points (exact for polynomials
- * of degree 2 n - 1). */
+/* Gauss-Legendre quadrature on [0, 1]: nodes and weights for n = 4 to 7 points (exact for
+ * polynomials of degree 2 n - 1). */
 #ifndef GD_NURBS_GAUSS_H
 #define GD_NURBS_GAUSS_H
 
@@ -26,7 +26,7 @@ static const struct gd__gauss gd__gauss_of[] = {
       0.19091502525255946, 0.13985269574463832, 0.064742483084434851}},
 };
 
-/* The rule of `count` points, GD__GAUSS_LEAST to GD__GAUSS_MOST. */
+/* Returns the rule of `count` points, GD__GAUSS_LEAST to GD__GAUSS_MOST. */
 static inline const struct gd__gauss *gd__gauss(int count)
 {
     return &gd__gauss_of[count - GD__GAUSS_LEAST];

@@ -3,14 +3,16 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum {
-    ACROSS = 9,
-    ALONG = 8,
-    LEAST_STEPS = 8
-}; /* lines at which a cell is measured, places on each; fewest steps in a direction */
+#include "nurbs/bspline.h"
 
-/* Length of a cell in one direction and its bend |x''| width^2: the greatest of several lines
- * across it. */
+enum {
+    ACROSS = 9,     /* lines on which a cell is measured */
+    ALONG = 8,      /* steps between measured places on each line */
+    LEAST_STEPS = 8 /* least number of steps in a direction */
+};
+
+/* The size of a cell in one direction: the largest length and the largest |x''| width^2 on several
+ * lines across the cell. */
 struct cell_size {
     double low, high, length, bend;
 };
@@ -36,7 +38,8 @@ static void measure_line(const struct gd_parametric *surface, int k, int32_t ind
     size->length = fmax(size->length, length);
 }
 
-static struct cell_size measure(const struct gd_parametric *surface, int k, int32_t index)
+static struct cell_size nurbs_grid_measure(const struct gd_parametric *surface, int k,
+                                           int32_t index)
 {
     const struct gd_axis *axis = surface->axis[k], *other = surface->axis[1 - k];
     bool is_line;
@@ -56,8 +59,8 @@ static double total_length(const struct cell_size *sizes, uint32_t count)
     return sum;
 }
 
-/* An edge of 1/steps of the cell deviates by bend / (8 steps^2); both directions share what is
- * allowed. */
+/* Returns the steps for a cell. An edge of 1/steps of the cell deviates by bend / (8 steps^2); each
+ * direction may use half of `deviation`. */
 static double steps_of(const struct cell_size *size, double step, double deviation, double share)
 {
     double steps = fmax(ceil(size->length / step), 1);
@@ -65,8 +68,8 @@ static double steps_of(const struct cell_size *size, double step, double deviati
     return fmax(steps, ceil(LEAST_STEPS * share));
 }
 
-static enum gd_status divide(const struct cell_size *sizes, uint32_t cells, double step,
-                             double deviation, double **out, uint32_t *steps)
+static enum gd_status nurbs_grid_divide(const struct cell_size *sizes, uint32_t cells, double step,
+                                        double deviation, double **out, uint32_t *steps)
 {
     double count = 0;
     for (uint32_t i = 0; i < cells; i++) count += steps_of(&sizes[i], step, deviation, 1.0 / cells);
@@ -85,7 +88,7 @@ static enum gd_status divide(const struct cell_size *sizes, uint32_t cells, doub
     return GD_OK;
 }
 
-/* As many steps as are asked for, whatever lies between. */
+/* Divides a direction into the requested number of equal steps, regardless of lines. */
 static enum gd_status divide_evenly(const struct gd_axis *axis, uint32_t steps, double **out)
 {
     double *at = malloc((steps + (size_t)1) * sizeof *at);
@@ -124,15 +127,15 @@ enum gd_status gd__grid_make(const struct gd_parametric *surface,
         sizes[k] = malloc(cells * sizeof **sizes);
         if (!sizes[k]) status = GD_NO_MEMORY;
         for (uint32_t i = 0; i < cells && !status; i++)
-            sizes[k][i] = measure(surface, k, (int32_t)i);
+            sizes[k][i] = nurbs_grid_measure(surface, k, (int32_t)i);
         if (!status) lengths[k] = total_length(sizes[k], cells);
     }
     double faces = options && options->faces ? options->faces : GD_TESSELLATION_FACES;
     double step = sqrt(2 * lengths[0] * lengths[1] / faces),
            deviation = options ? options->deviation : 0;
     for (int k = 0; k < 2 && !status; k++)
-        status = divide(sizes[k], surface->axis[k]->line_count + 1, step, deviation, &grid.at[k],
-                        &grid.steps[k]);
+        status = nurbs_grid_divide(sizes[k], surface->axis[k]->line_count + 1, step, deviation,
+                                   &grid.at[k], &grid.steps[k]);
     free(sizes[0]);
     free(sizes[1]);
     if (!status && 2.0 * grid.steps[0] * grid.steps[1] > GD_TESSELLATION_FACES_MAX)
@@ -154,14 +157,7 @@ void gd__grid_free(struct gd__grid *grid)
 uint32_t gd__grid_step(const struct gd__grid *grid, int axis, double t, double *part)
 {
     const double *at = grid->at[axis];
-    uint32_t low = 0, high = grid->steps[axis];
-    while (high - low > 1) {
-        uint32_t middle = low + (high - low) / 2;
-        if (t < at[middle])
-            high = middle;
-        else
-            low = middle;
-    }
+    uint32_t low = gd__interval(at, 0, grid->steps[axis], t);
     *part = fmin(fmax((t - at[low]) / (at[low + 1] - at[low]), 0), 1);
     return low;
 }

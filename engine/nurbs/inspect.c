@@ -15,7 +15,7 @@ const char *gd_nurbs_flaw_name(enum gd_nurbs_flaw flaw)
     return "unknown";
 }
 
-/* Fills the detail; the flaw stands in a return. */
+/* Fills the detail; returns the flaw, for use in a return statement. */
 #define refuse(flaw, detail, ...)                                                                  \
     (gd_fail(detail, GD_INVALID_ARGUMENT, __VA_ARGS__) == GD_OK ? GD_NURBS_FLAW_NONE : (flaw))
 
@@ -23,7 +23,7 @@ struct direction {
     char name;
     uint32_t degree, count, knot_count;
     const double *knots;
-    bool short_knots; /* the convention leaves out the first and the last */
+    bool short_knots; /* the convention omits the first and the last knot */
 };
 
 static enum gd_nurbs_flaw inspect_counts(const struct direction *d, struct gd_detail *detail)
@@ -50,7 +50,7 @@ static enum gd_nurbs_flaw inspect_knots(const struct direction *d, struct gd_det
     for (uint32_t i = 0; i < d->knot_count; i++) {
         if (!isfinite(k[i]) || fabs(k[i]) > GD_EXTENT_MAX)
             return refuse(GD_NURBS_FLAW_NON_FINITE, detail,
-                          "knot %u in %c is not a finite number of sense", i, d->name);
+                          "knot %u in %c is not a finite number of usable size", i, d->name);
         if (i && k[i] < k[i - 1])
             return refuse(GD_NURBS_FLAW_DECREASING_KNOTS, detail,
                           "knot %u in %c is %.17g, less than %.17g before it", i, d->name, k[i],
@@ -85,7 +85,7 @@ static enum gd_nurbs_flaw inspect_points(const struct gd_nurbs_data *data, struc
         for (int c = 0; c < 3; c++) {
             if (!isfinite(data->points[i][c]))
                 return refuse(GD_NURBS_FLAW_NON_FINITE, detail,
-                              "control point (%u, %u) has a coordinate that is no number", row,
+                              "control point (%u, %u) has a coordinate that is not a number", row,
                               column);
             if (fabs(data->points[i][c]) > GD_EXTENT_RATIO)
                 return refuse(GD_NURBS_FLAW_EXTENT, detail,

@@ -4,38 +4,31 @@
 #include <stdlib.h>
 
 #include "base/tolerance.h"
-#include "nurbs/watch.h"
+#include "base/pace.h"
 
 enum { PLACES_LEAST = 128, PLACES_MOST = 1024, STEPS_MOST = 100 };
 
-/* Places on a curve: some in each of its intervals. */
+/* Sampled places on a curve. */
 struct places {
     uint32_t count;
     double *s;
     struct gd_vec3 *x;
 };
 
-static enum gd_status look(const struct gd_domain_curve *curve, struct gd__watch *watch,
-                           struct places *out)
+static enum gd_status meet_sample(const struct gd_domain_curve *curve, struct gd__pace *pace,
+                                  struct places *out)
 {
-    uint32_t intervals = curve->is_point ? 1 : curve->break_count - 1;
-    uint32_t each = curve->is_point ? 1 : (PLACES_LEAST + intervals - 1) / intervals;
-    if (!curve->is_point && each < 4) each = 4;
-    if (each * intervals > PLACES_MOST) each = PLACES_MOST / intervals + 1;
-    *out = (struct places){.s = malloc((each * intervals + 1) * sizeof *out->s),
-                           .x = malloc((each * intervals + 1) * sizeof *out->x)};
-    if (!out->s || !out->x) return GD_NO_MEMORY;
-    for (uint32_t i = 0; i < intervals && !curve->is_point; i++)
-        for (uint32_t k = 0; k < each; k++)
-            out->s[out->count++] =
-                curve->breaks[i] + (curve->breaks[i + 1] - curve->breaks[i]) * k / each;
-    out->s[out->count++] = curve->is_point ? 0 : curve->high;
-    for (uint32_t i = 0; i < out->count && gd__watch_step(watch); i++) {
+    static const struct gd__curve_places wanted = {4, PLACES_LEAST, PLACES_MOST, true};
+    enum gd_status status = gd__curve_places(curve, &wanted, &out->s, &out->count);
+    if (status) return status;
+    out->x = malloc(out->count * sizeof *out->x);
+    if (!out->x) return GD_NO_MEMORY;
+    for (uint32_t i = 0; i < out->count && gd__pace(pace, GD__STEP); i++) {
         struct gd__curve_jet jet;
         gd__curve_jet(curve, out->s[i], &jet);
         out->x[i] = gd__surface_position(curve->surface, jet.at);
     }
-    return watch->status;
+    return pace->status;
 }
 
 static void places_free(struct places *places)
@@ -44,7 +37,7 @@ static void places_free(struct places *places)
     free(places->x);
 }
 
-/* A place of a curve in the domain and in space, with the derivative there. */
+/* A place of a curve in the domain and in space, with derivatives by the parameter. */
 struct view {
     struct gd__curve_jet c;
     struct gd_vec3 x, first;
@@ -61,7 +54,8 @@ static struct view view_of(const struct gd_domain_curve *curve, double s)
     return view;
 }
 
-/* One place of the surface, not only of space: the surface may pass through itself. */
+/* Returns true if both are the same place of the surface. Equality in space does not suffice,
+ * because the surface may intersect itself. */
 static bool is_one_place(const struct gd_parametric *surface, const double a[2], const double b[2])
 {
     for (int k = 0; k < 2; k++)
@@ -75,23 +69,24 @@ static bool is_one_place(const struct gd_parametric *surface, const double a[2],
     return true;
 }
 
-static double clamp(const struct gd_domain_curve *curve, double s)
+static double meet_clamp(const struct gd_domain_curve *curve, double s)
 {
     return curve->closed ? s : fmin(fmax(s, curve->low), curve->high);
 }
 
-/* Places no farther apart are one place in space. */
+/* Returns the distance below which places count as equal in space. */
 static double nearness(const struct gd_parametric *surface)
 {
     return GD_TOL_COINCIDE * surface->size + GD_TOL_LOCATE * surface->farthest;
 }
 
-/* Gauss-Newton on x(a(s)) - x(b(t)): quadratic where the curves cross. True: they meet. */
+/* Applies Gauss-Newton to x(a(s)) - x(b(t)), which converges quadratically where the curves cross.
+ * Returns true if they meet. */
 static bool approach(const struct gd_domain_curve *a, const struct gd_domain_curve *b,
-                     struct gd__watch *watch, double s[2])
+                     struct gd__pace *pace, double s[2])
 {
     double near = nearness(a->surface);
-    for (int i = 0; i < STEPS_MOST && gd__watch_step(watch); i++) {
+    for (int i = 0; i < STEPS_MOST && gd__pace(pace, GD__STEP); i++) {
         struct view p = view_of(a, s[0]), q = view_of(b, s[1]);
         struct gd_vec3 r = gd_vec3_sub(p.x, q.x);
         if (gd_vec3_length(r) <= near) return is_one_place(a->surface, p.c.at, q.c.at);
@@ -102,53 +97,53 @@ static bool approach(const struct gd_domain_curve *a, const struct gd_domain_cur
         if (!(determinant > 0)) return false;
         double ds = (ab * rb - ra * (bb + damp)) / determinant,
                dt = ((aa + damp) * rb - ab * ra) / determinant;
-        double next[2] = {clamp(a, s[0] + (a->is_point ? 0 : ds)),
-                          clamp(b, s[1] + (b->is_point ? 0 : dt))};
+        double next[2] = {meet_clamp(a, s[0] + (a->is_point ? 0 : ds)),
+                          meet_clamp(b, s[1] + (b->is_point ? 0 : dt))};
         if (next[0] == s[0] && next[1] == s[1]) return false;
         s[0] = next[0], s[1] = next[1];
     }
     return false;
 }
 
-static double apart(const struct places *a, const struct places *b, uint32_t i, uint32_t j)
+static double meet_apart(const struct places *a, const struct places *b, uint32_t i, uint32_t j)
 {
     return gd_vec3_distance(a->x[i], b->x[j]);
 }
 
-/* A pair no farther apart than the pairs around it, and near enough that the curves can meet
- * between. */
+/* Returns true if a pair of places is not farther apart than the neighbouring pairs, and so near
+ * that the curves may meet between them. */
 static bool is_candidate(const struct places *a, const struct places *b, double near, uint32_t i,
                          uint32_t j)
 {
-    double here = apart(a, b, i, j), step = 0;
+    double here = meet_apart(a, b, i, j), step = 0;
     if (i) step = fmax(step, gd_vec3_distance(a->x[i], a->x[i - 1]));
     if (i + 1 < a->count) step = fmax(step, gd_vec3_distance(a->x[i], a->x[i + 1]));
     if (j) step = fmax(step, gd_vec3_distance(b->x[j], b->x[j - 1]));
     if (j + 1 < b->count) step = fmax(step, gd_vec3_distance(b->x[j], b->x[j + 1]));
     if (here > 2 * step + near) return false;
-    if (i && apart(a, b, i - 1, j) < here) return false;
-    if (i + 1 < a->count && apart(a, b, i + 1, j) < here) return false;
-    if (j && apart(a, b, i, j - 1) < here) return false;
-    return !(j + 1 < b->count && apart(a, b, i, j + 1) < here);
+    if (i && meet_apart(a, b, i - 1, j) < here) return false;
+    if (i + 1 < a->count && meet_apart(a, b, i + 1, j) < here) return false;
+    if (j && meet_apart(a, b, i, j - 1) < here) return false;
+    return !(j + 1 < b->count && meet_apart(a, b, i, j + 1) < here);
 }
 
 enum gd_status gd__curves_meet(const struct gd_domain_curve *a, const struct gd_domain_curve *b,
                                const struct gd_control *control, bool *meet, double s[2])
 {
     struct places of_a = {0}, of_b = {0};
-    struct gd__watch watch = {.control = control};
+    struct gd__pace pace = {.control = control};
     double near = nearness(a->surface);
-    enum gd_status status = look(a, &watch, &of_a);
-    if (!status) status = look(b, &watch, &of_b);
+    enum gd_status status = meet_sample(a, &pace, &of_a);
+    if (!status) status = meet_sample(b, &pace, &of_b);
     *meet = false;
     for (uint32_t i = 0; i < of_a.count && !status && !*meet; i++) {
         status = gd_control_check(control, 0);
         for (uint32_t j = 0; j < of_b.count && !status && !*meet; j++) {
             if (!is_candidate(&of_a, &of_b, near, i, j)) continue;
             double at[2] = {of_a.s[i], of_b.s[j]};
-            *meet = approach(a, b, &watch, at);
+            *meet = approach(a, b, &pace, at);
             if (*meet) s[0] = at[0], s[1] = at[1];
-            status = watch.status;
+            status = pace.status;
         }
     }
     places_free(&of_a);

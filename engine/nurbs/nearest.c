@@ -4,15 +4,16 @@
 #include "base/tolerance.h"
 #include "nurbs/grid.h"
 
-enum { GRID_FACES = 2048, STEPS_MOST = 60, LOOK = 512 }; /* nodes between looks at the clock */
+/* LOOK: nodes between two checks of the control */
+enum { GRID_FACES = 2048, STEPS_MOST = 60, LOOK = 512 };
 
-/* Half the squared distance with gradient and Hessian in (u, v). */
+/* Half of the squared distance, with gradient and Hessian in (u, v). */
 struct target {
     double value, gradient[2], hessian[3];
 };
 
-static struct target look(const struct gd_parametric *surface, struct gd_vec3 xyz,
-                          const double at[2])
+static struct target half_square_at(const struct gd_parametric *surface, struct gd_vec3 xyz,
+                                    const double at[2])
 {
     struct gd_jet jet;
     gd__surface_at(surface, at, &jet);
@@ -26,16 +27,17 @@ static struct target look(const struct gd_parametric *surface, struct gd_vec3 xy
     };
 }
 
-/* Is the coordinate on its border with the descent pointing out? */
-static bool is_held(const struct gd_axis *axis, double t, double gradient)
+/* Returns true if the coordinate is on its border and the descent direction points out of the
+ * domain. */
+static bool nurbs_nearest_is_held(const struct gd_axis *axis, double t, double gradient)
 {
     return !axis->closed &&
            ((t <= axis->low && gradient >= 0) || (t >= axis->high && gradient <= 0));
 }
 
-/* Newton's step among the coordinates that are free, steepest descent where the Hessian is not
+/* Computes Newton's step in the free coordinates; steepest descent if the Hessian is not
  * positive. */
-static void step_of(const struct target *t, const bool held[2], double step[2])
+static void nurbs_nearest_step_of(const struct target *t, const bool held[2], double step[2])
 {
     const double *h = t->hessian, *g = t->gradient;
     double determinant = h[0] * h[2] - h[1] * h[1];
@@ -51,14 +53,16 @@ static void step_of(const struct target *t, const bool held[2], double step[2])
     }
 }
 
-static void descend(const struct gd_parametric *surface, struct gd_vec3 xyz, double at[2])
+static void nurbs_nearest_descend(const struct gd_parametric *surface, struct gd_vec3 xyz,
+                                  double at[2])
 {
-    struct target now = look(surface, xyz, at);
+    struct target now = half_square_at(surface, xyz, at);
     for (int i = 0; i < STEPS_MOST; i++) {
         bool held[2];
-        for (int k = 0; k < 2; k++) held[k] = is_held(surface->axis[k], at[k], now.gradient[k]);
+        for (int k = 0; k < 2; k++)
+            held[k] = nurbs_nearest_is_held(surface->axis[k], at[k], now.gradient[k]);
         double step[2], next[2], length = 1;
-        step_of(&now, held, step);
+        nurbs_nearest_step_of(&now, held, step);
         struct target then = now;
         for (int half = 0; half < STEPS_MOST; half++, length *= 0.5) {
             for (int k = 0; k < 2; k++) {
@@ -66,7 +70,7 @@ static void descend(const struct gd_parametric *surface, struct gd_vec3 xyz, dou
                 next[k] = at[k] + length * step[k];
                 if (!axis->closed) next[k] = fmin(fmax(next[k], axis->low), axis->high);
             }
-            then = look(surface, xyz, next);
+            then = half_square_at(surface, xyz, next);
             if (then.value <= now.value) break;
         }
         if (!(then.value <= now.value) || (next[0] == at[0] && next[1] == at[1])) return;
@@ -75,7 +79,7 @@ static void descend(const struct gd_parametric *surface, struct gd_vec3 xyz, dou
     }
 }
 
-/* Is the node no farther than its neighbours? */
+/* Returns true if a grid node is not farther than its neighbours. */
 static bool is_lowest(const struct gd_parametric *surface, const struct gd__grid *grid,
                       const double *distance, uint32_t i, uint32_t j)
 {
@@ -93,22 +97,24 @@ static bool is_lowest(const struct gd_parametric *surface, const struct gd__grid
     return true;
 }
 
-static void improve(const struct gd_parametric *surface, struct gd_vec3 xyz,
-                    const struct gd__grid *grid, uint32_t i, uint32_t j,
-                    struct gd_parametric_foot *best)
+static void nurbs_nearest_improve(const struct gd_parametric *surface, struct gd_vec3 xyz,
+                                  const struct gd__grid *grid, uint32_t i, uint32_t j,
+                                  struct gd_parametric_closest *best)
 {
     double at[2] = {grid->at[0][i], grid->at[1][j]};
-    descend(surface, xyz, at);
+    nurbs_nearest_descend(surface, xyz, at);
     for (int k = 0; k < 2; k++) at[k] = gd__axis_wrap(surface->axis[k], at[k]);
     struct gd_vec3 x = gd__surface_position(surface, at);
     double distance = gd_vec3_distance(x, xyz);
-    if (distance < best->distance) *best = (struct gd_parametric_foot){at[0], at[1], x, distance};
+    if (distance < best->distance)
+        *best = (struct gd_parametric_closest){at[0], at[1], x, distance};
 }
 
-/* Distances of all nodes, then Newton's method from each that is lower than those around it. */
-static enum gd_status search(const struct gd_parametric *surface, struct gd_vec3 xyz,
-                             const struct gd__grid *grid, const struct gd_control *control,
-                             double *distance, struct gd_parametric_foot *best)
+/* Computes the distances of all grid nodes, and applies Newton's method from each local minimum. */
+static enum gd_status nurbs_nearest_search(const struct gd_parametric *surface, struct gd_vec3 xyz,
+                                           const struct gd__grid *grid,
+                                           const struct gd_control *control, double *distance,
+                                           struct gd_parametric_closest *best)
 {
     uint32_t columns = grid->steps[1] + 1, nodes = (grid->steps[0] + 1) * columns;
     enum gd_status status = GD_OK;
@@ -120,31 +126,32 @@ static enum gd_status search(const struct gd_parametric *surface, struct gd_vec3
     for (uint32_t node = 0; node < nodes && !status; node++) {
         if (node % LOOK == 0) status = gd_control_check(control, 0.5 + 0.5 * node / nodes);
         if (is_lowest(surface, grid, distance, node / columns, node % columns))
-            improve(surface, xyz, grid, node / columns, node % columns, best);
+            nurbs_nearest_improve(surface, xyz, grid, node / columns, node % columns, best);
     }
     return status;
 }
 
 enum gd_status gd_parametric_nearest(const struct gd_parametric *surface, struct gd_vec3 xyz,
                                      const struct gd_control *control,
-                                     struct gd_parametric_foot *out, struct gd_detail *detail)
+                                     struct gd_parametric_closest *out, struct gd_detail *detail)
 {
-    if (!(isfinite(xyz.x) && isfinite(xyz.y) && isfinite(xyz.z)))
+    if (!gd_vec3_is_finite(xyz))
         return gd_fail(detail, GD_INVALID_ARGUMENT,
                        "the point has a coordinate that is not finite");
     struct gd__grid grid;
     enum gd_status status =
         gd__grid_make(surface, &(struct gd_tessellation_options){.faces = GRID_FACES}, &grid);
-    if (status) return gd_fail(detail, status, "%s", gd_status_sentence(status));
+    if (status) return gd_fail_status(detail, status);
     size_t bytes = (grid.steps[0] + (size_t)1) * (grid.steps[1] + (size_t)1) * sizeof(double);
-    struct gd_parametric_foot best = {.distance = INFINITY};
+    struct gd_parametric_closest best = {.distance = INFINITY};
     status = gd_control_afford(control, bytes);
     double *distance = status ? NULL : malloc(bytes);
     if (!status)
-        status = distance ? search(surface, xyz, &grid, control, distance, &best) : GD_NO_MEMORY;
+        status = distance ? nurbs_nearest_search(surface, xyz, &grid, control, distance, &best)
+                          : GD_NO_MEMORY;
     free(distance);
     gd__grid_free(&grid);
-    if (status) return gd_fail(detail, status, "%s", gd_status_sentence(status));
+    if (status) return gd_fail_status(detail, status);
     *out = best;
     return GD_OK;
 }

@@ -9,15 +9,16 @@
 
 enum { HALVINGS_MOST = 24 };
 
-static const double armijo = 1e-4; /* part of the promised descent that must come true */
+/* Armijo's constant: fraction of the expected descent that must be achieved */
+static const double armijo = 1e-4;
 
 struct state {
     struct gd__chain *chain;
     struct gd__part *parts;
-    double *diagonal, *beside, *move; /* tridiagonal system of the joints, its solution */
-    double *least;                    /* pivots nearer to 0 are 0 but for rounding */
-    double *kept_at;                  /* of the joints before the step */
-    double *kept_points;              /* of all points before the step */
+    double *diagonal, *beside, *move; /* tridiagonal system of the joints, and its solution */
+    double *least;                    /* per joint: pivots nearer to 0 count as 0 */
+    double *kept_at;                  /* the joints' unknowns before the step */
+    double *kept_points;              /* the control points before the step */
     double *points_move;
     bool contact;
 };
@@ -27,11 +28,11 @@ static size_t state_doubles(const struct gd__chain *chain)
     size_t width = gd__energy_width(chain), sum = 5 * ((size_t)chain->piece_count + 1);
     for (uint32_t i = 0; i < chain->piece_count; i++)
         sum += gd__piece_unknowns(chain, &chain->pieces[i]) *
-               (2 * width + 1 + GD__PART_SOLUTIONS + 2 + 1); /* the last for `held` */
+               (2 * width + 1 + GD__PART_SOLUTIONS + 2 + 1); /* the last array is `held` */
     return sum;
 }
 
-static double *carve(double **at, size_t count)
+static double *newton_carve(double **at, size_t count)
 {
     double *begin = *at;
     *at += count;
@@ -41,7 +42,7 @@ static double *carve(double **at, size_t count)
 static enum gd_status state_make(struct gd__chain *chain, struct state *out)
 {
     size_t doubles = state_doubles(chain);
-    enum gd_status status = gd_control_afford(chain->watch->control, doubles * sizeof(double));
+    enum gd_status status = gd_control_afford(chain->pace->control, doubles * sizeof(double));
     if (status) return status;
     *out = (struct state){.chain = chain};
     double *at = calloc(doubles, sizeof *at);
@@ -52,23 +53,25 @@ static enum gd_status state_make(struct gd__chain *chain, struct state *out)
         return GD_NO_MEMORY;
     }
     size_t joints = chain->piece_count + (size_t)1, width = gd__energy_width(chain), all = 0;
-    out->diagonal = carve(&at, joints); /* the first: it is what is freed */
-    out->beside = carve(&at, joints);
-    out->move = carve(&at, joints);
-    out->kept_at = carve(&at, joints);
-    out->least = carve(&at, joints);
+    /* the first array begins at the start of the allocated block */
+    out->diagonal = newton_carve(&at, joints);
+    out->beside = newton_carve(&at, joints);
+    out->move = newton_carve(&at, joints);
+    out->kept_at = newton_carve(&at, joints);
+    out->least = newton_carve(&at, joints);
     for (uint32_t i = 0; i < chain->piece_count; i++) {
         size_t unknowns = gd__piece_unknowns(chain, &chain->pieces[i]);
         struct gd__part *part = &out->parts[i];
-        part->energy.gradient = carve(&at, unknowns);
-        part->energy.hessian = carve(&at, unknowns * width);
-        part->factor = carve(&at, unknowns * width);
-        for (int k = 0; k < GD__PART_SOLUTIONS; k++) part->solution[k] = carve(&at, unknowns);
-        part->held = (bool *)carve(&at, unknowns);
+        part->energy.gradient = newton_carve(&at, unknowns);
+        part->energy.hessian = newton_carve(&at, unknowns * width);
+        part->factor = newton_carve(&at, unknowns * width);
+        for (int k = 0; k < GD__PART_SOLUTIONS; k++)
+            part->solution[k] = newton_carve(&at, unknowns);
+        part->held = (bool *)newton_carve(&at, unknowns);
         all += unknowns;
     }
-    out->kept_points = carve(&at, all);
-    out->points_move = carve(&at, all);
+    out->kept_points = newton_carve(&at, all);
+    out->points_move = newton_carve(&at, all);
     return GD_OK;
 }
 
@@ -86,9 +89,9 @@ static bool joint_is_held(const struct gd__joint *joint, double slope)
     return (joint->at <= joint->low && slope > 0) || (joint->at >= joint->high && slope < 0);
 }
 
-/* The system of F = sum sqrt(2 E_k): S / L - g g^T / L^3; the last term is Newton's only.
- * Gauss-Newton's matrix does not see a path that moves sideways as a whole; its ends are damped as
- * if the path were a spring of its own length. */
+/* Assembles the joints' system of F = sum sqrt(2 E_k). A piece contributes S / L, and to Newton's
+ * matrix also - g g^T / L^3. Gauss-Newton's matrix has no stiffness against moving the path
+ * sideways as a whole, so the joints are damped as if the path were a spring of its own length. */
 static void couple(struct state *state, enum gd__hessian kind)
 {
     uint32_t joints = state->chain->piece_count + 1;
@@ -126,8 +129,8 @@ static void hold_joints(struct state *state)
     }
 }
 
-/* L D L^T of the tridiagonal system, in place. False: it has a negative pivot. One that is zero, as
- * where all paths of a family are equally long, is taken for a small positive one. */
+/* Solves the tridiagonal system by L D L^T, in place. Returns false if a pivot is negative. A zero
+ * pivot, as for a family of equally long paths, is replaced by a small positive one. */
 static bool solve_joints(struct state *state)
 {
     uint32_t joints = state->chain->piece_count + 1;
@@ -151,7 +154,7 @@ static bool solve_joints(struct state *state)
 
 /* --- a step ----------------------------------------------------------------------------------- */
 
-static double expand(struct state *state, enum gd__hessian kind)
+static double newton_expand(struct state *state, enum gd__hessian kind)
 {
     const struct gd__chain *chain = state->chain;
     double sum = 0;
@@ -166,7 +169,8 @@ static double expand(struct state *state, enum gd__hessian kind)
     return sum;
 }
 
-/* The step of one matrix, and its slope of F. False: not positive definite. */
+/* Computes the step with one kind of matrix, and the derivative of F along the step. Returns false
+ * if the matrix is not positive definite. */
 static bool find_step(struct state *state, enum gd__hessian kind, double *slope)
 {
     const struct gd__chain *chain = state->chain;
@@ -200,7 +204,7 @@ static bool find_step(struct state *state, enum gd__hessian kind, double *slope)
     return true;
 }
 
-static void keep(struct state *state)
+static void newton_keep(struct state *state)
 {
     const struct gd__chain *chain = state->chain;
     double *to = state->kept_points;
@@ -212,7 +216,7 @@ static void keep(struct state *state)
     }
 }
 
-/* The chain as it was kept, moved by a part of the step and brought back into the domain. */
+/* Sets the chain to the stored one, moved by a fraction of the step and clamped to the domain. */
 static void move_by(struct state *state, double part)
 {
     struct gd__chain *chain = state->chain;
@@ -237,7 +241,7 @@ static void move_by(struct state *state, double part)
     gd__chain_attach(chain);
 }
 
-static double length_of(const struct gd__chain *chain)
+static double newton_length_of(const struct gd__chain *chain)
 {
     double sum = 0;
     for (uint32_t i = 0; i < chain->piece_count; i++)
@@ -245,12 +249,12 @@ static double length_of(const struct gd__chain *chain)
     return sum;
 }
 
-/* The part of a way to a pole that a step may go: a curve that fell into the pole could slide along
- * it for nothing. */
+/* Fraction of the distance to a pole that one step may cover. In a pole a control point could move
+ * along the border at no cost. */
 static const double towards_pole = 0.8;
 
-/* By how much of what it may a coordinate moves. */
-static double excess(const struct gd_axis *axis, double t, double move)
+/* Returns a coordinate's movement, relative to its allowed movement. */
+static double newton_excess(const struct gd_axis *axis, double t, double move)
 {
     double part = 2 * fabs(move) / (axis->high - axis->low);
     if (move < 0 && axis->pole_low && t > axis->low)
@@ -260,8 +264,8 @@ static double excess(const struct gd_axis *axis, double t, double move)
     return part;
 }
 
-/* The greatest part of a step that moves no control point by more than half of the domain, or into
- * a pole. */
+/* Returns the largest fraction of a step that moves no control point by more than half of the
+ * domain, or into a pole. */
 static double longest(const struct state *state)
 {
     const struct gd__chain *chain = state->chain;
@@ -269,22 +273,23 @@ static double longest(const struct state *state)
     double most = 0;
     for (uint32_t i = 0; i < chain->piece_count; i++) {
         for (uint32_t k = 0; k < gd__piece_unknowns(chain, &chain->pieces[i]); k++)
-            most = fmax(most, excess(chain->surface->axis[k % 2],
-                                     chain->pieces[i].points[k / 2][k % 2], move[k]));
+            most = fmax(most, newton_excess(chain->surface->axis[k % 2],
+                                            chain->pieces[i].points[k / 2][k % 2], move[k]));
         move += gd__piece_unknowns(chain, &chain->pieces[i]);
     }
     return most > 1 ? 1 / most : 1;
 }
 
-/* Armijo's rule. False: no part of the step goes down; the chain is as it was. */
-static bool search(struct state *state, double length, double slope)
+/* Searches along the step by Armijo's rule. Returns false if no fraction of the step decreases F;
+ * the chain is then restored. */
+static bool newton_search(struct state *state, double length, double slope)
 {
     double part = longest(state);
     bool blind = -slope <= GD_TOL_BLIND * length;
-    keep(state);
+    newton_keep(state);
     for (int i = 0; i < HALVINGS_MOST; i++, part *= 0.5) {
         move_by(state, part);
-        if (blind || length_of(state->chain) <= length + armijo * part * slope) return true;
+        if (blind || newton_length_of(state->chain) <= length + armijo * part * slope) return true;
     }
     move_by(state, 0);
     return false;
@@ -302,19 +307,19 @@ static void report_pull(const struct state *state, struct gd__newton_report *rep
     }
 }
 
-/* A step by Gauss-Newton's matrix, which is always downhill. */
+/* Computes a step with Gauss-Newton's matrix, which always descends. */
 static bool fall_back(struct state *state, struct gd__newton_report *report, double *slope)
 {
     report->positive = false;
-    expand(state, GD__HESSIAN_GAUSS);
+    newton_expand(state, GD__HESSIAN_GAUSS);
     return find_step(state, GD__HESSIAN_GAUSS, slope) && *slope <= 0;
 }
 
-/* One look at the chain: true while there is reason to go on. */
+/* Makes one iteration. Returns true if another one is needed. */
 static bool iterate(struct state *state, double stop, struct gd__newton_report *report)
 {
     double slope, before = report->iterations ? report->decrement : INFINITY;
-    report->length = expand(state, GD__HESSIAN_NEWTON);
+    report->length = newton_expand(state, GD__HESSIAN_NEWTON);
     report->positive = find_step(state, GD__HESSIAN_NEWTON, &slope) && slope <= 0;
     if (!report->positive && !fall_back(state, report, &slope)) return false;
     report->contact = state->contact;
@@ -323,9 +328,9 @@ static bool iterate(struct state *state, double stop, struct gd__newton_report *
     bool blind = report->decrement <= GD_TOL_BLIND;
     report->converged = report->decrement <= stop || (blind && report->decrement > 0.5 * before);
     if (report->converged) return false;
-    if (search(state, report->length, slope)) return true;
+    if (newton_search(state, report->length, slope)) return true;
     return report->positive && fall_back(state, report, &slope) &&
-           search(state, report->length, slope);
+           newton_search(state, report->length, slope);
 }
 
 enum gd_status gd__newton(struct gd__chain *chain, const struct gd__newton_limits *limits,
@@ -336,11 +341,11 @@ enum gd_status gd__newton(struct gd__chain *chain, const struct gd__newton_limit
     if (status) return status;
     struct gd__newton_report report = {0};
     gd__chain_attach(chain);
-    while (report.iterations < limits->most && gd__watch_step(chain->watch)) {
+    while (report.iterations < limits->most && gd__pace(chain->pace, GD__STEP)) {
         if (!iterate(&state, limits->stop, &report)) break;
         report.iterations++;
     }
     state_free(&state);
-    if (!chain->watch->status) *out = report;
-    return chain->watch->status;
+    if (!chain->pace->status) *out = report;
+    return chain->pace->status;
 }

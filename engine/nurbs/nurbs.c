@@ -81,8 +81,8 @@ static void axis_of(const struct gd__knots *knots, struct gd_axis *out)
                             .lines = knots->lines};
 }
 
-static struct gd_vec3 position(const struct gd__nurbs *nurbs, bool u_is_border, bool upper,
-                               double along)
+static struct gd_vec3 nurbs_position(const struct gd__nurbs *nurbs, bool u_is_border, bool upper,
+                                     double along)
 {
     const struct gd__knots *border = u_is_border ? &nurbs->u : &nurbs->v;
     const struct gd__knots *other = u_is_border ? &nurbs->v : &nurbs->u;
@@ -97,7 +97,7 @@ static struct gd_vec3 position(const struct gd__nurbs *nurbs, bool u_is_border, 
     return jet.x;
 }
 
-static double extent(const struct gd__nurbs *nurbs)
+static double nurbs_extent(const struct gd__nurbs *nurbs)
 {
     double most = 0;
     for (size_t i = 0; i < (size_t)nurbs->u.count * nurbs->v.count; i++)
@@ -106,8 +106,8 @@ static double extent(const struct gd__nurbs *nurbs)
     return most;
 }
 
-/* Looks at both borders of a direction at as many places of each cell as tell two rational pieces
- * of its degree apart. */
+/* Recognises a closed direction and poles. Compares both borders at enough places of each cell to
+ * distinguish two rational pieces of their degree. */
 static void recognise(const struct gd__nurbs *nurbs, bool u_is_border, double size,
                       struct gd_axis *axis)
 {
@@ -121,8 +121,8 @@ static void recognise(const struct gd__nurbs *nurbs, bool u_is_border, double si
         uint32_t places = 2 * other->degree + 1;
         for (uint32_t i = 0; i < places; i++) {
             double along = span[0] + (span[1] - span[0]) * i / places;
-            struct gd_vec3 low = position(nurbs, u_is_border, false, along);
-            struct gd_vec3 high = position(nurbs, u_is_border, true, along);
+            struct gd_vec3 low = nurbs_position(nurbs, u_is_border, false, along);
+            struct gd_vec3 high = nurbs_position(nurbs, u_is_border, true, along);
             if (!cell && !i) first_low = low, first_high = high;
             closed = closed && gd_vec3_distance(low, high) <= near;
             pole_low = pole_low && gd_vec3_distance(low, first_low) <= near;
@@ -144,7 +144,7 @@ enum gd_status gd_nurbs_create(const struct gd_nurbs_data *data, struct gd_param
         !take_knots(&nurbs->v, data->degree_v, data->count_v, data->knots_v, rhino) ||
         !take_points(nurbs, data)) {
         gd__nurbs_destroy(nurbs);
-        return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
+        return gd_fail_status(detail, GD_NO_MEMORY);
     }
     size_t points = (size_t)data->count_u * data->count_v;
     struct gd_evaluator evaluator = {.jet = gd__nurbs_jet,
@@ -153,7 +153,7 @@ enum gd_status gd_nurbs_create(const struct gd_nurbs_data *data, struct gd_param
                                      .bytes = sizeof *nurbs + points * sizeof *nurbs->control};
     axis_of(&nurbs->u, &evaluator.u);
     axis_of(&nurbs->v, &evaluator.v);
-    double size = extent(nurbs);
+    double size = nurbs_extent(nurbs);
     recognise(nurbs, true, size, &evaluator.u);
     recognise(nurbs, false, size, &evaluator.v);
     return gd_parametric_create(&evaluator, out, detail);

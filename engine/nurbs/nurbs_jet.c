@@ -3,7 +3,7 @@
 #include "nurbs/bspline.h"
 #include "nurbs/nurbs.h"
 
-/* Sums of one row of control points over v: values, first and second derivatives. */
+/* Sums one row of control points over v: value, first and second derivative. */
 static void sum_row(const double (*row)[4], const struct gd__basis *basis, uint32_t order,
                     double sums[3][4])
 {
@@ -44,8 +44,8 @@ static void homogeneous(const struct gd__nurbs *nurbs, uint32_t cell_u, uint32_t
     }
 }
 
-/* The quotient rule: (A_k - lower terms) / w. The NURBS Book, eq. 4.20. */
-static void divide(double s[SUMS][4], const double centre[3], struct gd_jet *out)
+/* Applies the quotient rule: (A_k - lower terms) / w. The NURBS Book, eq. 4.20. */
+static void nurbs_jet_divide(double s[SUMS][4], const double centre[3], struct gd_jet *out)
 {
     double inverse = 1 / s[VALUE][3], part[SUMS][3];
     for (int c = 0; c < 3; c++) {
@@ -68,5 +68,5 @@ void gd__nurbs_jet(const void *shape, uint32_t cell_u, uint32_t cell_v, double u
     const struct gd__nurbs *nurbs = shape;
     double sums[SUMS][4];
     homogeneous(nurbs, cell_u, cell_v, u, v, sums);
-    divide(sums, nurbs->centre, out);
+    nurbs_jet_divide(sums, nurbs->centre, out);
 }

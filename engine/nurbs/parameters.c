@@ -1,4 +1,4 @@
-/* Between the parameters of a surface and the points of its tessellation. */
+/* Conversion between parameters of a surface and points of its tessellation. */
 #include "nurbs/tessellation.h"
 
 #include <math.h>
@@ -9,7 +9,8 @@ void gd_tessellation_vertex(const struct gd_tessellation *tessellation, struct g
     gd__node_parameters(&tessellation->grid, tessellation->node_of[vertex.index], uv);
 }
 
-/* A corner at a pole has no parameter along it: the other two's mean, by weight. */
+/* Sets the parameter along a pole of a corner at the pole, where it is undefined, to the weighted
+ * mean of the other two corners' parameters. */
 static void settle_poles(const struct gd_parametric *surface, const double weight[3],
                          double uv[3][2])
 {
@@ -37,8 +38,7 @@ void gd_tessellation_parameters(const struct gd_tessellation *tessellation,
                 at.barycentric[2] * corner[2][k];
 }
 
-/* Weight of a node of the cell at (part u, part v) within the face, by the plane through the face's
- * corners in parameters. */
+/* Computes the barycentric coordinates of the place `at` in the parameter triangle `corner`. */
 static void barycentric(const double corner[3][2], const double at[2], double weight[3])
 {
     double ax = corner[1][0] - corner[0][0], ay = corner[1][1] - corner[0][1];
@@ -49,7 +49,8 @@ static void barycentric(const double corner[3][2], const double at[2], double we
     weight[0] = 1 - weight[1] - weight[2];
 }
 
-/* The one triangle of a cell at a pole: all of the cell's width belongs to its apex. */
+/* Computes barycentric coordinates in the single triangle of a cell at a pole, whose apex stands
+ * for the cell's whole border. */
 static void barycentric_at_pole(const struct gd_parametric *surface, const double corner[3][2],
                                 const double at[2], double weight[3])
 {

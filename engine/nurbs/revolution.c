@@ -1,5 +1,5 @@
-/* Surface of revolution: its profile is a NURBS curve, kept as a NURBS surface of degree 1 across,
- * which does not vary there. */
+/* Surface of revolution. Its profile, a NURBS curve, is stored as a NURBS surface that has degree 1
+ * across the profile. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -7,13 +7,13 @@
 #include "nurbs/nurbs.h"
 #include "nurbs/surface.h"
 
-enum { PLACES = 64 }; /* at which the profile's radius is looked at */
+enum { PLACES = 64 }; /* places where the profile's radius is tested */
 
 struct revolution {
     struct gd_parametric *profile; /* u: the profile's parameter */
 };
 
-static void destroy(void *shape)
+static void revolution_destroy(void *shape)
 {
     struct revolution *revolution = shape;
     gd_parametric_release(revolution->profile);
@@ -37,7 +37,7 @@ static void jet(const void *shape, uint32_t cell_u, uint32_t cell_v, double u, d
                            .vv = {p.uu.x * c, p.uu.x * s, p.uu.z}};
 }
 
-static double extent(const struct gd_profile *profile)
+static double revolution_extent(const struct gd_profile *profile)
 {
     double most = 0;
     for (uint32_t i = 0; i < profile->count; i++)
@@ -45,7 +45,8 @@ static double extent(const struct gd_profile *profile)
     return most;
 }
 
-/* The profile in the plane y = 0, drawn out by its own extent in y so that it is a surface. */
+/* Creates the profile's surface: the profile in the plane y = 0, extruded along y by its own
+ * extent. */
 static enum gd_status take_profile(const struct gd_profile *profile, struct gd_parametric **out,
                                    struct gd_detail *detail)
 {
@@ -54,7 +55,7 @@ static enum gd_status take_profile(const struct gd_profile *profile, struct gd_p
                        GD_NURBS_COUNT_MAX);
     double(*points)[3] = malloc(2 * profile->count * sizeof *points + 1);
     double *weights = malloc(2 * profile->count * sizeof *weights + 1);
-    double width = extent(profile);
+    double width = revolution_extent(profile);
     enum gd_status status =
         points && weights ? GD_OK : gd_fail(detail, GD_NO_MEMORY, "out of memory");
     for (uint32_t i = 0; i < 2 * profile->count && !status; i++) {
@@ -104,7 +105,7 @@ enum gd_status gd_parametric_revolution(const struct gd_profile *profile,
                                         struct gd_parametric **out, struct gd_detail *detail)
 {
     struct revolution *revolution = calloc(1, sizeof *revolution);
-    if (!revolution) return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
+    if (!revolution) return gd_fail_status(detail, GD_NO_MEMORY);
     enum gd_status status = take_profile(profile, &revolution->profile, detail);
     if (status) {
         free(revolution);
@@ -114,11 +115,11 @@ enum gd_status gd_parametric_revolution(const struct gd_profile *profile,
     v.pole_low = v.pole_high = false;
     status = check_radius(revolution->profile, &v, detail);
     if (status) {
-        destroy(revolution);
+        revolution_destroy(revolution);
         return status;
     }
     struct gd_axis turn = {.low = 0, .high = 2 * M_PI, .closed = true};
     size_t bytes = sizeof *revolution + gd_parametric_memsize(revolution->profile);
-    return gd_parametric_create(&(struct gd_evaluator){turn, v, jet, destroy, revolution, bytes},
-                                out, detail);
+    return gd_parametric_create(
+        &(struct gd_evaluator){turn, v, jet, revolution_destroy, revolution, bytes}, out, detail);
 }

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/array.h"
 #include "gd/field.h"
 #include "nurbs/tessellation.h"
 
@@ -11,81 +12,69 @@ enum {
     PLACES_LEAST = 96,
     PLACES_MOST = 2048,
     SEEDS_MOST = 64,
-    SEEDS_FEW = 12
-}; /* SEEDS_FEW where only the shortest way is wanted */
+    SEEDS_FEW = 12 /* largest number of seeds if only the shortest path is requested */
+};
 
-/* seeds whose lengths, ends and middles agree to this part of the length lead to one way */
+/* Relative to the length: seeds whose lengths, ends and middles differ by less lead to the same
+ * path. */
 static const double same = 0.02;
-/* ways longer than the shortest by more on the mesh are not the shortest on the surface */
+/* A seed longer than the shortest seed by this factor does not lead to the shortest path. */
 static const double margin = 1.08;
 
-/* One curve on the mesh, and the distance from it. */
+/* One of the two curves, sampled on the mesh, with the distance field of its samples. */
 struct side {
     const struct gd_domain_curve *curve;
     uint32_t count;
-    double *s;             /* parameters of the places that stand for it */
-    struct gd_seed *seeds; /* those places on the mesh */
+    double *s;             /* parameters of its sample places */
+    struct gd_seed *seeds; /* the sample places on the mesh */
     struct gd_field *field;
-    double *distance; /* at the vertices */
+    double *distance; /* distances at the vertices */
 };
 
 struct search {
     const struct gd_tessellation *tessellation;
     struct side side[2];
-    struct gd__seeds seeds;
-    struct gd__watch watch;
+    struct gd__path_seeds seeds;
+    struct gd__pace pace;
     bool all;
 };
 
-void gd__seeds_free(struct gd__seeds *seeds)
+void gd__path_seeds_free(struct gd__path_seeds *seeds)
 {
-    for (uint32_t i = 0; i < seeds->count; i++) gd__trail_free(&seeds->seed[i].trail);
+    for (uint32_t i = 0; i < seeds->count; i++) gd__uv_polyline_free(&seeds->seed[i].polyline);
     free(seeds->seed);
-    *seeds = (struct gd__seeds){0};
+    *seeds = (struct gd__path_seeds){0};
 }
 
 /* --- the curves as sources -------------------------------------------------------------------- */
 
 static enum gd_status place_side(const struct gd_tessellation *t, struct side *side,
-                                 struct gd__watch *watch, struct gd_detail *detail)
+                                 struct gd__pace *pace, struct gd_detail *detail)
 {
     const struct gd_domain_curve *curve = side->curve;
-    uint32_t intervals = curve->is_point ? 0 : curve->break_count - 1;
-    uint32_t each = intervals ? (PLACES_LEAST + intervals - 1) / intervals : 0;
-    if (intervals && each < 2) each = 2;
-    if (each * intervals > PLACES_MOST) each = PLACES_MOST / intervals + 1;
-    side->s = malloc((each * intervals + 1) * sizeof *side->s);
-    side->seeds = calloc(each * intervals + 1, sizeof *side->seeds);
-    if (!side->s || !side->seeds)
-        return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
-    for (uint32_t i = 0; i < intervals; i++)
-        for (uint32_t k = 0; k < each; k++)
-            side->s[side->count++] =
-                curve->breaks[i] + (curve->breaks[i + 1] - curve->breaks[i]) * k / each;
-    if (!curve->closed || curve->is_point)
-        side->s[side->count++] = curve->is_point ? 0 : curve->high;
-    enum gd_status status = GD_OK;
-    for (uint32_t i = 0; i < side->count && !status && gd__watch_step(watch); i++) {
+    static const struct gd__curve_places wanted = {2, PLACES_LEAST, PLACES_MOST, false};
+    enum gd_status status = gd__curve_places(curve, &wanted, &side->s, &side->count);
+    if (!status) side->seeds = calloc(side->count, sizeof *side->seeds);
+    if (!side->seeds) return gd_fail_status(detail, GD_NO_MEMORY);
+    for (uint32_t i = 0; i < side->count && !status && gd__pace(pace, GD__STEP); i++) {
         double uv[2];
         gd_domain_curve_at(curve, side->s[i], uv);
         status = gd_tessellation_point(t, uv[0], uv[1], &side->seeds[i].point, detail);
     }
-    if (watch->status)
-        return gd_fail(detail, watch->status, "%s", gd_status_sentence(watch->status));
+    if (pace->status) return gd_fail_status(detail, pace->status);
     return status;
 }
 
 static enum gd_status measure_side(const struct gd_tessellation *t, struct side *side,
-                                   struct gd__watch *watch, struct gd_detail *detail)
+                                   struct gd__pace *pace, struct gd_detail *detail)
 {
-    enum gd_status status = place_side(t, side, watch, detail);
+    enum gd_status status = place_side(t, side, pace, detail);
     if (status) return status;
     struct gd_field_request request = {.seeds = side->seeds, .seed_count = side->count};
-    status = gd_field_build(t->mesh, &request, watch->control, &side->field, detail);
+    status = gd_field_build(t->mesh, &request, pace->control, &side->field, detail);
     if (status) return status;
     side->distance = malloc(gd_mesh_summary(t->mesh)->index_count * sizeof *side->distance);
-    if (!side->distance)
-        return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
+    if (!side->distance) return gd_fail_status(detail, GD_NO_MEMORY);
     gd_field_vertex_distances(side->field, side->distance);
     return GD_OK;
 }
@@ -100,8 +89,8 @@ static void side_free(struct side *side)
 
 /* --- trails ----------------------------------------------------------------------------------- */
 
-/* The copy of a place nearest to another in closed directions. A pole has no place along itself: it
- * takes the other's. */
+/* Moves a place by whole periods to the copy nearest to `before`. At a pole it takes the coordinate
+ * along the pole from `before`. */
 static void unwind(const struct gd_parametric *surface, const double before[2], double at[2])
 {
     for (int k = 0; k < 2; k++) {
@@ -112,28 +101,29 @@ static void unwind(const struct gd_parametric *surface, const double before[2], 
         if (gd__surface_pole(surface, k, at[k])) at[1 - k] = before[1 - k];
 }
 
-static enum gd_status add_place(const struct gd_parametric *surface, struct gd__trail *trail,
-                                double at[2])
+static enum gd_status add_place(const struct gd_parametric *surface,
+                                struct gd__uv_polyline *polyline, double at[2])
 {
-    if (trail->count) unwind(surface, trail->at[trail->count - 1], at);
-    return gd__trail_add(trail, at);
+    if (polyline->count) unwind(surface, polyline->at[polyline->count - 1], at);
+    return gd__uv_polyline_add(polyline, at);
 }
 
 static enum gd_status add_path(const struct gd_tessellation *t, const struct gd_path *path,
-                               bool backwards, struct gd__trail *trail)
+                               bool backwards, struct gd__uv_polyline *polyline)
 {
     enum gd_status status = GD_OK;
     for (uint32_t i = 0; i < path->count && !status; i++) {
         double at[2];
         gd_tessellation_parameters(t, &path->points[backwards ? path->count - 1 - i : i], at);
-        status = add_place(t->surface, trail, at);
+        status = add_place(t->surface, polyline, at);
     }
     return status;
 }
 
-/* Parameter of the place of a side nearest to a point of the mesh, and the path to it. */
-static enum gd_status reach(const struct side *side, const struct gd_point *point, double *s,
-                            struct gd_path *path)
+/* Computes the parameter of the curve's place nearest to a point, and the shortest path between
+ * them. */
+static enum gd_status nurbs_seeds_reach(const struct side *side, const struct gd_point *point,
+                                        double *s, struct gd_path *path)
 {
     double distance;
     uint32_t number;
@@ -143,76 +133,75 @@ static enum gd_status reach(const struct side *side, const struct gd_point *poin
     return gd_field_path(side->field, point, path);
 }
 
-/* The trail's two ends, which come from the mesh, exactly on the curves. */
-static enum gd_status set_ends(const struct search *search, struct gd__seed *seed)
+/* Moves the two ends from the mesh exactly onto the curves. */
+static enum gd_status set_ends(const struct search *search, struct gd__path_seed *seed)
 {
     const struct gd_parametric *surface = search->tessellation->surface;
-    struct gd__trail *trail = &seed->trail;
+    struct gd__uv_polyline *polyline = &seed->polyline;
     double at[2];
-    if (trail->count < 2) {
-        enum gd_status status = gd__trail_add(trail, trail->at[0]);
+    if (polyline->count < 2) {
+        enum gd_status status = gd__uv_polyline_add(polyline, polyline->at[0]);
         if (status) return status;
     }
     gd_domain_curve_at(search->side[0].curve, seed->s[0], at);
-    unwind(surface, trail->at[1], at);
-    memcpy(trail->at[0], at, sizeof at);
+    unwind(surface, polyline->at[1], at);
+    memcpy(polyline->at[0], at, sizeof at);
     gd_domain_curve_at(search->side[1].curve, seed->s[1], at);
-    unwind(surface, trail->at[trail->count - 2], at);
-    memcpy(trail->at[trail->count - 1], at, sizeof at);
-    for (int k = 0; k < 2; k++) { /* a path that begins in a pole leaves it along its own line */
+    unwind(surface, polyline->at[polyline->count - 2], at);
+    memcpy(polyline->at[polyline->count - 1], at, sizeof at);
+    /* a path that begins in a pole leaves along a line of constant parameter */
+    for (int k = 0; k < 2; k++) {
         uint32_t outside = 0;
-        while (outside + 1 < trail->count && gd__surface_pole(surface, k, trail->at[outside][k]))
+        while (outside + 1 < polyline->count &&
+               gd__surface_pole(surface, k, polyline->at[outside][k]))
             outside++;
-        for (uint32_t i = 0; i < outside; i++) trail->at[i][1 - k] = trail->at[outside][1 - k];
+        for (uint32_t i = 0; i < outside; i++)
+            polyline->at[i][1 - k] = polyline->at[outside][1 - k];
     }
-    gd__trail_measure(surface, trail);
+    gd__uv_polyline_measure(surface, polyline);
     return GD_OK;
 }
 
-static enum gd_status keep(struct search *search, const struct gd__seed *seed)
+static enum gd_status nurbs_seeds_keep(struct search *search, const struct gd__path_seed *seed)
 {
-    struct gd__seeds *seeds = &search->seeds;
-    if (seeds->count == seeds->capacity) {
-        uint32_t capacity = seeds->capacity ? 2 * seeds->capacity : 8;
-        struct gd__seed *grown = realloc(seeds->seed, capacity * sizeof *grown);
-        if (!grown) return GD_NO_MEMORY;
-        seeds->seed = grown;
-        seeds->capacity = capacity;
-    }
-    seeds->seed[seeds->count++] = *seed;
-    return GD_OK;
+    struct gd__path_seeds *seeds = &search->seeds;
+    enum gd_status status = gd__array_extend(&seeds->seed, &seeds->capacity, seeds->count + 1ULL,
+                                             sizeof *seeds->seed, NULL);
+    if (!status) seeds->seed[seeds->count++] = *seed;
+    return status;
 }
 
-/* The way through a point of the mesh, shortest on both sides of it. */
+/* Adds the path through a point of the mesh that is shortest on both sides of the point. */
 static enum gd_status add_seed(struct search *search, const struct gd_point *point)
 {
-    struct gd__seed seed = {0};
+    struct gd__path_seed seed = {0};
     struct gd_path path[2] = {{0}};
     enum gd_status status = GD_OK;
     for (int k = 0; k < 2 && !status; k++)
-        status = reach(&search->side[k], point, &seed.s[k], &path[k]);
-    if (!status) status = add_path(search->tessellation, &path[0], true, &seed.trail);
-    if (!status) status = add_path(search->tessellation, &path[1], false, &seed.trail);
+        status = nurbs_seeds_reach(&search->side[k], point, &seed.s[k], &path[k]);
+    if (!status) status = add_path(search->tessellation, &path[0], true, &seed.polyline);
+    if (!status) status = add_path(search->tessellation, &path[1], false, &seed.polyline);
     if (!status) status = set_ends(search, &seed);
     seed.length = path[0].length + path[1].length;
     gd_path_free(&path[0]);
     gd_path_free(&path[1]);
-    if (!status) status = keep(search, &seed);
-    if (status) gd__trail_free(&seed.trail);
+    if (!status) status = nurbs_seeds_keep(search, &seed);
+    if (status) gd__uv_polyline_free(&seed.polyline);
     return status;
 }
 
 /* --- local minima ----------------------------------------------------------------------------- */
 
-/* Where d1 = d2 on an edge of the mesh. */
+/* The place where an edge of the mesh crosses the set d1 = d2. */
 struct crossing {
     uint32_t a, b; /* vertices, a < b */
-    double part;   /* from a */
-    double sum;    /* d1 + d2 there, by linear interpolation */
-    double least;  /* of the crossings next to it, through its faces */
+    double part;   /* fraction of the edge, from a */
+    double sum;    /* d1 + d2 at the crossing, by linear interpolation */
+    double least;  /* least sum at the neighbouring crossings, in the edge's faces */
 };
 
-static bool cross(const struct search *search, uint32_t a, uint32_t b, struct crossing *out)
+static bool nurbs_seeds_cross(const struct search *search, uint32_t a, uint32_t b,
+                              struct crossing *out)
 {
     if (a > b) {
         uint32_t swap = a;
@@ -235,19 +224,19 @@ static int by_edge(const void *x, const void *y)
     return p->b < q->b ? -1 : p->b > q->b;
 }
 
-/* Each crossing once for each face at it, with the other crossing of that face. `out` NULL: only
- * counts. */
+/* Lists each crossing once for each of its faces, with the sum at the face's other crossing. If
+ * `out` is NULL, only counts. */
 static uint32_t list_crossings(struct search *search, struct crossing *out)
 {
     const struct gd_polygons *polygons = &search->tessellation->polygons;
     uint32_t count = 0;
-    for (uint32_t face = 0; face < polygons->polygon_count && gd__watch_step(&search->watch);
+    for (uint32_t face = 0; face < polygons->polygon_count && gd__pace(&search->pace, GD__STEP);
          face++) {
         const uint32_t *corner = polygons->corners + 3 * (size_t)face;
         struct crossing found[3];
         int in_face = 0;
         for (int k = 0; k < 3; k++)
-            in_face += cross(search, corner[k], corner[(k + 1) % 3], &found[in_face]);
+            in_face += nurbs_seeds_cross(search, corner[k], corner[(k + 1) % 3], &found[in_face]);
         if (in_face != 2) continue;
         found[0].least = found[1].sum;
         found[1].least = found[0].sum;
@@ -270,10 +259,10 @@ static enum gd_status add_crossing(struct search *search, const struct crossing 
 static enum gd_status add_middles(struct search *search, double shortest, struct gd_detail *detail)
 {
     struct crossing *list = malloc((list_crossings(search, NULL) + 1) * sizeof *list);
-    if (!list) return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
+    if (!list) return gd_fail_status(detail, GD_NO_MEMORY);
     uint32_t count = list_crossings(search, list);
     qsort(list, count, sizeof *list, by_edge);
-    enum gd_status status = search->watch.status;
+    enum gd_status status = search->pace.status;
     for (uint32_t i = 0; i < count && !status; i++) {
         bool twice = i + 1 < count && by_edge(&list[i], &list[i + 1]) == 0;
         double least = twice ? fmin(list[i].least, list[i + 1].least) : list[i].least,
@@ -287,15 +276,15 @@ static enum gd_status add_middles(struct search *search, double shortest, struct
     return status;
 }
 
-/* Local minima of the other side's distance along a curve: the ends of ways. `*shortest`: the
- * least. */
+/* Computes the distances of a curve's places from the other curve, and the least distance
+ * *shortest. */
 static enum gd_status find_ends(struct search *search, int k, double *distance, double *shortest)
 {
     const struct side *side = &search->side[k];
     enum gd_status status = GD_OK;
     *shortest = INFINITY;
     for (uint32_t i = 0; i < side->count && !status; i++) {
-        if (!gd__watch_step(&search->watch)) return search->watch.status;
+        if (!gd__pace(&search->pace, GD__STEP)) return search->pace.status;
         status = gd_field_distance(search->side[1 - k].field, &side->seeds[i].point, &distance[i]);
         if (!status) *shortest = fmin(*shortest, distance[i]);
     }
@@ -324,78 +313,80 @@ static enum gd_status add_ends(struct search *search, int k, double *shortest)
 
 static int by_length(const void *x, const void *y)
 {
-    const struct gd__seed *p = x, *q = y;
+    const struct gd__path_seed *p = x, *q = y;
     return p->length < q->length ? -1 : p->length > q->length;
 }
 
-static struct gd_vec3 trail_position(const struct gd_parametric *surface,
-                                     const struct gd__trail *trail, double part)
+static struct gd_vec3 polyline_position(const struct gd_parametric *surface,
+                                        const struct gd__uv_polyline *polyline, double part)
 {
     double at[2];
-    gd__trail_place(trail, gd__trail_position(trail, part * trail->run[trail->count - 1], 0), at);
+    gd__uv_polyline_at(
+        polyline, gd__uv_polyline_position(polyline, part * polyline->arc[polyline->count - 1], 0),
+        at);
     return gd__surface_position(surface, at);
 }
 
-static bool is_same(const struct gd_parametric *surface, struct gd__watch *watch,
-                    const struct gd__seed *a, const struct gd__seed *b)
+static bool is_same(const struct gd_parametric *surface, struct gd__pace *pace,
+                    const struct gd__path_seed *a, const struct gd__path_seed *b)
 {
     if (fabs(a->length - b->length) > same * a->length) return false;
-    for (int i = 0; i <= 4 && gd__watch_step(watch); i++)
-        if (gd_vec3_distance(trail_position(surface, &a->trail, 0.25 * i),
-                             trail_position(surface, &b->trail, 0.25 * i)) > same * a->length)
+    for (int i = 0; i <= 4 && gd__pace(pace, GD__STEP); i++)
+        if (gd_vec3_distance(polyline_position(surface, &a->polyline, 0.25 * i),
+                             polyline_position(surface, &b->polyline, 0.25 * i)) > same * a->length)
             return false;
     return true;
 }
 
-/* Sorts by length; of those that are the same way the shortest stays, and of all only the first
- * `most`. */
+/* Sorts the seeds by length, and keeps the shortest seed of each path, at most `most` seeds. */
 static enum gd_status sift(const struct gd_parametric *surface, uint32_t most,
-                           struct gd__watch *watch, struct gd__seeds *seeds)
+                           struct gd__pace *pace, struct gd__path_seeds *seeds)
 {
     qsort(seeds->seed, seeds->count, sizeof *seeds->seed, by_length);
     uint32_t kept = 0;
     for (uint32_t i = 0; i < seeds->count; i++) {
-        struct gd__seed seed = seeds->seed[i];
+        struct gd__path_seed seed = seeds->seed[i];
         bool wanted = kept < most;
         for (uint32_t k = 0; k < kept && wanted; k++)
-            wanted = !is_same(surface, watch, &seeds->seed[k], &seed);
+            wanted = !is_same(surface, pace, &seeds->seed[k], &seed);
         if (wanted)
             seeds->seed[kept++] = seed;
         else
-            gd__trail_free(&seed.trail);
+            gd__uv_polyline_free(&seed.polyline);
     }
     seeds->count = kept;
-    return watch->status;
+    return pace->status;
 }
 
-enum gd_status gd__seeds_find(const struct gd_tessellation *tessellation,
-                              const struct gd_domain_curve *from, const struct gd_domain_curve *to,
-                              bool all, struct gd__share *share, struct gd__seeds *out,
-                              struct gd_detail *detail)
+enum gd_status gd__path_seeds_find(const struct gd_tessellation *tessellation,
+                                   const struct gd_domain_curve *from,
+                                   const struct gd_domain_curve *to, bool all,
+                                   struct gd__share *share, struct gd__path_seeds *out,
+                                   struct gd_detail *detail)
 {
     const struct gd_control own = gd__share_control(share, 0);
     struct search search = {.tessellation = tessellation,
                             .side = {{.curve = from}, {.curve = to}},
-                            .watch = {.control = &own},
+                            .pace = {.control = &own},
                             .all = all};
     enum gd_status status = GD_OK;
     double shortest = INFINITY;
     for (int k = 0; k < 2 && !status; k++) {
-        status = measure_side(tessellation, &search.side[k], &search.watch, detail);
+        status = measure_side(tessellation, &search.side[k], &search.pace, detail);
         share->done++;
     }
     for (int k = 1; k >= 0 && !status; k--) status = add_ends(&search, k, &shortest);
     if (!status) status = add_middles(&search, shortest, detail);
     if (!status && !search.seeds.count)
-        status = gd_fail(detail, GD_INTERNAL, "no way was found on the tessellation");
+        status = gd_fail(detail, GD_INTERNAL, "no path was found on the tessellation");
     side_free(&search.side[0]);
     side_free(&search.side[1]);
     if (!status)
         status =
-            sift(tessellation->surface, all ? SEEDS_MOST : SEEDS_FEW, &search.watch, &search.seeds);
+            sift(tessellation->surface, all ? SEEDS_MOST : SEEDS_FEW, &search.pace, &search.seeds);
     if (status)
-        gd__seeds_free(&search.seeds);
+        gd__path_seeds_free(&search.seeds);
     else
         *out = search.seeds;
-    return search.watch.status ? gd_fail(detail, status, "%s", gd_status_sentence(status)) : status;
+    return search.pace.status ? gd_fail_status(detail, status) : status;
 }

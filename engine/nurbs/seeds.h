@@ -1,39 +1,39 @@
-/* Seeds: ways between two curves by exact geodesics of a tessellation, from which the smooth ones
- * are found.
+/* Seeds: paths between two curves on a tessellation, the initial guesses for smooth geodesics.
  *
- * With d1 and d2 the distances from the two curves on the mesh, each way that is shortest on both
- * sides of its middle passes a local minimum of d1 + d2 along the set where d1 = d2; besides, each
- * local minimum of d2 along the first curve, and of d1 along the second, is the end of a way. */
+ * Let d1 and d2 be the distances from the two curves on the mesh. A locally shortest path whose two
+ * halves are shortest paths passes a local minimum of d1 + d2 on the set d1 = d2. Each such minimum
+ * gives a seed. Each local minimum of d2 along the first curve, and of d1 along the second, also
+ * gives one. */
 #ifndef GD_NURBS_SEEDS_H
 #define GD_NURBS_SEEDS_H
 
 #include "base/share.h"
 #include "gd/geodesic_like.h"
-#include "nurbs/trail.h"
+#include "nurbs/uv_polyline.h"
 
-struct gd__seed {
+struct gd__path_seed {
     double length; /* on the mesh */
     double s[2];   /* parameters on the two curves */
-    /* from the first curve to the second; unwound through closed directions; ends exactly on the
-       curves */
-    struct gd__trail trail;
+    /* From the first curve to the second; continuous across the seams of closed directions. Its
+       ends lie exactly on the curves. */
+    struct gd__uv_polyline polyline;
 };
 
-struct gd__seeds {
+struct gd__path_seeds {
     uint32_t count, capacity;
-    struct gd__seed *seed; /* by length */
+    struct gd__path_seed *seed; /* ascending by length */
 };
 
-void gd__seeds_free(struct gd__seeds *seeds);
+void gd__path_seeds_free(struct gd__path_seeds *seeds);
 
-#define GD__SEEDS_PARTS 2 /* of `share`: a field from each curve */
+#define GD__SEEDS_PARTS 2 /* parts of `share`: a field from each curve */
 
-/* All of them if `all`, else those that the mesh does not rule out for the shortest one. At least
- * one. Counts its parts of `share`. Errors of gd_field_build. */
-GD_MUST_USE enum gd_status gd__seeds_find(const struct gd_tessellation *tessellation,
-                                          const struct gd_domain_curve *from,
-                                          const struct gd_domain_curve *to, bool all,
-                                          struct gd__share *share, struct gd__seeds *out,
-                                          struct gd_detail *detail);
+/* Finds all seeds if `all`, else the seeds that may lead to the shortest path; at least one.
+ * Errors: those of gd_field_build. */
+GD_MUST_USE enum gd_status gd__path_seeds_find(const struct gd_tessellation *tessellation,
+                                               const struct gd_domain_curve *from,
+                                               const struct gd_domain_curve *to, bool all,
+                                               struct gd__share *share, struct gd__path_seeds *out,
+                                               struct gd_detail *detail);
 
 #endif

@@ -1,4 +1,4 @@
-/* Surfaces of known shape: torus, helicoid, graph of a polynomial. */
+/* Analytic surfaces: torus, helicoid, graph of a polynomial. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,7 +8,7 @@
 
 static enum gd_status no_memory(struct gd_detail *detail)
 {
-    return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
+    return gd_fail_status(detail, GD_NO_MEMORY);
 }
 
 static bool is_range(const double range[2])
@@ -93,8 +93,8 @@ struct graph {
     double coefficients[];
 };
 
-/* Value and two derivatives of a polynomial by Horner's rule. */
-static void horner(uint32_t degree, const double *coefficients, double t, double out[3])
+/* Computes value and two derivatives of a polynomial by Horner's rule. */
+static void shapes_horner(uint32_t degree, const double *coefficients, double t, double out[3])
 {
     out[0] = out[1] = out[2] = 0;
     for (uint32_t i = degree + 1; i-- > 0;) {
@@ -112,10 +112,10 @@ static void graph_jet(const void *shape, uint32_t cell_u, uint32_t cell_v, doubl
     double rows[3][GD_GRAPH_DEGREE_MAX + 1], sum[3][3];
     for (uint32_t i = 0; i <= graph->degree_u; i++) {
         double row[3];
-        horner(graph->degree_v, graph->coefficients + i * (graph->degree_v + 1), v, row);
+        shapes_horner(graph->degree_v, graph->coefficients + i * (graph->degree_v + 1), v, row);
         for (int k = 0; k < 3; k++) rows[k][i] = row[k];
     }
-    for (int k = 0; k < 3; k++) horner(graph->degree_u, rows[k], u, sum[k]);
+    for (int k = 0; k < 3; k++) shapes_horner(graph->degree_u, rows[k], u, sum[k]);
     *out = (struct gd_jet){.x = {u, v, sum[0][0]},
                            .u = {1, 0, sum[0][1]},
                            .v = {0, 1, sum[1][0]},

@@ -8,31 +8,37 @@
 
 enum {
     COARSE_SPANS = 14,
-    FIRST_SPANS = 10,  /* of the first curve in pieces */
-    CUT_MOST = 12,     /* times that a curve is cut anew */
-    CORNERS_MOST = 2,  /* times in a row that it is cut because it is stuck in a corner of cells */
-    STEPS_MOST = 1200, /* of Newton's method in all */
-    PATIENCE = 12,     /* refinements after which a curve must not be bent any more */
+    FIRST_SPANS = 10,  /* spans of the first curve that is divided into pieces */
+    CUT_MOST = 12,     /* limit on fits of the curve to the cells */
+    CORNERS_MOST = 2,  /* limit on consecutive fits of a curve that is stuck in a corner of cells */
+    STEPS_MOST = 1200, /* limit on all Newton steps */
+    PATIENCE = 12,     /* number of refinements after which a bent curve is given up */
     REFINE_MOST = 48,
     SPANS_MOST = 4096
 };
 
 static const struct gd__newton_limits exact = {60, GD_TOL_STATIONARY};
-/* across lines the Hessian jumps: no use in going on */
+/* a coarse curve crosses lines, where the Hessian jumps, so more steps are useless */
 static const struct gd__newton_limits coarse = {12, 1e-7};
 
-/* part of the length: a piece this short that will not converge hides a corner of cells */
+/* Fraction of the length: if a piece this short prevents convergence, the curve is stuck in a
+ * corner of cells. */
 static const double stuck = 1e-4;
-static const double wide_corner = 3e-2; /* then corners this near, in cells, are passed straight */
+/* In widths of a cell: a stuck curve passes corners this near straight. */
+static const double wide_corner = 3e-2;
 static const double shortest_end =
-    1e-4; /* of a piece: ends are not refined below it, where rounding spoils the curvature */
-/* int of squared geodesic curvature times length: a kink of a finite angle makes it endless */
+    /* Fraction of a piece: end spans are not refined below this width, where rounding spoils the
+       curvature. */
+    1e-4;
+/* Limit on the integral of squared geodesic curvature, times length, which is infinite for a
+ * kink. */
 static const double most_bend = 100;
-/* of the domain's width: nearer to a pole a path goes through it */
+/* Fraction of the domain's width: a control point nearer to a pole counts as in the pole. */
 static const double fallen = 1e-6;
-/* the length of a span is rounded by so many times what the ends of its chain are */
+/* The rounding of a span's length, as a multiple of the rounding at the chain's ends. */
 static const double noise = 8;
-static const double worth = 0.02; /* a span is halved if its error is this part of the greatest */
+/* A span is halved if its error is at least this fraction of the greatest. */
+static const double worth = 0.02;
 
 static enum gd_status newton(struct gd__newton_limits limits, struct gd__solution *solution)
 {
@@ -41,8 +47,8 @@ static enum gd_status newton(struct gd__newton_limits limits, struct gd__solutio
     return status;
 }
 
-/* Where all control points of a span lie on one border, the path follows the border and its bend is
- * no error. */
+/* Returns true if all control points of a span lie on one border. The path then follows the border,
+ * and its curvature is not an error. */
 static bool follows_border(const struct gd__chain *chain, const struct gd__piece *piece,
                            uint32_t span)
 {
@@ -57,10 +63,10 @@ static bool follows_border(const struct gd__chain *chain, const struct gd__piece
     return false;
 }
 
-/* What halving a span may change: with e'' = kappa between its ends, 1/2 int e'^2 is at most (h /
- * pi)^2 / 2 int kappa^2; and what the quadrature of its length misses where the speed is uneven, as
- * along a meridian, which is straight in the domain and has no curvature. More than `enough` is not
- * looked at closer. */
+/* Returns a bound of the gain from halving a span. With e'' = kappa between the span's ends, 1/2
+ * int e'^2 is at most (h / pi)^2 / 2 int kappa^2. The quadrature error of the length is added,
+ * which covers uneven speed without curvature, as along a meridian. A result above `enough` may be
+ * incomplete. */
 static double span_error(const struct gd__chain *chain, const struct gd__piece *piece,
                          uint32_t span, double rounding, double enough)
 {
@@ -82,14 +88,15 @@ static double chain_error(const struct gd__chain *chain)
     return sum;
 }
 
-enum gd_status gd__solve_coarse(const struct gd__task *task, const struct gd__trail *trail,
+enum gd_status gd__solve_coarse(const struct gd__task *task, const struct gd__uv_polyline *polyline,
                                 const struct gd__joint *from, const struct gd__joint *to,
                                 struct gd__solution *out)
 {
     uint32_t spans = task->control_points ? task->control_points - task->degree : COARSE_SPANS;
     struct gd__fit fit = {task->degree, spans, *from, *to, true, GD_TOL_CELL};
     struct gd__solution solution = {0};
-    enum gd_status status = gd__trail_fit(task->surface, trail, &fit, task->watch, &solution.chain);
+    enum gd_status status =
+        gd__chain_fit(task->surface, polyline, &fit, task->pace, &solution.chain);
     if (!status) status = newton(task->control_points ? exact : coarse, &solution);
     if (status) {
         free(solution.chain);
@@ -103,7 +110,7 @@ enum gd_status gd__solve_coarse(const struct gd__task *task, const struct gd__tr
 
 /* --- ends on curves --------------------------------------------------------------------------- */
 
-/* From all of the curve to the interval of it that the end lies in. */
+/* Restricts a joint on a whole curve to the interval that contains the joint. */
 static void settle_joint(struct gd__joint *joint)
 {
     if (joint->kind != GD__JOINT_CURVE || !joint->whole) return;
@@ -117,7 +124,7 @@ static void settle_joint(struct gd__joint *joint)
     joint->whole = false;
 }
 
-/* The joint moved to the interval before or after its own. False: there is none. */
+/* Moves a joint to the previous or next interval of its curve. Returns false if there is none. */
 static bool neighbour(const struct gd__joint *joint, int step, struct gd__joint *out)
 {
     const struct gd_domain_curve *curve = joint->curve;
@@ -133,27 +140,27 @@ static bool neighbour(const struct gd__joint *joint, int step, struct gd__joint 
     return true;
 }
 
-static double slope_of(const struct gd__joint *joint, const double pull[2])
+static double solve_slope_of(const struct gd__joint *joint, const double pull[2])
 {
     struct gd__curve_jet jet;
     gd__joint_jet(joint, joint->at, &jet);
     return pull[0] * jet.first[0] + pull[1] * jet.first[1];
 }
 
-/* An end that is held at the end of its interval goes over to the next one if the way leads on
- * there. True: it did. */
-static bool slide(struct gd__joint *joint, const double pull[2], bool *held)
+/* Moves a joint at the end of its interval to the next interval if that shortens the path. Returns
+ * true if it moved. */
+static bool solve_slide(struct gd__joint *joint, const double pull[2], bool *held)
 {
     *held = joint->kind == GD__JOINT_LINE && joint->curve;
     if (joint->kind != GD__JOINT_CURVE || joint->whole) return false;
-    double slope = slope_of(joint, pull);
+    double slope = solve_slope_of(joint, pull);
     int step = joint->at >= joint->high && slope < 0  ? 1
                : joint->at <= joint->low && slope > 0 ? -1
                                                       : 0;
     struct gd__joint next;
     if (!step) return false;
     *held = true;
-    if (!neighbour(joint, step, &next) || step * slope_of(&next, pull) >= 0) return false;
+    if (!neighbour(joint, step, &next) || step * solve_slope_of(&next, pull) >= 0) return false;
     *joint = next;
     return true;
 }
@@ -162,29 +169,30 @@ static bool slide_ends(struct gd__solution *solution)
 {
     struct gd__joint *joints = solution->chain->joints;
     bool held[2];
-    bool moved = slide(&joints[0], solution->report.pull[0], &held[0]);
+    bool moved = solve_slide(&joints[0], solution->report.pull[0], &held[0]);
     moved =
-        slide(&joints[solution->chain->piece_count], solution->report.pull[1], &held[1]) || moved;
+        solve_slide(&joints[solution->chain->piece_count], solution->report.pull[1], &held[1]) ||
+        moved;
     solution->corner = held[0] || held[1];
     return moved;
 }
 
 /* --- cutting at lines ------------------------------------------------------------------------- */
 
-/* The same curve cut anew. */
-static enum gd_status cut(const struct gd__task *task, struct gd__solution *solution, double corner,
-                          uint32_t spans)
+/* Fits the curve to the cells again. */
+static enum gd_status solve_cut(const struct gd__task *task, struct gd__solution *solution,
+                                double corner, uint32_t spans)
 {
     struct gd__chain *old = solution->chain, *chain;
     struct gd__fit fit = {task->degree, spans, old->joints[0], old->joints[old->piece_count],
                           false,        corner};
     settle_joint(&fit.from);
     settle_joint(&fit.to);
-    struct gd__trail trail;
-    enum gd_status status = gd__trail_of_chain(old, &trail);
+    struct gd__uv_polyline polyline;
+    enum gd_status status = gd__uv_polyline_of_chain(old, &polyline);
     if (status) return status;
-    status = gd__trail_fit(task->surface, &trail, &fit, task->watch, &chain);
-    gd__trail_free(&trail);
+    status = gd__chain_fit(task->surface, &polyline, &fit, task->pace, &chain);
+    gd__uv_polyline_free(&polyline);
     if (status) return status;
     free(old);
     solution->chain = chain;
@@ -200,16 +208,17 @@ static bool has_short_piece(const struct gd__solution *solution)
     return false;
 }
 
-/* Newton's method on the pieces, which are cut anew as long as the curve leaves their cells. */
-static enum gd_status settle(const struct gd__task *task, struct gd__solution *solution, bool begin,
-                             uint32_t spans, bool *settled)
+/* Applies Newton's method to the pieces, which are fitted again while the curve leaves their
+ * cells. */
+static enum gd_status solve_settle(const struct gd__task *task, struct gd__solution *solution,
+                                   bool begin, uint32_t spans, bool *settled)
 {
     double corner = GD_TOL_CELL;
     enum gd_status status = GD_OK;
     int corners = 0;
     *settled = false;
     for (int i = 0; i < CUT_MOST && !status && solution->iterations < STEPS_MOST; i++) {
-        if (begin || i) status = cut(task, solution, corner, spans);
+        if (begin || i) status = solve_cut(task, solution, corner, spans);
         if (!status) status = newton(exact, solution);
         if (status) break;
         corner = GD_TOL_CELL;
@@ -226,8 +235,8 @@ static enum gd_status settle(const struct gd__task *task, struct gd__solution *s
 
 /* --- refinement ------------------------------------------------------------------------------- */
 
-/* Cosine of the angle between the path and the curve that it ends on: by Newton's method the angle
- * is right but for the spline's own error. */
+/* Returns the cosine of the angle between the path and the curve on which it ends. After Newton's
+ * method it is 0 up to the spline's error. */
 static double end_defect(const struct gd__solution *solution, int side)
 {
     const struct gd__chain *chain = solution->chain;
@@ -241,7 +250,7 @@ static double end_defect(const struct gd__solution *solution, int side)
     return fabs(gd_vec3_dot(path, curve)) / (gd_vec3_length(path) * gd_vec3_length(curve));
 }
 
-/* The part of its piece that the span at an end takes. */
+/* Returns the width of the span at an end, as a fraction of its piece. */
 static double end_share(const struct gd__chain *chain, int side)
 {
     const struct gd__piece *piece = &chain->pieces[side ? chain->piece_count - 1 : 0];
@@ -249,16 +258,16 @@ static double end_share(const struct gd__chain *chain, int side)
                 : piece->knots[chain->degree + 1];
 }
 
-/* The error that is allowed: what was asked for, but not less than rounding leaves of ends that are
- * very near each other. */
+/* Returns the allowed error: the request's tolerance, but at least the rounding of the ends, which
+ * matters if they are very near to each other. */
 static double allowance(const struct gd__task *task, const struct gd__solution *solution)
 {
     return fmax(task->tolerance * solution->report.length, gd__chain_rounding(solution->chain));
 }
 
-/* Marks the spans that are worth halving; returns the sum of all errors. */
-static double mark(const struct gd__task *task, const struct gd__solution *solution, double *errors,
-                   bool *marked)
+/* Marks the spans to halve; returns the sum of all errors. */
+static double solve_mark(const struct gd__task *task, const struct gd__solution *solution,
+                         double *errors, bool *marked)
 {
     const struct gd__chain *chain = solution->chain;
     uint32_t spans = gd__chain_spans(chain), filled = 0;
@@ -288,8 +297,9 @@ static bool mark_ends(const struct gd__solution *solution, bool *marked)
     return low || high;
 }
 
-/* One halving and the settling after it. `*done`: the tolerance is met. */
-static enum gd_status refine(const struct gd__task *task, struct gd__solution *solution, bool *done)
+/* Halves spans and iterates again. Sets *done if the tolerance is met. */
+static enum gd_status solve_refine(const struct gd__task *task, struct gd__solution *solution,
+                                   bool *done)
 {
     uint32_t spans = gd__chain_spans(solution->chain);
     double *errors = malloc(spans * sizeof *errors);
@@ -298,7 +308,7 @@ static enum gd_status refine(const struct gd__task *task, struct gd__solution *s
     enum gd_status status = errors && marked ? GD_OK : GD_NO_MEMORY;
     double before = solution->report.length;
     if (!status) {
-        double sum = mark(task, solution, errors, marked);
+        double sum = solve_mark(task, solution, errors, marked);
         bool ends = mark_ends(solution, marked);
         *done = solution->converged && !ends && sum <= allowance(task, solution);
         if (*done) solution->error = fmax(solution->error, sum);
@@ -313,7 +323,7 @@ static enum gd_status refine(const struct gd__task *task, struct gd__solution *s
     free(solution->chain);
     solution->chain = finer;
     bool settled;
-    status = settle(task, solution, false, 2 * spans, &settled);
+    status = solve_settle(task, solution, false, 2 * spans, &settled);
     double change = fabs(solution->report.length - before);
     solution->error = change;
     solution->converged =
@@ -321,15 +331,15 @@ static enum gd_status refine(const struct gd__task *task, struct gd__solution *s
     return status;
 }
 
-/* A control point on its way into a pole. */
+/* Returns true if a coordinate nearly lies in a pole. */
 static bool is_falling(const struct gd_axis *axis, double t)
 {
     double near = fallen * (axis->high - axis->low);
     return (axis->pole_low && t - axis->low < near) || (axis->pole_high && axis->high - t < near);
 }
 
-/* There is no geodesic on this side of the pole: the curve shrinks into it. Only ends may lie in a
- * pole, and what is next to them near it. */
+/* Returns true if the curve shrank into a pole, because no geodesic exists on this side of the
+ * pole. Only ends may lie in a pole, and only their neighbours near it. */
 static bool has_fallen(const struct gd__chain *chain)
 {
     for (int k = 0; k < 2; k++) {
@@ -369,9 +379,9 @@ enum gd_status gd__solve_fine(const struct gd__task *task, struct gd__solution *
 {
     bool settled, done = false;
     solution->converged = false;
-    enum gd_status status = settle(task, solution, true, FIRST_SPANS, &settled);
+    enum gd_status status = solve_settle(task, solution, true, FIRST_SPANS, &settled);
     for (int i = 0; i < REFINE_MOST && !status && !done; i++) {
-        status = refine(task, solution, &done);
+        status = solve_refine(task, solution, &done);
         if (gd__chain_spans(solution->chain) > SPANS_MOST || solution->iterations >= STEPS_MOST)
             break;
         if (has_fallen(solution->chain) || (i >= PATIENCE && gd__solution_is_bent(task, solution)))

@@ -1,16 +1,16 @@
-/* Solve: from a trail to a geodesic of the surface, as exact as asked for. */
+/* Solve: computes a geodesic of the surface, within a tolerance, from a polyline in the domain. */
 #ifndef GD_NURBS_SOLVE_H
 #define GD_NURBS_SOLVE_H
 
 #include "gd/geodesic_like.h"
 #include "nurbs/newton.h"
-#include "nurbs/trail.h"
+#include "nurbs/uv_polyline.h"
 
 struct gd__task {
     const struct gd_parametric *surface;
     uint32_t degree, control_points;
     double tolerance;
-    struct gd__watch *watch;
+    struct gd__pace *pace;
 };
 
 struct gd__solution {
@@ -22,21 +22,21 @@ struct gd__solution {
     bool corner;    /* an end is held at a corner or end of its curve */
 };
 
-/* A coarse curve over all cells from a trail that begins and ends at the joints: enough to compare
- * ways by. The joints are `whole`. With task->control_points it is the paper's curve and the
- * answer. Errors of gd__newton. */
+/* Computes a coarse curve of one piece over all cells, to compare candidates, from a polyline that
+ * begins and ends at the joints. The joints are `whole`. If task->control_points is set, the curve
+ * is the paper's and the final result. Errors: those of gd__newton. */
 GD_MUST_USE enum gd_status gd__solve_coarse(const struct gd__task *task,
-                                            const struct gd__trail *trail,
+                                            const struct gd__uv_polyline *polyline,
                                             const struct gd__joint *from,
                                             const struct gd__joint *to, struct gd__solution *out);
 
-/* Cuts the curve at the surface's lines, and refines it until the tolerance is met. */
+/* Divides the curve at the surface's lines, and refines it until the tolerance is met. */
 GD_MUST_USE enum gd_status gd__solve_fine(const struct gd__task *task,
                                           struct gd__solution *solution);
 
-/* A curve that fell into a pole, or would not settle, bends by much more than any that is nearly a
- * geodesic; one of so many control points as were asked for may bend as it must. Ends early when
- * the watch says so. */
+/* Returns true if the curve bends much more than a near-geodesic, because it shrank into a pole or
+ * did not converge. A curve with a requested number of control points may bend. Ends early if the
+ * chain's pace stops. */
 bool gd__solution_is_bent(const struct gd__task *task, const struct gd__solution *solution);
 
 #endif

@@ -5,13 +5,13 @@
 #include "gd/space_distance.h"
 #include "nurbs/bspline.h"
 
-enum { PARTS = 16, STEPS_MOST = 60 }; /* of a span at which it is looked at */
+enum { PARTS = 16, STEPS_MOST = 60 }; /* PARTS: bits of a span */
 
 struct look {
     struct gd_vec3 x, first, second;
 };
 
-static struct look look_at(const struct gd_space_curve *curve, double s)
+static struct look space_curve_at(const struct gd_space_curve *curve, double s)
 {
     if (!curve->degree) return (struct look){.x = curve->points[0]};
     struct look look = {0};
@@ -27,7 +27,7 @@ static struct look look_at(const struct gd_space_curve *curve, double s)
     return look;
 }
 
-/* Pieces of a curve, each within a ball about its middle. */
+/* A curve divided into bits, each in a ball around its middle. */
 struct bits {
     uint32_t count;
     struct bit {
@@ -36,8 +36,8 @@ struct bits {
     } * bit;
 };
 
-/* The derivative's control points bound the speed on a span: so far from the middle no point of the
- * bit lies. */
+/* Returns a bound of the speed on a span, from the derivative's control points. It bounds the
+ * distances of the span's points from its middle. */
 static double speed_bound(const struct gd_space_curve *curve, uint32_t span)
 {
     double most = 0;
@@ -63,27 +63,27 @@ static enum gd_status make_bits(const struct gd_space_curve *curve, struct bits 
             double begin = low + i * width,
                    end = i + 1 == PARTS ? curve->knots[span + 1] : begin + width;
             out->bit[out->count++] =
-                (struct bit){begin, end, radius, look_at(curve, 0.5 * (begin + end)).x};
+                (struct bit){begin, end, radius, space_curve_at(curve, 0.5 * (begin + end)).x};
         }
     }
     return GD_OK;
 }
 
-static double clamp(const struct bit *bit, double s)
+static double space_clamp(const struct bit *bit, double s)
 {
     return fmin(fmax(s, bit->low), bit->high);
 }
 
-/* At an end of the bit, and downhill is beyond it? */
-static bool is_held(const struct bit *bit, double s, double gradient)
+/* Returns true if s is at an end of the bit and the descent direction leads out of the bit. */
+static bool space_is_held(const struct bit *bit, double s, double gradient)
 {
     return (s <= bit->low && gradient >= 0) || (s >= bit->high && gradient <= 0);
 }
 
-/* The step of 1/2 |a(s) - b(t)|^2: Newton where its Hessian, bends of the curves included, is
- * positive, else Gauss-Newton; among what is not held. */
-static void step_of(const struct look *a, const struct look *b, const struct bit *p,
-                    const struct bit *q, const double at[2], double step[2])
+/* Computes the step for 1/2 |a(s) - b(t)|^2 in the free parameters: Newton's if the full Hessian is
+ * positive, else Gauss-Newton's. */
+static void space_step_of(const struct look *a, const struct look *b, const struct bit *p,
+                          const struct bit *q, const double at[2], double step[2])
 {
     struct gd_vec3 r = gd_vec3_sub(a->x, b->x);
     double g[2] = {gd_vec3_dot(r, a->first), -gd_vec3_dot(r, b->first)};
@@ -94,7 +94,7 @@ static void step_of(const struct look *a, const struct look *b, const struct bit
     double damp = newton ? 0 : GD_TOL_PIVOT * (aa + bb);
     if (!newton) h[0] = aa + damp, h[1] = bb + damp;
     double det = h[0] * h[1] - ab * ab;
-    bool held[2] = {is_held(p, at[0], g[0]), is_held(q, at[1], g[1])},
+    bool held[2] = {space_is_held(p, at[0], g[0]), space_is_held(q, at[1], g[1])},
          both = !held[0] && !held[1] && det > 0;
     for (int k = 0; k < 2; k++) {
         double alone = held[k] || !(h[k] > 0) ? 0 : -g[k] / h[k];
@@ -102,19 +102,19 @@ static void step_of(const struct look *a, const struct look *b, const struct bit
     }
 }
 
-/* Downhill within one pair of bits. */
-static void descend(const struct gd_space_curve *from, const struct gd_space_curve *to,
-                    const struct bit *p, const struct bit *q, struct gd_space_foot *best)
+/* Descends within one pair of bits. */
+static void space_descend(const struct gd_space_curve *from, const struct gd_space_curve *to,
+                          const struct bit *p, const struct bit *q, struct gd_space_closest *best)
 {
     double s = 0.5 * (p->low + p->high), t = 0.5 * (q->low + q->high);
-    struct look a = look_at(from, s), b = look_at(to, t);
+    struct look a = space_curve_at(from, s), b = space_curve_at(to, t);
     double distance = gd_vec3_distance(a.x, b.x);
     for (int i = 0; i < STEPS_MOST; i++) {
         double step[2], next = INFINITY, part = 1, u = s, v = t;
-        step_of(&a, &b, p, q, (double[]){s, t}, step);
+        space_step_of(&a, &b, p, q, (double[]){s, t}, step);
         for (int k = 0; k < STEPS_MOST && !(next <= distance); k++, part *= 0.5) {
-            u = clamp(p, s + part * step[0]), v = clamp(q, t + part * step[1]);
-            a = look_at(from, u), b = look_at(to, v);
+            u = space_clamp(p, s + part * step[0]), v = space_clamp(q, t + part * step[1]);
+            a = space_curve_at(from, u), b = space_curve_at(to, v);
             next = gd_vec3_distance(a.x, b.x);
         }
         if (!(next <= distance) || (u == s && v == t)) break;
@@ -122,13 +122,14 @@ static void descend(const struct gd_space_curve *from, const struct gd_space_cur
         distance = next;
     }
     if (distance < best->distance)
-        *best = (struct gd_space_foot){distance, s, t, look_at(from, s).x, look_at(to, t).x};
+        *best = (struct gd_space_closest){distance, s, t, space_curve_at(from, s).x,
+                                          space_curve_at(to, t).x};
 }
 
-/* Bits are tried in order; those that can't beat the best so far, which the bits' middles begin,
- * are passed over. */
-static void search(const struct gd_space_curve *from, const struct gd_space_curve *to,
-                   const struct bits *a, const struct bits *b, struct gd_space_foot *best)
+/* Descends in all pairs of bits in order. Skips pairs whose lower bound exceeds the best distance.
+ * The middles of the bits give the first bound. */
+static void space_search(const struct gd_space_curve *from, const struct gd_space_curve *to,
+                         const struct bits *a, const struct bits *b, struct gd_space_closest *best)
 {
     double bound = INFINITY;
     for (uint32_t i = 0; i < a->count; i++)
@@ -139,12 +140,12 @@ static void search(const struct gd_space_curve *from, const struct gd_space_curv
             double least = gd_vec3_distance(a->bit[i].middle, b->bit[j].middle) - a->bit[i].radius -
                            b->bit[j].radius;
             if (least <= fmin(bound, best->distance))
-                descend(from, to, &a->bit[i], &b->bit[j], best);
+                space_descend(from, to, &a->bit[i], &b->bit[j], best);
         }
     }
 }
 
-static enum gd_status check(const struct gd_space_curve *curve, struct gd_detail *detail)
+static enum gd_status space_check(const struct gd_space_curve *curve, struct gd_detail *detail)
 {
     if (curve->degree > GD__DEGREE_MAX || curve->count < curve->degree + 1 ||
         curve->count > GD_SPACE_CURVE_COUNT_MAX || (!curve->degree && curve->count != 1))
@@ -153,36 +154,26 @@ static enum gd_status check(const struct gd_space_curve *curve, struct gd_detail
                        "point is degree 0",
                        GD__DEGREE_MAX, GD_SPACE_CURVE_COUNT_MAX);
     for (uint32_t i = 0; i < curve->count; i++)
-        if (!(isfinite(curve->points[i].x) && isfinite(curve->points[i].y) &&
-              isfinite(curve->points[i].z)))
+        if (!gd_vec3_is_finite(curve->points[i]))
             return gd_fail(detail, GD_INVALID_ARGUMENT, "point %u of the curve is not finite", i);
-    for (uint32_t i = 0; curve->degree && i < curve->count + curve->degree + 1; i++)
-        if (!isfinite(curve->knots[i]) || (i && curve->knots[i] < curve->knots[i - 1]))
-            return gd_fail(detail, GD_INVALID_ARGUMENT,
-                           "knot %u of the curve is not finite or decreases", i);
-    for (uint32_t i = curve->degree + 1; curve->degree && i + curve->degree < curve->count; i++)
-        if (curve->knots[i] == curve->knots[i + curve->degree])
-            return gd_fail(detail, GD_INVALID_ARGUMENT,
-                           "knot %u of the curve is repeated more than %u times", i, curve->degree);
-    if (curve->degree && !(curve->knots[curve->degree] < curve->knots[curve->count]))
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "the curve's knots leave it no domain");
-    return GD_OK;
+    return curve->degree ? gd__knots_check(curve->degree, curve->count, curve->knots, detail)
+                         : GD_OK;
 }
 
 enum gd_status gd_space_distance(const struct gd_space_curve *from, const struct gd_space_curve *to,
-                                 struct gd_space_foot *out, struct gd_detail *detail)
+                                 struct gd_space_closest *out, struct gd_detail *detail)
 {
-    enum gd_status status = check(from, detail);
-    if (!status) status = check(to, detail);
+    enum gd_status status = space_check(from, detail);
+    if (!status) status = space_check(to, detail);
     if (status) return status;
     struct bits a = {0}, b = {0};
-    struct gd_space_foot best = {.distance = INFINITY};
+    struct gd_space_closest best = {.distance = INFINITY};
     status = make_bits(from, &a);
     if (!status) status = make_bits(to, &b);
-    if (!status) search(from, to, &a, &b, &best);
+    if (!status) space_search(from, to, &a, &b, &best);
     free(a.bit);
     free(b.bit);
-    if (status) return gd_fail(detail, status, "%s", gd_status_sentence(status));
+    if (status) return gd_fail_status(detail, status);
     *out = best;
     return GD_OK;
 }

@@ -4,8 +4,9 @@
 #include <stdlib.h>
 
 #include "base/tolerance.h"
+#include "nurbs/bspline.h"
 
-enum { PROBES = 17 }; /* places in each direction at which a new surface is looked at */
+enum { PROBES = 17 }; /* places in each direction at which a new surface is checked */
 
 int32_t gd__axis_cell(const struct gd_axis *axis, double t)
 {
@@ -13,19 +14,13 @@ int32_t gd__axis_cell(const struct gd_axis *axis, double t)
     if (axis->closed && !axis->seam) return 0;
     if (axis->closed) turns = floor((t - axis->low) / period);
     double inside = t - turns * period;
-    int32_t low = 0, high = gd__axis_cells(axis);
-    while (high - low > 1) {
-        int32_t middle = low + (high - low) / 2;
-        if (inside < axis->lines[middle - 1])
-            high = middle;
-        else
-            low = middle;
-    }
-    return low + (int32_t)turns * gd__axis_cells(axis);
+    uint32_t line = axis->line_count ? gd__interval(axis->lines, 0, axis->line_count, inside) : 0;
+    int32_t within = axis->line_count && inside >= axis->lines[line] ? (int32_t)line + 1 : 0;
+    return within + (int32_t)turns * gd__axis_cells(axis);
 }
 
-/* Number within the period, and the period's number. */
-static int32_t reduce(const struct gd_axis *axis, int32_t index, int32_t *turns)
+/* Returns the cell's number within the period, and sets *turns to the number of the period. */
+static int32_t surface_reduce(const struct gd_axis *axis, int32_t index, int32_t *turns)
 {
     int32_t count = gd__axis_cells(axis), within = index % count;
     if (within < 0) within += count;
@@ -38,7 +33,7 @@ double gd__axis_line(const struct gd_axis *axis, int32_t index, bool *is_line)
     *is_line = false;
     if (axis->closed) {
         if (!axis->seam) return index > 0 ? INFINITY : -INFINITY;
-        int32_t turns, within = reduce(axis, index, &turns);
+        int32_t turns, within = surface_reduce(axis, index, &turns);
         *is_line = true;
         return (within ? axis->lines[within - 1] : axis->low) + turns * gd__axis_period(axis);
     }
@@ -68,7 +63,7 @@ void gd__surface_jet(const struct gd_parametric *surface, struct gd__cell cell, 
     double place[2];
     for (int k = 0; k < 2; k++) {
         int32_t turns;
-        within[k] = (uint32_t)reduce(surface->axis[k], cell.index[k], &turns);
+        within[k] = (uint32_t)surface_reduce(surface->axis[k], cell.index[k], &turns);
         place[k] = at[k] - turns * gd__axis_period(surface->axis[k]);
     }
     surface->evaluator.jet(surface->evaluator.shape, within[0], within[1], place[0], place[1], out);
@@ -93,7 +88,7 @@ bool gd__surface_pole(const struct gd_parametric *surface, int axis, double t)
     return (a->pole_low && t <= a->low + near) || (a->pole_high && t >= a->high - near);
 }
 
-/* --- making one ------------------------------------------------------------------------------- */
+/* --- construction ----------------------------------------------------------------------------- */
 
 static enum gd_status check_axis(const struct gd_axis *axis, const char *name,
                                  struct gd_detail *detail)
@@ -119,7 +114,7 @@ static double probe(const struct gd_axis *axis, int i)
     return i == PROBES - 1 ? axis->high : axis->low + (axis->high - axis->low) * i / (PROBES - 1);
 }
 
-static enum gd_status measure(struct gd_parametric *surface, struct gd_detail *detail)
+static enum gd_status surface_measure(struct gd_parametric *surface, struct gd_detail *detail)
 {
     struct gd_vec3 min = {INFINITY, INFINITY, INFINITY}, max = {-INFINITY, -INFINITY, -INFINITY};
     for (int i = 0; i < PROBES * PROBES; i++) {
@@ -127,8 +122,8 @@ static enum gd_status measure(struct gd_parametric *surface, struct gd_detail *d
         struct gd_vec3 x = gd__surface_position(surface, at);
         if (!(fabs(x.x) < GD_EXTENT_MAX && fabs(x.y) < GD_EXTENT_MAX && fabs(x.z) < GD_EXTENT_MAX))
             return gd_fail(detail, GD_INVALID_ARGUMENT,
-                           "the surface has no finite position of sense at u = %.17g, v = %.17g",
-                           at[0], at[1]);
+                           "the surface has no usable position at u = %.17g, v = %.17g", at[0],
+                           at[1]);
         min = (struct gd_vec3){fmin(min.x, x.x), fmin(min.y, x.y), fmin(min.z, x.z)};
         max = (struct gd_vec3){fmax(max.x, x.x), fmax(max.y, x.y), fmax(max.z, x.z)};
     }
@@ -138,7 +133,8 @@ static enum gd_status measure(struct gd_parametric *surface, struct gd_detail *d
     return gd_fail(detail, GD_INVALID_ARGUMENT, "the surface is a point");
 }
 
-/* The greatest distance between two borders of direction k, or of a border from its first point. */
+/* Returns the greatest distance between two borders of direction k, or with `from_first` of a
+ * border from its first point. */
 static double border_gap(const struct gd_parametric *surface, int k, double a, double b,
                          bool from_first)
 {
@@ -165,7 +161,7 @@ static enum gd_status check_borders(const struct gd_parametric *surface, int k,
     if ((a->pole_low && border_gap(surface, k, a->low, a->low, true) > near) ||
         (a->pole_high && border_gap(surface, k, a->high, a->high, true) > near))
         return gd_fail(detail, GD_INVALID_ARGUMENT,
-                       "a border in %c is called a pole, but is no point", "uv"[k]);
+                       "a border in %c is declared a pole, but is not a single point", "uv"[k]);
     if (a->closed && (a->pole_low || a->pole_high))
         return gd_fail(detail, GD_INVALID_ARGUMENT, "direction %c is closed and can't have poles",
                        "uv"[k]);
@@ -178,7 +174,7 @@ enum gd_status gd_parametric_create(const struct gd_evaluator *evaluator,
     struct gd_parametric *surface = calloc(1, sizeof *surface);
     if (!surface) {
         if (evaluator->destroy) evaluator->destroy(evaluator->shape);
-        return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
+        return gd_fail_status(detail, GD_NO_MEMORY);
     }
     surface->evaluator = *evaluator;
     surface->axis[0] = &surface->evaluator.u;
@@ -187,7 +183,7 @@ enum gd_status gd_parametric_create(const struct gd_evaluator *evaluator,
     atomic_init(&surface->references, 1);
     enum gd_status status = check_axis(surface->axis[0], "u", detail);
     if (!status) status = check_axis(surface->axis[1], "v", detail);
-    if (!status) status = measure(surface, detail);
+    if (!status) status = surface_measure(surface, detail);
     if (!status) status = check_borders(surface, 0, detail);
     if (!status) status = check_borders(surface, 1, detail);
     if (status)

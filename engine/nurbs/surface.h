@@ -1,43 +1,48 @@
-/* The inside of a parametric surface: its smooth cells, numbered through all periods of closed
+/* Parametric surface: its smooth cells, which are numbered through all periods of closed
  * directions. */
 #ifndef GD_NURBS_SURFACE_H
 #define GD_NURBS_SURFACE_H
 
 #include <stdatomic.h>
 
+#include "base/pace.h"
 #include "gd/parametric.h"
+
+/* Weight of a step of this folder in a pace: a few microseconds, such as the quadrature of a
+ * span. */
+enum { GD__STEP = GD__PACE_STEPS / 32 };
 
 struct gd_parametric {
     struct gd_evaluator evaluator;
     const struct gd_axis *axis[2]; /* u, v */
-    double size;                   /* diagonal of its box */
-    /* of its points from the origin: what positions are rounded by */
+    double size;                   /* diagonal of the bounding box */
+    /* largest distance of a point from the origin, which determines the rounding of positions */
     double farthest;
     size_t bytes;
     _Atomic uint32_t references;
 };
 
-/* A smooth piece: cell i of an axis lies between its lines i and i + 1, where line 0 is `low`; in a
- * closed direction with a seam the numbers go on below and above for the other periods; without one
- * there is only cell 0. */
+/* A smooth piece. Cell i of an axis lies between its lines i and i + 1; line 0 is `low`. In a
+ * closed direction with a seam the numbers continue through all periods; without a seam cell 0 is
+ * the only one. */
 struct gd__cell {
     int32_t index[2];
 };
 
-/* Number of smooth pieces in one period. */
+/* Returns the number of smooth pieces in one period. */
 static inline int32_t gd__axis_cells(const struct gd_axis *axis)
 {
     return (int32_t)axis->line_count + 1;
 }
 
-/* The cell of a parameter; on a line the one above, on a border the one inside. */
+/* Returns the cell of a parameter; on a line the cell above it, on a border the cell inside. */
 int32_t gd__axis_cell(const struct gd_axis *axis, double t);
 
-/* The line below a cell, in the numbering of cells: -INFINITY and INFINITY where a cell has no end.
- * `*is_line`: a line or seam of the surface, not a border. */
+/* Returns the line below a cell; -INFINITY or INFINITY if the cell has no end there. Sets *is_line
+ * to true for a line or seam of the surface, false for a border. */
 double gd__axis_line(const struct gd_axis *axis, int32_t index, bool *is_line);
 
-/* The parameter moved by whole periods into [low, high). Others come back as they are. */
+/* Returns the parameter, moved by whole periods into [low, high) in a closed direction. */
 double gd__axis_wrap(const struct gd_axis *axis, double t);
 
 static inline double gd__axis_period(const struct gd_axis *axis)
@@ -47,16 +52,16 @@ static inline double gd__axis_period(const struct gd_axis *axis)
 
 struct gd__cell gd__surface_cell(const struct gd_parametric *surface, double u, double v);
 
-/* The cell's jet, also beyond its lines. */
+/* Evaluates the smooth piece of a cell, also beyond its lines. */
 void gd__surface_jet(const struct gd_parametric *surface, struct gd__cell cell, const double at[2],
                      struct gd_jet *out);
 
-/* The jet of the cell that the place lies in. */
+/* Evaluates the cell that contains the place. */
 void gd__surface_at(const struct gd_parametric *surface, const double at[2], struct gd_jet *out);
 
 struct gd_vec3 gd__surface_position(const struct gd_parametric *surface, const double at[2]);
 
-/* Is the place, in direction `axis`, on a border that is a pole? */
+/* Returns true if coordinate `axis` = t is a border that is a pole. */
 bool gd__surface_pole(const struct gd_parametric *surface, int axis, double t);
 
 #endif

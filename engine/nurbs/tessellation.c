@@ -6,7 +6,7 @@
 
 /* --- nodes to vertices ------------------------------------------------------------------------ */
 
-/* The node that stands for all that are one point with it. */
+/* Returns the first of all nodes at the same point. */
 static uint32_t representative(const struct gd_parametric *surface, const struct gd__grid *grid,
                                uint32_t node)
 {
@@ -52,7 +52,7 @@ static enum gd_status make_vertices(struct gd_tessellation *t, const struct gd_c
 
 /* --- cells to faces --------------------------------------------------------------------------- */
 
-static double apart(const struct gd_tessellation *t, uint32_t a, uint32_t b)
+static double tessellation_apart(const struct gd_tessellation *t, uint32_t a, uint32_t b)
 {
     const double *p = t->polygons.positions[t->vertex_of[a]],
                  *q = t->polygons.positions[t->vertex_of[b]];
@@ -60,7 +60,7 @@ static double apart(const struct gd_tessellation *t, uint32_t a, uint32_t b)
                 (p[2] - q[2]) * (p[2] - q[2]));
 }
 
-/* A face between three nodes, unless two of them are one vertex: at a pole. */
+/* Adds a face between three nodes, unless two of them are the same vertex, as at a pole. */
 static void add_face(struct gd_tessellation *t, uint32_t a, uint32_t b, uint32_t c)
 {
     uint32_t nodes[3] = {a, b, c},
@@ -70,12 +70,12 @@ static void add_face(struct gd_tessellation *t, uint32_t a, uint32_t b, uint32_t
     memcpy(t->corners[t->polygons.polygon_count++], nodes, sizeof nodes);
 }
 
-/* Two triangles on the shorter diagonal; at a pole one stays. */
+/* Adds the two triangles of a cell, along the shorter diagonal; at a pole only one. */
 static void fill_cell(struct gd_tessellation *t, uint32_t i, uint32_t j)
 {
     uint32_t columns = t->grid.steps[1] + 1, a = i * columns + j, b = a + columns, c = b + 1,
              d = a + 1;
-    if (apart(t, a, c) <= apart(t, b, d)) {
+    if (tessellation_apart(t, a, c) <= tessellation_apart(t, b, d)) {
         add_face(t, a, b, c);
         add_face(t, a, c, d);
     } else {
@@ -118,14 +118,14 @@ enum gd_status gd_tessellation_build(const struct gd_parametric *surface,
                        "a tessellation has at most %d faces and a deviation that is not negative",
                        GD_TESSELLATION_FACES_MAX);
     struct gd_tessellation *t = calloc(1, sizeof *t);
-    if (!t) return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
+    if (!t) return gd_fail_status(detail, GD_NO_MEMORY);
     atomic_init(&t->references, 1);
     t->surface = gd_parametric_retain(surface);
     enum gd_status status = gd__grid_make(surface, options, &t->grid);
     if (!status) status = make_vertices(t, control);
     if (!status) status = make_faces(t, control);
     if (status)
-        gd_fail(detail, status, "%s", gd_status_sentence(status));
+        gd_fail_status(detail, status);
     else
         status = gd_mesh_build(&t->polygons, NULL, control, &t->mesh, detail);
     if (status)

@@ -1,4 +1,4 @@
-/* The inside of a tessellation: its grid and which faces each cell of it has. */
+/* Tessellation: the grid, and the faces of each grid cell. */
 #ifndef GD_NURBS_TESSELLATION_H
 #define GD_NURBS_TESSELLATION_H
 
@@ -6,8 +6,8 @@
 
 #include "nurbs/grid.h"
 
-/* A node (i, j) of the grid is numbered i * (steps[1] + 1) + j; in closed directions the last ones
- * are copies of the first. */
+/* Node (i, j) of the grid has the number i * (steps[1] + 1) + j. In a closed direction the last
+ * nodes are copies of the first. */
 struct gd_tessellation {
     const struct gd_parametric *surface;
     struct gd__grid grid;
@@ -15,8 +15,9 @@ struct gd_tessellation {
     struct gd_mesh *mesh;
     uint32_t *vertex_of;    /* node -> vertex */
     uint32_t *node_of;      /* vertex -> its first node */
-    uint32_t (*corners)[3]; /* face -> nodes, those of its own cell */
-    /* cell -> its first face, and one more; a cell at a pole has one face, others two */
+    uint32_t (*corners)[3]; /* face -> nodes of its cell */
+    /* cell -> its first face, with one more entry; a cell at a pole has one face, others have
+       two */
     uint32_t *first_face;
     _Atomic uint32_t references;
 };

@@ -4,15 +4,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SHELL      64 /* samples about equally far from the source */
+#define SHELL      64 /* number of samples at about the same distance from the source */
 #define SHELLS     16
 #define SAMPLES    (SHELLS * SHELL)
 #define DIRECTIONS 99
-/* by which the next point of a spiral over a sphere goes round */
+/* Turn between neighbouring points of a spiral over a sphere. */
 #define GOLDEN_TURN 2.399963229728653
 
 struct sample {
-    double x, y, z, distance; /* from the source, straight */
+    /* position relative to the source, and straight-line distance from it */
+    double x, y, z, distance;
     uint32_t number;
 };
 
@@ -21,14 +22,15 @@ static double height_of(const struct sample *sample, struct gd_vec3 normal)
     return normal.x * sample->x + normal.y * sample->y + normal.z * sample->z;
 }
 
-/* A face stands where its first corner does. */
+/* Returns the sample of a face: its first corner. */
 static struct sample sample_face(const struct gd_mesh *mesh, uint32_t face, struct gd_vec3 source)
 {
     const struct gd_vec3 *p = &mesh->position[mesh->origin[mesh->face_side[face][0]]];
     return (struct sample){.x = p->x - source.x, .y = p->y - source.y, .z = p->z - source.z};
 }
 
-/* No two are equal, so that the order is that of any sort. */
+/* Compares samples by distance. No two samples are equal, so the order does not depend on the
+ * sort. */
 static int by_distance(const void *a, const void *b)
 {
     const struct sample *first = a, *second = b;
@@ -36,7 +38,7 @@ static int by_distance(const void *a, const void *b)
     return first->number < second->number ? -1 : 1;
 }
 
-/* The nearest first: a wavefront meets one shell after the other, more or less. */
+/* Takes samples, sorted by distance: a wavefront meets about one shell after another. */
 static void take_samples(const struct gd_mesh *mesh, struct gd_vec3 source, struct sample *samples)
 {
     for (uint32_t i = 0; i < SAMPLES; i++) {
@@ -48,14 +50,15 @@ static void take_samples(const struct gd_mesh *mesh, struct gd_vec3 source, stru
     qsort(samples, SAMPLES, sizeof *samples, by_distance);
 }
 
-/* Spread evenly over half of a sphere. */
-static struct gd_vec3 direction(uint32_t number)
+/* Returns one of DIRECTIONS directions that are spread evenly over a hemisphere. */
+static struct gd_vec3 sample_direction(uint32_t number)
 {
     double z = (number + 0.5) / DIRECTIONS, around = number * GOLDEN_TURN, r = sqrt(1 - z * z);
     return (struct gd_vec3){r * cos(around), r * sin(around), z};
 }
 
-/* What the busier half has to do in each shell, while the other one waits for it. */
+/* Returns the sum over all shells of the work in the busier half, for which the other half
+ * waits. */
 static uint32_t wait_of(const struct sample *samples, struct gd_vec3 normal)
 {
     uint32_t sum = 0;
@@ -75,7 +78,7 @@ static struct gd_vec3 find_plane(const struct gd_mesh *mesh, struct gd_vec3 sour
     struct gd_vec3 best = {0, 0, 1};
     uint32_t least = UINT32_MAX;
     for (uint32_t d = 0; d < DIRECTIONS; d++) {
-        struct gd_vec3 normal = direction(d);
+        struct gd_vec3 normal = sample_direction(d);
         uint32_t wait = wait_of(samples, normal);
         if (wait >= least) continue;
         least = wait;
@@ -95,7 +98,7 @@ void gd__bisection_divide(const struct gd_mesh *mesh, struct gd_vec3 source, uin
         for (int k = 0; k < 3; k++) {
             uint32_t side = mesh->face_side[face][k];
             side_part[side] = half;
-            /* boundary; its record would be a cache line more */
+            /* a boundary side, whose own record would be another cache line */
             if (mesh->side_face[side ^ 1] == GD_NONE) side_part[side ^ 1] = half;
             vertex_parts[mesh->origin[side]] |= (uint8_t)(1 << half);
         }

@@ -6,17 +6,18 @@
 
 #include "partition/bisection.h"
 
-#define FACES_LEAST  20000 /* a smaller surface is done before the turns pay */
-#define TURN_BUCKETS 32    /* that one part may be ahead: more of them do more work twice */
-/* sides and vertices of a turn, the same for both parts; a tenth of a millisecond */
-#define TURN_WORK      512
-#define COPY_BYTES     16384 /* at a time; chunks' heads are not divided by it */
-#define BUDGET_AN_EDGE 1000  /* bytes: with less there may be no room for two of all */
+#define FACES_LEAST  20000 /* one wavefront finishes a smaller surface before two are faster */
+#define TURN_BUCKETS 32 /* lead of one part over the other; more buckets cause more repeated work */
+/* Sides and vertices per turn, for either part: a tenth of a millisecond. */
+#define TURN_WORK  512
+#define COPY_BYTES 16384 /* bytes copied at a time; heads of chunks need not be aligned to it */
+/* Bytes. A smaller budget may have no room for two sets of arrays. */
+#define BUDGET_AN_EDGE 1000
 
-/* --- mail ------------------------------------------------------------------------------------- */
+/* --- outbox ----------------------------------------------------------------------------------- */
 
-/* What waits of a source whose distance fell is on its way again: gd__propagate_side would drop it,
- * and so would who sent it. */
+/* Drops windows whose source came nearer after they were sent, because the source casts them
+ * again. */
 static uint32_t put_fresh(const struct gd__wavefront *front, const struct gd__window *windows,
                           uint32_t count)
 {
@@ -42,27 +43,27 @@ static void receive_list(struct gd__wavefront *front, uint32_t side,
                               front->distance[destination],
                               0,
                               0,
-                              front->falls};
+                              front->distance_drops};
     gd__wavefront_deliver(front, &to, children);
 }
 
-/* Vertices first: the windows' sources are among them. */
-static void receive(struct gd__wavefront *front, struct gd__mail *mail)
+/* Receives messages, vertices first, because they include sources of the windows. */
+static void receive_messages(struct gd__wavefront *front, struct gd__outbox *outbox)
 {
-    for (uint32_t i = 0; i < mail->vertex_count; i++)
-        gd__wavefront_learn(front, &mail->vertices[i]);
-    const struct gd__window *windows = mail->windows.windows;
-    for (uint32_t i = 0; i < mail->list_count && !front->status; i++) {
-        receive_list(front, mail->lists[i].side, windows, mail->lists[i].count);
-        windows += mail->lists[i].count;
+    for (uint32_t i = 0; i < outbox->vertex_count; i++)
+        gd__wavefront_learn(front, &outbox->vertices[i]);
+    const struct gd__window *windows = outbox->windows.windows;
+    for (uint32_t i = 0; i < outbox->list_count && !front->status; i++) {
+        receive_list(front, outbox->lists[i].side, windows, outbox->lists[i].count);
+        windows += outbox->lists[i].count;
     }
-    mail->vertex_count = mail->list_count = mail->windows.count = 0;
+    outbox->vertex_count = outbox->list_count = outbox->windows.count = 0;
 }
 
-/* --- one result ------------------------------------------------------------------------------- */
+/* --- merged result ---------------------------------------------------------------------------- */
 
-/* Copies the other's chunks behind the own ones; those of one edge still point to each other. A
- * block at a time, which stays in the cache. */
+/* Appends the chunks of the other wavefront behind the own ones. Chunks of one edge keep their
+ * links. Copies block by block, so that a block stays in the cache. */
 static void append_chunks(struct gd__region *own, const struct gd__region *from, uint32_t shift)
 {
     char *to = own->base + own->used;
@@ -72,14 +73,15 @@ static void append_chunks(struct gd__region *own, const struct gd__region *from,
         while (at < end) {
             struct gd__chunk *chunk = (struct gd__chunk *)(to + at);
             if (chunk->previous != GD_NONE) chunk->previous += shift;
-            at += sizeof *chunk + (size_t)chunk->count * GD__WEDGE_BYTES;
+            at += gd__chunk_bytes(chunk);
         }
     }
     own->used += from->used;
 }
 
-/* Puts an edge's chain of the other's before its own, if it has one too: it lies on the cut. All of
- * the own chunks come before all of the other's, as chains want it (wedges.h). */
+/* Links the other wavefront's chain of an edge before the own chain, if both exist: the edge then
+ * lies on the cut. All own chunks precede the other's chunks in memory, as chains require
+ * (wedges.h). */
 static void join_chains(struct gd__wavefront *front, uint32_t edge, uint32_t newest)
 {
     uint32_t *own = &front->newest[edge];
@@ -97,7 +99,8 @@ static void join_chains(struct gd__wavefront *front, uint32_t edge, uint32_t new
     *own = newest;
 }
 
-/* From here on all of the budget is the first one's, but for what the second one still has. */
+/* Moves the wedges of the other wavefront to the first one. Afterwards the first wavefront has the
+ * whole budget, less what the second one still holds. */
 static enum gd_status take_wedges(struct gd__wavefront *front, const struct gd__wavefront *other)
 {
     struct gd__region *own = &front->work->wedges;
@@ -127,11 +130,11 @@ static void take_vertices(struct gd__wavefront *front, const struct gd__wavefron
 static enum gd_status take_all(struct gd__wavefront *front, const struct gd__wavefront *other)
 {
     take_vertices(front, other);
-    front->effort.windows_created += other->effort.windows_created;
-    front->effort.windows_propagated += other->effort.windows_propagated;
-    front->effort.sides_propagated += other->effort.sides_propagated;
-    front->effort.vertices_emitted += other->effort.vertices_emitted;
-    front->effort.wedges_compared += other->effort.wedges_compared;
+    front->counts.windows_created += other->counts.windows_created;
+    front->counts.windows_propagated += other->counts.windows_propagated;
+    front->counts.sides_propagated += other->counts.sides_propagated;
+    front->counts.vertices_emitted += other->counts.vertices_emitted;
+    front->counts.wedges_compared += other->counts.wedges_compared;
     front->wedge_count += other->wedge_count;
     front->bound = fmin(front->bound, other->bound);
     return take_wedges(front, other);
@@ -139,33 +142,33 @@ static enum gd_status take_all(struct gd__wavefront *front, const struct gd__wav
 
 /* --- turns ------------------------------------------------------------------------------------ */
 
-/* What one thread writes all the time shares no cache line, nor a pair of them, with what the other
- * one reads. */
+/* One of the two wavefronts. Data that one thread writes shares no cache line, nor a pair of lines,
+ * with data that the other thread reads. */
 struct part {
     alignas(128) struct gd__wavefront front;
     struct gd__partition partition;
-    struct gd__mail inbox; /* from the other part */
+    struct gd__outbox inbox; /* messages from the other part */
 };
 
 struct pair {
     struct part part[2];
-    uint32_t end; /* bucket before which a turn ends */
+    uint32_t end; /* bucket before which the turn ends */
 };
 
 static void take_turn(void *context, uint32_t index)
 {
     struct pair *pair = context;
     struct part *part = &pair->part[index];
-    receive(&part->front, &part->inbox);
+    receive_messages(&part->front, &part->inbox);
     gd__wavefront_advance(&part->front, pair->end, TURN_WORK);
 }
 
-static void deliver(struct pair *pair)
+static void exchange_mail(struct pair *pair)
 {
     for (int i = 0; i < 2; i++) {
-        struct gd__mail read = pair->part[i].inbox;
-        pair->part[i].inbox = pair->part[1 - i].partition.mail;
-        pair->part[1 - i].partition.mail = read;
+        struct gd__outbox read = pair->part[i].inbox;
+        pair->part[i].inbox = pair->part[1 - i].partition.outbox;
+        pair->part[1 - i].partition.outbox = read;
     }
 }
 
@@ -175,8 +178,9 @@ static bool is_idle(const struct part *part)
            gd__queue_first(part->front.queue) == GD_NONE;
 }
 
-/* Mail that is not read yet may bring something nearer than what waits: it only makes the turn go a
- * little farther. Where nothing waits but mail, TURN_WORK alone ends the turn. */
+/* Returns the bucket before which the turn ends. Unread messages may be nearer than the waiting
+ * nodes, which only extends the turn a little. If only messages wait, TURN_WORK alone ends the
+ * turn. */
 static uint32_t find_end(const struct pair *pair)
 {
     uint32_t a = gd__queue_first(pair->part[0].front.queue),
@@ -185,13 +189,14 @@ static uint32_t find_end(const struct pair *pair)
     return first == GD_NONE ? GD_NONE : first + TURN_BUCKETS;
 }
 
-static double progress(const struct pair *pair)
+static double pair_progress(const struct pair *pair)
 {
     return (double)(pair->part[0].front.sides_visited + pair->part[1].front.sides_visited) /
            (2 * (double)pair->part[0].front.mesh->edge_count);
 }
 
-/* An entry that the queue lost for want of memory is known only there. */
+/* Returns the status of both wavefronts. The queue itself records an entry that was lost for lack
+ * of memory. */
 static enum gd_status status_of(const struct pair *pair)
 {
     for (int i = 0; i < 2; i++) {
@@ -206,19 +211,19 @@ static enum gd_status propagate(struct pair *pair, const struct gd_control *moni
                                 const struct gd_executor *executor)
 {
     for (int i = 0; i < 2; i++) gd__emit_seeds(&pair->part[i].front);
-    deliver(pair);
+    exchange_mail(pair);
     enum gd_status status = status_of(pair);
     while (!status && !(is_idle(&pair->part[0]) && is_idle(&pair->part[1]))) {
         pair->end = find_end(pair);
         gd_executor_run(executor, take_turn, pair, 2);
-        deliver(pair);
+        exchange_mail(pair);
         status = status_of(pair);
-        if (!status) status = gd_control_check(monitor, progress(pair));
+        if (!status) status = gd_control_check(monitor, pair_progress(pair));
     }
     return status;
 }
 
-/* Each wavefront gets half of the budget and none of the reports. */
+/* Returns the control of one wavefront, with half of the budget and without progress. */
 static struct gd_control share_of(const struct gd_control *monitor, struct gd_workspace *work)
 {
     struct gd_control share = monitor ? *monitor : (struct gd_control){0};
@@ -264,8 +269,8 @@ static enum gd_status propagate_pair(struct gd__wavefront *front,
     first->front.monitor = front->monitor;
     if (!status) status = take_all(&first->front, &pair.part[1].front);
     for (int i = 0; i < 2; i++) {
-        gd__mail_destroy(&pair.part[i].partition.mail);
-        gd__mail_destroy(&pair.part[i].inbox);
+        gd__outbox_destroy(&pair.part[i].partition.outbox);
+        gd__outbox_destroy(&pair.part[i].inbox);
     }
     gd__workspace_clean(partner);
     first->front.partition = NULL;

@@ -1,33 +1,33 @@
-/* Partition: one of the two parts into which a surface is cut by a plane through the source, each with
- * a wavefront of its own.
+/* Partition: one propagation by two wavefronts, each on one part of the surface. A plane through
+ * the source divides the faces.
  *
  * DESIGN
- * - A face belongs to one part, and with it its sides: their windows are propagated by that part's
- *   wavefront. A vertex of faces of both parts is known to both wavefronts. The two work by turns
- *   of a fixed amount of work, each on its own memory; between turns the mail is handed over, and a
- *   turn begins with reading it: windows that crossed the cut, and distances of vertices that the
- *   other one has to know.
- * - What a common vertex or a seed emits, each wavefront emits into its own part.
- * - Both know the same distance of each common vertex, to the last bit, once the mail is read: the
- *   lesser one.
- * - The order of everything is fixed by the surface and the source: distances are the same on any
- *   number of threads, every time. They are those of one wavefront up to rounding.
- * - Mail arrives late. That costs work, not exactness: propagation corrects itself
+ * - A face and its sides belong to one part, whose wavefront propagates their windows. A vertex
+ *   with faces of both parts is common to both wavefronts.
+ * - Both wavefronts work in turns of a fixed amount of work, each on its own memory. Between turns
+ *   they exchange outboxes: windows that crossed the cut, and distances of common vertices. A
+ *   wavefront reads its messages at the beginning of a turn.
+ * - Each wavefront emits from a common vertex or a seed into its own part.
+ * - When all messages are read, both wavefronts have the same distance of each common vertex to the
+ *   last bit: the lesser one.
+ * - The order of all work depends on the surface and the source only. So distances are the same on
+ *   any number of threads. They equal those of one wavefront up to rounding.
+ * - Messages arrive late. That costs work, not exactness, because propagation corrects itself
  *   (wavefront.h). */
 #ifndef GD_PARTITION_PARTITION_H
 #define GD_PARTITION_PARTITION_H
 
 #include "wavefront/wavefront.h"
 
-/* Whether a propagation is worth two wavefronts: a large surface, one seed, the whole of it, and
- * memory enough. */
+/* Returns true if two wavefronts are faster than one: a large surface, one seed, no bound, and
+ * enough memory. */
 bool gd__partition_is_worth_it(const struct gd_mesh *mesh,
                                const struct gd__propagation *propagation,
                                const struct gd_control *monitor);
 
-/* Propagates by two wavefronts. `front` is not open yet; in the end it holds all as if it had
- * worked alone. Errors: those of gd__wavefront_run; GD_BUDGET where one wavefront may still have
- * enough. */
+/* Propagates by two wavefronts. `front` must not be open. Afterwards it is in the same state as if
+ * it had worked alone. Errors: those of gd__wavefront_run. After GD_BUDGET one wavefront may still
+ * succeed. */
 GD_MUST_USE enum gd_status gd__partition_propagate(struct gd__wavefront *front,
                                                    const struct gd__propagation *propagation,
                                                    const struct gd_executor *executor);

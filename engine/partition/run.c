@@ -7,15 +7,15 @@ static enum gd_status propagate_alone(struct gd__wavefront *front,
 {
     enum gd_status status = gd__wavefront_open(front, propagation);
     if (status) return status;
-    if (propagation->begun)
-        gd__resume(front, propagation->begun);
+    if (propagation->partial)
+        gd__resume(front, propagation->partial);
     else
         gd__emit_seeds(front);
     gd__wavefront_advance(front, GD_NONE, UINT64_MAX);
     return front->status;
 }
 
-/* Two wavefronts need more memory than one. */
+/* Propagates by two wavefronts, or by one if the memory does not suffice for two. */
 static enum gd_status propagate_together(struct gd__wavefront *front,
                                          const struct gd__propagation *propagation,
                                          const struct gd_executor *executor)
@@ -36,10 +36,10 @@ static enum gd_status run_in(struct gd_workspace *work, const struct gd_mesh *me
                                   .work = work,
                                   .seeds = propagation->seeds,
                                   .seed_count = propagation->seed_count,
-                                  .methods = propagation->methods,
+                                  .variant = propagation->variant,
                                   .guide = propagation->guide,
                                   .monitor = monitor};
-    bool together = executor && executor->width > 1 && !propagation->begun &&
+    bool together = executor && executor->width > 1 && !propagation->partial &&
                     gd__partition_is_worth_it(mesh, propagation, monitor);
     enum gd_status status = together ? propagate_together(&front, propagation, executor)
                                      : propagate_alone(&front, propagation);

@@ -1,12 +1,12 @@
-/* Runs a propagation, by one wavefront or by two. */
+/* Runs a propagation by one or two wavefronts. */
 #ifndef GD_PARTITION_RUN_H
 #define GD_PARTITION_RUN_H
 
 #include "wavefront/wavefront.h"
 
-/* Seeds the wavefront, propagates until nothing within the bound is left, and hands the result to
- * the sink. Two tasks of the executor share the work where that pays. Errors: GD_NO_MEMORY,
- * GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_RUNAWAY and the sink's. */
+/* Seeds the wavefront, propagates until nothing within the bound is left, and calls the sink. Uses
+ * two tasks of the executor if that is faster. Errors: GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
+ * GD_DEADLINE, GD_RUNAWAY and those of the sink. */
 GD_MUST_USE enum gd_status gd__wavefront_run(const struct gd_mesh *mesh,
                                              const struct gd__propagation *propagation,
                                              const struct gd__sink *sink,

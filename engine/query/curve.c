@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 
+#include "base/array.h"
 #include "base/share.h"
 #include "base/tolerance.h"
 #include "gd/query.h"
@@ -9,17 +10,16 @@
 #include "mesh/topology.h"
 #include "mesh/segment.h"
 
-#define FIRST_CAPACITY 16
-#define PORTION        4096 /* points between two looks at the control */
+#define PORTION 4096 /* points between two checks of the control */
 
-/* A curve under way. */
+/* A curve under construction. */
 struct drawing {
     const struct gd_mesh *mesh;
     const struct gd_curve_request *request;
     const struct gd_control *control;
     struct gd_detail *detail;
     struct gd_curve curve;
-    size_t capacity;
+    uint32_t capacity;
 };
 
 void gd_curve_free(struct gd_curve *curve)
@@ -47,48 +47,38 @@ static size_t held(const struct drawing *drawing)
     return drawing->capacity * sizeof *drawing->curve.points;
 }
 
-static enum gd_status grow(struct drawing *drawing)
-{
-    size_t capacity = drawing->capacity ? 2 * drawing->capacity : FIRST_CAPACITY;
-    enum gd_status status =
-        gd_control_afford(drawing->control, capacity * sizeof *drawing->curve.points);
-    if (status) return status;
-    if (capacity > UINT32_MAX) return GD_TOO_LARGE;
-    struct gd_point *points = realloc(drawing->curve.points, capacity * sizeof *points);
-    if (!points) return GD_NO_MEMORY;
-    drawing->curve.points = points;
-    drawing->capacity = capacity;
-    return GD_OK;
-}
-
-static enum gd_status add(struct drawing *drawing, const struct gd_point *point)
+static enum gd_status query_curve_add(struct drawing *drawing, const struct gd_point *point)
 {
     struct gd_curve *curve = &drawing->curve;
     if (curve->count && gd_point_equal(&curve->points[curve->count - 1], point)) return GD_OK;
-    enum gd_status status = curve->count == drawing->capacity ? grow(drawing) : GD_OK;
+    enum gd_status status =
+        gd__array_extend(&curve->points, &drawing->capacity, curve->count + 1ULL,
+                         sizeof *curve->points, drawing->control);
     if (!status) curve->points[curve->count++] = *point;
     return status;
 }
 
-/* --- by points -------------------------------------------------------------------------------- */
+/* --- from points ------------------------------------------------------------------------------ */
 
-/* The i-th point, where what it sees can be told: see GD_TOL_CORNER. */
-static struct gd_point corner(const struct drawing *drawing, uint32_t i)
+/* Returns the i-th point, moved to the border if it is too close to it, see GD_TOL_CORNER. */
+static struct gd_point query_curve_corner(const struct drawing *drawing, uint32_t i)
 {
     return gd__point_settled(drawing->mesh, &drawing->request->points[i], GD_TOL_CORNER);
 }
 
-/* The shortest path from the i-th point to the j-th one. */
-static enum gd_status join(struct drawing *drawing, uint32_t i, uint32_t j,
-                           const struct gd_landmarks *landmarks, const struct gd_control *control)
+/* Appends the shortest path from the i-th point to the j-th one. */
+static enum gd_status query_curve_join(struct drawing *drawing, uint32_t i, uint32_t j,
+                                       const struct gd_landmarks *landmarks,
+                                       const struct gd_control *control)
 {
-    const struct gd_point from = corner(drawing, i), to = corner(drawing, j);
-    if (gd__common_face(drawing->mesh, &from, &to) != GD_NONE) return add(drawing, &to);
+    const struct gd_point from = query_curve_corner(drawing, i),
+                          to = query_curve_corner(drawing, j);
+    if (gd__common_face(drawing->mesh, &from, &to) != GD_NONE) return query_curve_add(drawing, &to);
     struct gd_pair_answer answer;
     enum gd_status status =
         gd_pair_solve(drawing->mesh,
                       &(struct gd_pair_request){
-                          .from = &from, .to = &to, .wish = GD_PAIR_PATH, .landmarks = landmarks},
+                          .from = &from, .to = &to, .output = GD_PAIR_PATH, .landmarks = landmarks},
                       control, &answer, drawing->detail);
     if (status) return status;
     if (!answer.path.count)
@@ -96,7 +86,7 @@ static enum gd_status join(struct drawing *drawing, uint32_t i, uint32_t j,
             gd_fail(drawing->detail, GD_INVALID_ARGUMENT,
                     "points %u and %u of the curve lie on components that no path joins", i, j);
     for (uint32_t k = 0; k < answer.path.count && !status; k++)
-        status = add(drawing, &answer.path.points[k]);
+        status = query_curve_add(drawing, &answer.path.points[k]);
     gd_pair_answer_free(&answer);
     return status;
 }
@@ -106,17 +96,17 @@ static enum gd_status draw_points(struct drawing *drawing, const struct gd_landm
     const struct gd_curve_request *request = drawing->request;
     uint32_t joints = request->closed ? request->count : request->count - 1;
     struct gd__share share = {.control = drawing->control, .total = joints};
-    const struct gd_point first = corner(drawing, 0);
-    enum gd_status status = add(drawing, &first);
+    const struct gd_point first = query_curve_corner(drawing, 0);
+    enum gd_status status = query_curve_add(drawing, &first);
     for (uint32_t i = 0; i < joints && !status; i++) {
         const struct gd_control own = gd__share_control(&share, held(drawing));
-        status = join(drawing, i, (i + 1) % request->count, landmarks, &own);
+        status = query_curve_join(drawing, i, (i + 1) % request->count, landmarks, &own);
         share.done++;
     }
     return status;
 }
 
-/* --- by vertices, and boundaries -------------------------------------------------------------- */
+/* --- from vertices and boundaries ------------------------------------------------------------- */
 
 static enum gd_status draw_vertices(struct drawing *drawing)
 {
@@ -134,7 +124,7 @@ static enum gd_status draw_vertices(struct drawing *drawing)
                 drawing->detail, GD_NO_SUCH_EDGE,
                 "vertices %u and %u of the curve share no edge; consecutive ones have to",
                 request->vertices[i - 1].index, vertex.index);
-        status = add(drawing, &point);
+        status = query_curve_add(drawing, &point);
         last = point.element;
         if (!status && (i + 1) % PORTION == 0)
             status = gd_control_check(drawing->control, (double)i / request->count);
@@ -142,8 +132,8 @@ static enum gd_status draw_vertices(struct drawing *drawing)
     return status;
 }
 
-/* A boundary vertex' fan begins at the boundary edge that leaves it with the surface at the
- * left. */
+/* Builds the curve of a boundary. A boundary vertex' fan begins at the boundary edge that leaves it
+ * with the surface at the left. */
 static enum gd_status draw_boundary(struct drawing *drawing)
 {
     const struct gd_mesh *mesh = drawing->mesh;
@@ -155,15 +145,15 @@ static enum gd_status draw_boundary(struct drawing *drawing)
     enum gd_status status = GD_OK;
     do {
         const struct gd_point point = gd__point_of_vertex(vertex);
-        status = add(drawing, &point);
+        status = query_curve_add(drawing, &point);
         vertex = mesh->fan[mesh->fan_first[vertex]].tip;
     } while (vertex != first && !status);
     return status;
 }
 
-/* --- the whole -------------------------------------------------------------------------------- */
+/* --- request ---------------------------------------------------------------------------------- */
 
-/* A closed curve does not say its first point again. */
+/* Removes the last point of a closed curve if it repeats the first one. */
 static void make_closed(struct gd_curve *curve)
 {
     while (curve->count > 1 && gd_point_equal(&curve->points[0], &curve->points[curve->count - 1]))
@@ -171,7 +161,7 @@ static void make_closed(struct gd_curve *curve)
     curve->closed = true;
 }
 
-static enum gd_status draw(struct drawing *drawing)
+static enum gd_status query_curve_draw(struct drawing *drawing)
 {
     if (drawing->request->kind == GD_CURVE_BOUNDARY) return draw_boundary(drawing);
     if (!drawing->request->count)
@@ -187,7 +177,7 @@ enum gd_status gd_curve_resolve(const struct gd_mesh *mesh, const struct gd_curv
 {
     struct drawing drawing = {
         .mesh = mesh, .request = request, .control = control, .detail = detail};
-    enum gd_status status = draw(&drawing);
+    enum gd_status status = query_curve_draw(&drawing);
     if (status) {
         gd_curve_free(&drawing.curve);
         return status;

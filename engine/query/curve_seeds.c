@@ -2,17 +2,17 @@
 
 #include <string.h>
 
-static uint32_t segments_of(const struct gd_curve *curve)
+static uint32_t curve_seeds_segments_of(const struct gd_curve *curve)
 {
     return curve->closed && curve->count > 2 ? curve->count : curve->count - 1;
 }
 
 uint32_t gd_curve_seed_count(const struct gd_curve *curve)
 {
-    return curve->count + segments_of(curve);
+    return curve->count + curve_seeds_segments_of(curve);
 }
 
-/* Gaps between members are made zero: equal curves are equal bytes. */
+/* Padding is zeroed, so equal curves have equal bytes. */
 void gd_curve_seeds(const struct gd_curve *curve, double offset, struct gd_seed *out)
 {
     uint32_t count = gd_curve_seed_count(curve);

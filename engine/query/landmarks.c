@@ -13,8 +13,8 @@ struct gd_landmarks {
     atomic_uint references;
     const struct gd_mesh *mesh;
     uint32_t count;
-    /* per vertex GD__LANDMARKS_MOST, inside unit, rounded to nearest; 0: another component, or no
-       landmark, which says nothing */
+    /* GD__LANDMARKS_MOST distances for each vertex, normalised unit, rounded to nearest. 0: there
+     * is no such landmark, or it is on another component. */
     float distance[];
 };
 
@@ -25,21 +25,21 @@ void gd__landmarks_offer(const struct gd_landmarks *landmarks, const struct gd_m
     guide->landmark = fit ? landmarks->distance : NULL;
 }
 
-/* --- life ------------------------------------------------------------------------------------- */
+/* --- creation and reference count ------------------------------------------------------------- */
 
 static size_t distance_bytes(const struct gd_mesh *mesh)
 {
     return sizeof(float) * GD__LANDMARKS_MOST * (size_t)mesh->vertex_count;
 }
 
-static size_t bytes_of(const struct gd_mesh *mesh)
+static size_t landmarks_bytes_of(const struct gd_mesh *mesh)
 {
     return sizeof(struct gd_landmarks) + distance_bytes(mesh);
 }
 
-static struct gd_landmarks *create(const struct gd_mesh *mesh, uint32_t count)
+static struct gd_landmarks *landmarks_create(const struct gd_mesh *mesh, uint32_t count)
 {
-    struct gd_landmarks *landmarks = malloc(bytes_of(mesh));
+    struct gd_landmarks *landmarks = malloc(landmarks_bytes_of(mesh));
     if (!landmarks) return NULL;
     atomic_init(&landmarks->references, 1);
     landmarks->mesh = gd_mesh_retain(mesh);
@@ -49,7 +49,7 @@ static struct gd_landmarks *create(const struct gd_mesh *mesh, uint32_t count)
 
 struct gd_landmarks *gd_landmarks_retain(const struct gd_landmarks *landmarks)
 {
-    /* the count is the only part that changes */
+    /* only the reference count changes */
     struct gd_landmarks *shared = (struct gd_landmarks *)landmarks;
     atomic_fetch_add_explicit(&shared->references, 1, memory_order_relaxed);
     return shared;
@@ -71,20 +71,20 @@ uint32_t gd_landmarks_count(const struct gd_landmarks *landmarks)
 
 size_t gd_landmarks_memsize(const struct gd_landmarks *landmarks)
 {
-    return bytes_of(landmarks->mesh);
+    return landmarks_bytes_of(landmarks->mesh);
 }
 
 /* --- building --------------------------------------------------------------------------------- */
 
-/* One landmark's column, and what the choice of the next one needs. */
+/* The column of one landmark, and the state that chooses the next landmark. */
 struct column {
     struct gd_landmarks *landmarks;
     uint32_t index;
     double *nearest;  /* per vertex: distance from the nearest landmark so far */
-    double *distance; /* per index of the input: of this one, outside unit */
+    double *distance; /* per input index: distance from this landmark, in the caller's unit */
 };
 
-static void take(struct column *column, uint32_t vertex, double distance)
+static void landmarks_take(struct column *column, uint32_t vertex, double distance)
 {
     struct gd_landmarks *landmarks = column->landmarks;
     landmarks->distance[(size_t)GD__LANDMARKS_MOST * vertex + column->index] =
@@ -92,9 +92,10 @@ static void take(struct column *column, uint32_t vertex, double distance)
     if (distance < column->nearest[vertex]) column->nearest[vertex] = distance;
 }
 
-/* Where the field fails its check the column says nothing, and the vertex is not chosen again. */
-static enum gd_status measure(struct column *column, uint32_t vertex,
-                              const struct gd_control *control)
+/* Measures the distances of one landmark. If the field fails its check, the column stays empty, and
+ * the vertex is not chosen again. */
+static enum gd_status landmarks_measure(struct column *column, uint32_t vertex,
+                                        const struct gd_control *control)
 {
     const struct gd_mesh *mesh = column->landmarks->mesh;
     struct gd_seed seed = {.point = gd__point_of_vertex(vertex)};
@@ -103,11 +104,12 @@ static enum gd_status measure(struct column *column, uint32_t vertex,
         gd_field_distances_only(mesh, &request, control, column->distance, NULL);
     if (status == GD_INTERNAL) column->nearest[vertex] = 0;
     for (uint32_t v = 0; v < mesh->vertex_count && !status; v++)
-        take(column, v, column->distance[mesh->index_of_vertex[v]] / mesh->unit);
+        landmarks_take(column, v, column->distance[mesh->index_of_vertex[v]] / mesh->unit);
     return status == GD_INTERNAL ? GD_OK : status;
 }
 
-/* Other components first: they are as far as can be. */
+/* Returns the vertex farthest from all landmarks. Vertices of components without a landmark come
+ * first, because they are infinitely far. */
 static uint32_t farthest(const double *nearest, uint32_t count)
 {
     uint32_t best = 0;
@@ -125,8 +127,8 @@ static enum gd_status measure_all(struct column *column, const struct gd_control
     for (size_t i = 0; i < (size_t)GD__LANDMARKS_MOST * vertices; i++)
         column->landmarks->distance[i] = 0;
     for (uint32_t v = 0; v < vertices; v++) column->nearest[v] = GD__FAR;
-    /* an arbitrary place: only the farthest from it becomes a landmark */
-    enum gd_status status = measure(column, 0, &own);
+    /* an arbitrary start: only the vertex farthest from vertex 0 becomes a landmark */
+    enum gd_status status = landmarks_measure(column, 0, &own);
     uint32_t first = 0;
     for (uint32_t v = 0; v < vertices; v++)
         if (column->nearest[v] < GD__FAR && column->nearest[v] > column->nearest[first]) first = v;
@@ -134,7 +136,7 @@ static enum gd_status measure_all(struct column *column, const struct gd_control
     for (uint32_t i = 0; i < column->landmarks->count && !status; i++) {
         column->index = i;
         share.done = i + 1;
-        status = measure(column, i ? farthest(column->nearest, vertices) : first, &own);
+        status = landmarks_measure(column, i ? farthest(column->nearest, vertices) : first, &own);
     }
     return status;
 }
@@ -143,11 +145,11 @@ enum gd_status gd_landmarks_build(const struct gd_mesh *mesh, uint32_t count,
                                   const struct gd_control *control, struct gd_landmarks **out)
 {
     if (count == 0 || count > GD__LANDMARKS_MOST) return GD_INVALID_ARGUMENT;
-    size_t held =
-        bytes_of(mesh) + sizeof(double) * ((size_t)mesh->vertex_count + mesh->summary.index_count);
+    size_t held = landmarks_bytes_of(mesh) +
+                  sizeof(double) * ((size_t)mesh->vertex_count + mesh->summary.index_count);
     enum gd_status status = gd_control_afford(control, held);
     if (status) return status;
-    struct column column = {.landmarks = create(mesh, count),
+    struct column column = {.landmarks = landmarks_create(mesh, count),
                             .nearest = malloc(sizeof *column.nearest * mesh->vertex_count),
                             .distance =
                                 malloc(sizeof *column.distance * mesh->summary.index_count)};
@@ -163,14 +165,14 @@ enum gd_status gd_landmarks_build(const struct gd_mesh *mesh, uint32_t count,
     return status;
 }
 
-/* --- bytes ------------------------------------------------------------------------------------ */
+/* --- binary image ----------------------------------------------------------------------------- */
 
 static const char magic[8] = "GDLANDM";
 static const uint32_t version = 2;
 
 struct header {
     struct gd__image_header image_header;
-    uint32_t count, reserved; /* reserved: 0 */
+    uint32_t count, reserved; /* reserved must be 0 */
 };
 
 size_t gd_landmarks_image_size(const struct gd_landmarks *landmarks)
@@ -204,7 +206,7 @@ enum gd_status gd_landmarks_open_image(const struct gd_mesh *mesh, const void *b
     memcpy(&header, bytes, sizeof header);
     enum gd_status status = check_header(mesh, &header, size);
     if (status) return status;
-    struct gd_landmarks *landmarks = create(mesh, header.count);
+    struct gd_landmarks *landmarks = landmarks_create(mesh, header.count);
     if (!landmarks) return GD_NO_MEMORY;
     memcpy(landmarks->distance, (const char *)bytes + sizeof header, size - sizeof header);
     for (size_t i = 0; i < GD__LANDMARKS_MOST * (size_t)mesh->vertex_count && !status; i++)

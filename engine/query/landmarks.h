@@ -1,12 +1,12 @@
-/* Landmarks from the inside. */
+/* Landmarks: passes their distances to the guide of a search. */
 #ifndef GD_QUERY_LANDMARKS_H
 #define GD_QUERY_LANDMARKS_H
 
 #include "gd/landmarks.h"
 #include "guide/guide.h"
 
-/* Lends a guide what is known, until it is cleaned; nothing when `landmarks` is NULL or of another
- * mesh. */
+/* Sets the landmarks of a guide until the guide is cleaned. Does nothing if `landmarks` is NULL or
+ * belongs to another mesh. */
 void gd__landmarks_offer(const struct gd_landmarks *landmarks, const struct gd_mesh *mesh,
                          struct gd__guide *guide);
 

@@ -2,24 +2,25 @@
 #include "line/route.h"
 #include "query/search.h"
 
-/* Point to point. The metric is symmetric, so a field of either end answers; a path is reversed
- * when it was traced from `to`. */
+/* Answers one pair of points. The distance is symmetric, so a field of either end gives the answer;
+ * a path that is traced from `to` is reversed. */
 
 void gd_pair_answer_free(struct gd_pair_answer *answer)
 {
     if (answer) gd_path_free(&answer->path);
 }
 
-/* `end` is the point that the field is asked at; `reversed`: it is where the answer's path begins
- * already. */
-static enum gd_status ask(const struct gd_field *field, const struct gd_point *end,
-                          bool end_is_from, enum gd_pair_wish wish, struct gd_pair_answer *out)
+/* Answers from a field at the point `end`. If `end_is_from`, the traced path already begins at
+ * `from`. */
+static enum gd_status pair_from_field(const struct gd_field *field, const struct gd_point *end,
+                                      bool end_is_from, enum gd_pair_output output,
+                                      struct gd_pair_answer *out)
 {
     struct gd_pair_answer answer = {0};
     enum gd_status status =
-        wish ? gd__field_distance_and_path(field, end, &answer.distance, &answer.path)
-             : gd_field_distance(field, end, &answer.distance);
-    if (!status && answer.path.count && wish == GD_PAIR_PATH_AND_CUT)
+        output ? gd__field_distance_and_path(field, end, &answer.distance, &answer.path)
+               : gd_field_distance(field, end, &answer.distance);
+    if (!status && answer.path.count && output == GD_PAIR_PATH_AND_CUT)
         status = gd__field_path_is_cut(field, &answer.path, &answer.is_cut);
     if (status) {
         gd_pair_answer_free(&answer);
@@ -31,18 +32,17 @@ static enum gd_status ask(const struct gd_field *field, const struct gd_point *e
 }
 
 enum gd_status gd_pair_from_field(const struct gd_field *field, const struct gd_point *from,
-                                  const struct gd_point *to, enum gd_pair_wish wish,
+                                  const struct gd_point *to, enum gd_pair_output output,
                                   struct gd_pair_answer *out)
 {
     struct gd_point seed;
     if (!gd_field_single_seed(field, &seed)) return GD_INVALID_ARGUMENT;
-    if (gd_point_equal(&seed, from)) return ask(field, to, false, wish, out);
-    if (gd_point_equal(&seed, to)) return ask(field, from, true, wish, out);
+    if (gd_point_equal(&seed, from)) return pair_from_field(field, to, false, output, out);
+    if (gd_point_equal(&seed, to)) return pair_from_field(field, from, true, output, out);
     return GD_INVALID_ARGUMENT;
 }
 
-/* Both ends' whole fields, one after the other: for a pair whose search has failed its own
- * check. */
+/* Builds the fields of both ends, one after the other, for a pair whose search failed its check. */
 static enum gd_status solve_by_fields(const struct gd_mesh *mesh,
                                       const struct gd_pair_request *request,
                                       const struct gd_control *control, struct gd_pair_answer *out)
@@ -54,7 +54,7 @@ static enum gd_status solve_by_fields(const struct gd_mesh *mesh,
         struct gd_field *field = NULL;
         status = gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1},
                                 control, &field, NULL);
-        if (!status) status = ask(field, end ? from : to, end, request->wish, out);
+        if (!status) status = pair_from_field(field, end ? from : to, end, request->output, out);
         gd_field_release(field);
     }
     return status;
@@ -73,7 +73,7 @@ enum gd_status gd_pair_solve(const struct gd_mesh *mesh, const struct gd_pair_re
     }
     if (status) {
         gd_pair_answer_free(&answer);
-        return gd_fail(detail, status, "%s", gd_status_sentence(status));
+        return gd_fail_status(detail, status);
     }
     *out = answer;
     return GD_OK;

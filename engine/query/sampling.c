@@ -8,18 +8,19 @@
 #include "gd/field.h"
 #include "mesh/topology.h"
 
-/* Farthest-point sampling: a field of all points so far, and in it the next one. */
+/* Farthest-point sampling: each step builds the field of all samples and adds its farthest
+ * vertex. */
 
 struct sampler {
     const struct gd_mesh *mesh;
     struct gd_detail *detail;
-    struct gd_seed *seeds; /* the points so far */
+    struct gd_seed *seeds; /* the samples so far */
     double *radii;
-    double *distances; /* per vertex index */
+    double *distances; /* per vertex index: distance from the samples */
     uint32_t count;
 };
 
-/* The vertex of least index that no path reaches, if there is one. */
+/* Finds the unreached vertex of lowest index. Returns false if there is none. */
 static bool find_unreached(const struct sampler *sampler, const struct gd_field *field,
                            struct gd_point *out)
 {
@@ -44,7 +45,7 @@ static enum gd_status find_next(const struct sampler *sampler, const struct gd_f
     return GD_OK;
 }
 
-/* The radius of the points so far, and the next one: two parts of the whole. */
+/* Builds the field of the samples and adds the next sample: two parts of the progress. */
 static enum gd_status add_point(struct sampler *sampler, struct gd__share *share,
                                 const struct gd_control *control)
 {
@@ -69,8 +70,8 @@ static struct gd_point first_vertex(const struct gd_mesh *mesh)
     return (struct gd_point){.kind = GD_POINT_VERTEX, .element = mesh->vertex_of_index[index]};
 }
 
-static enum gd_status sample(struct sampler *sampler, const struct gd_point *start, uint32_t count,
-                             const struct gd_control *control, size_t held)
+static enum gd_status sampling_sample(struct sampler *sampler, const struct gd_point *start,
+                                      uint32_t count, const struct gd_control *control, size_t held)
 {
     struct gd__share share = {.control = control, .total = 2 * count};
     struct gd_control own = gd__share_control(&share, held);
@@ -97,7 +98,7 @@ enum gd_status gd_sampling_farthest(const struct gd_mesh *mesh, const struct gd_
     sampler.radii = malloc(count * sizeof *sampler.radii);
     sampler.distances = malloc(indices * sizeof *sampler.distances);
     status = sampler.seeds && sampler.radii && sampler.distances
-                 ? sample(&sampler, start, count, control, held)
+                 ? sampling_sample(&sampler, start, count, control, held)
                  : GD_NO_MEMORY;
     for (uint32_t i = 0; i < count && !status; i++) out->points[i] = sampler.seeds[i].point;
     if (!status) memcpy(out->radii, sampler.radii, count * sizeof *out->radii);

@@ -7,27 +7,27 @@
 #include "line/route.h"
 #include "partition/run.h"
 #include "query/landmarks.h"
-#include "query/tether.h"
+#include "query/taut_path.h"
 
-/* A path in a graph, pulled tight, is the shortest one on the surface or little longer, and bounds
- * the distance from above (guide/guide.h, query/tether.h). With that bound windows are propagated
- * everywhere, which leaves little to do: a window goes on only if the way through it, and on by the
- * lower bounds of its edge's ends, can be as short (Xin and Wang 2009; Qin et al. 2016 prune
- * fields, not pairs). */
+/* A path in a graph, straightened, is the shortest path on the surface or little longer. Its length
+ * bounds the distance from above (guide/guide.h, query/taut_path.h). The search propagates windows
+ * within this bound. A window propagates only if the path through it plus the lower bounds at its
+ * edge's ends can be as short, so few windows do (Xin and Wang 2009; Qin et al. 2016 prune fields,
+ * not pairs). */
 
 struct search {
     const struct gd_mesh *mesh;
     struct gd__seed seed;
     struct gd_point target;
-    /* the seed is the pair's second point: what the search finds is traced back to it */
+    /* The seed is the pair's second point; the path is traced back to it. */
     bool is_turned;
-    enum gd_pair_wish wish;
+    enum gd_pair_output output;
     struct gd_pair_answer *out;
-    double bound;    /* of the run: what it finds is no longer */
-    double distance; /* that it found, inside unit */
+    double bound;    /* bound of the run: the result is not longer */
+    double distance; /* distance found, in the normalised unit */
 };
 
-/* The wavefront's arrays as a field; they stay the workspace's. */
+/* Presents the wavefront's arrays as a field. The workspace still owns them. */
 static enum gd_status view(const struct search *search, const struct gd_workspace *work,
                            struct gd_field *field)
 {
@@ -48,9 +48,9 @@ static bool is_found(const struct search *search)
     return search->distance <= search->bound * (1 + GD_TOL_CHECK);
 }
 
-/* A sink that keeps nothing: reads the distance and the path. */
-static enum gd_status answer(void *user, struct gd__wavefront *front,
-                             const struct gd_executor *executor)
+/* Reads the distance and the path. This sink keeps none of the arrays. */
+static enum gd_status search_answer(void *user, struct gd__wavefront *front,
+                                    const struct gd_executor *executor)
 {
     (void)executor;
     struct search *search = user;
@@ -58,31 +58,31 @@ static enum gd_status answer(void *user, struct gd__wavefront *front,
     enum gd_status status = view(search, front->work, &field);
     if (status) return status;
     search->distance = gd__field_leg(&field, &search->target).distance;
-    if (search->wish && is_found(search))
+    if (search->output && is_found(search))
         status = gd_field_path(&field, &search->target, &search->out->path);
-    if (search->wish == GD_PAIR_PATH_AND_CUT && is_found(search) && !status)
+    if (search->output == GD_PAIR_PATH_AND_CUT && is_found(search) && !status)
         status = gd__field_path_is_cut(&field, &search->out->path, &search->out->is_cut);
     free(field.face_seeds);
     return status;
 }
 
-static enum gd_status run(struct search *search, struct gd__guide *guide, double bound,
-                          const struct gd_control *control)
+static enum gd_status search_run(struct search *search, struct gd__guide *guide, double bound,
+                                 const struct gd_control *control)
 {
     double rounding =
         guide->margin + GD_TOL_PLACE * (search->mesh->summary.edge_length.max / search->mesh->unit);
-    /* between points close together it is more than a part of their distance */
+    /* added, because for close points the rounding is more than a part of their distance */
     search->bound = bound + rounding;
     enum gd_status status = gd__rings_draw(guide, &search->seed.point, search->bound);
     if (status) return status;
     struct gd__propagation propagation = {
         .seeds = &search->seed, .seed_count = 1, .radius = search->bound, .guide = guide};
-    struct gd__sink sink = {.take = answer, .user = search};
+    struct gd__sink sink = {.take = search_answer, .user = search};
     return gd__wavefront_run(search->mesh, &propagation, &sink, control, NULL);
 }
 
-/* Searches from the other end. */
-static enum gd_status turn(struct search *search, struct gd__guide *guide)
+/* Searches from the other end of the pair. */
+static enum gd_status search_turn(struct search *search, struct gd__guide *guide)
 {
     enum gd_status status = gd__guide_turn(guide, &search->seed.point);
     struct gd_point seed = search->seed.point;
@@ -92,18 +92,18 @@ static enum gd_status turn(struct search *search, struct gd__guide *guide)
     return status;
 }
 
-/* Searches from the other end as well, and keeps the shorter of the two. On a graded mesh the
- * rounding of windows may lose a path from one end; what is found is a path from either. */
+/* Searches from the other end too, and keeps the shorter path. On a graded mesh the rounding of
+ * windows may lose a path from one end. Either result is an existing path. */
 static enum gd_status run_turned(struct search *search, struct gd__guide *guide,
                                  const struct gd_control *control)
 {
     struct gd_pair_answer first = *search->out;
     double distance = search->distance;
     bool was_turned = search->is_turned;
-    enum gd_status status = turn(search, guide);
+    enum gd_status status = search_turn(search, guide);
     search->is_turned = !was_turned;
     *search->out = (struct gd_pair_answer){0};
-    if (!status) status = run(search, guide, distance * (1 + GD_TOL_BOUND), control);
+    if (!status) status = search_run(search, guide, distance * (1 + GD_TOL_BOUND), control);
     if (!status && is_found(search) && search->distance < distance) {
         gd_path_free(&first.path);
         return GD_OK;
@@ -115,27 +115,30 @@ static enum gd_status run_turned(struct search *search, struct gd__guide *guide,
     return status == GD_INTERNAL ? GD_OK : status;
 }
 
-/* `upper` bounds the distance surely. The tether's length does so but for the rounding of many
- * faces laid flat: nothing is lost if that was too much. */
+/* Searches within the length of the taut path. That is shorter than the safe bound `upper`, but has
+ * the rounding of many unfolded faces. If the search fails for that reason, it is repeated with
+ * `upper`. */
 static enum gd_status run_bounded(struct search *search, struct gd__guide *guide, double upper,
                                   const struct gd_control *control)
 {
-    struct gd__share share = {/* the guide was a half, the runs are a quarter each */
+    struct gd__share share = {/* the guide had half of the progress; each run has a quarter */
                               .control = control,
                               .done = 2,
                               .total = 4};
     struct gd_control own = gd__share_control(&share, gd__guide_held(guide));
     double tight = upper;
     enum gd_status status =
-        gd__tether_length(guide, &search->seed.point, &search->target, &own, &tight);
+        gd__taut_path_length(guide, &search->seed.point, &search->target, &own, &tight);
     if (status && status != GD_INTERNAL) return status;
-    status = gd__guide_prefers_turn(guide, &search->seed.point) ? turn(search, guide) : GD_OK;
-    if (!status) status = run(search, guide, fmin(upper, tight * (1 + GD_TOL_BOUND)), &own);
+    status =
+        gd__guide_prefers_turn(guide, &search->seed.point) ? search_turn(search, guide) : GD_OK;
+    if (!status) status = search_run(search, guide, fmin(upper, tight * (1 + GD_TOL_BOUND)), &own);
     if (!status && !is_found(search)) {
         share.done = 3;
-        status = run(search, guide, upper, &own);
+        status = search_run(search, guide, upper, &own);
     }
-    if (!status && !is_found(search)) status = GD_INTERNAL; /* lost on the way */
+    /* no path was found, although one exists */
+    if (!status && !is_found(search)) status = GD_INTERNAL;
     return !status && gd__mesh_is_graded(search->mesh) ? run_turned(search, guide, &own) : status;
 }
 
@@ -164,8 +167,11 @@ enum gd_status gd__search(const struct gd_mesh *mesh, const struct gd_pair_reque
         out->distance = INFINITY;
         return GD_OK;
     }
-    struct search search = {
-        .mesh = mesh, .seed = {.point = *from}, .target = *to, .wish = request->wish, .out = out};
+    struct search search = {.mesh = mesh,
+                            .seed = {.point = *from},
+                            .target = *to,
+                            .output = request->output,
+                            .out = out};
     struct gd_control own = control ? *control : (struct gd_control){0};
     if (!own.workspace) own.workspace = gd_workspace_create();
     if (!own.workspace) return GD_NO_MEMORY;

@@ -1,4 +1,5 @@
-/* Search: one pair of points from nothing, by windows that are kept on the way to the target. */
+/* Search: computes the distance or path of one pair by a propagation towards the target, which is
+ * not kept. */
 #ifndef GD_QUERY_SEARCH_H
 #define GD_QUERY_SEARCH_H
 

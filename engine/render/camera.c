@@ -2,35 +2,28 @@
 
 #include <float.h>
 
-/* sine of an angle below which `up` is taken to be along the line of sight */
+/* sine of an angle: an `up` closer to the line of sight is ignored */
 #define PARALLEL 1e-6
 
 static const struct gd_vec3 x_axis = {1, 0, 0}, y_axis = {0, 1, 0};
-
-static struct gd_vec3 unit(struct gd_vec3 v)
-{
-    double largest = fmax(fabs(v.x), fmax(fabs(v.y), fabs(v.z)));
-    v = gd_vec3_scale(v, 1 / largest);
-    return gd_vec3_scale(v, 1 / gd_vec3_length(v));
-}
 
 static bool is_zero(struct gd_vec3 v)
 {
     return v.x == 0 && v.y == 0 && v.z == 0;
 }
 
-/* What names of views are said of. */
+/* The axes to which the names of views refer. */
 struct frame {
     struct gd_vec3 right, up, front;
 };
 
 static struct frame frame_of(struct gd_vec3 up)
 {
-    struct frame frame = {.up = is_zero(up) ? y_axis : unit(up)};
+    struct frame frame = {.up = is_zero(up) ? y_axis : gd_vec3_unit(up)};
     struct gd_vec3 right = gd_vec3_along(x_axis, -gd_vec3_dot(x_axis, frame.up), frame.up);
     if (gd_vec3_length(right) < PARALLEL)
         right = gd_vec3_along(y_axis, -gd_vec3_dot(y_axis, frame.up), frame.up);
-    frame.right = unit(right);
+    frame.right = gd_vec3_unit(right);
     frame.front = gd_vec3_cross(frame.right, frame.up);
     return frame;
 }
@@ -69,10 +62,10 @@ struct gd__camera gd__camera_aim(const struct gd_mesh *mesh, struct gd_vec3 towa
                                  struct gd_vec3 up)
 {
     struct frame frame = frame_of(up);
-    struct gd__camera camera = {.towards = unit(towards), .scale = 1};
+    struct gd__camera camera = {.towards = gd_vec3_unit(towards), .scale = 1};
     struct gd_vec3 right = gd_vec3_cross(frame.up, camera.towards);
-    camera.right = gd_vec3_length(right) < PARALLEL ? frame.right : unit(right);
-    camera.up = unit(gd_vec3_cross(camera.towards, camera.right));
+    camera.right = gd_vec3_length(right) < PARALLEL ? frame.right : gd_vec3_unit(right);
+    camera.up = gd_vec3_unit(gd_vec3_cross(camera.towards, camera.right));
     const struct gd_mesh_summary *summary = gd_mesh_summary(mesh);
     camera.centre = gd_vec3_along(gd_vec3_scale(summary->min, 0.5 / mesh->unit), 0.5 / mesh->unit,
                                   summary->max);
@@ -80,7 +73,7 @@ struct gd__camera gd__camera_aim(const struct gd_mesh *mesh, struct gd_vec3 towa
 }
 
 void gd__camera_fit(struct gd__camera *camera, const struct gd_mesh *mesh,
-                    const struct gd__window_of_picture *window)
+                    const struct gd__viewport *window)
 {
     double left = DBL_MAX, right = -DBL_MAX, bottom = DBL_MAX, top = -DBL_MAX;
     for (uint32_t v = 0; v < mesh->vertex_count; v++) {
@@ -96,10 +89,10 @@ void gd__camera_fit(struct gd__camera *camera, const struct gd_mesh *mesh,
     camera->y = window->top + 0.5 * window->height + 0.5 * (bottom + top) * camera->scale;
 }
 
-struct gd__spot gd__camera_project(const struct gd__camera *camera, struct gd_vec3 position)
+struct gd__screen_point gd__camera_project(const struct gd__camera *camera, struct gd_vec3 position)
 {
     struct gd_vec3 at = gd_vec3_scale(gd_vec3_sub(position, camera->centre), camera->scale);
-    return (struct gd__spot){(float)(camera->x + gd_vec3_dot(at, camera->right)),
-                             (float)(camera->y - gd_vec3_dot(at, camera->up)),
-                             (float)-gd_vec3_dot(at, camera->towards)};
+    return (struct gd__screen_point){(float)(camera->x + gd_vec3_dot(at, camera->right)),
+                                     (float)(camera->y - gd_vec3_dot(at, camera->up)),
+                                     (float)-gd_vec3_dot(at, camera->towards)};
 }

@@ -1,45 +1,46 @@
-/* Camera: the parallel projection of a mesh's inside to pixels. */
+/* Camera: the parallel projection of a mesh to pixels. */
 #ifndef GD_RENDER_CAMERA_H
 #define GD_RENDER_CAMERA_H
 
 #include "gd/picture.h"
 #include "mesh/topology.h"
 
-/* A place in the picture: pixels from its upper left corner; z, in pixels too, grows away from the
+/* A projected point, in pixels: x and y from the upper left corner of the picture, z away from the
  * eye. */
-struct gd__spot {
+struct gd__screen_point {
     float x, y, z;
 };
 
 /* A part of the picture, in pixels. */
-struct gd__window_of_picture {
+struct gd__viewport {
     double left, top, width, height;
 };
 
 struct gd__camera {
-    struct gd_vec3 right, up, towards; /* unit vectors; `towards` the eye */
-    struct gd_vec3 centre;             /* of the mesh's bounding box, inside unit */
-    double scale;                      /* pixels, of a length 1 inside */
-    double x, y;                       /* where the centre comes to lie */
+    struct gd_vec3 right, up, towards; /* unit vectors; `towards` points to the eye */
+    struct gd_vec3 centre;             /* centre of the mesh's bounding box, normalised unit */
+    double scale;                      /* pixels per normalised unit */
+    double x, y;                       /* projection of `centre`, pixels */
 };
 
-/* Looks from that direction, both vectors of any length; an `up` along the line of sight leaves it
- * to the camera. The zero vector is none: `up` is y then. */
+/* Aims the camera. The vectors may have any length. If `up` is zero, y is used; if `up` is along
+ * the line of sight, another axis is used. */
 struct gd__camera gd__camera_aim(const struct gd_mesh *mesh, struct gd_vec3 towards,
                                  struct gd_vec3 up);
 
-/* The direction from which a view of a name sees. */
+/* Returns the direction towards the eye for a named view. */
 struct gd_vec3 gd__view_direction(enum gd_view view, struct gd_vec3 up);
 
-/* The direction that is `azimuth` to the right of the front and `elevation` above it, in
- * radians. */
+/* Returns the direction towards the eye at `azimuth` to the right of the front and `elevation`
+ * above it, both in radians. */
 struct gd_vec3 gd__view_from(double azimuth, double elevation, struct gd_vec3 up);
 
-/* Moves and scales so that the surface just fills the window. O(vertices). */
+/* Moves and scales the projection so that the surface just fills the viewport. O(vertices). */
 void gd__camera_fit(struct gd__camera *camera, const struct gd_mesh *mesh,
-                    const struct gd__window_of_picture *window);
+                    const struct gd__viewport *window);
 
-/* Where a position inside the mesh is seen. */
-struct gd__spot gd__camera_project(const struct gd__camera *camera, struct gd_vec3 position);
+/* Projects a position of the mesh. */
+struct gd__screen_point gd__camera_project(const struct gd__camera *camera,
+                                           struct gd_vec3 position);
 
 #endif

@@ -1,5 +1,5 @@
-/* Canvas: what lines, marks and texts are drawn on: an image (paint.c) or the text of an SVG file
- * (svg.c). All places and widths are in pixels. */
+/* Canvas: the drawing target of lines, discs and texts: an image (paint.c) or an SVG file (svg.c).
+ * All places and widths are in pixels. */
 #ifndef GD_RENDER_CANVAS_H
 #define GD_RENDER_CANVAS_H
 
@@ -16,23 +16,25 @@ struct gd__pen {
 enum gd__anchor { GD__ANCHOR_START, GD__ANCHOR_MIDDLE };
 
 struct gd__text {
-    /* of the characters that the stroke font has: digits, ".+-e", the letters of "distance" and
+    /* consists of characters of the stroke font: digits, ".+-e", the letters of "distance" and
        "path length", space */
     const char *text;
-    double x, y, size; /* of the base line */
+    double x, y, size; /* place on the base line, and font size */
     enum gd__anchor anchor;
     struct gd__colour colour;
 };
 
-/* Begins each kind of canvas. A failure stays in `status`; nothing is drawn then. */
+/* The first member of each kind of canvas. `status` holds the first failure, after which nothing is
+ * drawn. */
 struct gd__canvas {
     void (*stroke)(struct gd__canvas *canvas, const struct gd__lines *lines,
                    const struct gd__pen *pen);
-    void (*disc)(struct gd__canvas *canvas, struct gd__place centre, double radius,
+    void (*disc)(struct gd__canvas *canvas, struct gd__pixel_point centre, double radius,
                  struct gd__colour colour, double opacity);
     void (*text)(struct gd__canvas *canvas, const struct gd__text *text);
-    /* The colours of distances, from 0 below to the largest one above. */
-    void (*scale)(struct gd__canvas *canvas, const struct gd__window_of_picture *box);
+    /* Draws the colour scale of distances, from 0 at the bottom to the largest distance at the
+       top. */
+    void (*scale)(struct gd__canvas *canvas, const struct gd__viewport *box);
     enum gd_status status;
 };
 
@@ -42,15 +44,15 @@ struct gd__paint {
     struct gd__canvas canvas; /* first */
     struct gd__image *image;  /* borrowed */
     const struct gd_control *control;
-    uint8_t *coverage; /* per pixel, of what is being drawn; 0 between two calls */
+    uint8_t *coverage; /* per pixel: coverage by the current shape; all 0 between calls */
 };
 
-/* `control` may be NULL; who is to stop finds GD_CANCELLED or GD_DEADLINE in the canvas' status.
- * GD_NO_MEMORY, GD_BUDGET. */
+/* Opens a canvas on an image. `control` may be NULL; later, a cancel or a deadline sets the canvas'
+ * status to GD_CANCELLED or GD_DEADLINE. Errors: GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__paint_open(struct gd__paint *paint, struct gd__image *image,
                                           struct gd__budget *budget,
                                           const struct gd_control *control);
-void gd__paint_close(struct gd__paint *paint); /* also after a failure */
+void gd__paint_close(struct gd__paint *paint); /* also needed after a failure */
 
 /* --- as SVG ----------------------------------------------------------------------------------- */
 
@@ -61,16 +63,17 @@ struct gd__svg {
     size_t used, capacity;
 };
 
-/* Begins a file of that size over an image, a PNG file. */
+/* Starts an SVG file of that size. The background is a PNG file, which is embedded. */
 void gd__svg_open(struct gd__svg *svg, uint32_t width, uint32_t height, const void *png,
                   size_t size, struct gd__budget *budget);
 
-/* The whole file, the caller's; or the failure that stayed. It is closed either way. */
+/* Returns the complete file, owned by the caller, or the first failure. Closes the canvas in both
+ * cases. */
 GD_MUST_USE enum gd_status gd__svg_close(struct gd__svg *svg, void **bytes, size_t *size);
 
 /* --- letters (glyph.c) ------------------------------------------------------------------------ */
 
-/* Adds the strokes of a text. */
+/* Adds the strokes of a text to `out`. */
 void gd__text_strokes(const struct gd__text *text, struct gd__lines *out);
 
 #endif

@@ -1,4 +1,4 @@
-/* Colour: of distances, of the surface, of lines. Components are those of sRGB, in [0,1]. */
+/* Colours of distances, of the surface and of lines. Components are sRGB in [0,1]. */
 #ifndef GD_RENDER_COLOUR_H
 #define GD_RENDER_COLOUR_H
 
@@ -8,10 +8,10 @@ struct gd__colour {
     float red, green, blue;
 };
 
-/* gd_colour_map, encoded. */
+/* Returns gd_colour_map(part), encoded as sRGB. */
 struct gd__colour gd__colour_of_part(double part);
 
-/* As part of a picture on that background. */
+/* The colours of a picture with one kind of background. */
 struct gd__palette {
     struct gd__colour background, surface, inside, line, ink, path, halo;
     bool is_transparent;

@@ -2,16 +2,16 @@
 
 #include "render/canvas.h"
 
-/* The stroke font: what numbers and the few words of a legend need. */
+/* The stroke font: the characters of numbers and of a legend's words. */
 
-#define STEP 0.12  /* of a text's size: digits are 6 steps high */
-enum { BASE = 2 }; /* the step at which letters stand */
+#define STEP 0.12  /* length of a step relative to the text's size; digits are 6 steps high */
+enum { BASE = 2 }; /* the baseline in steps */
 
-/* Lines with spaces between them, each a list of places, each a pair of digits: steps to the right
- * and upwards. */
+/* A glyph. `lines` are strokes separated by spaces. A stroke is a list of places of two digits
+ * each: steps to the right and steps upwards. */
 struct glyph {
     char letter;
-    double width; /* steps, with the gap behind it */
+    double width; /* steps, including the gap to the next glyph */
     const char *lines;
 };
 
@@ -44,7 +44,7 @@ static const struct glyph glyphs[] = {
     {' ', 3, ""},
 };
 
-static const struct glyph *find(char letter)
+static const struct glyph *glyph_find(char letter)
 {
     for (size_t i = 0; i < sizeof glyphs / sizeof *glyphs; i++)
         if (glyphs[i].letter == letter) return &glyphs[i];
@@ -54,7 +54,7 @@ static const struct glyph *find(char letter)
 static double width_of(const char *text)
 {
     double width = 0;
-    for (; *text; text++) width += find(*text)->width;
+    for (; *text; text++) width += glyph_find(*text)->width;
     return width;
 }
 
@@ -63,7 +63,7 @@ void gd__text_strokes(const struct gd__text *text, struct gd__lines *out)
     double step = STEP * text->size, x = text->x;
     if (text->anchor == GD__ANCHOR_MIDDLE) x -= 0.5 * step * width_of(text->text);
     for (const char *letter = text->text; *letter; letter++) {
-        const struct glyph *glyph = find(*letter);
+        const struct glyph *glyph = glyph_find(*letter);
         for (const char *c = glyph->lines; *c; c++) {
             if (*c == ' ') {
                 gd__lines_end(out);

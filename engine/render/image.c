@@ -21,7 +21,7 @@ void gd__image_close(struct gd__image *image)
     free(image->pixel);
 }
 
-/* Porter and Duff's "over", of colours that are not multiplied by their opacity. */
+/* Applies Porter and Duff's "over", for colours that are not premultiplied by opacity. */
 void gd__image_blend(struct gd__image *image, size_t pixel, struct gd__colour colour,
                      double opacity)
 {

@@ -2,17 +2,17 @@
 
 #include <stdio.h>
 
-/* In units. */
-#define MARGIN     16.0 /* around the surface */
-#define COLUMN     92.0 /* at the right, of the scale */
-#define ROW        30.0 /* below, of the length */
+/* Lengths in units of the legend (legend.h), unless stated otherwise. */
+#define MARGIN     16.0 /* margin around the surface */
+#define COLUMN     92.0 /* width of the scale, on the right */
+#define ROW        30.0 /* height of the line with the length, at the bottom */
 #define BAR_WIDTH  14.0
-#define BAR_PART   0.62 /* of the height */
+#define BAR_PART   0.62 /* height of the colour bar, relative to the picture's height */
 #define TICK       4.0
 #define LETTERS    13.0
-#define TICK_APART 1.6           /* text sizes from one number to the next at least */
+#define TICK_APART 1.6           /* least distance of two numbers, in text heights */
 #define LEAST_SIDE 200           /* pixels: smaller pictures have no legend */
-#define AREA       (800.0 * 600) /* where a unit is a pixel */
+#define AREA       (800.0 * 600) /* pixels of the picture in which a unit is a pixel */
 
 struct gd__legend gd__legend_plan(const struct gd_picture *picture,
                                   const struct gd__palette *palette, uint32_t width,
@@ -29,16 +29,16 @@ struct gd__legend gd__legend_plan(const struct gd_picture *picture,
                                .has_length = has_room && picture->path};
 }
 
-struct gd__window_of_picture gd__legend_window(const struct gd__legend *legend)
+struct gd__viewport gd__legend_window(const struct gd__legend *legend)
 {
     double margin = fmin(MARGIN * legend->unit, 0.1 * fmin(legend->width, legend->height)),
            column = legend->has_scale ? COLUMN * legend->unit : 0,
            row = legend->has_length ? ROW * legend->unit : 0;
-    return (struct gd__window_of_picture){margin, margin, legend->width - 2 * margin - column,
-                                          legend->height - 2 * margin - row};
+    return (struct gd__viewport){margin, margin, legend->width - 2 * margin - column,
+                                 legend->height - 2 * margin - row};
 }
 
-/* A number as short as its digits allow. */
+/* Draws a text in the legend's font size and colour. */
 static void put_text(const struct gd__legend *legend, struct gd__canvas *canvas, const char *text,
                      double x, double y, enum gd__anchor anchor)
 {
@@ -67,9 +67,9 @@ static void draw_scale(const struct gd__legend *legend, const struct gd__scale *
                        struct gd__canvas *canvas)
 {
     double unit = legend->unit, height = BAR_PART * legend->height;
-    struct gd__window_of_picture bar = {floor(legend->width - (COLUMN - 4) * unit),
-                                        floor(0.5 * (legend->height - height)),
-                                        ceil(BAR_WIDTH * unit), floor(height)};
+    struct gd__viewport bar = {floor(legend->width - (COLUMN - 4) * unit),
+                               floor(0.5 * (legend->height - height)), ceil(BAR_WIDTH * unit),
+                               floor(height)};
     double right = bar.left + bar.width, apart = TICK_APART * LETTERS * unit,
            pixels = bar.height * scale->step / scale->range;
     uint32_t every = 1 + (uint32_t)(apart / pixels);

@@ -4,7 +4,7 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
-#include "field/array.h"
+#include "base/array.h"
 
 void gd__lines_free(struct gd__lines *lines)
 {
@@ -15,14 +15,14 @@ void gd__lines_free(struct gd__lines *lines)
 
 void gd__lines_add(struct gd__lines *lines, double x, double y)
 {
-    struct gd__place *places = gd__array_reserve(lines->places, &lines->place_capacity,
-                                                 lines->place_count + 1, sizeof *lines->places);
+    struct gd__pixel_point *places = gd__array_reserve(
+        lines->places, &lines->place_capacity, lines->place_count + 1, sizeof *lines->places);
     if (!places) {
         lines->status = GD_NO_MEMORY;
         return;
     }
     lines->places = places;
-    places[lines->place_count++] = (struct gd__place){(float)x, (float)y};
+    places[lines->place_count++] = (struct gd__pixel_point){(float)x, (float)y};
 }
 
 void gd__lines_end(struct gd__lines *lines)
@@ -38,9 +38,10 @@ void gd__lines_end(struct gd__lines *lines)
         ends[lines->count++] = lines->place_count;
 }
 
-/* --- simpler ---------------------------------------------------------------------------------- */
+/* --- simplification --------------------------------------------------------------------------- */
 
-static double distance_to_segment(struct gd__place p, struct gd__place a, struct gd__place b)
+static double distance_to_segment(struct gd__pixel_point p, struct gd__pixel_point a,
+                                  struct gd__pixel_point b)
 {
     double x = (double)b.x - a.x, y = (double)b.y - a.y, px = (double)p.x - a.x,
            py = (double)p.y - a.y, length = x * x + y * y;
@@ -48,7 +49,7 @@ static double distance_to_segment(struct gd__place p, struct gd__place a, struct
     return hypot(px - t * x, py - t * y);
 }
 
-/* Does the segment from place a to place b stand for all between them? */
+/* Returns true if the segment from place a to place b approximates all places between them. */
 static bool stands_for(const struct gd__lines *lines, uint32_t a, uint32_t b, double tolerance)
 {
     for (uint32_t i = a + 1; i < b; i++)
@@ -57,8 +58,8 @@ static bool stands_for(const struct gd__lines *lines, uint32_t a, uint32_t b, do
     return true;
 }
 
-/* From each place that is kept on to the last one that a segment reaches. What is kept is written
- * behind what is read. */
+/* Simplifies greedily: after each kept place, keeps the last place for which one segment
+ * approximates all places between. Writes in place, behind the read position. */
 void gd__lines_simplify(struct gd__lines *lines, double tolerance)
 {
     enum { FARTHEST = 64 };
@@ -77,10 +78,10 @@ void gd__lines_simplify(struct gd__lines *lines, double tolerance)
 
 /* --- dashes ----------------------------------------------------------------------------------- */
 
-static void dash_line(const struct gd__place *places, uint32_t count, double on, double off,
+static void dash_line(const struct gd__pixel_point *places, uint32_t count, double on, double off,
                       struct gd__lines *out)
 {
-    double left = on; /* of the dash or of the gap */
+    double left = on; /* remaining length of the current dash or gap */
     bool is_drawn = true;
     gd__lines_add(out, places[0].x, places[0].y);
     for (uint32_t i = 0; i + 1 < count; i++) {

@@ -1,4 +1,4 @@
-/* Lines: polylines in a picture, of one kind: drawn with one pen. */
+/* Lines: a set of polylines in a picture, to be drawn with one pen. */
 #ifndef GD_RENDER_LINES_H
 #define GD_RENDER_LINES_H
 
@@ -7,32 +7,31 @@
 #include "gd/status.h"
 
 /* Pixels from the picture's upper left corner. */
-struct gd__place {
+struct gd__pixel_point {
     float x, y;
 };
 
-/* All zero is none. */
+/* An all-zero struct is empty. */
 struct gd__lines {
-    struct gd__place *places;
-    uint32_t *ends; /* of each line in `places` */
+    struct gd__pixel_point *places;
+    uint32_t *ends; /* per line: index of the place after its last one */
     uint32_t place_count, place_capacity, count, capacity;
-    enum gd_status status; /* of the first failure: lines are missing then */
+    enum gd_status status; /* the first failure, after which lines are missing */
 };
 
-void gd__lines_free(struct gd__lines *lines); /* leaves none */
+void gd__lines_free(struct gd__lines *lines); /* leaves it empty */
 
-/* Adds a place to the line that is being made; gd__lines_end ends it. */
+/* Adds a place to the current line; gd__lines_end ends the line. */
 void gd__lines_add(struct gd__lines *lines, double x, double y);
 void gd__lines_end(struct gd__lines *lines);
 
-/* Leaves out places of the last line that are nowhere farther than `tolerance` pixels from what is
- * left. */
+/* Simplifies the last line: removes places within `tolerance` pixels of the remaining line. */
 void gd__lines_simplify(struct gd__lines *lines, double tolerance);
 
-/* Adds the dashes of all lines: `on` pixels drawn, `off` not, in turn. */
+/* Appends the dashes of all lines to `out`: dashes of `on` pixels with gaps of `off` pixels. */
 void gd__lines_dash(const struct gd__lines *lines, double on, double off, struct gd__lines *out);
 
-/* Where line i begins. */
+/* Returns the index of the first place of line i. */
 static inline uint32_t gd__line_begin(const struct gd__lines *lines, uint32_t i)
 {
     return i ? lines->ends[i - 1] : 0;

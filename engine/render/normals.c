@@ -1,12 +1,12 @@
 #include "render/normals.h"
 
-#define CREASE 0.77F /* cosine of 40 degrees: of two faces that meet at more, one sees an edge */
+#define CREASE 0.77F /* cosine of 40 degrees: sharper edges between faces stay visible */
 enum {
-    MOST = 64, /* faces around a vertex */
+    MOST = 64, /* limit on faces around a vertex for smooth normals */
     CHECK_INTERVAL = 1 << 12
 };
 
-static struct gd__normal normal_of(const struct gd_mesh *mesh, uint32_t face)
+static struct gd__normal normals_normal_of(const struct gd_mesh *mesh, uint32_t face)
 {
     const uint32_t *side = mesh->face_side[face];
     const struct gd_vec3 *position = mesh->position;
@@ -22,7 +22,7 @@ static float dot(struct gd__normal a, struct gd__normal b)
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-static void add(struct gd__normal *sum, float weight, struct gd__normal n)
+static void normals_add(struct gd__normal *sum, float weight, struct gd__normal n)
 {
     sum->x += weight * n.x;
     sum->y += weight * n.y;
@@ -37,8 +37,8 @@ static struct gd__normal *corner_at(const struct gd_mesh *mesh, struct gd__norma
     return &corners[face][sides[0] == side ? 0 : sides[1] == side ? 1 : 2];
 }
 
-/* Weighted by the angles at the vertex (G. Thuermer and C. Wuethrich, "Computing vertex normals
- * from polygonal facets", 1998). */
+/* Computes the normals of all corners at a vertex, with faces weighted by angle (G. Thuermer and C.
+ * Wuethrich, "Computing vertex normals from polygonal facets", 1998). */
 static void make_around(const struct gd_mesh *mesh, uint32_t vertex, const struct gd__normal *flat,
                         struct gd__normal (*corners)[3])
 {
@@ -50,7 +50,7 @@ static void make_around(const struct gd_mesh *mesh, uint32_t vertex, const struc
             double angle =
                 (k + 1 < count ? fan[k + 1].angle : mesh->total_angle[vertex]) - fan[k].angle;
             struct gd__normal other = flat[mesh->side_face[fan[k].side]];
-            if (dot(own, other) > CREASE) add(&sum, (float)angle, other);
+            if (dot(own, other) > CREASE) normals_add(&sum, (float)angle, other);
         }
         *corner_at(mesh, corners, fan[i].side) = dot(sum, own) > 0 ? sum : own;
     }
@@ -61,7 +61,7 @@ enum gd_status gd__normals_make(const struct gd_mesh *mesh, const struct gd_cont
 {
     enum gd_status status = GD_OK;
     for (uint32_t f = 0; f < mesh->face_count && !status; f++) {
-        flat[f] = normal_of(mesh, f);
+        flat[f] = normals_normal_of(mesh, f);
         if (f % CHECK_INTERVAL == 0) status = gd_control_check(control, 0);
     }
     for (uint32_t v = 0; v < mesh->vertex_count && !status; v++) {

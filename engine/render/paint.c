@@ -3,9 +3,9 @@
 
 #include "render/canvas.h"
 
-/* Strokes and discs on an image. Each pixel is covered as far as its middle lies within, from half
- * a pixel outside to half a pixel inside; lines drawn with one pen cover a pixel once where they
- * cross or join, as one line does. */
+/* Strokes and discs on an image. A pixel's coverage grows from 0, if its middle is half a pixel
+ * outside the shape, to 1, if it is half a pixel inside. Where lines of one pen cross or join, they
+ * cover a pixel only once. */
 
 enum { CHECK_INTERVAL = 256 }; /* segments */
 
@@ -14,7 +14,7 @@ struct box {
     uint32_t left, top, right, bottom;
 };
 
-static uint32_t clamp(double x, uint32_t most)
+static uint32_t paint_clamp(double x, uint32_t most)
 {
     return x <= 0 ? 0 : x >= most ? most : (uint32_t)x;
 }
@@ -22,8 +22,9 @@ static uint32_t clamp(double x, uint32_t most)
 static struct box box_of(const struct gd__image *image, double left, double top, double right,
                          double bottom)
 {
-    return (struct box){clamp(floor(left), image->width), clamp(floor(top), image->height),
-                        clamp(ceil(right), image->width), clamp(ceil(bottom), image->height)};
+    return (struct box){
+        paint_clamp(floor(left), image->width), paint_clamp(floor(top), image->height),
+        paint_clamp(ceil(right), image->width), paint_clamp(ceil(bottom), image->height)};
 }
 
 static struct box box_around(struct box a, struct box b)
@@ -35,8 +36,8 @@ static struct box box_around(struct box a, struct box b)
 
 /* --- coverage --------------------------------------------------------------------------------- */
 
-static struct box cover_segment(struct gd__paint *paint, struct gd__place a, struct gd__place b,
-                                float radius)
+static struct box cover_segment(struct gd__paint *paint, struct gd__pixel_point a,
+                                struct gd__pixel_point b, float radius)
 {
     float reach = radius + 0.5F, x = b.x - a.x, y = b.y - a.y, square = x * x + y * y,
           scale = square > 0 ? 1 / square : 0;
@@ -58,7 +59,7 @@ static struct box cover_segment(struct gd__paint *paint, struct gd__place a, str
     return box;
 }
 
-/* Lays the colour over what is covered, and uncovers it. */
+/* Blends the colour over the covered pixels, and clears the coverage. */
 static void fill_coverage(struct gd__paint *paint, struct box box, struct gd__colour colour,
                           double opacity)
 {
@@ -79,7 +80,7 @@ static enum gd_status draw_lines(struct gd__paint *paint, const struct gd__lines
     struct box all = {paint->image->width, paint->image->height, 0, 0};
     enum gd_status status = GD_OK;
     for (uint32_t i = 0; i < lines->count && !status; i++) {
-        const struct gd__place *place = lines->places;
+        const struct gd__pixel_point *place = lines->places;
         uint32_t begin = gd__line_begin(lines, i), last = lines->ends[i] - 1;
         for (uint32_t k = begin; (k < last || k == begin) && !status; k++) {
             all = box_around(all, cover_segment(paint, place[k], place[k < last ? k + 1 : k],
@@ -91,8 +92,8 @@ static enum gd_status draw_lines(struct gd__paint *paint, const struct gd__lines
     return status;
 }
 
-static void stroke(struct gd__canvas *canvas, const struct gd__lines *lines,
-                   const struct gd__pen *pen)
+static void paint_stroke(struct gd__canvas *canvas, const struct gd__lines *lines,
+                         const struct gd__pen *pen)
 {
     struct gd__lines dashes = {0};
     if (canvas->status) return;
@@ -104,24 +105,24 @@ static void stroke(struct gd__canvas *canvas, const struct gd__lines *lines,
     gd__lines_free(&dashes);
 }
 
-static void disc(struct gd__canvas *canvas, struct gd__place centre, double radius,
-                 struct gd__colour colour, double opacity)
+static void paint_disc(struct gd__canvas *canvas, struct gd__pixel_point centre, double radius,
+                       struct gd__colour colour, double opacity)
 {
     struct gd__paint *paint = (struct gd__paint *)canvas;
     if (canvas->status) return;
     fill_coverage(paint, cover_segment(paint, centre, centre, (float)radius), colour, opacity);
 }
 
-static void text(struct gd__canvas *canvas, const struct gd__text *text)
+static void paint_text(struct gd__canvas *canvas, const struct gd__text *text)
 {
     struct gd__lines lines = {0};
     gd__text_strokes(text, &lines);
     if (!canvas->status) canvas->status = lines.status;
-    stroke(canvas, &lines, &(struct gd__pen){text->colour, 1, text->size / 9, 0});
+    paint_stroke(canvas, &lines, &(struct gd__pen){text->colour, 1, text->size / 9, 0});
     gd__lines_free(&lines);
 }
 
-static void scale(struct gd__canvas *canvas, const struct gd__window_of_picture *area)
+static void paint_scale(struct gd__canvas *canvas, const struct gd__viewport *area)
 {
     struct gd__image *image = ((struct gd__paint *)canvas)->image;
     struct box box =
@@ -138,8 +139,10 @@ enum gd_status gd__paint_open(struct gd__paint *paint, struct gd__image *image,
                               struct gd__budget *budget, const struct gd_control *control)
 {
     size_t pixels = (size_t)image->width * image->height;
-    *paint = (struct gd__paint){
-        .canvas = {stroke, disc, text, scale, GD_OK}, .image = image, .control = control};
+    *paint =
+        (struct gd__paint){.canvas = {paint_stroke, paint_disc, paint_text, paint_scale, GD_OK},
+                           .image = image,
+                           .control = control};
     enum gd_status status = gd__budget_take(budget, pixels);
     if (status) return status;
     paint->coverage = calloc(pixels, 1);

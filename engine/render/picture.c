@@ -2,95 +2,71 @@
 
 #include <stdlib.h>
 
+#include "base/share.h"
 #include "gd/isoline.h"
-#include "render/cover.h"
+#include "render/depth_buffer.h"
 #include "render/legend.h"
 #include "render/shade.h"
 #include "render/view.h"
 
-/* DESIGN. A picture is made in three steps: the surface becomes an image, with a note of what
- * covers each pixel; lines become places in the picture, cut where they go behind something; both
- * are put together on a canvas, which is the image itself or an SVG file that embeds it. */
+/* DESIGN. A picture is made in three steps. First the surface is rendered to an image with a depth
+ * buffer. Then lines are projected and divided into visible and hidden parts. Finally the lines are
+ * drawn on a canvas: the image itself, or an SVG file that embeds the image. */
 
 enum { GRID = 4, WIDTH = 800, HEIGHT = 600, TICKS = 6 };
 #define LINE_TOLERANCE 0.1 /* pixels */
 
-/* All zero before it is opened, but for the request. */
+/* The state of one picture. Before it is opened, all members except the request are zero. */
 struct studio {
     const struct gd_picture *picture;
     const struct gd_mesh *mesh;
     const struct gd__palette *palette;
     struct gd__budget budget;
-    uint32_t part, parts; /* in work, and all of them, which count as equally long */
-    double told;          /* of the whole */
+    struct gd__share share; /* progress, in parts that count as equally long */
     struct gd__legend legend;
-    struct gd__scale scale; /* of a field */
+    struct gd__scale scale; /* if there is a field */
     struct gd__camera camera;
-    struct gd__spot *spots; /* per vertex */
+    struct gd__screen_point *points; /* per vertex */
     struct gd__raster raster;
-    struct gd__cover cover;
+    struct gd__depth_buffer buffer;
     struct gd__shade shade;
     struct gd__image image;
     struct gd__lines isolines, path_seen, path_hidden;
     bool end_is_seen[2];
-    struct gd__place end[2]; /* of the path, or end[0]: the field's source */
+    /* ends of the path; without a path, end[0] is the field's source */
+    struct gd__pixel_point end[2];
     uint32_t end_count;
 };
 
-/* A part may be told of in several runs; the whole only goes on. */
-static bool report(void *user, double fraction)
-{
-    struct studio *studio = user;
-    const struct gd_control *control = studio->budget.control;
-    studio->told = fmax(studio->told, (studio->part + fraction) / studio->parts);
-    return control->progress(control->user, studio->told);
-}
-
-/* The control of a long call that is within the part in work. */
-static struct gd_control control_of(struct studio *studio)
-{
-    const struct gd_control *control = studio->budget.control;
-    struct gd_control own = control ? *control : (struct gd_control){0};
-    size_t held = studio->budget.held;
-    /* 0: no limit */
-    if (own.budget_bytes) own.budget_bytes = own.budget_bytes > held ? own.budget_bytes - held : 1;
-    own.progress = own.progress ? report : NULL;
-    own.user = studio;
-    return own;
-}
-
 /* --- the request ------------------------------------------------------------------------------ */
-
-static bool is_finite(struct gd_vec3 v)
-{
-    return isfinite(v.x) && isfinite(v.y) && isfinite(v.z);
-}
 
 static bool is_side(uint32_t pixels)
 {
     return pixels >= GD_PICTURE_LEAST && pixels <= GD_PICTURE_MOST;
 }
 
-/* False: something is outside what picture.h says. */
+/* Returns false if a member is out of the range given in gd/picture.h. */
 static bool is_sound(const struct gd_picture *picture, uint32_t width, uint32_t height)
 {
     struct gd_vec3 d = picture->direction;
     if (!is_side(width) || !is_side(height) || (uint64_t)width * height > GD_PICTURE_PIXELS)
         return false;
-    if (picture->isolines > GD_PICTURE_ISOLINES || !is_finite(picture->up) || !is_finite(d))
+    if (picture->isolines > GD_PICTURE_ISOLINES || !gd_vec3_is_finite(picture->up) ||
+        !gd_vec3_is_finite(d))
         return false;
     if (picture->field && gd_field_mesh(picture->field) != picture->mesh) return false;
     return picture->view != GD_VIEW_DIRECTION || d.x != 0 || d.y != 0 || d.z != 0;
 }
 
-/* --- where it is seen from -------------------------------------------------------------------- */
+/* --- view ------------------------------------------------------------------------------------- */
 
 static struct gd_vec3 inside(const struct gd_mesh *mesh, const struct gd_point *point)
 {
     return gd_vec3_scale(gd_point_position(mesh, point), 1 / mesh->unit);
 }
 
-/* What is to be seen: the path, or the source of the field. `*count` 0: nothing of the kind. */
+/* Lists the positions that should be visible: the path, or the source of the field. *count is 0
+ * without both. */
 static enum gd_status find_subject(struct studio *studio, struct gd_vec3 **out, uint32_t *count)
 {
     struct gd_point source;
@@ -99,7 +75,7 @@ static enum gd_status find_subject(struct studio *studio, struct gd_vec3 **out, 
         studio->picture->field && gd_field_single_seed(studio->picture->field, &source);
     uint32_t points = path ? path->count : has_source ? 1 : 0;
     enum gd_status status =
-        gd__budget_take(&studio->budget, points * (sizeof **out + sizeof(struct gd__spot)));
+        gd__budget_take(&studio->budget, points * (sizeof **out + sizeof(struct gd__screen_point)));
     *out = status ? NULL : malloc((points + 1) * sizeof **out);
     if (!*out) return status ? status : GD_NO_MEMORY;
     for (uint32_t i = 0; i < points; i++)
@@ -108,19 +84,20 @@ static enum gd_status find_subject(struct studio *studio, struct gd_vec3 **out, 
     return GD_OK;
 }
 
-static enum gd_status aim(struct studio *studio, const struct gd_vec3 *subject, uint32_t count)
+static enum gd_status picture_aim(struct studio *studio, const struct gd_vec3 *subject,
+                                  uint32_t count)
 {
     const struct gd_picture *picture = studio->picture;
     struct gd_vec3 direction = picture->view == GD_VIEW_DIRECTION
                                    ? picture->direction
                                    : gd__view_direction(picture->view, picture->up);
-    struct gd_control control = control_of(studio);
+    struct gd_control control = gd__share_control(&studio->share, studio->budget.held);
     enum gd_status status = GD_OK;
     if (picture->view == GD_VIEW_CHOSEN && count)
         status = gd__view_choose(studio->mesh, picture->up, subject, count, &studio->budget,
                                  &control, &direction);
     if (status) return status;
-    struct gd__window_of_picture window = gd__legend_window(&studio->legend);
+    struct gd__viewport window = gd__legend_window(&studio->legend);
     studio->camera = gd__camera_aim(studio->mesh, direction, picture->up);
     gd__camera_fit(&studio->camera, studio->mesh, &window);
     return GD_OK;
@@ -132,7 +109,7 @@ static enum gd_status open_surface(struct studio *studio)
 {
     const struct gd_mesh *mesh = studio->mesh;
     studio->raster = (struct gd__raster){.mesh = mesh,
-                                         .spots = studio->spots,
+                                         .points = studio->points,
                                          .width = studio->legend.width,
                                          .height = studio->legend.height,
                                          .grid = GRID,
@@ -144,10 +121,10 @@ static enum gd_status open_surface(struct studio *studio)
                                        .field = studio->picture->field,
                                        .range = studio->scale.range,
                                        .edges = studio->picture->edges};
-    struct gd_control control = control_of(studio);
+    struct gd_control control = gd__share_control(&studio->share, studio->budget.held);
     enum gd_status status = gd__raster_open(&studio->raster, &control);
     if (!status) status = gd__shade_open(&studio->shade, &control);
-    if (!status) status = gd__cover_open(&studio->cover, &studio->raster);
+    if (!status) status = gd__depth_buffer_open(&studio->buffer, &studio->raster);
     if (!status)
         status = gd__image_open(&studio->image, studio->raster.width, studio->raster.height,
                                 &studio->budget);
@@ -159,34 +136,35 @@ static enum gd_status draw_surface(struct studio *studio)
 {
     const struct gd_mesh *mesh = studio->mesh;
     enum gd_status status =
-        gd__budget_take(&studio->budget, mesh->vertex_count * sizeof *studio->spots);
-    studio->spots = status ? NULL : malloc(mesh->vertex_count * sizeof *studio->spots);
-    if (!studio->spots) return status ? status : GD_NO_MEMORY;
+        gd__budget_take(&studio->budget, mesh->vertex_count * sizeof *studio->points);
+    studio->points = status ? NULL : malloc(mesh->vertex_count * sizeof *studio->points);
+    if (!studio->points) return status ? status : GD_NO_MEMORY;
     for (uint32_t v = 0; v < mesh->vertex_count; v++)
-        studio->spots[v] = gd__camera_project(&studio->camera, mesh->position[v]);
+        studio->points[v] = gd__camera_project(&studio->camera, mesh->position[v]);
     status = open_surface(studio);
     for (uint32_t band = 0; !status && band < studio->raster.bands; band++) {
-        struct gd_control control = control_of(studio);
+        struct gd_control control = gd__share_control(&studio->share, studio->budget.held);
         status = gd__raster_fill(&studio->raster, band, &control);
-        studio->part++;
+        studio->share.done++;
         if (!status) status = gd__shade_band(&studio->shade, band, &control, &studio->image);
-        if (!status) gd__cover_take(&studio->cover, &studio->raster, band);
-        studio->part++;
+        if (!status) gd__depth_buffer_take(&studio->buffer, &studio->raster, band);
+        studio->share.done++;
     }
     return status;
 }
 
 /* --- lines ------------------------------------------------------------------------------------ */
 
-static enum gd_status split(struct studio *studio, const struct gd_path *line,
-                            struct gd__lines *seen, struct gd__lines *hidden)
+static enum gd_status picture_split(struct studio *studio, const struct gd_path *line,
+                                    struct gd__lines *seen, struct gd__lines *hidden)
 {
-    struct gd__spot *spots = malloc(line->count * sizeof *spots);
-    if (!spots) return GD_NO_MEMORY;
+    struct gd__screen_point *points = malloc(line->count * sizeof *points);
+    if (!points) return GD_NO_MEMORY;
     for (uint32_t i = 0; i < line->count; i++)
-        spots[i] = gd__camera_project(&studio->camera, inside(studio->mesh, &line->points[i]));
-    enum gd_status status = gd__cover_split(&studio->cover, spots, line->count, seen, hidden);
-    free(spots);
+        points[i] = gd__camera_project(&studio->camera, inside(studio->mesh, &line->points[i]));
+    enum gd_status status =
+        gd__depth_buffer_split(&studio->buffer, points, line->count, seen, hidden);
+    free(points);
     return status;
 }
 
@@ -199,7 +177,7 @@ static enum gd_status split_isoline(struct studio *studio, const struct gd_isoli
         struct gd_path flat;
         status = gd_isoline_flatten(studio->mesh, &isoline->lines[i], tolerance, control, &flat);
         if (status) break;
-        status = split(studio, &flat, &studio->isolines, NULL);
+        status = picture_split(studio, &flat, &studio->isolines, NULL);
         gd_path_free(&flat);
     }
     return status;
@@ -210,10 +188,10 @@ static enum gd_status find_isolines(struct studio *studio)
     enum gd_status status = GD_OK;
     for (uint32_t k = 1; k <= studio->scale.count && !status; k++) {
         struct gd_isoline isoline;
-        struct gd_control control = control_of(studio);
+        struct gd_control control = gd__share_control(&studio->share, studio->budget.held);
         status =
             gd_isoline_trace(studio->picture->field, k * studio->scale.step, &control, &isoline);
-        studio->part++;
+        studio->share.done++;
         if (status) break;
         status = split_isoline(studio, &isoline, &control);
         gd_isoline_free(&isoline);
@@ -221,14 +199,15 @@ static enum gd_status find_isolines(struct studio *studio)
     return status;
 }
 
-/* The path's ends, or a field's source. */
+/* Projects the path's ends, or the field's source, and tests whether they are visible. */
 static void find_ends(struct studio *studio, const struct gd_vec3 *subject, uint32_t count)
 {
     studio->end_count = count > 1 ? 2 : count;
     for (uint32_t i = 0; i < studio->end_count; i++) {
-        struct gd__spot spot = gd__camera_project(&studio->camera, subject[i ? count - 1 : 0]);
-        studio->end[i] = (struct gd__place){spot.x, spot.y};
-        studio->end_is_seen[i] = gd__cover_visibility(&studio->cover, &spot, 1) > 0;
+        struct gd__screen_point point =
+            gd__camera_project(&studio->camera, subject[i ? count - 1 : 0]);
+        studio->end[i] = (struct gd__pixel_point){point.x, point.y};
+        studio->end_is_seen[i] = gd__depth_buffer_visibility(&studio->buffer, &point, 1) > 0;
     }
 }
 
@@ -238,14 +217,15 @@ static enum gd_status find_lines(struct studio *studio, const struct gd_vec3 *su
     enum gd_status status = GD_OK;
     if (studio->picture->field && studio->picture->isolines) status = find_isolines(studio);
     if (!status && studio->picture->path)
-        status = split(studio, studio->picture->path, &studio->path_seen, &studio->path_hidden);
+        status =
+            picture_split(studio, studio->picture->path, &studio->path_seen, &studio->path_hidden);
     find_ends(studio, subject, count);
     return status;
 }
 
 /* --- the canvas ------------------------------------------------------------------------------- */
 
-/* The first end is a ring, the last one a disc. */
+/* Draws an end: the first as a ring, the last as a disc. */
 static void draw_end(const struct studio *studio, uint32_t i, struct gd__canvas *canvas)
 {
     const struct gd__palette *palette = studio->palette;
@@ -274,7 +254,7 @@ static void draw_lines(const struct studio *studio, struct gd__canvas *canvas)
 static enum gd_status finish_png(struct studio *studio, void **bytes, size_t *size)
 {
     struct gd__paint paint;
-    struct gd_control control = control_of(studio);
+    struct gd_control control = gd__share_control(&studio->share, studio->budget.held);
     enum gd_status status = gd__paint_open(&paint, &studio->image, &studio->budget, &control);
     if (!status) draw_lines(studio, &paint.canvas);
     if (!status) status = paint.canvas.status;
@@ -285,7 +265,7 @@ static enum gd_status finish_png(struct studio *studio, void **bytes, size_t *si
 static enum gd_status finish_svg(struct studio *studio, void **bytes, size_t *size)
 {
     struct gd__svg svg;
-    struct gd_control control = control_of(studio);
+    struct gd_control control = gd__share_control(&studio->share, studio->budget.held);
     void *png;
     size_t png_size;
     enum gd_status status =
@@ -297,7 +277,7 @@ static enum gd_status finish_svg(struct studio *studio, void **bytes, size_t *si
     return gd__svg_close(&svg, bytes, size);
 }
 
-/* --- the whole -------------------------------------------------------------------------------- */
+/* --- public calls ----------------------------------------------------------------------------- */
 
 static void set_up(struct studio *studio, const struct gd_picture *picture,
                    const struct gd_control *control)
@@ -312,15 +292,16 @@ static void set_up(struct studio *studio, const struct gd_picture *picture,
     if (picture->field)
         studio->scale = gd__scale_of(gd__field_range(picture->field),
                                      picture->isolines ? picture->isolines : TICKS);
-    studio->parts = 1 + 2 * ((height - 1) / gd__raster_rows(width) + 1) +
-                    (picture->isolines ? studio->scale.count : 0);
+    studio->share.control = control;
+    studio->share.total = 1 + 2 * ((height - 1) / gd__raster_rows(width) + 1) +
+                          (picture->isolines ? studio->scale.count : 0);
 }
 
-static void clear(struct studio *studio)
+static void picture_clear(struct studio *studio)
 {
-    free(studio->spots);
+    free(studio->points);
     gd__raster_close(&studio->raster);
-    gd__cover_close(&studio->cover);
+    gd__depth_buffer_close(&studio->buffer);
     gd__shade_close(&studio->shade);
     gd__image_close(&studio->image);
     gd__lines_free(&studio->isolines);
@@ -341,12 +322,12 @@ static enum gd_status render(const struct gd_picture *picture, const struct gd_c
         return GD_INVALID_ARGUMENT;
     set_up(&studio, picture, control);
     enum gd_status status = find_subject(&studio, &subject, &count);
-    if (!status) status = aim(&studio, subject, count);
+    if (!status) status = picture_aim(&studio, subject, count);
     if (!status) status = draw_surface(&studio);
     if (!status) status = find_lines(&studio, subject, count);
     if (!status) status = finish(&studio, bytes, size);
     free(subject);
-    clear(&studio);
+    picture_clear(&studio);
     return status;
 }
 

@@ -4,21 +4,21 @@
 #include <string.h>
 #include <zlib.h>
 
-/* PNG of what a picture is: 8 bits, colours without a palette, one IDAT chunk, each row filtered as
- * suits it. */
+/* Writes PNG files: 8 bits, no palette, one IDAT chunk, each row with the best of three filters. */
 
 enum {
-    LEVEL = 4,          /* of zlib: higher ones take twice the time for a few percent */
+    LEVEL = 4, /* compression level of zlib: higher levels take twice the time for a few percent */
     CHECK_INTERVAL = 4, /* rows */
-    FILTERS = 3         /* that are tried: from the left, from above, Paeth's */
+    FILTERS = 3         /* filters that are tried: left, up, Paeth */
 };
 
 struct encoder {
     const struct gd__image *image;
     uint32_t channels, row_bytes;
-    uint8_t *previous, *row;    /* as they are, with `channels` zeros in front */
-    uint8_t *filtered[FILTERS]; /* each with its filter's number in front */
-    uint8_t *file;              /* that is being made */
+    /* the previous and the current row, each with `channels` zeros in front */
+    uint8_t *previous, *row;
+    uint8_t *filtered[FILTERS]; /* filtered rows, each with its filter's number in front */
+    uint8_t *file;              /* the chunk under construction */
     size_t used, capacity;
     z_stream stream;
 };
@@ -40,8 +40,8 @@ static uint8_t paeth(int left, int above, int corner)
     return (uint8_t)(a <= b && a <= c ? left : b <= c ? above : corner);
 }
 
-/* The row that is likely to be packed best: whose bytes, as small numbers with a sign, are least in
- * sum (RFC 2083, 9.6). */
+/* Filters a row and returns the result that probably compresses best, which has the least sum of
+ * absolute signed bytes (RFC 2083, 9.6). */
 static const uint8_t *filter_row(const struct encoder *encoder)
 {
     static const uint8_t numbers[FILTERS] = {1, 2, 4};
@@ -72,7 +72,7 @@ static void put_number(uint8_t *at, uint32_t number)
     for (int k = 0; k < 4; k++) at[k] = (uint8_t)(number >> (24 - 8 * k));
 }
 
-/* The chunk that begins at `start`, of which length and check sum are still to be written. */
+/* Completes the chunk that begins at `start`: writes its length and check sum. */
 static void end_chunk(struct encoder *encoder, size_t start)
 {
     uint8_t *chunk = encoder->file + start;
@@ -104,7 +104,7 @@ static void put_head(struct encoder *encoder)
     end_chunk(encoder, start);
 }
 
-/* There is room for all that zlib may make of the rows. */
+/* Compresses a row. The file has room for all output of zlib. */
 static void pack(struct encoder *encoder, const uint8_t *row, int flush)
 {
     encoder->stream.next_in = (Bytef *)row;

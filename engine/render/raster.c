@@ -12,8 +12,8 @@ enum {
 
 /* --- one face --------------------------------------------------------------------------------- */
 
-/* Samples' rows, or samples of a row, that lie below a coordinate: so many of `most`. */
-static inline uint32_t below(double coordinate, uint32_t most)
+/* Returns the number of sample rows, or of samples in a row, below a coordinate; at most `most`. */
+static inline uint32_t samples_below(double coordinate, uint32_t most)
 {
     double least = coordinate - 0.5;
     if (least <= 0) return 0;
@@ -22,27 +22,28 @@ static inline uint32_t below(double coordinate, uint32_t most)
     return count + (count < least);
 }
 
-/* A face that is put on a band. Corners from top to bottom. */
+/* A projected face. a, b, c are its corners from top to bottom. */
 struct patch {
-    struct gd__spot a, b, c;
-    float low, high; /* of their depths */
+    struct gd__screen_point a, b, c;
+    float low, high; /* range of the corners' depths */
     double along_x, along_y;
 };
 
-static void exchange_if(struct gd__spot *above, struct gd__spot *below_it)
+static void exchange_if(struct gd__screen_point *above, struct gd__screen_point *below_it)
 {
     if (above->y <= below_it->y) return;
-    struct gd__spot spot = *above;
+    struct gd__screen_point point = *above;
     *above = *below_it;
-    *below_it = spot;
+    *below_it = point;
 }
 
-/* False: it is seen edge-on. */
+/* Computes the patch of a face. Returns false if the face is seen edge-on. */
 static bool make_patch(const struct gd__raster *raster, uint32_t face, struct patch *out)
 {
     uint32_t v[3];
     gd__corners(raster->mesh, face, v);
-    struct gd__spot a = raster->spots[v[0]], b = raster->spots[v[1]], c = raster->spots[v[2]];
+    struct gd__screen_point a = raster->points[v[0]], b = raster->points[v[1]],
+                            c = raster->points[v[2]];
     exchange_if(&a, &b);
     exchange_if(&b, &c);
     exchange_if(&a, &b);
@@ -60,14 +61,14 @@ static bool make_patch(const struct gd__raster *raster, uint32_t face, struct pa
     return true;
 }
 
-/* Where the edge from p down to q is at a height: the same for both of its faces, to the last
- * bit. */
-static double edge_at(struct gd__spot p, struct gd__spot q, double y)
+/* Returns x of the edge from p down to q at height y, to the last bit the same for both faces of
+ * the edge. */
+static double edge_at(struct gd__screen_point p, struct gd__screen_point q, double y)
 {
     return p.x + (y - p.y) * (((double)q.x - p.x) / ((double)q.y - p.y));
 }
 
-/* How many samples it looked at. */
+/* Fills a row of samples; returns the number of samples visited. */
 static uint32_t fill_row(struct gd__raster *raster, const struct patch *patch, uint32_t face,
                          uint32_t row, uint32_t first_row)
 {
@@ -77,8 +78,8 @@ static uint32_t fill_row(struct gd__raster *raster, const struct patch *patch, u
            short_edge =
                y < patch->b.y ? edge_at(patch->a, patch->b, y) : edge_at(patch->b, patch->c, y);
     bool is_left = long_edge < short_edge;
-    uint32_t from = below((is_left ? long_edge : short_edge) * grid - shift, most),
-             to = below((is_left ? short_edge : long_edge) * grid - shift, most);
+    uint32_t from = samples_below((is_left ? long_edge : short_edge) * grid - shift, most),
+             to = samples_below((is_left ? short_edge : long_edge) * grid - shift, most);
     size_t row_start = (size_t)(row - first_row) * most;
     float *depth = raster->depth + row_start;
     uint32_t *faces = raster->face + row_start;
@@ -102,8 +103,8 @@ static uint32_t fill_face(struct gd__raster *raster, uint32_t face, uint32_t fir
     struct patch patch;
     uint32_t samples = 0;
     if (!make_patch(raster, face, &patch)) return 0;
-    uint32_t from = below((double)patch.a.y * raster->grid, end_row),
-             to = below((double)patch.c.y * raster->grid, end_row);
+    uint32_t from = samples_below((double)patch.a.y * raster->grid, end_row),
+             to = samples_below((double)patch.c.y * raster->grid, end_row);
     for (uint32_t row = from < first_row ? first_row : from; row < to; row++)
         samples += fill_row(raster, &patch, face, row, first_row);
     return samples;
@@ -134,29 +135,30 @@ enum gd_status gd__raster_fill(struct gd__raster *raster, uint32_t band,
 /* --- the bands' faces ------------------------------------------------------------------------- */
 
 struct span {
-    uint32_t from, to; /* bands; none where equal */
+    uint32_t from, to; /* the bands [from, to) that the face meets; equal: none */
 };
 
-/* Twice the area in the picture, more than 0 when it is seen from outside. */
-static double area_of(const struct gd__spot *a, const struct gd__spot *b, const struct gd__spot *c)
+/* Returns twice the area of a face in the picture; positive if the face is seen from outside. */
+static double area_of(const struct gd__screen_point *a, const struct gd__screen_point *b,
+                      const struct gd__screen_point *c)
 {
     return ((double)c->x - a->x) * ((double)b->y - a->y) -
            ((double)b->x - a->x) * ((double)c->y - a->y);
 }
 
-static struct span span_of(const struct gd__raster *raster, uint32_t face, bool is_closed)
+static struct span raster_span_of(const struct gd__raster *raster, uint32_t face, bool is_closed)
 {
     uint32_t v[3], grid = raster->grid, most = raster->height * grid, rows = raster->rows * grid;
     gd__corners(raster->mesh, face, v);
-    const struct gd__spot *a = &raster->spots[v[0]], *b = &raster->spots[v[1]],
-                          *c = &raster->spots[v[2]];
+    const struct gd__screen_point *a = &raster->points[v[0]], *b = &raster->points[v[1]],
+                                  *c = &raster->points[v[2]];
     if (is_closed && area_of(a, b, c) <= 0) return (struct span){0, 0};
-    uint32_t from = below((double)fminf(a->y, fminf(b->y, c->y)) * grid, most),
-             to = below((double)fmaxf(a->y, fmaxf(b->y, c->y)) * grid, most);
+    uint32_t from = samples_below((double)fminf(a->y, fminf(b->y, c->y)) * grid, most),
+             to = samples_below((double)fmaxf(a->y, fmaxf(b->y, c->y)) * grid, most);
     return from == to ? (struct span){0, 0} : (struct span){from / rows, (to - 1) / rows + 1};
 }
 
-/* Counts the faces of each band, to first[band], and all of them. */
+/* Counts the faces of each band in first[band], and their sum in *total. */
 static enum gd_status count_faces(struct gd__raster *raster, const struct gd_control *control,
                                   uint64_t *total)
 {
@@ -165,7 +167,7 @@ static enum gd_status count_faces(struct gd__raster *raster, const struct gd_con
     enum gd_status status = GD_OK;
     for (uint32_t b = 0; b <= raster->bands; b++) raster->first[b] = 0;
     for (uint32_t f = 0; f < mesh->face_count && !status; f++) {
-        struct span span = span_of(raster, f, is_closed);
+        struct span span = raster_span_of(raster, f, is_closed);
         for (uint32_t b = span.from; b < span.to; b++) raster->first[b]++;
         *total += span.to - span.from;
         if (f % FACES_A_CHECK == 0) status = gd_control_check(control, 0);
@@ -173,7 +175,7 @@ static enum gd_status count_faces(struct gd__raster *raster, const struct gd_con
     return status;
 }
 
-/* Counting sort. */
+/* Lists the faces of each band, by a counting sort. */
 static enum gd_status list_faces(struct gd__raster *raster, const struct gd_control *control)
 {
     const struct gd_mesh *mesh = raster->mesh;
@@ -187,7 +189,7 @@ static enum gd_status list_faces(struct gd__raster *raster, const struct gd_cont
     if (!raster->faces) return GD_NO_MEMORY;
     for (uint32_t b = 1; b <= raster->bands; b++) next[b] += next[b - 1];
     for (uint32_t f = mesh->face_count; f-- > 0 && !status;) {
-        struct span span = span_of(raster, f, is_closed);
+        struct span span = raster_span_of(raster, f, is_closed);
         for (uint32_t b = span.from; b < span.to; b++) raster->faces[--next[b]] = f;
         if (f % FACES_A_CHECK == 0) status = gd_control_check(control, 0);
     }

@@ -2,7 +2,8 @@
 
 #include "field/layout.h"
 
-#define BELOW (1 - 1e-9) /* of the range: a level at the very top is no line */
+/* limit on levels relative to the range: the isoline of the largest distance would be a point */
+#define BELOW (1 - 1e-9)
 
 struct gd__scale gd__scale_of(double range, uint32_t wanted)
 {

@@ -5,17 +5,17 @@
 #include "base/large.h"
 #include "mesh/canonical.h"
 
-/* A *fragment* is the part of a pixel in which one face is seen: as many of its samples as show the
- * face. It is coloured as a whole, by what is true in the middle of these samples. Fragments are
- * coloured by the thousand, since a field tells many distances faster than one by one. */
+/* A *fragment* is the part of a pixel that shows one face: all samples of the pixel with that face.
+ * A fragment has one colour, computed at the mean place of its samples. Thousands of fragments are
+ * coloured at a time, because a field evaluates many distances faster than single ones. */
 
 enum { BATCH = 1 << 14, SAMPLES = 16 };
 
 struct gd__fragment {
-    uint32_t pixel; /* of the band */
+    uint32_t pixel; /* number of the pixel in the band */
     uint32_t face;
-    float part;      /* of the pixel */
-    float weight[3]; /* of its middle, by the face's corners */
+    float part;      /* fraction of the pixel */
+    float weight[3]; /* barycentric coordinates of the fragment's middle in the face */
 };
 
 /* --- life ------------------------------------------------------------------------------------- */
@@ -85,7 +85,8 @@ static struct gd_vec3 normal_at(const struct gd__shade *shade, const struct gd__
     return length > 0 ? gd_vec3_scale(sum, 1 / length) : shade->camera->towards;
 }
 
-/* A lamp above the onlooker's left shoulder, one beside the eye, and light from everywhere. */
+/* Returns the light from a lamp above the viewer's left shoulder, a lamp beside the eye, and
+ * ambient light. */
 static double light_on(const struct gd__camera *camera, struct gd_vec3 normal)
 {
     static const double everywhere = 0.36, lamp = 0.42, eye = 0.26, along[3] = {-0.48, 0.60, 0.64};
@@ -95,17 +96,17 @@ static double light_on(const struct gd__camera *camera, struct gd_vec3 normal)
            eye * fmax(0, towards);
 }
 
-/* How much of an edge's line covers the fragment: the line is a pixel wide, and fades as triangles
- * become small. */
+/* Returns the fragment's coverage by the line of an edge, which is a pixel wide and fades as
+ * triangles become small. */
 static double edge_cover(const struct gd__shade *shade, const struct gd__fragment *fragment)
 {
     uint32_t v[3];
     gd__corners(shade->raster->mesh, fragment->face, v);
-    const struct gd__spot *spots = shade->raster->spots;
+    const struct gd__screen_point *points = shade->raster->points;
     double nearest = INFINITY, lowest = INFINITY;
     for (int k = 0; k < 3; k++) {
-        const struct gd__spot *a = &spots[v[k]], *b = &spots[v[(k + 1) % 3]],
-                              *c = &spots[v[(k + 2) % 3]];
+        const struct gd__screen_point *a = &points[v[k]], *b = &points[v[(k + 1) % 3]],
+                                      *c = &points[v[(k + 2) % 3]];
         double x = (double)b->x - a->x, y = (double)b->y - a->y, length = hypot(x, y);
         double height =
             length > 0 ? fabs(x * ((double)c->y - a->y) - y * ((double)c->x - a->x)) / length : 0;
@@ -115,7 +116,7 @@ static double edge_cover(const struct gd__shade *shade, const struct gd__fragmen
     return fmin(fmax(1 - nearest, 0), 1) * fmin(fmax((lowest - 1) / 6, 0), 1) * 0.45;
 }
 
-static struct gd__colour mix(struct gd__colour a, struct gd__colour b, double part)
+static struct gd__colour shade_mix(struct gd__colour a, struct gd__colour b, double part)
 {
     float p = (float)part;
     return (struct gd__colour){a.red + p * (b.red - a.red), a.green + p * (b.green - a.green),
@@ -133,16 +134,17 @@ static struct gd__colour colour_of(const struct gd__shade *shade,
         double part = distance / shade->range;
         colour = shade->colours[part < 1 ? (uint32_t)(part * GD__SHADE_COLOURS + 0.5)
                                          : GD__SHADE_COLOURS];
-        /* colours are to be told from each other, so there is less shade */
+        /* shades less, so that the colours of distances stay distinguishable */
         light = 0.38 + 0.62 * light;
     }
-    colour = mix((struct gd__colour){0, 0, 0}, colour, light);
-    return shade->edges ? mix(colour, shade->palette->line, edge_cover(shade, fragment)) : colour;
+    colour = shade_mix((struct gd__colour){0, 0, 0}, colour, light);
+    return shade->edges ? shade_mix(colour, shade->palette->line, edge_cover(shade, fragment))
+                        : colour;
 }
 
 /* --- fragments -------------------------------------------------------------------------------- */
 
-/* Colours those that wait. */
+/* Colours the collected fragments. */
 static enum gd_status flush(struct gd__shade *shade, const struct gd_control *control)
 {
     enum gd_status status = gd_control_check(control, 0);
@@ -168,15 +170,14 @@ static double into_unit(double x)
     return x < 0 ? 0 : x < 1 ? x : 1;
 }
 
-/* Barycentric coordinates of a place in the picture, moved into the face if rounding has put it
- * outside. */
+/* Computes the barycentric coordinates of a place in the picture, clamped to the face. */
 static void weigh(const struct gd__raster *raster, uint32_t face, double x, double y,
                   float weight[3])
 {
     uint32_t v[3];
     gd__corners(raster->mesh, face, v);
-    const struct gd__spot *a = &raster->spots[v[0]], *b = &raster->spots[v[1]],
-                          *c = &raster->spots[v[2]];
+    const struct gd__screen_point *a = &raster->points[v[0]], *b = &raster->points[v[1]],
+                                  *c = &raster->points[v[2]];
     double bx = (double)b->x - a->x, by = (double)b->y - a->y, cx = (double)c->x - a->x,
            cy = (double)c->y - a->y, area = bx * cy - cx * by;
     x -= a->x;
@@ -202,7 +203,8 @@ static void add_fragment(struct gd__shade *shade, uint32_t pixel, uint32_t face,
         shade->raster->mesh, face, (const double[3]){into_unit(1 - second - third), second, third});
 }
 
-/* What a pixel's samples show: faces, and of each the sum of its samples' places in the pixel. */
+/* The faces at a pixel's samples. For each face: the number of its samples and the sum of their
+ * places. */
 struct tally {
     uint32_t count, face[SAMPLES], samples[SAMPLES];
     double x[SAMPLES], y[SAMPLES];
@@ -238,7 +240,7 @@ static void tally_pixel(const struct gd__raster *raster, uint32_t row, uint32_t 
     }
 }
 
-/* One face fills most pixels. */
+/* Returns true if all samples of a pixel show the same face, which is the usual case. */
 static bool is_filled(const struct gd__raster *raster, uint32_t row, uint32_t column)
 {
     uint32_t grid = raster->grid, differ = 0;
@@ -277,13 +279,13 @@ static uint8_t byte_of(float part)
 
 static void write_pixel(const struct gd__palette *palette, const float sum[4], uint8_t out[4])
 {
-    float cover = fminf(sum[3], 1), rest = 1 - cover;
+    float buffer = fminf(sum[3], 1), rest = 1 - buffer;
     const float ground[3] = {palette->background.red, palette->background.green,
                              palette->background.blue};
     for (int k = 0; k < 3; k++)
-        out[k] = palette->is_transparent ? byte_of(cover > 0 ? sum[k] / cover : 0)
+        out[k] = palette->is_transparent ? byte_of(buffer > 0 ? sum[k] / buffer : 0)
                                          : byte_of(sum[k] + rest * ground[k]);
-    out[3] = palette->is_transparent ? byte_of(cover) : 255;
+    out[3] = palette->is_transparent ? byte_of(buffer) : 255;
 }
 
 enum gd_status gd__shade_band(struct gd__shade *shade, uint32_t band,

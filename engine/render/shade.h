@@ -1,5 +1,5 @@
-/* Shade: the colours of a picture's pixels, band by band: light on the surface, and a field's
- * distances. */
+/* Shade: computes the colours of a picture's pixels, band by band, from the light on the surface
+ * and a field's distances. */
 #ifndef GD_RENDER_SHADE_H
 #define GD_RENDER_SHADE_H
 
@@ -16,27 +16,30 @@ struct gd__shade {
     const struct gd__camera *camera;
     const struct gd__palette *palette;
     const struct gd_field *field; /* NULL: none */
-    double range;                 /* of its distances, the caller's unit; more than 0 */
+    /* largest distance of the scale, in the caller's unit; more than 0 */
+    double range;
     bool edges;
 
-    /* its own */
-    struct gd__colour colours[GD__SHADE_COLOURS + 1]; /* of distances, evenly from 0 to the range */
+    /* private members */
+    /* colours of evenly spaced distances from 0 to `range` */
+    struct gd__colour colours[GD__SHADE_COLOURS + 1];
     struct gd__normal (*corners)[3];
-    struct gd__fragment *fragments; /* that wait for their colours */
-    struct gd_point *points;        /* where they are, if there is a field, */
-    double *distances;              /* and its distances */
+    struct gd__fragment *fragments; /* fragments that are not coloured yet */
+    struct gd_point *points;        /* if there is a field: the fragments' points */
+    double *distances;              /* if there is a field: their distances */
     uint32_t fragment_count;
-    float (*sum)[4]; /* per pixel of the band: colours times their parts, and the parts */
+    /* per pixel of the band: the sum of weighted colours, and the sum of weights */
+    float (*sum)[4];
 };
 
-/* What is not its own is set; to be closed, also after a failure. GD_NO_MEMORY, GD_BUDGET,
- * GD_CANCELLED, GD_DEADLINE. */
+/* Opens a shade, whose public members the caller has set. It must be closed even after a failure.
+ * Errors: GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__shade_open(struct gd__shade *shade,
                                           const struct gd_control *control);
 void gd__shade_close(struct gd__shade *shade);
 
-/* Colours the rows of the band that the raster has filled. GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
- * GD_DEADLINE. */
+/* Colours the image's rows of the band that the raster has filled. Errors: GD_NO_MEMORY, GD_BUDGET,
+ * GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__shade_band(struct gd__shade *shade, uint32_t band,
                                           const struct gd_control *control,
                                           struct gd__image *image);

@@ -2,18 +2,18 @@
 
 #include <stdlib.h>
 
-#define ENOUGH 0.95 /* of the path */
-#define BETTER 0.05 /* by which another view has to show more than one that is tried before it */
+#define ENOUGH 0.95 /* visible fraction at which the search stops */
+#define BETTER 0.05 /* a later view must show this much more than an earlier one */
 
-#define END_PART 0.1 /* of what counts: that an end is seen */
+#define END_PART 0.1 /* weight of the visibility of each end */
 
-static const struct gd__window_of_picture sketch = {4, 4, 232, 172}; /* of 240 x 180 */
+static const struct gd__viewport sketch = {4, 4, 232, 172}; /* in a picture of 240 x 180 */
 
 struct angles {
     double azimuth, elevation; /* degrees */
 };
 
-/* After the iso view: what differs least from it first. */
+/* Views to try after iso, in order of their difference from iso. */
 static const struct angles angles[] = {{-30, 26},  {75, 26},  {-75, 26}, {30, 55},   {120, 26},
                                        {-120, 26}, {0, 75},   {165, 26}, {-165, 26}, {30, -26},
                                        {-30, -26}, {120, 55}, {-90, 55}, {120, -26}, {-120, -26}};
@@ -24,7 +24,7 @@ struct chooser {
     const struct gd_vec3 *path;
     uint32_t count;
     struct gd__budget *budget;
-    struct gd__spot *spots, *line;
+    struct gd__screen_point *points, *line;
 };
 
 static enum gd_status sketch_view(const struct chooser *chooser, const struct gd_control *control,
@@ -33,32 +33,34 @@ static enum gd_status sketch_view(const struct chooser *chooser, const struct gd
     enum gd_status status = gd__raster_open(raster, control);
     if (!status) status = gd__raster_fill(raster, 0, control);
     if (status) return status;
-    const struct gd__cover cover = {.mesh = chooser->mesh,
-                                    .spots = chooser->spots,
-                                    .width = raster->width,
-                                    .height = raster->height,
-                                    .depth = raster->depth,
-                                    .face = raster->face};
-    *seen = (1 - 2 * END_PART) * gd__cover_visibility(&cover, chooser->line, chooser->count) +
-            END_PART * gd__cover_visibility(&cover, chooser->line, 1) +
-            END_PART * gd__cover_visibility(&cover, chooser->line + chooser->count - 1, 1);
+    const struct gd__depth_buffer buffer = {.mesh = chooser->mesh,
+                                            .points = chooser->points,
+                                            .width = raster->width,
+                                            .height = raster->height,
+                                            .depth = raster->depth,
+                                            .face = raster->face};
+    *seen =
+        (1 - 2 * END_PART) * gd__depth_buffer_visibility(&buffer, chooser->line, chooser->count) +
+        END_PART * gd__depth_buffer_visibility(&buffer, chooser->line, 1) +
+        END_PART * gd__depth_buffer_visibility(&buffer, chooser->line + chooser->count - 1, 1);
     return GD_OK;
 }
 
-/* What part of the path is seen from that direction. */
+/* Computes how much of the path is visible from a direction. */
 static enum gd_status try_view(const struct chooser *chooser, struct gd_vec3 direction,
                                const struct gd_control *control, double *seen)
 {
     const struct gd_mesh *mesh = chooser->mesh;
     struct gd__camera camera = gd__camera_aim(mesh, direction, chooser->up);
-    struct gd__budget budget = *chooser->budget; /* what a sketch takes it gives back */
+    /* a copy, because the sketch frees all its memory */
+    struct gd__budget budget = *chooser->budget;
     gd__camera_fit(&camera, mesh, &sketch);
     for (uint32_t v = 0; v < mesh->vertex_count; v++)
-        chooser->spots[v] = gd__camera_project(&camera, mesh->position[v]);
+        chooser->points[v] = gd__camera_project(&camera, mesh->position[v]);
     for (uint32_t i = 0; i < chooser->count; i++)
         chooser->line[i] = gd__camera_project(&camera, chooser->path[i]);
     struct gd__raster raster = {.mesh = mesh,
-                                .spots = chooser->spots,
+                                .points = chooser->points,
                                 .width = (uint32_t)(sketch.width + 2 * sketch.left),
                                 .height = (uint32_t)(sketch.height + 2 * sketch.top),
                                 .grid = 1,
@@ -69,8 +71,8 @@ static enum gd_status try_view(const struct chooser *chooser, struct gd_vec3 dir
     return status;
 }
 
-static enum gd_status choose(const struct chooser *chooser, const struct gd_control *control,
-                             struct gd_vec3 *out)
+static enum gd_status view_choose(const struct chooser *chooser, const struct gd_control *control,
+                                  struct gd_vec3 *out)
 {
     struct gd_vec3 direction = gd__view_direction(GD_VIEW_ISO, chooser->up);
     double seen, most = -1;
@@ -96,13 +98,14 @@ enum gd_status gd__view_choose(const struct gd_mesh *mesh, struct gd_vec3 up,
     struct chooser chooser = {
         .mesh = mesh, .up = up, .path = path, .count = count, .budget = budget};
     struct gd_vec3 direction;
-    enum gd_status status =
-        gd__budget_take(budget, ((size_t)mesh->vertex_count + count) * sizeof(struct gd__spot));
+    enum gd_status status = gd__budget_take(budget, ((size_t)mesh->vertex_count + count) *
+                                                        sizeof(struct gd__screen_point));
     if (status) return status;
-    chooser.spots = malloc(mesh->vertex_count * sizeof *chooser.spots);
+    chooser.points = malloc(mesh->vertex_count * sizeof *chooser.points);
     chooser.line = malloc(count * sizeof *chooser.line);
-    status = chooser.spots && chooser.line ? choose(&chooser, control, &direction) : GD_NO_MEMORY;
-    free(chooser.spots);
+    status =
+        chooser.points && chooser.line ? view_choose(&chooser, control, &direction) : GD_NO_MEMORY;
+    free(chooser.points);
     free(chooser.line);
     if (!status) *out = direction;
     return status;

@@ -1,5 +1,5 @@
-/* Polygons over the same set of vertices: bucketed by their lowest vertex, each bucket sorted by
- * the others. */
+/* Finds polygons with the same set of vertices. Buckets them by their lowest vertex and sorts each
+ * bucket by the other vertices. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,7 +8,7 @@
 
 struct comparison {
     const struct gd_polygons *polygons;
-    const uint32_t *sorted; /* the polygons' corners, each polygon's in ascending order */
+    const uint32_t *sorted; /* the corners of the polygons, each polygon's in ascending order */
     struct gd__pace *pace;
 };
 
@@ -18,15 +18,16 @@ static int compare_indices(const void *x, const void *y)
     return a < b ? -1 : a > b;
 }
 
-static uint32_t size_of(const struct gd_polygons *polygons, uint32_t polygon)
+static uint32_t duplicates_size_of(const struct gd_polygons *polygons, uint32_t polygon)
 {
     return gd_polygons_first(polygons, polygon + 1) - gd_polygons_first(polygons, polygon);
 }
 
-/* By size, then by vertices. */
+/* Compares two polygons by size, then by vertices. */
 static int compare_sets(const struct comparison *comparison, uint32_t i, uint32_t j)
 {
-    uint32_t m = size_of(comparison->polygons, i), n = size_of(comparison->polygons, j);
+    uint32_t m = duplicates_size_of(comparison->polygons, i),
+             n = duplicates_size_of(comparison->polygons, j);
     if (m != n) return m < n ? -1 : 1;
     const uint32_t *a = comparison->sorted + gd_polygons_first(comparison->polygons, i);
     const uint32_t *b = comparison->sorted + gd_polygons_first(comparison->polygons, j);
@@ -47,23 +48,24 @@ static void sort_corners(const struct gd_polygons *polygons, struct gd__pace *pa
 {
     GD__PACED (pace, c, gd_polygons_corner_count(polygons)) sorted[c] = polygons->corners[c];
     GD__PACED (pace, i, polygons->polygon_count)
-        qsort(sorted + gd_polygons_first(polygons, i), size_of(polygons, i), sizeof *sorted,
-              compare_indices);
+        qsort(sorted + gd_polygons_first(polygons, i), duplicates_size_of(polygons, i),
+              sizeof *sorted, compare_indices);
 }
 
-/* Fills `order` with the polygons that have corners, by lowest vertex: those of v are
+/* Fills `order` with the polygons that have corners, by lowest vertex. The polygons of vertex v are
  * order[start[v+1] .. start[v+2]). */
 static void bucket(const struct comparison *comparison, uint32_t *start, uint32_t *order)
 {
     const struct gd_polygons *polygons = comparison->polygons;
     GD__PACED (comparison->pace, i, polygons->polygon_count) {
-        if (size_of(polygons, i)) start[comparison->sorted[gd_polygons_first(polygons, i)] + 1]++;
+        if (duplicates_size_of(polygons, i))
+            start[comparison->sorted[gd_polygons_first(polygons, i)] + 1]++;
     }
     GD__PACED (comparison->pace, v, polygons->position_count + 1) start[v + 1] += start[v];
     gd__pace_touch(comparison->pace, order, polygons->polygon_count * sizeof *order);
     GD__PACED (comparison->pace, done, polygons->polygon_count) {
         uint32_t i = polygons->polygon_count - 1 - done;
-        if (size_of(polygons, i))
+        if (duplicates_size_of(polygons, i))
             order[--start[comparison->sorted[gd_polygons_first(polygons, i)] + 1]] = i;
     }
 }

@@ -1,34 +1,28 @@
-/* Which faces stay together at an edge that belongs to more than two.
+/* Decides which faces stay joined at an edge of more than two faces.
  *
- * DESIGN. Where solids touch along an edge, or a wall stands on a plate, a path on a body's skin
- * should stay on that body. Seen along the edge, from its lower to its higher vertex, and going
- * round counter-clockwise: a face that runs forward along the edge has its outside ahead and its
- * inside behind, a backward one the other way about. So the inside of a body reaches from a
- * backward face to the next forward one: these two are its skin, and they stay joined. As brackets
- * are matched: each forward face takes the nearest free backward face before it.
+ * DESIGN. Where solids touch along an edge, or a wall stands on a plate, a path on the surface of a
+ * body should stay on that body. Look along the edge from its lower to its higher vertex, and go
+ * round it counter-clockwise. A face that runs forward along the edge has the outside of its body
+ * ahead and the inside behind; a backward face has the inside ahead. So the inside of a body
+ * extends from a backward face to the next forward face. These two faces bound the same body, and
+ * they stay joined. The pairs are found as matching brackets: each forward face takes the nearest
+ * free backward face before it.
  *
- * Only faces that run in opposite directions are joined, so that no pairing makes a surface
- * one-sided. What is left over, faces that all run alike, is joined to nothing: there each gets a
- * border. */
+ * Only faces that run in opposite directions are joined, so no pair makes a surface one-sided.
+ * Faces that are left over all run in the same direction. Each of them gets a border. */
 #include "repair/face_pairing.h"
 
 #include <stdlib.h>
 
 #include "gd/polygons.h"
 
-static struct gd_vec3 normalised(struct gd_vec3 v)
+/* Computes the angles from the first edge_face on, in [0, 2 pi). */
+static void face_pairing_measure(struct gd__edge_face *edge_face, uint32_t count,
+                                 struct gd_vec3 along)
 {
-    double largest = fmax(fmax(fabs(v.x), fabs(v.y)), fabs(v.z));
-    v = (struct gd_vec3){v.x / largest, v.y / largest, v.z / largest};
-    return gd_vec3_scale(v, 1 / gd_vec3_length(v));
-}
-
-/* Angles from the first edge_face's on, in [0, 2 pi). */
-static void measure(struct gd__edge_face *edge_face, uint32_t count, struct gd_vec3 along)
-{
-    struct gd_vec3 axis = normalised(along), first = normalised(edge_face[0].across);
+    struct gd_vec3 axis = gd_vec3_unit(along), first = gd_vec3_unit(edge_face[0].across);
     for (uint32_t i = 0; i < count; i++) {
-        struct gd_vec3 across = normalised(edge_face[i].across);
+        struct gd_vec3 across = gd_vec3_unit(edge_face[i].across);
         double sine = gd_vec3_dot(gd_vec3_cross(first, across), axis);
         double cosine =
             gd_vec3_dot(first, across) - gd_vec3_dot(first, axis) * gd_vec3_dot(across, axis);
@@ -37,9 +31,9 @@ static void measure(struct gd__edge_face *edge_face, uint32_t count, struct gd_v
     }
 }
 
-/* By angle; where faces lie on each other the backward ones come first, so that they enclose
+/* Compares by angle. Of coincident faces the backward ones come first, so that they enclose
  * nothing. */
-static int compare(const void *x, const void *y)
+static int face_pairing_compare(const void *x, const void *y)
 {
     const struct gd__edge_face *a = x, *b = y;
     if (a->angle != b->angle) return a->angle < b->angle ? -1 : 1;
@@ -47,16 +41,18 @@ static int compare(const void *x, const void *y)
     return a->side < b->side ? -1 : a->side > b->side;
 }
 
-static void join(struct gd__edge_face *a, struct gd__edge_face *b)
+static void face_pairing_join(struct gd__edge_face *a, struct gd__edge_face *b)
 {
     a->partner = b->side;
     b->partner = a->side;
 }
 
-/* Twice round: what waits at the end is taken from the beginning. */
+/* Matches the faces in two rounds, so that faces still waiting at the end match faces at the
+ * beginning. */
 static void match(struct gd__edge_face *edge_face, uint32_t count)
 {
-    uint32_t top = GD_NONE; /* of the stack of backward faces that wait, threaded through `below` */
+    /* top of the stack of waiting backward faces, which is linked through `below` */
+    uint32_t top = GD_NONE;
     for (uint64_t i = 0; i < 2 * (uint64_t)count; i++) {
         struct gd__edge_face *s = &edge_face[i % count];
         if (s->partner != GD_NONE) continue;
@@ -64,7 +60,7 @@ static void match(struct gd__edge_face *edge_face, uint32_t count)
             s->below = top;
             top = (uint32_t)i;
         } else if (s->forward && top != GD_NONE) {
-            join(s, &edge_face[top]);
+            face_pairing_join(s, &edge_face[top]);
             top = edge_face[top].below;
         }
     }
@@ -72,8 +68,8 @@ static void match(struct gd__edge_face *edge_face, uint32_t count)
 
 void gd__edge_faces_pair(struct gd__edge_face *edge_face, uint32_t count, struct gd_vec3 along)
 {
-    measure(edge_face, count, along);
+    face_pairing_measure(edge_face, count, along);
     for (uint32_t i = 0; i < count; i++) edge_face[i].partner = GD_NONE;
-    qsort(edge_face, count, sizeof *edge_face, compare);
+    qsort(edge_face, count, sizeof *edge_face, face_pairing_compare);
     match(edge_face, count);
 }

@@ -1,4 +1,4 @@
-/* Sheets: the faces around an edge of more than two, and which of them stay together. */
+/* Face pairing: decides which of the faces around an edge of more than two faces stay joined. */
 #ifndef GD_REPAIR_FACE_PAIRING_H
 #define GD_REPAIR_FACE_PAIRING_H
 
@@ -8,14 +8,13 @@
 #include "gd/vec.h"
 
 struct gd__edge_face {
-    uint32_t side; /* of the face, at the edge */
-    /* once consistently oriented the face runs along the edge from its lower end to its higher
-       one */
+    uint32_t side; /* the face's side at the edge */
+    /* in a consistent orientation, the face runs along the edge from its lower to its higher end */
     bool forward;
-    struct gd_vec3 across; /* from the edge into the face, any length but zero */
-    /* filled here: about the edge, counter-clockwise seen against its direction */
+    struct gd_vec3 across; /* from the edge into the face; any length except zero */
+    /* output: angle about the edge, counter-clockwise as seen against the edge's direction */
     double angle;
-    /* filled here: the side of the face that it stays with, GD_NONE: it gets a border */
+    /* output: the side of the face that it stays joined to; GD_NONE: the face gets a border */
     uint32_t partner;
     uint32_t below; /* scratch */
 };

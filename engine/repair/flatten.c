@@ -1,25 +1,26 @@
-/* Faces without area, made away with.
+/* Removes faces without area.
  *
- * DESIGN. A face is flat when its height over its longest edge is below GD_TOL_FLAT of that edge:
- * the same test by which gd__make_sides refuses. In rounds, until none is left:
+ * DESIGN. A face is flat if its height over its longest edge is below GD_TOL_FLAT of that edge.
+ * gd__make_sides rejects faces by the same test. Faces are removed in rounds until none is flat:
  *
- *   needle  the shortest edge is below GD_TOL_FLAT of the longest: its ends become one vertex, and
- *           the faces at the edge vanish. A round that merges ends here: connectivity is made anew.
- *           A face hardly wider than that can be flat whichever way it is flipped: where rounds of
- *           flips did not help, the bound is ten times as much.
- *   cap     the corner opposite to the longest edge lies on it, well between its ends: the edge is
- *           flipped in the quadrilateral with the neighbour across. Where the longest edge has no
- *           single face across, the cap is dropped: the surface stays the same, with the two short
- *           edges as its border.
+ *   needle  the shortest edge is below GD_TOL_FLAT of the longest one: its ends are merged, and the
+ *           faces at the edge vanish. A round that merges vertices ends here, because connectivity
+ *           must be rebuilt. A slightly wider face can be flat after any flip. So if rounds of
+ *           flips do not help, the bound is raised to ten times as much.
+ *   cap     the corner opposite to the longest edge lies on that edge, well between its ends: the
+ *           edge is flipped in the quadrilateral with the neighbour. If the longest edge does not
+ *           have exactly one neighbour, the cap is dropped. The surface stays the same, and the two
+ *           short edges become its border.
  *
- * Caps may lean on caps. They are taken by the length of their longest edges, the longest first:
- * then the face across either is not flat or has the same longest edge, and the flip makes edges
- * that are shorter than it. A cap with the same corners as its neighbour vanishes with it. What
- * flips bring about (an edge of four faces, duplicates) the steps after this one mend. Work is
- * bounded; a flat face that is left is refused by gd__make_sides. */
+ * The neighbour of a cap may be a cap too. Caps are processed in order of their longest edge, the
+ * longest first. Then the neighbour either is not flat or has the same longest edge, and the flip
+ * creates only shorter edges. A cap with the same corners as its neighbour vanishes together with
+ * it. Flips may create edges of four faces, or duplicates; the later steps repair these. The work
+ * is bounded; gd__make_sides rejects a flat face that is left. */
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/array.h"
 #include "base/large.h"
 #include "mesh/edge_table.h"
 #include "repair/repair.h"
@@ -38,16 +39,18 @@ struct flat_face {
 
 struct flattening {
     struct gd__construction *work;
-    uint32_t *neighbour;    /* per side: the side across, GD_NONE where there is not just one */
-    struct flat_face *heap; /* the first: of the longest edge, of equal ones the lowest face */
+    /* per side: the side of the neighbour; GD_NONE if there is not exactly one */
+    uint32_t *neighbour;
+    struct flat_face *heap; /* top: the face with the longest edge; in a tie the lowest face */
     uint32_t count, capacity;
     uint64_t flips_left;
-    double needle; /* shortest edge over longest, below which the ends are merged */
+    double needle; /* largest ratio of shortest to longest edge at which the ends are merged */
 };
 
 /* --- measuring -------------------------------------------------------------------------------- */
 
-static struct gd__triangle measure(const struct gd__construction *work, uint32_t face, double *unit)
+static struct gd__triangle flatten_measure(const struct gd__construction *work, uint32_t face,
+                                           double *unit)
 {
     struct gd_vec3 corner[3], edge[3];
     double largest = 0;
@@ -86,34 +89,32 @@ static void note_shift(const struct gd__construction *work, double length)
 
 /* --- the heap --------------------------------------------------------------------------------- */
 
-static bool precedes(struct flat_face a, struct flat_face b)
+static bool flatten_precedes(struct flat_face a, struct flat_face b)
 {
     return a.longest != b.longest ? a.longest > b.longest : a.face < b.face;
 }
 
-static enum gd_status push(struct flattening *flattening, struct flat_face entry)
+static enum gd_status flatten_push(struct flattening *flattening, struct flat_face entry)
 {
-    if (flattening->count == flattening->capacity) {
-        uint32_t capacity = flattening->capacity ? 2 * flattening->capacity : 64;
-        struct flat_face *heap = realloc(flattening->heap, capacity * sizeof *heap);
-        if (!heap) return GD_NO_MEMORY;
-        flattening->heap = heap;
-        flattening->capacity = capacity;
-    }
+    enum gd_status status =
+        gd__array_extend(&flattening->heap, &flattening->capacity, flattening->count + 1ULL,
+                         sizeof *flattening->heap, NULL);
+    if (status) return status;
     uint32_t i = flattening->count++;
-    for (; i > 0 && precedes(entry, flattening->heap[(i - 1) / 2]); i = (i - 1) / 2)
+    for (; i > 0 && flatten_precedes(entry, flattening->heap[(i - 1) / 2]); i = (i - 1) / 2)
         flattening->heap[i] = flattening->heap[(i - 1) / 2];
     flattening->heap[i] = entry;
     return GD_OK;
 }
 
-static uint32_t pop(struct flattening *flattening)
+static uint32_t flatten_pop(struct flattening *flattening)
 {
     struct flat_face *heap = flattening->heap, top = heap[0], last = heap[--flattening->count];
     uint32_t i = 0;
     for (uint32_t child = 1; child < flattening->count; child = 2 * i + 1) {
-        if (child + 1 < flattening->count && precedes(heap[child + 1], heap[child])) child++;
-        if (!precedes(heap[child], last)) break;
+        if (child + 1 < flattening->count && flatten_precedes(heap[child + 1], heap[child]))
+            child++;
+        if (!flatten_precedes(heap[child], last)) break;
         heap[i] = heap[child];
         i = child;
     }
@@ -121,13 +122,13 @@ static uint32_t pop(struct flattening *flattening)
     return top.face;
 }
 
-/* Puts the face on the heap if it is flat. */
+/* Adds the face to the heap if it is flat. */
 static enum gd_status consider(struct flattening *flattening, uint32_t face)
 {
     double unit;
-    struct gd__triangle t = measure(flattening->work, face, &unit);
+    struct gd__triangle t = flatten_measure(flattening->work, face, &unit);
     if (!is_flat(&t)) return GD_OK;
-    return push(flattening, (struct flat_face){t.length[t.longest] * unit, face});
+    return flatten_push(flattening, (struct flat_face){t.length[t.longest] * unit, face});
 }
 
 /* --- needles ---------------------------------------------------------------------------------- */
@@ -136,36 +137,38 @@ static bool merge_ends(struct flattening *flattening, uint32_t face)
 {
     struct gd__construction *work = flattening->work;
     double unit;
-    struct gd__triangle t = measure(work, face, &unit);
+    struct gd__triangle t = flatten_measure(work, face, &unit);
     if (!is_needle(flattening, &t)) return false;
     uint32_t k = shortest_edge(&t);
-    uint32_t a = gd__find(work->representative, work->triangle[face][k]);
-    uint32_t b = gd__find(work->representative, work->triangle[face][gd__next_corner(k)]);
+    uint32_t a = gd__union_find_root(work->representative, work->triangle[face][k]);
+    uint32_t b =
+        gd__union_find_root(work->representative, work->triangle[face][gd__next_corner(k)]);
     if (a == b) return true;
-    gd__unite(work->representative, a, b);
-    gd__mended_add(&work->mesh->repair->vertices_merged, a < b ? b : a, a < b ? a : b);
+    gd__union_find_join(work->representative, a, b);
+    gd_mended_add(&work->mesh->repair->vertices_merged, a < b ? b : a, a < b ? a : b);
     note_shift(work, t.length[k] * unit);
     return true;
 }
 
 static void drop(struct gd__construction *work, uint32_t face)
 {
-    gd__mended_add(&work->mesh->repair->degenerate_faces, gd__index_of_triangle(work, face), 0);
+    gd_mended_add(&work->mesh->repair->degenerate_faces, gd__index_of_triangle(work, face), 0);
     work->triangle[face][0] = GD_NONE;
 }
 
-/* Renames the corners of all faces; those that lose one are dropped. */
+/* Renames the corners of all faces. Drops the faces that lose a corner. */
 static void rename_corners(struct gd__construction *work)
 {
     GD__PACED (&work->pace, f, work->mesh->face_count) {
         uint32_t *corner = work->triangle[f];
-        for (int k = 0; k < 3; k++) corner[k] = gd__find(work->representative, corner[k]);
+        for (int k = 0; k < 3; k++)
+            corner[k] = gd__union_find_root(work->representative, corner[k]);
         if (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0])
             drop(work, f);
     }
 }
 
-/* Merges the ends of the needles among the flat faces; returns whether there were any. */
+/* Merges the ends of the needles among the flat faces. Returns true if there were any. */
 static bool merge_needles(struct flattening *flattening)
 {
     bool merged = false;
@@ -190,12 +193,12 @@ static void drop_cap(struct flattening *flattening, uint32_t face)
     drop(flattening->work, face);
 }
 
-/* Two faces around an edge u-v that is to be flipped, the second as it runs: u, v, its apex d; b is
- * the first's apex. */
+/* Two faces at an edge u-v that is to be flipped. b is the apex of the cap. The other face runs u,
+ * v, d. */
 struct quadrilateral {
     uint32_t cap, other;                         /* faces */
     uint32_t u, v, b, d;                         /* vertices */
-    uint32_t over_ub, over_bv, over_vd, over_du; /* what lies across the outer edges */
+    uint32_t over_ub, over_bv, over_vd, over_du; /* the sides across the outer edges */
 };
 
 static struct quadrilateral around(const struct flattening *flattening, uint32_t side)
@@ -210,7 +213,7 @@ static struct quadrilateral around(const struct flattening *flattening, uint32_t
     q.v = other[gd__next_corner(j)];
     q.d = other[gd__previous_corner(j)];
     q.b = cap[gd__previous_corner(k)];
-    bool alike = cap[k] == q.u; /* both run u-v: the file orients them differently */
+    bool alike = cap[k] == q.u; /* both run u-v, because the file orients them differently */
     q.over_ub = cap_neighbour[alike ? gd__previous_corner(k) : gd__next_corner(k)];
     q.over_bv = cap_neighbour[alike ? gd__next_corner(k) : gd__previous_corner(k)];
     q.over_vd = other_neighbour[gd__next_corner(j)];
@@ -218,7 +221,7 @@ static struct quadrilateral around(const struct flattening *flattening, uint32_t
     return q;
 }
 
-/* The two faces have the same corners: both vanish, and what lay across them meets. */
+/* Removes two faces that have the same corners, and links the faces across their outer edges. */
 static void close_pocket(struct flattening *flattening, const struct quadrilateral *q)
 {
     link(flattening->neighbour, q->over_ub, q->over_du);
@@ -227,9 +230,9 @@ static void close_pocket(struct flattening *flattening, const struct quadrilater
     drop(flattening->work, q->other);
 }
 
-/* The cap's index gets the face at u, the other's the face at v, both as the other one was
- * oriented. */
-static void flip(struct flattening *flattening, const struct quadrilateral *q)
+/* Flips the edge. The cap's index gets the new face at u, the other index the new face at v. Both
+ * have the orientation that `other` had. */
+static void flatten_flip(struct flattening *flattening, const struct quadrilateral *q)
 {
     struct gd__construction *work = flattening->work;
     uint32_t first = 3 * q->cap, second = 3 * q->other;
@@ -240,15 +243,15 @@ static void flip(struct flattening *flattening, const struct quadrilateral *q)
     link(flattening->neighbour, second, q->over_bv);
     link(flattening->neighbour, second + 1, q->over_vd);
     link(flattening->neighbour, first + 1, second + 2);
-    gd__mended_add(&work->mesh->repair->edges_flipped, gd__index_of_triangle(work, q->cap),
-                   gd__index_of_triangle(work, q->other));
+    gd_mended_add(&work->mesh->repair->edges_flipped, gd__index_of_triangle(work, q->cap),
+                  gd__index_of_triangle(work, q->other));
 }
 
 static enum gd_status mend_cap(struct flattening *flattening, uint32_t face)
 {
     double unit;
-    struct gd__triangle t = measure(flattening->work, face, &unit);
-    /* mended by a flip since, or for the next round */
+    struct gd__triangle t = flatten_measure(flattening->work, face, &unit);
+    /* repaired by an earlier flip, or left to the next round */
     if (!is_flat(&t) || is_needle(flattening, &t)) return GD_OK;
     uint32_t side = 3 * face + t.longest;
     note_shift(flattening->work, t.double_area / t.length[t.longest] * unit);
@@ -262,7 +265,7 @@ static enum gd_status mend_cap(struct flattening *flattening, uint32_t face)
         return GD_OK;
     }
     flattening->flips_left--;
-    flip(flattening, &q);
+    flatten_flip(flattening, &q);
     enum gd_status status = consider(flattening, q.cap);
     return status ? status : consider(flattening, q.other);
 }
@@ -291,7 +294,7 @@ static enum gd_status mend_caps(struct flattening *flattening)
     enum gd_status status = find_neighbours(flattening);
     flattening->flips_left = FLIPS_A_FACE * (uint64_t)flattening->count;
     while (!status && flattening->count && flattening->flips_left) {
-        uint32_t face = pop(flattening);
+        uint32_t face = flatten_pop(flattening);
         if (flattening->work->triangle[face][0] != GD_NONE) status = mend_cap(flattening, face);
         if (!status && !gd__pace(&flattening->work->pace, STEPS_A_CAP))
             status = flattening->work->pace.status;

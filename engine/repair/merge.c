@@ -1,5 +1,5 @@
-/* Vertices that become one, by the weld or because an edge of length zero joins them, and what is
- * left of the polygons when each corner is named by the vertex that represents it. */
+/* Merges vertices, by the weld or because an edge of length zero joins them. Renames each corner to
+ * the vertex that represents it, and simplifies the polygons. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -7,14 +7,6 @@
 #include "base/large.h"
 #include "repair/repair.h"
 #include "mesh/union_find.h"
-
-void gd__mended_add(struct gd_mended *mended, uint32_t a, uint32_t b)
-{
-    mended->count++;
-    if (mended->listed == GD_MENDED_LISTED) return;
-    mended->elements[mended->listed][0] = a;
-    mended->elements[mended->listed++][1] = b;
-}
 
 static bool have_one_position(const struct gd__construction *work, uint32_t a, uint32_t b)
 {
@@ -24,11 +16,11 @@ static bool have_one_position(const struct gd__construction *work, uint32_t a, u
 
 static void join_ends(struct gd__construction *work, uint32_t a, uint32_t b)
 {
-    a = gd__find(work->representative, a);
-    b = gd__find(work->representative, b);
+    a = gd__union_find_root(work->representative, a);
+    b = gd__union_find_root(work->representative, b);
     if (a == b || !have_one_position(work, a, b)) return;
-    gd__unite(work->representative, a, b);
-    gd__mended_add(&work->mesh->repair->vertices_merged, a < b ? b : a, a < b ? a : b);
+    gd__union_find_join(work->representative, a, b);
+    gd_mended_add(&work->mesh->repair->vertices_merged, a < b ? b : a, a < b ? a : b);
 }
 
 static void join_zero_edges(struct gd__construction *work)
@@ -41,8 +33,8 @@ static void join_zero_edges(struct gd__construction *work)
     }
 }
 
-/* Takes out of a ring of corners, in place, what encloses nothing: a corner repeated at once, and
- * the way out and back along one edge. Returns how many corners are left, 0 if fewer than three. */
+/* Simplifies a ring of corners in place: removes repeated corners, and paths that go along an edge
+ * and back. Returns the number of corners left; 0 if fewer than three are left. */
 static uint32_t simplify(uint32_t *ring, uint32_t count)
 {
     uint32_t begin = 0, end = 0;
@@ -53,7 +45,7 @@ static uint32_t simplify(uint32_t *ring, uint32_t count)
         else
             ring[end++] = ring[i];
     }
-    /* across the ends of the row */
+    /* also across the ends of the array */
     while (end - begin > 1) {
         if (ring[end - 1] == ring[begin] || ring[end - 2] == ring[begin])
             end--;
@@ -67,16 +59,28 @@ static uint32_t simplify(uint32_t *ring, uint32_t count)
     return end - begin;
 }
 
-/* Notes the indices of triangles that the polygon has no corners for any more. */
+/* Reduces a ring that repeats itself several times to one repetition. */
+static uint32_t unwind(const uint32_t *ring, uint32_t count)
+{
+    for (uint32_t period = 3; 2 * period <= count; period++) {
+        if (count % period != 0 || ring[period] != ring[0]) continue;
+        uint32_t i = period;
+        while (i < count && ring[i] == ring[i - period]) i++;
+        if (i == count) return period;
+    }
+    return count;
+}
+
+/* Records the indices of triangles that a polygon has lost with its corners. */
 static void note_lost_triangles(struct gd__construction *work, uint32_t index, uint32_t before,
                                 uint32_t after)
 {
     uint32_t kept = after ? after - 2 : 0;
     for (uint32_t k = kept; k < before - 2; k++)
-        gd__mended_add(&work->mesh->repair->degenerate_faces, index + k, 0);
+        gd_mended_add(&work->mesh->repair->degenerate_faces, index + k, 0);
 }
 
-/* Writes work->merged; returns whether it differs from the input. */
+/* Writes work->merged. Returns true if it differs from the input. */
 static bool rename_corners(struct gd__construction *work)
 {
     const struct gd_polygons *input = work->input;
@@ -89,10 +93,11 @@ static bool rename_corners(struct gd__construction *work)
                  count = gd_polygons_first(input, i + 1) - begin;
         uint32_t *ring = merged->corners + merged->first[i];
         for (uint32_t k = 0; k < count; k++) {
-            ring[k] = gd__find(work->representative, input->corners[begin + k]);
+            ring[k] = gd__union_find_root(work->representative, input->corners[begin + k]);
             edited |= ring[k] != input->corners[begin + k];
         }
         uint32_t left = simplify(ring, count);
+        if (work->options.repair_split) left = unwind(ring, left);
         edited |= left < count;
         note_lost_triangles(work, index, count, left);
         merged->first[i + 1] = merged->first[i] + left;
@@ -101,13 +106,14 @@ static bool rename_corners(struct gd__construction *work)
     return edited;
 }
 
-/* Index of the first triangle of a polygon of the input. */
+/* Returns the index of the first triangle of a polygon of the input. */
 static uint32_t first_triangle(const struct gd__construction *work, uint32_t polygon)
 {
     return gd_polygons_first(work->input, polygon) - 2 * polygon;
 }
 
-/* Takes the corners of the polygons that are not their own original out of work->merged. */
+/* Removes the corners of duplicates from work->merged: of the polygons that are not their own
+ * original. */
 static bool take_out(struct gd__construction *work, const uint32_t *original)
 {
     struct gd_polygons *merged = &work->merged;
@@ -117,8 +123,8 @@ static bool take_out(struct gd__construction *work, const uint32_t *original)
         uint32_t next = merged->first[i + 1], count = next - begin;
         if (original[i] != i) {
             for (uint32_t k = 0; k < count - 2; k++)
-                gd__mended_add(&work->mesh->repair->duplicate_faces, first_triangle(work, i) + k,
-                               first_triangle(work, original[i]));
+                gd_mended_add(&work->mesh->repair->duplicate_faces, first_triangle(work, i) + k,
+                              first_triangle(work, original[i]));
             edited = true;
             count = 0;
         }
@@ -147,18 +153,20 @@ static enum gd_status name_representatives(struct gd__construction *work)
     enum gd_status status = work->options.weld ? gd__weld_vertices(work) : GD_OK;
     if (status) return status;
     if (work->options.repair_split) join_zero_edges(work);
-    GD__PACED (&work->pace, i, vertices) gd__find(work->representative, i);
+    GD__PACED (&work->pace, i, vertices) gd__union_find_root(work->representative, i);
     return GD_OK;
 }
 
-static enum gd_status allocate(struct gd__construction *work)
+static enum gd_status merge_allocate(struct gd__construction *work)
 {
     const struct gd_polygons *input = work->input;
     struct gd_mesh *mesh = work->mesh;
     mesh->repair = gd__mesh_array(mesh, 1, sizeof *mesh->repair);
+    if (mesh->repair && work->options.lines_skipped)
+        mesh->repair->lines_skipped = *work->options.lines_skipped;
     work->representative = gd__large_array(input->position_count, sizeof *work->representative);
     work->merged = (struct gd_polygons){
-        .positions = input->positions, /* not ours: build.c frees the other two */
+        .positions = input->positions, /* borrowed; build.c frees the other two arrays */
         .position_count = input->position_count,
         .polygon_count = input->polygon_count,
         .corners = gd__large_array(gd_polygons_corner_count(input), sizeof *input->corners),
@@ -172,7 +180,7 @@ static enum gd_status allocate(struct gd__construction *work)
 enum gd_status gd__merge_vertices(struct gd__construction *work)
 {
     if (!work->options.weld && !work->options.repair_split) return GD_OK;
-    enum gd_status status = allocate(work);
+    enum gd_status status = merge_allocate(work);
     if (!status) status = name_representatives(work);
     if (status) return status;
     bool edited = rename_corners(work);

@@ -1,17 +1,18 @@
-/* Edges and vertices with more faces than a surface has there, cut apart.
+/* Splits edges and vertices that have too many faces for a surface.
  *
- * DESIGN. First it is decided which faces are joined at each edge (`neighbour`): both of two, pairs
- * among more (face_pairing.h). The corners of a vertex that joined faces share make a fan; the fan with
- * the lowest-numbered face keeps the vertex, each further one gets a copy. So edges and vertices
- * are cut in one stroke.
+ * DESIGN. The first step decides which faces are joined at each edge (`neighbour`): both of two
+ * faces, and pairs of more than two (face_pairing.h). The corners of a vertex that belong to joined
+ * faces form a fan. The fan with the lowest-numbered face keeps the vertex; each further fan gets a
+ * copy of it. This splits edges and vertices in one step.
  *
- * A mesh is named by the vertices of its faces, and there is one case that copies of whole fans
- * don't express: pairs of faces at an edge whose fans hang together round both ends. There all
- * pairs but the first get a copy of the edge's lower end for themselves, which cuts their other
- * edges at that end as well. */
+ * A mesh is defined by the vertices of its faces. Copies of whole fans do not separate pairs of
+ * faces at an edge whose fans are connected at both ends of the edge. In this case each pair except
+ * the first gets its own copy of the edge's lower end. That also splits the other edges of these
+ * faces at that end. */
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/array.h"
 #include "base/large.h"
 #include "mesh/edge_table.h"
 #include "mesh/orientation.h"
@@ -22,12 +23,14 @@
 struct splitting {
     struct gd__construction *work;
     uint32_t face_count, input_vertices;
-    uint32_t *neighbour;             /* per side: the side that it is joined to, or GD_NONE */
-    uint8_t *flipped;                /* per face: against the orientation of most faces around it */
-    struct gd__edge_face *edge_face; /* of one edge, as many as the largest has */
-    /* per corner, as sides are numbered: a lower corner of the same fan, see union_find.h */
+    uint32_t *neighbour; /* per side: the side that it is joined to; GD_NONE: none */
+    /* per face: its orientation is opposite to that of most faces around it */
+    uint8_t *flipped;
+    /* the faces of one edge; as many as the edge with the most faces has */
+    struct gd__edge_face *edge_face;
+    /* per corner, numbered as the sides are: a lower corner of the same fan, see union_find.h */
     uint32_t *fan;
-    uint32_t *copy_of; /* per copy: the input vertex */
+    uint32_t *copy_of; /* per copy: the input vertex that it copies */
     uint32_t copy_count, capacity;
 };
 
@@ -36,20 +39,16 @@ static uint32_t original(const struct splitting *s, uint32_t vertex)
     return vertex < s->input_vertices ? vertex : s->copy_of[vertex - s->input_vertices];
 }
 
-static struct gd_vec3 position(const struct splitting *s, uint32_t vertex)
+static struct gd_vec3 split_position(const struct splitting *s, uint32_t vertex)
 {
     return gd__input_position(s->work, original(s, vertex));
 }
 
 static enum gd_status append_copy(struct splitting *s, uint32_t vertex, uint32_t *copy)
 {
-    if (s->copy_count == s->capacity) {
-        uint32_t capacity = s->capacity ? 2 * s->capacity : 64;
-        uint32_t *grown = realloc(s->copy_of, capacity * sizeof *grown);
-        if (!grown) return GD_NO_MEMORY;
-        s->copy_of = grown;
-        s->capacity = capacity;
-    }
+    enum gd_status status =
+        gd__array_extend(&s->copy_of, &s->capacity, s->copy_count + 1ULL, sizeof *s->copy_of, NULL);
+    if (status) return status;
     if (s->copy_count >= GD_NONE - s->input_vertices)
         return gd_fail(s->work->detail, GD_TOO_LARGE,
                        "with the copies that repair makes there are too many vertices");
@@ -64,7 +63,7 @@ static enum gd_status make_table(const struct splitting *s, struct gd__edge_tabl
                                  s->input_vertices + s->copy_count, &s->work->pace, table);
 }
 
-/* Joins the faces of the edges that have two; returns the most faces that an edge has. */
+/* Joins the faces of edges with two faces. Returns the largest number of faces of an edge. */
 static uint32_t join_pairs(struct splitting *s, const struct gd__edge_table *table)
 {
     uint32_t most = 0;
@@ -80,10 +79,10 @@ static uint32_t join_pairs(struct splitting *s, const struct gd__edge_table *tab
     return most;
 }
 
-/* --- which faces stay together at an edge of more than two ------------------------------------ */
+/* --- which faces stay joined at an edge of more than two faces -------------------------------- */
 
-/* Files that need this one are often oriented at random: what hangs together by edges of two faces
- * is made consistent before anything is concluded from it. */
+/* Makes each set of faces that is connected by edges of two faces consistent before faces are
+ * paired: files with non-manifold edges are often oriented at random. */
 static enum gd_status orient(struct splitting *s)
 {
     uint32_t *component = gd__large_array(s->face_count, sizeof *component);
@@ -102,11 +101,11 @@ static enum gd_status orient(struct splitting *s)
     return status;
 }
 
-/* Fills s->edge_face with the faces of an edge, paired and sorted around it. */
+/* Fills s->edge_face with the faces of an edge, sorted around it and paired. */
 static void pair_edge_faces(struct splitting *s, const struct gd__edge_table *table,
                             const struct gd__edge_run *run)
 {
-    struct gd_vec3 low = position(s, run->low);
+    struct gd_vec3 low = split_position(s, run->low);
     for (uint32_t i = 0; i < run->count; i++) {
         uint32_t side = table->use[run->begin + i].side;
         const uint32_t *corner = s->work->triangle[side / 3];
@@ -114,10 +113,10 @@ static void pair_edge_faces(struct splitting *s, const struct gd__edge_table *ta
         s->edge_face[i] = (struct gd__edge_face){
             .side = side,
             .forward = forward != (bool)s->flipped[side / 3],
-            .across = gd_vec3_sub(position(s, corner[gd__previous_corner(side % 3)]), low),
+            .across = gd_vec3_sub(split_position(s, corner[gd__previous_corner(side % 3)]), low),
         };
     }
-    gd__edge_faces_pair(s->edge_face, run->count, gd_vec3_sub(position(s, run->high), low));
+    gd__edge_faces_pair(s->edge_face, run->count, gd_vec3_sub(split_position(s, run->high), low));
 }
 
 static enum gd_status pair_crowded(struct splitting *s, const struct gd__edge_table *table,
@@ -128,7 +127,7 @@ static enum gd_status pair_crowded(struct splitting *s, const struct gd__edge_ta
     for (struct gd__edge_run run = {0};
          !status && gd__pace(&s->work->pace, 1) && gd__edge_table_next(table, &run);) {
         if (run.count <= 2) continue;
-        gd__mended_add(&s->work->mesh->repair->edges_split, run.low, run.high);
+        gd_mended_add(&s->work->mesh->repair->edges_split, run.low, run.high);
         pair_edge_faces(s, table, &run);
         for (uint32_t i = 0; i < run.count; i++)
             s->neighbour[s->edge_face[i].side] = s->edge_face[i].partner;
@@ -147,12 +146,13 @@ static void join_fans(struct splitting *s)
         uint32_t a_end = a - a % 3 + gd__next_corner(a % 3),
                  b_end = b - b % 3 + gd__next_corner(b % 3);
         bool alike = s->work->triangle[a / 3][a % 3] == s->work->triangle[b / 3][b % 3];
-        gd__unite(s->fan, a, alike ? b : b_end);
-        gd__unite(s->fan, a_end, alike ? b_end : b);
+        gd__union_find_join(s->fan, a, alike ? b : b_end);
+        gd__union_find_join(s->fan, a_end, alike ? b_end : b);
     }
 }
 
-/* Corners in order of face: the first of a fan decides, its further ones follow. */
+/* Assigns vertices to fans. Visits the corners in the order of faces: the first corner of a fan
+ * decides, the other corners follow it. */
 static enum gd_status separate_fans(struct splitting *s)
 {
     size_t vertices = (size_t)s->input_vertices + s->copy_count;
@@ -160,7 +160,7 @@ static enum gd_status separate_fans(struct splitting *s)
     enum gd_status status = taken ? GD_OK : GD_NO_MEMORY;
     if (!status) join_fans(s);
     for (uint32_t c = 0; !status && c < 3 * s->face_count && gd__pace(&s->work->pace, 1); c++) {
-        uint32_t *vertex = &s->work->triangle[c / 3][c % 3], first = gd__find(s->fan, c);
+        uint32_t *vertex = &s->work->triangle[c / 3][c % 3], first = gd__union_find_root(s->fan, c);
         if (first < c)
             *vertex = s->work->triangle[first / 3][first % 3];
         else if (taken[*vertex])
@@ -172,7 +172,7 @@ static enum gd_status separate_fans(struct splitting *s)
     return status ? status : s->work->pace.status;
 }
 
-/* --- what is left ----------------------------------------------------------------------------- */
+/* --- pairs whose fans are connected ----------------------------------------------------------- */
 
 static uint32_t *find_corner(const struct splitting *s, uint32_t side, uint32_t vertex)
 {
@@ -183,8 +183,8 @@ static uint32_t *find_corner(const struct splitting *s, uint32_t side, uint32_t 
                                  : NULL;
 }
 
-/* Gives each pair of the edge but that of its first edge_face a lower end of its own. A face that got
- * another one at an edge before is not at this edge any more. */
+/* Gives each pair of faces at the edge, except the pair of the first edge_face, its own copy of the
+ * edge's lower end. A face that already got a copy at another edge is no longer at this edge. */
 static enum gd_status detach_edge_faces(struct splitting *s, uint32_t low, uint32_t count)
 {
     enum gd_status status = GD_OK;
@@ -203,7 +203,8 @@ static enum gd_status detach_edge_faces(struct splitting *s, uint32_t low, uint3
     return status;
 }
 
-/* Detaches at the edges that still have more than two faces; tells whether there were any. */
+/* Detaches faces at the edges that still have more than two faces. `*any` is true if there were
+ * any. */
 static enum gd_status detach_crowded(struct splitting *s, bool *any)
 {
     struct gd__edge_table table;
@@ -220,7 +221,7 @@ static enum gd_status detach_crowded(struct splitting *s, bool *any)
     return status;
 }
 
-/* Joins, pairs where that is needed (the first time only), and separates. */
+/* Joins faces, pairs them at crowded edges (the first time only), and separates the fans. */
 static enum gd_status separate(struct splitting *s, bool *crowded)
 {
     struct gd__edge_table table;
@@ -233,7 +234,7 @@ static enum gd_status separate(struct splitting *s, bool *crowded)
     return status ? status : separate_fans(s);
 }
 
-static enum gd_status run(struct splitting *s)
+static enum gd_status split_run(struct splitting *s)
 {
     bool crowded = false, detached = false;
     enum gd_status status = separate(s, &crowded);
@@ -242,7 +243,7 @@ static enum gd_status run(struct splitting *s)
     return status;
 }
 
-/* Hands the copies to the mesh and notes which vertices have some. */
+/* Moves the copies to the mesh and records the vertices that have copies. */
 static enum gd_status keep_copies(struct splitting *s)
 {
     struct gd_mesh *mesh = s->work->mesh;
@@ -253,7 +254,7 @@ static enum gd_status keep_copies(struct splitting *s)
         memcpy(mesh->copy_of, s->copy_of, s->copy_count * sizeof *s->copy_of);
         GD__PACED (&s->work->pace, c, s->copy_count) copies[s->copy_of[c]]++;
         GD__PACED (&s->work->pace, v, s->input_vertices) {
-            if (copies[v]) gd__mended_add(&mesh->repair->vertices_split, v, copies[v]);
+            if (copies[v]) gd_mended_add(&mesh->repair->vertices_split, v, copies[v]);
         }
     }
     s->work->copy_count = mesh->repair->copies = s->copy_count;
@@ -271,7 +272,7 @@ enum gd_status gd__split_faces(struct gd__construction *work)
     };
     s.neighbour = gd__large_array(3 * (size_t)s.face_count, sizeof *s.neighbour);
     s.fan = gd__large_array(3 * (size_t)s.face_count, sizeof *s.fan);
-    enum gd_status status = s.neighbour && s.fan ? run(&s) : GD_NO_MEMORY;
+    enum gd_status status = s.neighbour && s.fan ? split_run(&s) : GD_NO_MEMORY;
     if (!status) status = keep_copies(&s);
     free(s.neighbour);
     free(s.fan);

@@ -1,5 +1,5 @@
-/* The recipe of repair=split, on triangles: faces without area, faces given twice, edges and
- * vertices of too many. */
+/* The steps of repair=split on triangles: removes faces without area and duplicate faces, then
+ * splits edges and vertices with too many faces. */
 #include "repair/repair.h"
 
 #include <stdlib.h>
@@ -7,7 +7,7 @@
 
 #include "base/large.h"
 
-/* Faces are about to be removed: their indices are no longer their places. */
+/* Stores the index of each face, because faces are about to be removed. */
 static enum gd_status name_faces(struct gd__construction *work)
 {
     if (work->face_index) return GD_OK;
@@ -33,7 +33,7 @@ enum gd_status gd__compact_triangles(struct gd__construction *work)
     return gd_fail(work->detail, GD_EMPTY, "no face is left: none of them has an area");
 }
 
-/* Flips and merges may have made faces alike. */
+/* Removes duplicate faces, which flips and merges may have created. */
 static enum gd_status drop_duplicates(struct gd__construction *work)
 {
     const struct gd_polygons triangles = {
@@ -46,16 +46,16 @@ static enum gd_status drop_duplicates(struct gd__construction *work)
         original ? gd__find_duplicates(&triangles, &work->pace, original) : GD_NO_MEMORY;
     GD__PACED (&work->pace, f, status ? 0 : triangles.polygon_count) {
         if (original[f] == f) continue;
-        gd__mended_add(&work->mesh->repair->duplicate_faces, gd__index_of_triangle(work, f),
-                       gd__index_of_triangle(work, original[f]));
+        gd_mended_add(&work->mesh->repair->duplicate_faces, gd__index_of_triangle(work, f),
+                      gd__index_of_triangle(work, original[f]));
         work->triangle[f][0] = GD_NONE;
     }
     free(original);
     return status ? status : gd__compact_triangles(work);
 }
 
-/* The bound of gd_mesh_build_cost leaves some 50 bytes a face; a copy takes 160 with its edges. So
- * one for each four faces is paid for. */
+/* Checks the budget for the copies. The bound of gd_mesh_build_cost leaves about 50 bytes a face. A
+ * copy takes 160 bytes with its edges, so the bound covers one copy for four faces. */
 static enum gd_status afford_copies(const struct gd__construction *work, uint32_t faces)
 {
     if (work->copy_count <= faces / 4) return GD_OK;

@@ -1,33 +1,32 @@
-/* What the parts of merging and of gd__repair hand to each other. Each edits work->triangle (vertex
- * indices, the order of faces kept), and notes in mesh->repair what it did. */
+/* Functions that the steps of merging and repair share. Each of them edits work->triangle (vertex
+ * indices; the order of faces stays) and records its changes in mesh->repair. */
 #ifndef GD_REPAIR_REPAIR_H
 #define GD_REPAIR_REPAIR_H
 
 #include "mesh/construction.h"
 
-/* The steps of gd_mesh_build that are in this room. */
+/* The steps of gd_mesh_build in this folder. */
 enum gd_status gd__merge_vertices(struct gd__construction *work);
 enum gd_status gd__repair(struct gd__construction *work);
 
-/* Appends to the text of an error that the weld moved another vertex to one of these, if it did. */
+/* Appends a sentence to the text of an error if the weld merged another vertex into one of
+ * `vertices`. */
 void gd__blame_weld(const struct gd__construction *work, const uint32_t *vertices, uint32_t count);
 
-void gd__mended_add(struct gd_mended *mended, uint32_t a, uint32_t b);
-
-/* Lets representative[i] of each vertex that a face uses name the lowest vertex that represents
- * itself and lies within the tolerance. Expected linear time for every input. GD_INVALID_ARGUMENT,
- * GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE. */
+/* Sets representative[i] of each vertex that a face uses to the lowest vertex within the tolerance
+ * that represents itself. Expected linear time for every input. GD_INVALID_ARGUMENT, GD_NO_MEMORY,
+ * GD_CANCELLED, GD_DEADLINE. */
 enum gd_status gd__weld_vertices(struct gd__construction *work);
 
-/* original[i]: the first of the polygons with the same set of vertices as polygon i; itself for one
- * without corners. GD_NO_MEMORY, and the status of the pace. */
+/* Sets original[i] to the first polygon with the same set of vertices as polygon i, or to i if
+ * polygon i has no corners. GD_NO_MEMORY, and the status of the pace. */
 enum gd_status gd__find_duplicates(const struct gd_polygons *polygons, struct gd__pace *pace,
                                    uint32_t *original);
 
-/* Takes the triangles whose first corner is GD_NONE out of the row. GD_NO_MEMORY. */
+/* Removes the triangles whose first corner is GD_NONE. GD_NO_MEMORY. */
 enum gd_status gd__compact_triangles(struct gd__construction *work);
 
-/* The parts of gd__repair. */
+/* The steps of gd__repair. */
 enum gd_status gd__flatten_faces(struct gd__construction *work);
 enum gd_status gd__split_faces(struct gd__construction *work);
 

@@ -1,62 +1,56 @@
-/* Vertices within a tolerance of each other, by a spatial hash.
+/* Finds vertices within a tolerance of each other by a spatial hash.
  *
- * DESIGN. Space is divided into cubic cells of twice the tolerance: what lies within the tolerance
- * of a point is in its cell or beyond the nearer of the two faces in each direction, in 8 cells at
- * most. The table holds only vertices that represent themselves. They are more than the tolerance
- * apart, so a cell has room for a few dozen of them whatever the input, and each vertex costs
- * bounded work; no file can make the table's chains long, for their hash is not the same from run
- * to run. Tolerance 0: a cell is a position.
+ * DESIGN. Space is divided into cubic cells with sides of twice the tolerance. All points within
+ * the tolerance of a point are in its cell or beyond the nearer of the two faces in each direction,
+ * so in 8 cells at most. The table holds only vertices that represent themselves. These are more
+ * than the tolerance apart, so a cell holds at most a few dozen of them for any input, and each
+ * vertex costs bounded work. No file can make the table's chains long, because the hash differs
+ * from run to run. If the tolerance is 0, each position is a cell.
  *
- * Numbers of cells are doubles. Where they exceed 2^53, neighbouring coordinates are farther apart
- * than the tolerance, and cells that rounding does not tell apart hold the same coordinate. */
+ * Cell numbers are doubles. Where they exceed 2^53, neighbouring coordinates are farther apart than
+ * the tolerance. Cells that rounding does not distinguish then hold the same coordinate. */
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/hash.h"
 #include "base/large.h"
 #include "repair/repair.h"
 
 struct cell_table {
     struct gd__construction *work;
     double tolerance;
-    uint32_t *head; /* per slot: the last vertex of a cell, GD_NONE: free */
-    uint32_t *next; /* per vertex: the one before it in its cell */
+    uint32_t *head; /* per slot: the last vertex of a cell; GD_NONE: free */
+    uint32_t *next; /* per vertex: the vertex before it in its cell */
     uint64_t mask, seed;
 };
 
-/* The cell of a coordinate, never -0. */
-static double cell_of(const struct cell_table *table, double x)
+/* Returns the cell of a coordinate, never -0. */
+static double repair_weld_cell_of(const struct cell_table *table, double x)
 {
     return (table->tolerance > 0 ? floor(x / (2 * table->tolerance)) : x) + 0.0;
 }
 
 static struct gd_vec3 cell_at(const struct cell_table *table, struct gd_vec3 p)
 {
-    return (struct gd_vec3){cell_of(table, p.x), cell_of(table, p.y), cell_of(table, p.z)};
+    return (struct gd_vec3){repair_weld_cell_of(table, p.x), repair_weld_cell_of(table, p.y),
+                            repair_weld_cell_of(table, p.z)};
 }
 
-/* The finaliser of splitmix64. */
-static uint64_t mix(uint64_t x)
-{
-    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
-    x = (x ^ x >> 27) * 0x94d049bb133111ebu;
-    return x ^ x >> 31;
-}
-
-static uint64_t hash(const struct cell_table *table, struct gd_vec3 cell)
+static uint64_t repair_weld_hash(const struct cell_table *table, struct gd_vec3 cell)
 {
     double coordinates[3] = {cell.x, cell.y, cell.z};
     uint64_t h = table->seed, bits;
     for (int k = 0; k < 3; k++) {
         memcpy(&bits, &coordinates[k], sizeof bits);
-        h = mix(h + bits);
+        h = gd__hash(h + bits);
     }
     return h;
 }
 
-/* The slot of a cell, or the free one where it belongs. */
+/* Returns the slot of a cell, or the free slot where it belongs. */
 static uint32_t *find_slot(const struct cell_table *table, struct gd_vec3 cell)
 {
-    for (uint64_t i = hash(table, cell);; i++) {
+    for (uint64_t i = repair_weld_hash(table, cell);; i++) {
         uint32_t *head = &table->head[i & table->mask];
         if (*head == GD_NONE) return head;
         struct gd_vec3 other = cell_at(table, gd__input_position(table->work, *head));
@@ -82,10 +76,10 @@ static uint32_t lowest_near_in_cell(const struct cell_table *table, struct gd_ve
     return lowest;
 }
 
-/* The cells to look at along one axis: returns how many, one or two. */
+/* Finds the cells to search along one axis. Returns their number, one or two. */
 static int cells_along(const struct cell_table *table, double x, double cells[2])
 {
-    cells[0] = cell_of(table, x);
+    cells[0] = repair_weld_cell_of(table, x);
     if (table->tolerance == 0) return 1;
     cells[1] = (x / (2 * table->tolerance) - cells[0] < 0.5 ? cells[0] - 1 : cells[0] + 1) + 0.0;
     return cells[1] != cells[0] ? 2 : 1;
@@ -105,7 +99,7 @@ static uint32_t lowest_near(const struct cell_table *table, struct gd_vec3 p)
     return lowest;
 }
 
-static void insert(struct cell_table *table, uint32_t vertex, struct gd_vec3 p)
+static void repair_weld_insert(struct cell_table *table, uint32_t vertex, struct gd_vec3 p)
 {
     uint32_t *head = find_slot(table, cell_at(table, p));
     table->next[vertex] = *head;
@@ -118,12 +112,12 @@ static void weld_vertex(struct cell_table *table, uint32_t vertex)
     struct gd_vec3 p = gd__input_position(work, vertex);
     uint32_t near = lowest_near(table, p);
     if (near == GD_NONE) {
-        insert(table, vertex, p);
+        repair_weld_insert(table, vertex, p);
         return;
     }
     struct gd_mesh_repair *repair = work->mesh->repair;
     work->representative[vertex] = near;
-    gd__mended_add(&repair->vertices_welded, vertex, near);
+    gd_mended_add(&repair->vertices_welded, vertex, near);
     repair->largest_shift =
         fmax(repair->largest_shift, gd_vec3_distance(p, gd__input_position(work, near)));
 }
@@ -146,7 +140,7 @@ static void mark_used(struct gd__construction *work, uint8_t *used)
     GD__PACED (&work->pace, c, gd_polygons_corner_count(polygons)) used[polygons->corners[c]] = 1;
 }
 
-/* Numbers of cells stay in range. */
+/* Checks that cell numbers stay in range. */
 static enum gd_status check_tolerance(struct gd__construction *work)
 {
     double tolerance = work->options.weld_tolerance, farthest = 0;

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-static uint32_t child_at(double s, double t, double ds, double dt, double slack)
+static uint32_t catmull_clark_child_at(double s, double t, double ds, double dt, double slack)
 {
     bool right = gd__is_beyond(s, ds, slack), up = gd__is_beyond(t, dt, slack);
     return up ? (right ? 2 : 3) : (right ? 1 : 0);
@@ -20,7 +20,8 @@ static struct gd_vec3 edge_point(const struct gd__net *net, uint32_t side,
     return gd_vec3_scale(gd_vec3_add(ends, faces), 0.25);
 }
 
-/* (Q + 2R + (n-3)V) / n: Q the mean of the face points, R that of the edges' middles. */
+/* Returns (Q + 2R + (n-3)V) / n, where Q is the mean of the face points and R the mean of the
+ * edges' midpoints. */
 static struct gd_vec3 vertex_point(const struct gd__net *net, const struct gd__fan *fan,
                                    const struct gd_vec3 *face_points)
 {
@@ -34,89 +35,96 @@ static struct gd_vec3 vertex_point(const struct gd__net *net, const struct gd__f
     return gd_vec3_along(gd_vec3_scale(own, (n - 2) / n), 1 / (n * n), sum);
 }
 
-/* The corner opposite to the origin of a side, in its quad. */
-static struct gd_vec3 opposite(const struct gd__net *net, uint32_t side)
+/* Returns the corner of a quad that is opposite to the origin of a side. */
+static struct gd_vec3 catmull_clark_opposite(const struct gd__net *net, uint32_t side)
 {
     return net->points[gd__side_end(net, gd__side_next(net, side))];
 }
 
-static struct gd_vec3 spoke(const struct gd__net *net, const struct gd__fan *fan, uint32_t i)
+static struct gd_vec3 catmull_clark_spoke(const struct gd__net *net, const struct gd__fan *fan,
+                                          uint32_t i)
 {
     return net->points[gd__spoke_end(net, fan, i % gd__fan_spokes(fan))];
 }
 
-/* (n^2 V + 4 sum E + sum F) / (n (n + 5)): Halstead, Kass, DeRose (1993). */
-static struct gd_vec3 limit(const struct gd__net *net, const struct gd__fan *fan)
+/* Returns (n^2 V + 4 sum E + sum F) / (n (n + 5)): Halstead, Kass, DeRose (1993). */
+static struct gd_vec3 catmull_clark_limit(const struct gd__net *net, const struct gd__fan *fan)
 {
     double n = fan->count;
     struct gd_vec3 sum = gd_vec3_scale(net->points[net->origin[fan->sides[0]]], n * n);
     for (uint32_t i = 0; i < fan->count; i++) {
-        sum = gd_vec3_along(sum, 4, spoke(net, fan, i));
-        sum = gd_vec3_add(sum, opposite(net, fan->sides[i]));
+        sum = gd_vec3_along(sum, 4, catmull_clark_spoke(net, fan, i));
+        sum = gd_vec3_add(sum, catmull_clark_opposite(net, fan->sides[i]));
     }
     return gd_vec3_scale(sum, 1 / (n * (n + 5)));
 }
 
-static struct gd_vec3 tangent(const struct gd__net *net, const struct gd__fan *fan, double angle)
+static struct gd_vec3 catmull_clark_tangent(const struct gd__net *net, const struct gd__fan *fan,
+                                            double angle)
 {
     double n = fan->count, step = 2 * M_PI / n;
     double a = 1 + cos(step) + cos(M_PI / n) * sqrt(2 * (9 + cos(step)));
     struct gd_vec3 sum = {0};
     for (uint32_t i = 0; i < fan->count; i++) {
         double c = cos(i * step - angle), d = cos((i + 1) * step - angle);
-        sum = gd_vec3_along(sum, a * c, spoke(net, fan, i));
-        sum = gd_vec3_along(sum, c + d, opposite(net, fan->sides[i]));
+        sum = gd_vec3_along(sum, a * c, catmull_clark_spoke(net, fan, i));
+        sum = gd_vec3_along(sum, c + d, catmull_clark_opposite(net, fan->sides[i]));
     }
     return sum;
 }
 
-/* Around a vertex that stays, sums of E - V and of F - V become (sum E + sum F / 4) / 2 and (2 sum
- * E + sum F) / 4 of them; of that matrix the larger eigenvalue is (3 + sqrt 5) / 8, larger than
- * that of any part that turns around the vertex, and its left eigenvector (1, (sqrt 5 - 1) / 4). */
-static struct gd_vec3 axis(const struct gd__net *net, const struct gd__fan *fan)
+/* Eigenanalysis around a fixed vertex: a step maps the sums of E - V and of F - V to (sum E + sum F
+ * / 4) / 2 and (2 sum E + sum F) / 4. The larger eigenvalue of this map is (3 + sqrt 5) / 8, which
+ * exceeds that of every rotating component; its left eigenvector is (1, (sqrt 5 - 1) / 4). */
+static struct gd_vec3 catmull_clark_axis(const struct gd__net *net, const struct gd__fan *fan)
 {
     const double weight = (sqrt(5) - 1) / 4;
     struct gd_vec3 own = net->points[net->origin[fan->sides[0]]], sum = {0};
     for (uint32_t i = 0; i < fan->count; i++) {
-        sum = gd_vec3_add(sum, gd_vec3_sub(spoke(net, fan, i), own));
-        sum = gd_vec3_along(sum, weight, gd_vec3_sub(opposite(net, fan->sides[i]), own));
+        sum = gd_vec3_add(sum, gd_vec3_sub(catmull_clark_spoke(net, fan, i), own));
+        sum = gd_vec3_along(sum, weight,
+                            gd_vec3_sub(catmull_clark_opposite(net, fan->sides[i]), own));
     }
     return sum;
 }
 
-/* The left eigenvector of mu = (5 + cos theta + sqrt((1 + cos theta)(9 + cos theta))) / 16, theta =
- * pi / k, of a crease with k faces: with A = sum sin(i theta) E_i and B = sum (sin(i theta) +
- * sin((i+1) theta)) F_i the step takes a A + B, a = 16 mu - 4, to mu times itself and parts of V
- * and of the crease's neighbours Ea, Eb; adding b (Ea + Eb) - ((a + 2) sigma + 2 b) V, b = (mu sin
- * theta - (2 mu - 1/4) sigma) / (mu - 1/4), sigma = cot(theta / 2), makes up for them. (Biermann,
- * Levin, Zorin 2000 give it for rules that are modified so that mu = 1/2, which is ours for k = 2
- * only.) With one face, where what crosses the curve is the curve's own bend, or, where that is
- * straight, the way to the face's far corner. */
-static struct gd_vec3 cross(const struct gd__net *net, const struct gd__fan *fan, uint32_t begin,
-                            uint32_t faces)
+/* Returns the product of the points with the left eigenvector for mu = (5 + cos theta + sqrt((1 +
+ * cos theta)(9 + cos theta))) / 16, theta = pi / k, of a crease with k faces. With A = sum sin(i
+ * theta) E_i and B = sum (sin(i theta) + sin((i+1) theta)) F_i, one step maps a A + B, a = 16 mu -
+ * 4, to mu times itself plus multiples of V and of the crease's neighbours Ea, Eb. Adding b (Ea +
+ * Eb) - ((a + 2) sigma + 2 b) V, b = (mu sin theta - (2 mu - 1/4) sigma) / (mu - 1/4), sigma =
+ * cot(theta / 2), compensates these. (Biermann, Levin, Zorin 2000 derive it for modified rules with
+ * mu = 1/2, which equal the rules here only for k = 2.) With one face, the tangent across is the
+ * crease's curvature vector or, if the crease is straight, the direction to the face's far
+ * corner. */
+static struct gd_vec3 catmull_clark_cross(const struct gd__net *net, const struct gd__fan *fan,
+                                          uint32_t begin, uint32_t faces)
 {
     struct gd_vec3 own = net->points[net->origin[fan->sides[0]]];
-    struct gd_vec3 ends = gd_vec3_add(spoke(net, fan, begin), spoke(net, fan, begin + faces));
+    struct gd_vec3 ends = gd_vec3_add(catmull_clark_spoke(net, fan, begin),
+                                      catmull_clark_spoke(net, fan, begin + faces));
     if (faces == 1) {
         struct gd_vec3 bend = gd_vec3_along(ends, -2, own),
-                       along = gd_vec3_sub(spoke(net, fan, begin), own);
+                       along = gd_vec3_sub(catmull_clark_spoke(net, fan, begin), own);
         double area = gd_vec3_length(gd_vec3_cross(along, bend));
-        return area > 0 ? bend : gd_vec3_sub(opposite(net, fan->sides[begin % fan->count]), own);
+        return area > 0
+                   ? bend
+                   : gd_vec3_sub(catmull_clark_opposite(net, fan->sides[begin % fan->count]), own);
     }
     double theta = M_PI / faces, c = cos(theta), sigma = 1 / tan(theta / 2);
     double mu = (5 + c + sqrt((1 + c) * (9 + c))) / 16, a = 16 * mu - 4;
     double b = (mu * sin(theta) - (2 * mu - 0.25) * sigma) / (mu - 0.25);
     struct gd_vec3 sum = gd_vec3_along(gd_vec3_scale(own, -(a + 2) * sigma - 2 * b), b, ends);
     for (uint32_t i = 0; i < faces; i++) {
-        sum = gd_vec3_along(sum, a * sin(i * theta), spoke(net, fan, begin + i));
+        sum = gd_vec3_along(sum, a * sin(i * theta), catmull_clark_spoke(net, fan, begin + i));
         sum = gd_vec3_along(sum, sin(i * theta) + sin((i + 1) * theta),
-                            opposite(net, fan->sides[(begin + i) % fan->count]));
+                            catmull_clark_opposite(net, fan->sides[(begin + i) % fan->count]));
     }
     return sum;
 }
 
-/* Places of the face's corners in the 4 x 4 grid, and the way out across the side that begins
- * there. */
+/* Per corner of the face: its place in the 4 x 4 grid, and the step outwards across the side that
+ * begins at the corner. */
 static const int corner_place[4][2] = {{1, 1}, {2, 1}, {2, 2}, {1, 2}},
                  outwards[4][2] = {{0, -1}, {1, 0}, {0, 1}, {-1, 0}};
 
@@ -125,14 +133,14 @@ static struct gd_vec3 *cell(struct gd__patch *patch, int i, int j)
     return &patch->c[4 * i + j];
 }
 
-/* a + (a - b): the point of a row beyond a sharp edge, such that the spline has the edge's own
- * curve as its border. */
+/* Returns a + (a - b), the control point beyond a sharp edge that makes the spline's border the
+ * edge's own curve. */
 static struct gd_vec3 mirrored(struct gd_vec3 a, struct gd_vec3 b)
 {
     return gd_vec3_sub(gd_vec3_scale(a, 2), b);
 }
 
-/* The two points beyond side k. */
+/* Sets the two control points beyond side k. */
 static void gather_beyond(const struct gd__net *net, int k, struct gd__patch *out)
 {
     const int *a = corner_place[k], *b = corner_place[(k + 1) % 4], *d = outwards[k];
@@ -144,11 +152,11 @@ static void gather_beyond(const struct gd__net *net, int k, struct gd__patch *ou
         return;
     }
     uint32_t twin = net->twin[k];
-    *beyond_a = opposite(net, twin);
+    *beyond_a = catmull_clark_opposite(net, twin);
     *beyond_b = net->points[net->origin[gd__side_previous(net, twin)]];
 }
 
-/* The point diagonally beyond corner k, between the sides `before` and k. */
+/* Sets the control point diagonally beyond corner k, between the sides `before` and k. */
 static void gather_diagonal(const struct gd__net *net, int k, struct gd__patch *out)
 {
     int before = (k + 3) % 4;
@@ -165,7 +173,8 @@ static void gather_diagonal(const struct gd__net *net, int k, struct gd__patch *
             net, net->twin[gd__side_next(net, net->twin[k])])]];
 }
 
-static void patch(const struct gd__net *net, struct gd__fan *fan, struct gd__patch *out)
+static void catmull_clark_patch(const struct gd__net *net, struct gd__fan *fan,
+                                struct gd__patch *out)
 {
     (void)fan;
     for (int k = 0; k < 4; k++)
@@ -189,39 +198,43 @@ static struct weights weights_at(double t)
         {r, 3 * t - 2, 3 * r - 2, t}};
 }
 
-static struct gd_vec3 combine(const double w[4], const struct gd_vec3 *c, int stride)
+static struct gd_vec3 catmull_clark_combine(const double w[4], const struct gd_vec3 *c, int stride)
 {
     struct gd_vec3 sum = gd_vec3_scale(c[0], w[0]);
     for (int i = 1; i < 4; i++) sum = gd_vec3_along(sum, w[i], c[i * stride]);
     return sum;
 }
 
-static void evaluate(const struct gd__patch *patch, double s, double t, struct gd__jet *out)
+static void catmull_clark_evaluate(const struct gd__patch *patch, double s, double t,
+                                   struct gd__jet *out)
 {
     struct weights u = weights_at(s), v = weights_at(t);
     struct gd_vec3 p[4], d[4], dd[4];
     for (int j = 0; j < 4; j++) {
-        p[j] = combine(u.b, patch->c + j, 4);
-        d[j] = combine(u.d, patch->c + j, 4);
-        dd[j] = combine(u.dd, patch->c + j, 4);
+        p[j] = catmull_clark_combine(u.b, patch->c + j, 4);
+        d[j] = catmull_clark_combine(u.d, patch->c + j, 4);
+        dd[j] = catmull_clark_combine(u.dd, patch->c + j, 4);
     }
-    *out = (struct gd__jet){combine(v.b, p, 1),  combine(v.b, d, 1), combine(v.d, p, 1),
-                            combine(v.b, dd, 1), combine(v.d, d, 1), combine(v.dd, p, 1)};
+    *out = (struct gd__jet){catmull_clark_combine(v.b, p, 1), catmull_clark_combine(v.b, d, 1),
+                            catmull_clark_combine(v.d, p, 1), catmull_clark_combine(v.b, dd, 1),
+                            catmull_clark_combine(v.d, d, 1), catmull_clark_combine(v.dd, p, 1)};
 }
 
-static void row(const struct gd__patch *patch, uint32_t i, const struct gd__grid_rows *rows)
+static void catmull_clark_row(const struct gd__patch *patch, uint32_t i,
+                              const struct gd__grid_rows *rows)
 {
     struct weights u = weights_at((double)i / rows->cells);
     struct gd_vec3 p[4], d[4];
     for (int j = 0; j < 4; j++) {
-        p[j] = combine(u.b, patch->c + j, 4);
-        d[j] = combine(u.d, patch->c + j, 4);
+        p[j] = catmull_clark_combine(u.b, patch->c + j, 4);
+        d[j] = catmull_clark_combine(u.d, patch->c + j, 4);
     }
     for (uint32_t j = 0; j <= rows->cells; j++) {
         struct weights v = weights_at((double)j / rows->cells);
         ptrdiff_t at = rows->origin + (ptrdiff_t)i * rows->step_s + (ptrdiff_t)j * rows->step_t;
-        rows->positions[at] = combine(v.b, p, 1);
-        rows->normals[at] = gd_vec3_cross(combine(v.b, d, 1), combine(v.d, p, 1));
+        rows->positions[at] = catmull_clark_combine(v.b, p, 1);
+        rows->normals[at] =
+            gd_vec3_cross(catmull_clark_combine(v.b, d, 1), catmull_clark_combine(v.d, p, 1));
     }
 }
 
@@ -234,14 +247,14 @@ const struct gd__scheme gd__catmull_clark = {
                  {{2, 2}, {-1, 0}, {0, -1}},
                  {{0, 2}, {0, -1}, {1, 0}}},
     .corner_patches = true,
-    .child_at = child_at,
+    .child_at = catmull_clark_child_at,
     .edge_point = edge_point,
     .vertex_point = vertex_point,
-    .limit = limit,
-    .tangent = tangent,
-    .axis = axis,
-    .cross = cross,
-    .patch = patch,
-    .evaluate = evaluate,
-    .row = row,
+    .limit = catmull_clark_limit,
+    .tangent = catmull_clark_tangent,
+    .axis = catmull_clark_axis,
+    .cross = catmull_clark_cross,
+    .patch = catmull_clark_patch,
+    .evaluate = catmull_clark_evaluate,
+    .row = catmull_clark_row,
 };

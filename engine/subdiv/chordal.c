@@ -27,7 +27,7 @@ void gd__grid_room_free(struct gd__grid_room *room)
     *room = (struct gd__grid_room){0};
 }
 
-/* The fine grid of a face, `side` vertices to a row. */
+/* The fine grid of a face; `side` is the number of vertices in a row. */
 struct fine {
     const struct gd_vec3 *positions, *normals;
     uint32_t cells, side;
@@ -39,15 +39,15 @@ static struct gd_vec3 point(const struct fine *fine, uint32_t i, uint32_t j)
     return fine->positions[i * fine->side + j];
 }
 
-/* a + x (b - a) + y (c - a) */
+/* Returns a + x (b - a) + y (c - a). */
 static struct gd_vec3 on_triangle(struct gd_vec3 a, struct gd_vec3 b, struct gd_vec3 c, double x,
                                   double y)
 {
     return gd_vec3_along(gd_vec3_along(a, x, gd_vec3_sub(b, a)), y, gd_vec3_sub(c, a));
 }
 
-/* How far fine vertex (i,j) is, along its normal, off the triangles of its coarse cell, whichever
- * way that is cut. */
+/* Returns the distance of fine vertex (i,j), along its normal, from the triangles of its coarse
+ * cell: the greater one for the two possible diagonals. */
 static double off_triangles(const struct fine *fine, uint32_t i, uint32_t j)
 {
     uint32_t i0 = i / STEP * STEP, j0 = j / STEP * STEP;
@@ -105,14 +105,14 @@ static double off_sides(const struct fine *fine)
 }
 
 struct search {
-    struct gd__walker *walker; /* with the stages of the finest grid */
-    struct gd__grid_room room; /* grows as it must */
+    struct gd__walker *walker; /* has enough stages for the finest grid */
+    struct gd__grid_room room; /* grows as needed */
     uint32_t room_level;
     double tolerance;
     struct gd__pace *pace;
 };
 
-/* One face's level. */
+/* Finds the level of one face. */
 static enum gd_status find_level(struct search *search, uint32_t face, uint32_t least, uint8_t *out)
 {
     struct gd__walker *walker = search->walker;
@@ -145,7 +145,7 @@ static enum gd_status find_level(struct search *search, uint32_t face, uint32_t 
 enum gd_status gd__chordal_levels(const struct gd_subdivision *surface, double tolerance,
                                   const struct gd_control *control, struct gd__tiling *tiling)
 {
-    /* a face needs an inner vertex so that finer edges can be joined to it */
+    /* a face with finer edges needs an inner vertex */
     uint32_t least = surface->rules->arity == 4 ? 1 : 2, faces = surface->base.face_count;
     struct gd__walker walker = {0};
     struct gd__pace pace = {.control = control};

@@ -40,7 +40,7 @@ static int compare_numbers(const void *x, const void *y)
     return (a > b) - (a < b);
 }
 
-/* Whether a vertex is named twice; `sorted` has room for the corners. */
+/* Returns true if a vertex occurs twice. `sorted` is scratch for `count` corners. */
 static bool repeats(const uint32_t *corners, uint32_t count, uint32_t *sorted)
 {
     memcpy(sorted, corners, count * sizeof *sorted);
@@ -145,9 +145,9 @@ static struct gd__edge_key *sorted_edges(const struct gd__net *net)
     return edges;
 }
 
-/* The sides of one edge, `count` of them. */
-static enum gd_status join(struct gd__net *net, const struct gd__edge_key *run, uint32_t count,
-                           struct gd_detail *detail)
+/* Validates the `count` sides of one edge. */
+static enum gd_status subdiv_connect_join(struct gd__net *net, const struct gd__edge_key *run,
+                                          uint32_t count, struct gd_detail *detail)
 {
     uint32_t low = (uint32_t)(run->key >> 32), high = (uint32_t)run->key, side = run[0].side;
     if (count > 2)
@@ -176,13 +176,13 @@ static enum gd_status join_all(struct gd__net *net, const struct gd__edge_key *e
     enum gd_status status = GD_OK;
     for (uint32_t i = 0, end; !status && i < net->side_count; i = end) {
         for (end = i + 1; end < net->side_count && edges[end].key == edges[i].key;) end++;
-        status = join(net, edges + i, end - i, detail);
+        status = subdiv_connect_join(net, edges + i, end - i, detail);
     }
     return status;
 }
 
-/* Every vertex has one fan: going around it from the first side that leaves it, all that do are
- * met. */
+/* Checks that each vertex has one fan: a walk from its first outgoing side must meet all its
+ * outgoing sides. */
 static enum gd_status check_fans(const struct gd__net *net, struct gd_detail *detail)
 {
     uint32_t *met = calloc(net->point_count + (size_t)1, sizeof *met);
@@ -192,7 +192,7 @@ static enum gd_status check_fans(const struct gd__net *net, struct gd_detail *de
         uint32_t point = net->origin[side];
         if (met[point] == 0) {
             gd__fan_around(net, side, &fan);
-            met[point] = fan.count + 1; /* counted down to 1 */
+            met[point] = fan.count + 1; /* decremented to 1 */
         }
         if (met[point]-- == 1)
             status = fail_at(detail, GD_ELEMENT_VERTEX, point, 0,

@@ -1,25 +1,25 @@
-/* Connect: a control mesh becomes a net, if it is a surface. */
+/* Connect: converts a control mesh to a net, and validates that the mesh is a manifold. */
 #ifndef GD_SUBDIV_CONNECT_H
 #define GD_SUBDIV_CONNECT_H
 
 #include "subdiv/net.h"
 
-/* A side under its edge. */
+/* A side, and its edge as a sort key. */
 struct gd__edge_key {
     uint64_t key; /* lower vertex << 32 | higher */
     uint32_t side;
 };
 
-/* Makes the net without tags: points, faces, twins, the boundary infinitely sharp. `edges` gets all
- * sides sorted by edge; the caller frees it, and `*net`. `arity` is 4 or 3, what all faces must
- * have for the net to have no `first`. Errors: those of gd_subdivision_create that concern points
- * and faces. */
+/* Creates the net without tags: points, faces, twins, and an infinitely sharp boundary. Sets *edges
+ * to all sides sorted by edge. The caller frees *edges and *net. If all faces have `arity` (4 or 3)
+ * corners, the net has no `first`. Errors: those of gd_subdivision_create about points and
+ * faces. */
 GD_MUST_USE enum gd_status gd__net_connect(const struct gd_polygons *polygons, uint32_t arity,
                                            struct gd__net *net, struct gd__edge_key **edges,
                                            struct gd_detail *detail);
 
-/* Writes the tags and the boundary rule into a net that gd__net_connect made. Errors: those of
- * gd_subdivision_create that concern tags. */
+/* Applies the tags and the boundary rule to a net of gd__net_connect. Errors: those of
+ * gd_subdivision_create about tags. */
 GD_MUST_USE enum gd_status gd__apply_tags(const struct gd_control_mesh *mesh,
                                           const struct gd__edge_key *edges, struct gd__net *net,
                                           struct gd_detail *detail);

@@ -9,7 +9,8 @@ enum gd_status gd_limit_place_check(const struct gd_subdivision *surface,
     return gd__place_check(surface, place, detail);
 }
 
-/* The axis of angle 0; the one of a quarter turn is the cross product of the normal with it. */
+/* Returns the axis of angle 0. The axis of a quarter turn is the cross product of the normal with
+ * this axis. */
 static struct gd_vec3 first_axis(const struct gd_limit_jet *jet)
 {
     return gd_vec3_scale(jet->du, 1 / gd_vec3_length(jet->du));

@@ -34,7 +34,7 @@ static enum gd_status check_options(const struct gd_subdivision *surface,
     return GD_OK;
 }
 
-/* Levels and numbers. */
+/* Chooses the levels, and numbers the vertices. */
 static enum gd_status plan(const struct gd_subdivision *surface,
                            const struct gd_discretize_options *options,
                            const struct gd_control *control, struct gd__tiling *out,
@@ -63,8 +63,9 @@ static enum gd_status plan(const struct gd_subdivision *surface,
     return status;
 }
 
-static enum gd_status create(const struct gd__tiling *tiling, const struct gd_control *control,
-                             struct gd_discretization *out)
+static enum gd_status discretize_create(const struct gd__tiling *tiling,
+                                        const struct gd_control *control,
+                                        struct gd_discretization *out)
 {
     size_t vertices = tiling->vertices, corners = 3 * tiling->triangles;
     enum gd_status status =
@@ -84,18 +85,18 @@ static enum gd_status create(const struct gd__tiling *tiling, const struct gd_co
     return GD_OK;
 }
 
-/* Face's vertices, from a grid of `cells` over it. */
+/* A grid of `cells` over a base face, from which the face's vertices are written. */
 struct source {
     const struct gd__tiling *tiling;
     const struct gd__grid_room *room;
     struct gd_discretization *out;
     uint32_t face, cells;
     uint32_t control_face, corner;
-    struct gd__chart frame; /* of the base face in its control face */
+    struct gd__chart frame; /* chart of the base face in its control face */
     struct gd__pace *pace;
 };
 
-static void put(const struct source *source, uint32_t vertex, uint32_t i, uint32_t j)
+static void discretize_put(const struct source *source, uint32_t vertex, uint32_t i, uint32_t j)
 {
     uint32_t at = i * (source->cells + 1) + j;
     struct gd_vec3 p = source->room->positions[at];
@@ -107,8 +108,8 @@ static void put(const struct source *source, uint32_t vertex, uint32_t i, uint32
         (struct gd_limit_point){source->control_face, source->corner, uv[0], uv[1]};
 }
 
-/* The inner vertices of an edge that is this face's, and the base point where it begins: each is
- * some side's, the last one to write it wins. */
+/* Writes the inner vertices of side k of the face, and the base point where the side begins. Both
+ * faces of an edge write the same values. */
 static void put_side(const struct source *source, uint32_t k)
 {
     const struct gd__net *base = &source->tiling->surface->base;
@@ -118,7 +119,7 @@ static void put_side(const struct source *source, uint32_t k)
     uint32_t end = base->twin[side] > side ? edge_cells : 1;
     for (uint32_t m = 0; m < end; m++) {
         gd__side_place(base->arity, k, source->cells, m * step, at);
-        put(source, gd__tiling_on_side(source->tiling, side, m), at[0], at[1]);
+        discretize_put(source, gd__tiling_on_side(source->tiling, side, m), at[0], at[1]);
     }
 }
 
@@ -131,7 +132,7 @@ static void put_face(const struct source *source)
         uint32_t end = arity == 3 ? cells - i : cells;
         uint32_t vertex =
             end > 1 ? gd__tiling_inside(source->tiling, source->face, cells, i, 1) : 0;
-        for (uint32_t j = 1; j < end; j++) put(source, vertex++, i * step, j * step);
+        for (uint32_t j = 1; j < end; j++) discretize_put(source, vertex++, i * step, j * step);
     }
 }
 
@@ -153,7 +154,7 @@ static enum gd_status place_vertices(const struct gd__tiling *tiling,
     struct gd__grid_room room = {0};
     enum gd_status status = gd__walker_create(&walker, surface, gd__grid_stages(most), control);
     if (!status) status = gd__grid_room(most, &room);
-    struct gd__pace pace = {.control = control, .since = GD__PACE_STEPS};
+    struct gd__pace pace = {.control = control, .count = GD__PACE_STEPS};
     for (uint32_t face = 0; !status && face < faces; face++) {
         uint32_t level = gd__tiling_finest(tiling, face);
         pace.fraction = 0.5 + 0.4 * face / faces;
@@ -199,7 +200,7 @@ enum gd_status gd_discretize(const struct gd_subdivision *surface,
     enum gd_status status = check_options(surface, options, detail);
     if (!status) status = plan(surface, options, control, &tiling, detail);
     if (status) return status;
-    status = create(&tiling, control, &made);
+    status = discretize_create(&tiling, control, &made);
     if (!status) status = place_vertices(&tiling, control, &made);
     if (!status) status = tile(&tiling, control, &made);
     gd__tiling_free(&tiling);

@@ -1,25 +1,26 @@
 /* Domain: the square or triangle of a face's own coordinates. Side k runs from corner k to the next
- * one. */
+ * corner. */
 #ifndef GD_SUBDIV_DOMAIN_H
 #define GD_SUBDIV_DOMAIN_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-/* How far (s,t) is inside of the line of side k, up to a factor; below 0: outside. */
+/* Returns the distance of (s,t) from the line of side k, up to a factor; positive inside, negative
+ * outside. */
 static inline double gd__line_at(uint32_t arity, uint32_t k, double s, double t)
 {
     if (arity == 3) return k == 0 ? t : k == 1 ? 1 - s - t : s;
     return k == 0 ? t : k == 1 ? 1 - s : k == 2 ? 1 - t : s;
 }
 
-/* Its derivative along (ds,dt). */
+/* Returns the derivative of gd__line_at along (ds,dt). */
 static inline double gd__line_slope(uint32_t arity, uint32_t k, double ds, double dt)
 {
     return gd__line_at(arity, k, ds, dt) - gd__line_at(arity, k, 0, 0);
 }
 
-/* (s,t) of parameter m in [0,1] along side k. */
+/* Computes (s,t) at the parameter m in [0,1] along side k. */
 static inline void gd__place_on_side(uint32_t arity, uint32_t k, double m, double out[2])
 {
     const double quad[4][2] = {{m, 0}, {1, m}, {1 - m, 1}, {0, 1 - m}};
@@ -28,14 +29,14 @@ static inline void gd__place_on_side(uint32_t arity, uint32_t k, double m, doubl
     out[1] = arity == 4 ? quad[k][1] : triangle[k][1];
 }
 
-/* The parameter of a place on side k. */
+/* Returns the parameter, along side k, of a place on the side. */
 static inline double gd__along_side(uint32_t arity, uint32_t k, double s, double t)
 {
     if (arity == 3) return k == 0 ? s : k == 1 ? t : 1 - t;
     return k == 0 ? s : k == 1 ? t : k == 2 ? 1 - s : 1 - t;
 }
 
-/* The corner in whose quarter (s,t) lies. */
+/* Returns the corner nearest to (s,t). */
 static inline uint32_t gd__nearest_corner(uint32_t arity, double s, double t)
 {
     bool right = s > 0.5, up = t > 0.5;

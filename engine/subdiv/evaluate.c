@@ -6,7 +6,7 @@
 
 static const struct gd_vec3 nowhere = {NAN, NAN, NAN};
 
-/* Principal curvatures from the first and second fundamental forms; NaN where there is no
+/* Computes the principal curvatures from the first and second fundamental forms; NaN without a
  * normal. */
 static void curvatures(const struct gd__jet *jet, struct gd_vec3 normal, double out[2])
 {
@@ -25,14 +25,14 @@ static struct gd_limit_jet jet_of_vertex(const struct gd__vertex *vertex,
                                          const struct gd__chart *frame)
 {
     struct gd__jet jet = {.s = vertex->s, .t = vertex->t};
-    /* its axes are of one length, and so are the tangents to stay */
+    /* the chart's axes are scaled to unit length, so that the tangents keep their lengths */
     struct gd__chart turn = *frame;
     for (int i = 0; i < 2; i++) {
         turn.s[i] = (turn.s[i] > 0) - (turn.s[i] < 0);
         turn.t[i] = (turn.t[i] > 0) - (turn.t[i] < 0);
     }
     jet = gd__chart_jet(&turn, &jet);
-    /* at a spike, along a side that is opposite to it */
+    /* at a spike, a derivative along a side opposite to the axis vanishes */
     if (!(gd_vec3_length(jet.s) > 0)) jet.s = nowhere;
     if (!(gd_vec3_length(jet.t) > 0)) jet.t = nowhere;
     return (struct gd_limit_jet){.position = vertex->position,
@@ -43,8 +43,8 @@ static struct gd_limit_jet jet_of_vertex(const struct gd__vertex *vertex,
                                  .singular = true};
 }
 
-/* The vertex' tangents run along the two edges of corner `corner`; in the face's own axes they are
- * turned by so many corners. */
+/* Returns the chart whose axes run along the two edges at corner `corner`, as the vertex' tangents
+ * do: the face's own axes, rotated by that many corners. */
 static struct gd__chart corner_frame(const struct gd_subdivision *surface,
                                      const struct gd__chart *base, uint32_t corner)
 {
@@ -60,14 +60,15 @@ static struct gd_limit_jet evaluate_vertex(struct gd__walker *walker, uint32_t f
     return jet_of_vertex(&vertex, &at);
 }
 
-static struct gd_limit_jet evaluate(struct gd__walker *walker, const struct gd_limit_point *place)
+static struct gd_limit_jet limit_jet_at(struct gd__walker *walker,
+                                        const struct gd_limit_point *place)
 {
     uint32_t face, piece_corner, corner;
-    struct gd__spot spot = gd__spot_of(walker->surface, place);
-    struct gd__chart frame = gd__base_frame(walker->surface, spot.face, &face, &piece_corner);
-    if (!gd__cell_at(walker, &spot, 0, 0, &corner))
-        return evaluate_vertex(walker, spot.face, corner, &frame);
-    struct gd__jet jet = gd__cell_jet(walker, spot.s, spot.t);
+    struct gd__face_place local = gd__face_place_of(walker->surface, place);
+    struct gd__chart frame = gd__base_frame(walker->surface, local.face, &face, &piece_corner);
+    if (!gd__cell_at(walker, &local, 0, 0, &corner))
+        return evaluate_vertex(walker, local.face, corner, &frame);
+    struct gd__jet jet = gd__cell_jet(walker, local.s, local.t);
     jet = gd__chart_jet(&frame, &jet);
     struct gd_vec3 normal = gd_vec3_cross(jet.s, jet.t);
     double area = gd_vec3_length(normal);
@@ -96,7 +97,7 @@ enum gd_status gd_limit_evaluate_many(const struct gd_subdivision *surface,
         struct gd_limit_point place = places->items[i];
         if (i % 64 == 0) status = gd_control_check(control, (double)i / (double)count);
         if (!status) status = gd__place_check(surface, &place, detail);
-        if (!status) out[i] = evaluate(&walker, &place);
+        if (!status) out[i] = limit_jet_at(&walker, &place);
     }
     gd__walker_free(&walker);
     return status;

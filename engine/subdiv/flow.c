@@ -1,6 +1,6 @@
 /* Gragg's modified midpoint rule, extrapolated: Hairer, Norsett, Wanner, Solving ordinary
- * differential equations I, II.9. The right-hand side is smooth on the whole patch, where a high
- * order pays: a patch is usually one or two steps. */
+ * differential equations I, II.9. The right-hand side is smooth on the whole patch, so that a high
+ * order pays: a patch usually takes one or two steps. */
 #include "subdiv/flow.h"
 
 #include <math.h>
@@ -9,8 +9,8 @@
 
 bool gd__components(const struct gd__jet *jet, struct gd_vec3 vector, double out[2])
 {
-    /* by cross products, which lose less than products of lengths where the derivatives are nearly
-     * parallel */
+    /* cross products lose fewer digits than products of lengths if the derivatives are nearly
+       parallel */
     struct gd_vec3 normal = gd_vec3_cross(jet->s, jet->t);
     double square = gd_vec3_dot(normal, normal);
     if (!(square > 0)) return false;
@@ -30,8 +30,8 @@ struct slope {
     double sine;
 };
 
-static struct slope slope_at(const struct gd__scheme *rules, const struct gd__patch *patch,
-                             const double y[4])
+static struct slope flow_slope_at(const struct gd__scheme *rules, const struct gd__patch *patch,
+                                  const double y[4])
 {
     struct gd__jet jet;
     double c[2];
@@ -53,7 +53,7 @@ static void midpoint(const struct gd__scheme *rules, const struct gd__patch *pat
         now[i] = from[i] + h * first->v[i];
     }
     for (int n = 1; n <= parts; n++) {
-        struct slope slope = slope_at(rules, patch, now);
+        struct slope slope = flow_slope_at(rules, patch, now);
         for (int i = 0; i < 4; i++) {
             double next = n < parts ? before[i] + 2 * h * slope.v[i]
                                     : (before[i] + now[i] + h * slope.v[i]) / 2;
@@ -66,8 +66,9 @@ static void midpoint(const struct gd__scheme *rules, const struct gd__patch *pat
 
 enum { COLUMNS = 8 };
 
-/* Largest difference, places relative to the patch, movements to the speed. */
-static double difference(const double a[4], const double b[4])
+/* Returns the largest difference of two states: of places relative to the patch, of velocities
+ * relative to the speed. */
+static double flow_difference(const double a[4], const double b[4])
 {
     double speed = fmax(fabs(a[2]), fabs(a[3]));
     double places = fmax(fabs(a[0] - b[0]), fabs(a[1] - b[1]));
@@ -78,18 +79,18 @@ bool gd__flow_advance(const struct gd__scheme *rules, const struct gd__patch *pa
                       const struct gd__flow *from, double step, struct gd__flow *out)
 {
     double start[4] = {from->s, from->t, from->ds, from->dt}, row[COLUMNS][4];
-    struct slope first = slope_at(rules, patch, start);
+    struct slope first = flow_slope_at(rules, patch, start);
     for (int k = 0; k < COLUMNS; k++) {
         double last[4];
         midpoint(rules, patch, start, &first, step, 2 * (k + 1), row[k]);
         for (int i = 0; i < 4; i++) last[i] = k ? row[0][i] : 0;
-        /* Neville: row[j] becomes the value from columns j to k */
+        /* Neville's scheme: row[j] becomes the extrapolation of columns j to k */
         for (int j = k - 1; j >= 0; j--) {
             double ratio = (double)(k + 1) / (j + 1), weight = 1 / (ratio * ratio - 1);
             for (int i = 0; i < 4; i++)
                 row[j][i] = row[j + 1][i] + weight * (row[j + 1][i] - row[j][i]);
         }
-        if (k > 1 && difference(row[0], last) * first.sine <= GD_TOL_GEODESIC) {
+        if (k > 1 && flow_difference(row[0], last) * first.sine <= GD_TOL_GEODESIC) {
             *out = (struct gd__flow){row[0][0], row[0][1], row[0][2], row[0][3]};
             return true;
         }

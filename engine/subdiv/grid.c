@@ -4,7 +4,8 @@
 
 #include "subdiv/refine.h"
 
-/* Where a part of the face lies in the arrays: its (i,j) at origin + i step_s + j step_t. */
+/* Layout of a part of the face in the arrays: the part's place (i,j) is at index origin + i step_s
+ * + j step_t. */
 struct part {
     uint32_t level;
     ptrdiff_t origin, step_s, step_t;
@@ -24,7 +25,8 @@ static struct part part_of_child(const struct part *part, const struct gd__child
                          child->s[0] * s + child->s[1] * t, child->t[0] * s + child->t[1] * t};
 }
 
-/* Moves a row to its place, and makes its normals of unit length. */
+/* Completes a row: moves positions to the coordinates' origin, and scales normals to unit
+ * length. */
 static void settle_row(const struct gd__grid_rows *rows, uint32_t i, uint32_t last,
                        struct gd_vec3 origin)
 {
@@ -67,7 +69,7 @@ static void paint_corners(const struct canvas *canvas, uint32_t stage, const str
     }
 }
 
-/* Depth of recursion: the level. */
+/* Fills the grid of a part, recursively. The depth of recursion is at most the level. */
 static void paint(const struct canvas *canvas, uint32_t stage, const struct part *part,
                   struct gd_vec3 origin)
 {
@@ -85,7 +87,8 @@ static void paint(const struct canvas *canvas, uint32_t stage, const struct part
     for (uint32_t child = 0; child < GD__CHILDREN && !canvas->pace->status; child++) {
         struct part quarter = part_of_child(part, &walker->surface->rules->children[child]);
         struct gd_vec3 child_origin = origin;
-        gd__cut(walker, &here->refined, child, &walker->stages[stage + 1].ring, &child_origin);
+        gd__neighbourhood_extract(walker, &here->refined, child, &walker->stages[stage + 1].ring,
+                                  &child_origin);
         paint(canvas, stage + 1, &quarter, child_origin);
     }
 }
@@ -97,7 +100,8 @@ enum gd_status gd__grid(struct gd__walker *walker, uint32_t face, uint32_t level
     struct canvas canvas = {walker, room->positions, room->normals, pace ? pace : &none};
     struct part whole = {level, 0, ((ptrdiff_t)1 << level) + 1, 1};
     struct gd_vec3 origin = {0};
-    gd__cut(walker, &walker->surface->base, face, &walker->stages[0].ring, &origin);
+    gd__neighbourhood_extract(walker, &walker->surface->base, face, &walker->stages[0].ring,
+                              &origin);
     paint(&canvas, 0, &whole, origin);
     return canvas.pace->status;
 }

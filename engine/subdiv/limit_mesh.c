@@ -1,9 +1,10 @@
-/* See limit_mesh.h. The numbers of triangles are those of tile.c for faces that are as fine as
+/* See gd/limit_mesh.h. Triangles are numbered as by tile.c for faces that have the same level as
  * their neighbours. */
 #include "gd/limit_mesh.h"
 
 #include <stdlib.h>
 
+#include "base/share.h"
 #include "gd/discretization.h"
 #include "subdiv/surface.h"
 
@@ -13,7 +14,8 @@ struct gd_limit_mesh {
     struct gd_subdivision *surface; /* a reference */
     struct gd_mesh *mesh;
     struct gd_vec3 *normals;
-    uint32_t level, cells; /* of a base face's side */
+    /* the level of the options; number of cells along a side of a base face */
+    uint32_t level, cells;
 };
 
 /* --- sizes ------------------------------------------------------------------------------------ */
@@ -46,8 +48,8 @@ uint32_t gd_limit_mesh_usual_level(const struct gd_subdivision *surface)
     return level;
 }
 
-/* A surface of T triangles has at most T / 2 inner vertices, those of its boundary, and two a
- * component more. */
+/* Returns an upper bound on vertices: a surface of T triangles has at most T / 2 inner vertices,
+ * its boundary vertices, and two for each component. */
 static uint64_t vertices_at(const struct gd_subdivision *surface, uint32_t level)
 {
     return triangles_at(surface, level) / 2 + surface->base.point_count +
@@ -63,52 +65,24 @@ size_t gd_limit_mesh_cost(const struct gd_subdivision *surface, uint32_t level)
 
 /* --- building --------------------------------------------------------------------------------- */
 
-/* What a discretization holds. */
-static size_t bytes_of(const struct gd_discretization *fine)
+/* Returns the bytes that a discretization holds. */
+static size_t limit_mesh_bytes_of(const struct gd_discretization *fine)
 {
     return (size_t)fine->polygons.position_count * BYTES_PER_VERTEX +
            3 * sizeof(uint32_t) * (size_t)fine->polygons.polygon_count;
 }
 
-/* The second half of the work. */
-struct half {
-    const struct gd_control *whole;
-};
-
-static bool on_second_half(void *user, double fraction)
+static enum gd_status limit_mesh_build(struct gd_limit_mesh *fine, uint32_t max_faces,
+                                       const struct gd_control *control, struct gd_detail *detail)
 {
-    const struct gd_control *whole = ((const struct half *)user)->whole;
-    return !whole->progress || whole->progress(whole->user, 0.5 + fraction / 2);
-}
-
-static bool on_first_half(void *user, double fraction)
-{
-    const struct gd_control *whole = ((const struct half *)user)->whole;
-    return !whole->progress || whole->progress(whole->user, fraction / 2);
-}
-
-/* Of a part during which `held` bytes are there besides. */
-static struct gd_control part_of(struct half *half, bool (*progress)(void *user, double fraction),
-                                 size_t held)
-{
-    struct gd_control part = *half->whole;
-    if (part.budget_bytes)
-        part.budget_bytes = held < part.budget_bytes ? part.budget_bytes - held : 1;
-    part.progress = progress;
-    part.user = half;
-    return part;
-}
-
-static enum gd_status build(struct gd_limit_mesh *fine, uint32_t max_faces,
-                            const struct gd_control *control, struct gd_detail *detail)
-{
-    struct half half = {control};
+    struct gd__share share = {.control = control, .total = 2};
     struct gd_discretization made;
     const struct gd_discretize_options options = {.level = fine->level, .max_faces = max_faces};
-    struct gd_control part = part_of(&half, on_first_half, 0);
+    struct gd_control part = gd__share_control(&share, 0);
     enum gd_status status = gd_discretize(fine->surface, &options, &part, &made, detail);
     if (status) return status;
-    part = part_of(&half, on_second_half, bytes_of(&made));
+    share.done++;
+    part = gd__share_control(&share, limit_mesh_bytes_of(&made));
     status = gd_mesh_build(&made.polygons, NULL, &part, &fine->mesh, detail);
     if (!status) {
         fine->normals = made.normals;
@@ -123,12 +97,11 @@ enum gd_status gd_limit_mesh_build(const struct gd_subdivision *surface,
                                    const struct gd_control *control, struct gd_limit_mesh **out,
                                    struct gd_detail *detail)
 {
-    const struct gd_control none = {0};
     struct gd_limit_mesh *fine = calloc(1, sizeof *fine);
     if (!fine) return GD_NO_MEMORY;
     fine->surface = gd_subdivision_retain(surface);
     fine->level = options->level;
-    enum gd_status status = build(fine, options->max_faces, control ? control : &none, detail);
+    enum gd_status status = limit_mesh_build(fine, options->max_faces, control, detail);
     if (status) {
         gd_limit_mesh_free(fine);
         return status;
@@ -175,21 +148,22 @@ uint32_t gd_limit_mesh_level(const struct gd_limit_mesh *fine)
 
 /* --- cells and their triangles ---------------------------------------------------------------- */
 
-/* A triangle of the cell (i,j): which two of its corners a (0,0), b (1,0), c (1,1), d (0,1) are
- * first and last with a corner between. */
+/* Halves of a cell, named by their corners. The cell's corners are a (0,0), b (1,0), c (1,1), d
+ * (0,1). */
 enum half_cell { HALF_ABC, HALF_ACD, HALF_ABD, HALF_BCD };
 
 static const uint8_t corners_of[4][3] = {
     [HALF_ABC] = {0, 1, 2}, [HALF_ACD] = {0, 2, 3}, [HALF_ABD] = {0, 1, 3}, [HALF_BCD] = {1, 2, 3}};
 
-/* The first triangle of a cell, within its face. */
+/* Returns the number of a cell's first triangle within its face. */
 static uint32_t first_of_cell(const struct gd_limit_mesh *fine, uint32_t i, uint32_t j)
 {
     return fine->surface->rules->arity == 4 ? 2 * (i * fine->cells + j)
                                             : 2 * (i * fine->cells + j) - i * i;
 }
 
-/* Quads are cut from a to c or from b to d: their two triangles begin at one corner or at two. */
+/* Returns true if a quad cell is divided from a to c, false if from b to d. With a to c the first
+ * corners of both triangles are equal. */
 static bool is_cut_from_a(const struct gd_limit_mesh *fine, uint32_t first)
 {
     struct gd_vertex one[3], other[3];
@@ -206,7 +180,8 @@ static uint32_t face_base(const struct gd_limit_mesh *fine, uint32_t face)
 
 /* --- from places to points -------------------------------------------------------------------- */
 
-/* Which half of the cell (x,y) in [0,1]^2 lies in, and its barycentric coordinates there. */
+/* Returns the half of a cell that contains (x,y) in [0,1]^2, and computes the barycentric
+ * coordinates in that half. */
 static enum half_cell split_cell(bool from_a, double x, double y, double weight[3])
 {
     if (from_a && x >= y) {
@@ -225,7 +200,7 @@ static enum half_cell split_cell(bool from_a, double x, double y, double weight[
     return HALF_BCD;
 }
 
-static uint32_t cell_of(double at, uint32_t most)
+static uint32_t limit_mesh_cell_of(double at, uint32_t most)
 {
     uint32_t cell = (uint32_t)at;
     return cell < most ? cell : most;
@@ -238,12 +213,13 @@ enum gd_status gd_limit_mesh_point(const struct gd_limit_mesh *fine,
     struct gd_limit_point inside = *place;
     enum gd_status status = gd__place_check(fine->surface, &inside, detail);
     if (status) return status;
-    struct gd__spot spot = gd__spot_of(fine->surface, &inside);
+    struct gd__face_place local = gd__face_place_of(fine->surface, &inside);
     bool triangles = fine->surface->rules->arity == 3;
-    double x = fmax(spot.s, 0) * fine->cells, y = fmax(spot.t, 0) * fine->cells, weight[3];
-    uint32_t i = cell_of(x, fine->cells - 1), j = cell_of(y, fine->cells - 1 - (triangles ? i : 0));
-    uint32_t first = face_base(fine, spot.face) + first_of_cell(fine, i, j);
-    /* beyond the diagonal there is rounding only */
+    double x = fmax(local.s, 0) * fine->cells, y = fmax(local.t, 0) * fine->cells, weight[3];
+    uint32_t i = limit_mesh_cell_of(x, fine->cells - 1),
+             j = limit_mesh_cell_of(y, fine->cells - 1 - (triangles ? i : 0));
+    uint32_t first = face_base(fine, local.face) + first_of_cell(fine, i, j);
+    /* a place is only beyond the diagonal by rounding */
     bool is_half = triangles && i + j + 1 == fine->cells;
     double right = fmin(x - i, 1), up = fmin(y - j, is_half ? 1 - right : 1);
     enum half_cell half = split_cell(is_cut_from_a(fine, first), right, up, weight);
@@ -253,8 +229,9 @@ enum gd_status gd_limit_mesh_point(const struct gd_limit_mesh *fine,
 
 /* --- from points to places -------------------------------------------------------------------- */
 
-/* The row of cells that triangle `n` of a Loop face is in: row i begins at i (2 cells - i). */
-static uint32_t row_of(uint32_t cells, uint32_t n)
+/* Returns the row of cells that contains triangle `n` of a Loop face. Row i begins at triangle i (2
+ * cells - i). */
+static uint32_t limit_mesh_row_of(uint32_t cells, uint32_t n)
 {
     uint32_t low = 0, high = cells;
     while (high - low > 1) {
@@ -276,7 +253,7 @@ struct gd_limit_point gd_limit_mesh_place(const struct gd_limit_mesh *fine,
     bool triangles = fine->surface->rules->arity == 3;
     uint32_t face = known.face.index / (uint32_t)triangles_of_face(fine->surface, fine->cells);
     uint32_t n = known.face.index - face_base(fine, face);
-    uint32_t i = triangles ? row_of(fine->cells, n) : n / (2 * fine->cells);
+    uint32_t i = triangles ? limit_mesh_row_of(fine->cells, n) : n / (2 * fine->cells);
     uint32_t rest = n - first_of_cell(fine, i, 0), j = rest / 2;
     bool from_a = is_cut_from_a(fine, known.face.index - rest % 2), second = rest % 2;
     const uint8_t *corners = corners_of[from_a ? HALF_ABC + second : HALF_ABD + second];
@@ -285,5 +262,6 @@ struct gd_limit_point gd_limit_mesh_place(const struct gd_limit_mesh *fine,
         x += known.barycentric[k] * at[corners[k]][0];
         y += known.barycentric[k] * at[corners[k]][1];
     }
-    return gd__place_of(fine->surface, &(struct gd__spot){face, x / fine->cells, y / fine->cells});
+    return gd__place_of(fine->surface,
+                        &(struct gd__face_place){face, x / fine->cells, y / fine->cells});
 }

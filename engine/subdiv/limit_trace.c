@@ -10,24 +10,27 @@ void gd_limit_path_free(struct gd_limit_path *path)
     *path = (struct gd_limit_path){0};
 }
 
-static enum gd_status append(struct gd_limit_path *path, const struct gd_subdivision *surface,
-                             const struct gd__spot *spot, struct gd_vec3 position)
+static enum gd_status limit_trace_append(struct gd_limit_path *path,
+                                         const struct gd_subdivision *surface,
+                                         const struct gd__face_place *local,
+                                         struct gd_vec3 position)
 {
     uint32_t count = path->step_count;
-    if ((count & (count - 1)) == 0) { /* full: room is for powers of two */
+    if ((count & (count - 1)) == 0) { /* full: the capacity is a power of two */
         struct gd_limit_step *steps =
             realloc(path->steps, (count ? 2 * (size_t)count : 1) * sizeof *steps);
         if (!steps) return GD_NO_MEMORY;
         path->steps = steps;
     }
     path->steps[path->step_count++] =
-        (struct gd_limit_step){gd__place_of(surface, spot), position, path->length};
+        (struct gd_limit_step){gd__place_of(surface, local), position, path->length};
     return GD_OK;
 }
 
-/* Steps until the length is reached or there is no way on. */
-static enum gd_status follow(struct gd__tracer *tracer, double length,
-                             const struct gd_control *control, struct gd_limit_path *path)
+/* Makes steps until the path has the requested length or cannot continue. */
+static enum gd_status limit_trace_follow(struct gd__tracer *tracer, double length,
+                                         const struct gd_control *control,
+                                         struct gd_limit_path *path)
 {
     const struct gd_subdivision *surface = tracer->walker->surface;
     enum gd_status status = GD_OK;
@@ -36,7 +39,7 @@ static enum gd_status follow(struct gd__tracer *tracer, double length,
         if (!status)
             status = gd_control_afford(control, 3 * (size_t)path->step_count * sizeof *path->steps);
         if (!status) status = gd__tracer_step(tracer, length - path->length, &path->length);
-        if (!status) status = append(path, surface, &tracer->spot, tracer->position);
+        if (!status) status = limit_trace_append(path, surface, &tracer->local, tracer->position);
         if (!status && path->step_count >= GD_LIMIT_STEPS) {
             tracer->ended = true;
             tracer->end = GD_LIMIT_END_STEPS;
@@ -47,8 +50,9 @@ static enum gd_status follow(struct gd__tracer *tracer, double length,
     return status;
 }
 
-static enum gd_status check(const struct gd_subdivision *surface, struct gd_limit_point *start,
-                            struct gd_vec3 direction, double length, struct gd_detail *detail)
+static enum gd_status limit_trace_check(const struct gd_subdivision *surface,
+                                        struct gd_limit_point *start, struct gd_vec3 direction,
+                                        double length, struct gd_detail *detail)
 {
     if (!(length >= 0 && length < INFINITY))
         return gd_fail(detail, GD_INVALID_ARGUMENT,
@@ -67,21 +71,21 @@ enum gd_status gd_limit_trace(const struct gd_subdivision *surface,
     struct gd_limit_point place = request->start;
     struct gd_vec3 direction = request->direction;
     double length = request->length;
-    enum gd_status status = check(surface, &place, direction, length, detail);
+    enum gd_status status = limit_trace_check(surface, &place, direction, length, detail);
     if (status) return status;
     struct gd__walker walker;
     status = gd__walker_create(&walker, surface, 3, control);
     if (status) return status;
     struct gd__tracer tracer;
     struct gd_limit_path path = {0};
-    struct gd__spot spot = gd__spot_of(surface, &place);
-    status = gd__tracer_start(&tracer, &walker, &spot,
+    struct gd__face_place local = gd__face_place_of(surface, &place);
+    status = gd__tracer_start(&tracer, &walker, &local,
                               gd_vec3_scale(direction, 1 / gd_vec3_length(direction)));
     if (status == GD_INVALID_ARGUMENT)
         gd_fail(detail, status,
                 "the direction is normal to the surface: choose one with a part along it");
-    if (!status) status = append(&path, surface, &spot, tracer.position);
-    if (!status) status = follow(&tracer, length, control, &path);
+    if (!status) status = limit_trace_append(&path, surface, &local, tracer.position);
+    if (!status) status = limit_trace_follow(&tracer, length, control, &path);
     if (status == GD_INTERNAL)
         gd_fail(detail, status,
                 "the geodesic can't be followed beyond %g of its length, in face %u: control "

@@ -3,14 +3,14 @@
 
 #include <math.h>
 
-static uint32_t child_at(double s, double t, double ds, double dt, double slack)
+static uint32_t loop_child_at(double s, double t, double ds, double dt, double slack)
 {
     if (gd__is_beyond(s, ds, slack)) return 1;
     if (gd__is_beyond(t, dt, slack)) return 2;
     return gd__is_beyond(s + t, ds + dt, slack) ? 3 : 0;
 }
 
-/* The corner of a side's face that is opposite to it. */
+/* Returns the corner opposite to a side in its face. */
 static struct gd_vec3 apex(const struct gd__net *net, uint32_t side)
 {
     return net->points[net->origin[gd__side_previous(net, side)]];
@@ -26,7 +26,7 @@ static struct gd_vec3 edge_point(const struct gd__net *net, uint32_t side,
     return gd_vec3_along(gd_vec3_scale(ends, 0.375), 0.125, wings);
 }
 
-static struct gd_vec3 spoke(const struct gd__net *net, const struct gd__fan *fan, uint32_t i)
+static struct gd_vec3 loop_spoke(const struct gd__net *net, const struct gd__fan *fan, uint32_t i)
 {
     return net->points[gd__spoke_end(net, fan, i % gd__fan_spokes(fan))];
 }
@@ -34,11 +34,11 @@ static struct gd_vec3 spoke(const struct gd__net *net, const struct gd__fan *fan
 static struct gd_vec3 sum_of_spokes(const struct gd__net *net, const struct gd__fan *fan)
 {
     struct gd_vec3 sum = {0};
-    for (uint32_t i = 0; i < fan->count; i++) sum = gd_vec3_add(sum, spoke(net, fan, i));
+    for (uint32_t i = 0; i < fan->count; i++) sum = gd_vec3_add(sum, loop_spoke(net, fan, i));
     return sum;
 }
 
-/* Loop's weight of each neighbour. */
+/* Returns Loop's weight of each neighbour. */
 static double beta(uint32_t n)
 {
     double c = 0.375 + 0.25 * cos(2 * M_PI / n);
@@ -54,7 +54,7 @@ static struct gd_vec3 vertex_point(const struct gd__net *net, const struct gd__f
     return gd_vec3_along(gd_vec3_scale(own, 1 - fan->count * b), b, sum_of_spokes(net, fan));
 }
 
-static struct gd_vec3 limit(const struct gd__net *net, const struct gd__fan *fan)
+static struct gd_vec3 loop_limit(const struct gd__net *net, const struct gd__fan *fan)
 {
     double own_weight = 0.375 / beta(fan->count);
     struct gd_vec3 own = net->points[net->origin[fan->sides[0]]];
@@ -62,70 +62,76 @@ static struct gd_vec3 limit(const struct gd__net *net, const struct gd__fan *fan
                          1 / (own_weight + fan->count));
 }
 
-static struct gd_vec3 tangent(const struct gd__net *net, const struct gd__fan *fan, double angle)
+static struct gd_vec3 loop_tangent(const struct gd__net *net, const struct gd__fan *fan,
+                                   double angle)
 {
     struct gd_vec3 sum = {0};
     for (uint32_t i = 0; i < fan->count; i++)
-        sum = gd_vec3_along(sum, cos(i * 2 * M_PI / fan->count - angle), spoke(net, fan, i));
+        sum = gd_vec3_along(sum, cos(i * 2 * M_PI / fan->count - angle), loop_spoke(net, fan, i));
     return sum;
 }
 
-/* Around a vertex that stays the sum of E - V shrinks by 5/8, what turns around it by less. */
-static struct gd_vec3 axis(const struct gd__net *net, const struct gd__fan *fan)
+/* Returns the sum of E - V. Around a fixed vertex a step multiplies it by 5/8; rotating components
+ * shrink faster. */
+static struct gd_vec3 loop_axis(const struct gd__net *net, const struct gd__fan *fan)
 {
     struct gd_vec3 own = net->points[net->origin[fan->sides[0]]];
     return gd_vec3_along(sum_of_spokes(net, fan), -(double)fan->count, own);
 }
 
-/* The left eigenvector of (3 + 2 cos theta) / 8, theta = pi / k: S = sum sin(i theta) E_i takes
- * part of V and of the crease's neighbours Ea, Eb at every step; adding a V + b (Ea + Eb) with b =
- * (sin theta - sigma) / (1 + 2 cos theta), sigma = cot(theta / 2), a = -sigma - 2 b makes it stay
- * in proportion. */
-static struct gd_vec3 cross(const struct gd__net *net, const struct gd__fan *fan, uint32_t begin,
-                            uint32_t faces)
+/* Returns the product of the points with the left eigenvector for (3 + 2 cos theta) / 8, theta = pi
+ * / k, of a crease with k faces. One step maps S = sum sin(i theta) E_i to a multiple plus
+ * multiples of V and of the crease's neighbours Ea, Eb. Adding a V + b (Ea + Eb) with b = (sin
+ * theta - sigma) / (1 + 2 cos theta), sigma = cot(theta / 2), a = -sigma - 2 b compensates
+ * these. */
+static struct gd_vec3 loop_cross(const struct gd__net *net, const struct gd__fan *fan,
+                                 uint32_t begin, uint32_t faces)
 {
     struct gd_vec3 own = net->points[net->origin[fan->sides[0]]];
-    struct gd_vec3 ends = gd_vec3_add(spoke(net, fan, begin), spoke(net, fan, begin + faces));
+    struct gd_vec3 ends =
+        gd_vec3_add(loop_spoke(net, fan, begin), loop_spoke(net, fan, begin + faces));
     if (faces == 1) return gd_vec3_along(ends, -2, own);
     double theta = M_PI / faces, sigma = 1 / tan(theta / 2),
            b = (sin(theta) - sigma) / (1 + 2 * cos(theta));
     struct gd_vec3 sum = gd_vec3_along(gd_vec3_scale(own, -sigma - 2 * b), b, ends);
     for (uint32_t i = 1; i < faces; i++)
-        sum = gd_vec3_along(sum, sin(i * theta), spoke(net, fan, begin + i));
+        sum = gd_vec3_along(sum, sin(i * theta), loop_spoke(net, fan, begin + i));
     return sum;
 }
 
-/* The six neighbours of corner k: towards the next corner, the previous one, and on
- * counter-clockwise. Across a crease (three faces on our side) the surface goes on as the box
- * spline that has the crease's curve there: each triangle at the crease is mirrored at the middle
- * of its edge. */
+/* Lists the six neighbours of corner k, counter-clockwise, beginning with the next corner and the
+ * previous one. Beyond a crease (with three faces on this side) the neighbours are chosen so that
+ * the box spline has the crease's curve as its border: each triangle at the crease is mirrored at
+ * the midpoint of its edge. */
 static void neighbours(const struct gd__net *net, uint32_t k, struct gd__fan *fan,
                        struct gd_vec3 out[6])
 {
     gd__fan_around(net, k, fan);
     uint32_t spokes = gd__fan_spokes(fan), at = 0;
     while (fan->sides[at] != k) at++;
-    uint32_t left = 0, right = 0; /* spokes known counter-clockwise and clockwise of ours */
-    out[0] = spoke(net, fan, at);
+    /* numbers of known spokes counter-clockwise and clockwise of that of side k */
+    uint32_t left = 0, right = 0;
+    out[0] = loop_spoke(net, fan, at);
     while (left + 1 < 6 &&
            (left == 0 || gd__spoke_sharpness(net, fan, (at + left) % spokes) == 0)) {
         left++;
-        out[left] = spoke(net, fan, at + left);
+        out[left] = loop_spoke(net, fan, at + left);
     }
     while (left + right + 1 < 6 &&
            gd__spoke_sharpness(net, fan, (at + spokes - right) % spokes) == 0) {
         right++;
-        out[6 - right] = spoke(net, fan, at + spokes - right);
+        out[6 - right] = loop_spoke(net, fan, at + spokes - right);
     }
     if (left + right == 5) return;
     struct gd_vec3 own = net->points[net->origin[k]];
-    uint32_t c = left; /* the counter-clockwise end of the crease; its other end is three further */
+    /* the counter-clockwise end of the crease; its other end is three spokes further */
+    uint32_t c = left;
     out[(c + 1) % 6] = gd_vec3_sub(gd_vec3_add(own, out[c]), out[(c + 5) % 6]);
     out[(c + 2) % 6] = gd_vec3_sub(gd_vec3_add(own, out[(c + 3) % 6]), out[(c + 4) % 6]);
 }
 
-/* Index of the monomial a^i b^j c^(4-i-j) in the barycentric coordinates, later of s^i t^j; i + j
- * <= 4. */
+/* Returns the index of the monomial a^i b^j c^(4-i-j) in the barycentric coordinates, after
+ * to_powers of s^i t^j; i + j <= 4. */
 static int monomial(int i, int j)
 {
     int rest = 4 - i;
@@ -133,12 +139,13 @@ static int monomial(int i, int j)
 }
 
 struct term {
-    int i, j, k; /* powers of the coordinates x, y, z, in the order in which they are given */
+    int i, j, k; /* powers of the coordinates x, y, z */
     double factor;
 };
 
-/* Adds `weight` sum of terms with x, y, z the coordinates of corners x, y, z. The basis: Stam,
- * Evaluation of Loop subdivision surfaces (1998), appendix A. */
+/* Adds the point times a sum of terms. x, y, z are the corners whose barycentric coordinates the
+ * terms' variables stand for. The basis: Stam, Evaluation of Loop subdivision surfaces (1998),
+ * appendix A. */
 static void add_terms(struct gd__patch *out, struct gd_vec3 point, const struct term *terms,
                       int count, int x, int y, int z)
 {
@@ -162,12 +169,12 @@ static const struct term across_edge[] = {
     {4, 0, 0, 1}, {0, 4, 0, 1}, {3, 1, 0, 6}, {1, 3, 0, 6}, {2, 2, 0, 12},
     {3, 0, 1, 2}, {0, 3, 1, 2}, {2, 1, 1, 6}, {1, 2, 1, 6},
 };
-/* y: the corner whose edge it lies along */
+/* y: the corner at the other end of the edge that the control point continues */
 static const struct term beyond_corner[] = {{4, 0, 0, 1}, {3, 1, 0, 2}};
 
 #define COUNT(array) ((int)(sizeof(array) / sizeof(array)[0]))
 
-/* From monomials in the barycentric coordinates a = 1 - s - t, b = s, c = t to powers of s and
+/* Converts monomials in the barycentric coordinates a = 1 - s - t, b = s, c = t to powers of s and
  * t. */
 static void to_powers(struct gd__patch *patch)
 {
@@ -188,7 +195,7 @@ static void to_powers(struct gd__patch *patch)
     *patch = powers;
 }
 
-static void patch(const struct gd__net *net, struct gd__fan *fan, struct gd__patch *out)
+static void loop_patch(const struct gd__net *net, struct gd__fan *fan, struct gd__patch *out)
 {
     *out = (struct gd__patch){0};
     for (int k = 0; k < 3; k++) {
@@ -203,13 +210,13 @@ static void patch(const struct gd__net *net, struct gd__fan *fan, struct gd__pat
     to_powers(out);
 }
 
-/* A polynomial's value and first two derivatives, by Horner's rule. */
+/* A polynomial's value and first two derivatives. */
 struct horner {
     struct gd_vec3 p, d, dd;
 };
 
-/* Of the coefficients c[0] to c[degree]. */
-static struct horner horner(const struct gd_vec3 *c, int degree, double x)
+/* Evaluates the polynomial with the coefficients c[0] to c[degree] by Horner's rule. */
+static struct horner loop_horner(const struct gd_vec3 *c, int degree, double x)
 {
     struct horner h = {0};
     for (int i = degree; i >= 0; i--) {
@@ -221,7 +228,8 @@ static struct horner horner(const struct gd_vec3 *c, int degree, double x)
     return h;
 }
 
-/* The patch at fixed s: polynomials in t, of itself and of its derivatives in s. */
+/* The patch at a fixed s: coefficients of the polynomials in t of its values and of its derivatives
+ * by s. */
 struct row {
     struct gd_vec3 p[5], s[5], ss[5];
 };
@@ -232,25 +240,26 @@ static struct row row_at(const struct gd__patch *patch, double s)
     for (int n = 0; n <= 4; n++) {
         struct gd_vec3 column[5];
         for (int m = 0; m + n <= 4; m++) column[m] = patch->c[monomial(m, n)];
-        struct horner h = horner(column, 4 - n, s);
+        struct horner h = loop_horner(column, 4 - n, s);
         row.p[n] = h.p, row.s[n] = h.d, row.ss[n] = h.dd;
     }
     return row;
 }
 
-static void evaluate(const struct gd__patch *patch, double s, double t, struct gd__jet *out)
+static void loop_evaluate(const struct gd__patch *patch, double s, double t, struct gd__jet *out)
 {
     struct row row = row_at(patch, s);
-    struct horner p = horner(row.p, 4, t), ds = horner(row.s, 3, t), dss = horner(row.ss, 2, t);
+    struct horner p = loop_horner(row.p, 4, t), ds = loop_horner(row.s, 3, t),
+                  dss = loop_horner(row.ss, 2, t);
     *out = (struct gd__jet){.p = p.p, .s = ds.p, .t = p.d, .ss = dss.p, .st = ds.d, .tt = p.dd};
 }
 
-static void row(const struct gd__patch *patch, uint32_t i, const struct gd__grid_rows *rows)
+static void loop_row(const struct gd__patch *patch, uint32_t i, const struct gd__grid_rows *rows)
 {
     struct row row = row_at(patch, (double)i / rows->cells);
     for (uint32_t j = 0; i + j <= rows->cells; j++) {
         double t = (double)j / rows->cells;
-        struct horner p = horner(row.p, 4, t), ds = horner(row.s, 3, t);
+        struct horner p = loop_horner(row.p, 4, t), ds = loop_horner(row.s, 3, t);
         ptrdiff_t at = rows->origin + (ptrdiff_t)i * rows->step_s + (ptrdiff_t)j * rows->step_t;
         rows->positions[at] = p.p;
         rows->normals[at] = gd_vec3_cross(ds.p, p.d);
@@ -266,14 +275,14 @@ const struct gd__scheme gd__loop = {
                  {{0, 2}, {0, -1}, {1, -1}},
                  {{1, 0}, {0, 1}, {-1, 1}}},
     .corner_patches = false,
-    .child_at = child_at,
+    .child_at = loop_child_at,
     .edge_point = edge_point,
     .vertex_point = vertex_point,
-    .limit = limit,
-    .tangent = tangent,
-    .axis = axis,
-    .cross = cross,
-    .patch = patch,
-    .evaluate = evaluate,
-    .row = row,
+    .limit = loop_limit,
+    .tangent = loop_tangent,
+    .axis = loop_axis,
+    .cross = loop_cross,
+    .patch = loop_patch,
+    .evaluate = loop_evaluate,
+    .row = loop_row,
 };

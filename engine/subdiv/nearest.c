@@ -1,6 +1,5 @@
-/* The nearest point: faces whose boxes are near enough, from each the local minima of a grid, from
- * each of these Newton's iteration within the face. A minimum at the border of a face is found from
- * both sides. */
+/* The closest point: in each face whose box is near enough, applies Newton's method from each local
+ * minimum of a grid. A minimum on the border of two faces is found from either. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -13,15 +12,15 @@ enum { SEED_LEVEL = 3, SEED_CELLS = 1 << SEED_LEVEL, SEED_ROW = SEED_CELLS + 1, 
 struct search {
     struct gd__walker walker;
     struct gd_vec3 xyz;
-    struct gd__spot best;
+    struct gd__face_place best;
     struct gd_vec3 position;
-    double square; /* of the distance */
+    double square; /* squared distance */
 };
 
-/* Half the square of the distance, by s and t: gradient and the matrix of second derivatives. */
+/* Half of the squared distance as a function of (s, t): gradient and Hessian. */
 struct model {
     double g[2], ss, st, tt;
-    /* without the surface's second derivatives: never indefinite */
+    /* Gauss-Newton's Hessian, without the surface's second derivatives, and so never indefinite */
     double gauss_ss, gauss_st, gauss_tt;
     struct gd_vec3 position;
 };
@@ -32,17 +31,18 @@ static double square_to(struct gd_vec3 a, struct gd_vec3 b)
     return gd_vec3_dot(way, way);
 }
 
-/* False: at a vertex without derivatives, whose position is told. */
-static bool model_at(struct search *search, const struct gd__spot *spot, struct model *out)
+/* Evaluates the model at a place. Returns false at a vertex without derivatives, where it only sets
+ * out->position. */
+static bool model_at(struct search *search, const struct gd__face_place *local, struct model *out)
 {
     uint32_t corner;
     struct gd__vertex vertex;
-    if (!gd__cell_at(&search->walker, spot, 0, 0, &corner)) {
-        gd__corner_limit(&search->walker, spot->face, corner, &vertex);
+    if (!gd__cell_at(&search->walker, local, 0, 0, &corner)) {
+        gd__corner_limit(&search->walker, local->face, corner, &vertex);
         out->position = vertex.position;
         return false;
     }
-    struct gd__jet jet = gd__cell_jet(&search->walker, spot->s, spot->t);
+    struct gd__jet jet = gd__cell_jet(&search->walker, local->s, local->t);
     struct gd_vec3 way = gd_vec3_sub(jet.p, search->xyz);
     double ss = gd_vec3_dot(jet.s, jet.s), st = gd_vec3_dot(jet.s, jet.t),
            tt = gd_vec3_dot(jet.t, jet.t);
@@ -66,7 +66,6 @@ static void newton_step(const struct model *m, double out[2])
     out[1] = (b * m->g[0] - a * m->g[1]) / determinant;
 }
 
-/* Newton's step along side k. */
 static void step_along_side(const struct model *m, uint32_t arity, uint32_t k, double out[2])
 {
     double a[2], b[2];
@@ -79,96 +78,96 @@ static void step_along_side(const struct model *m, uint32_t arity, uint32_t k, d
     out[1] = -slope / bend * y;
 }
 
-/* The first side on which the spot is and over which the step leads, GD_NONE: the step stays inside
- * for a while. */
-static uint32_t blocked_by(uint32_t arity, const struct gd__spot *spot, const double step[2])
+/* Returns the first side that contains the place and across which the step leads; GD_NONE: none. */
+static uint32_t blocked_by(uint32_t arity, const struct gd__face_place *local, const double step[2])
 {
     for (uint32_t k = 0; k < arity; k++) {
-        bool on = gd__line_at(arity, k, spot->s, spot->t) <= GD_TOL_FOOT;
+        bool on = gd__line_at(arity, k, local->s, local->t) <= GD_TOL_FOOT;
         if (on && gd__line_slope(arity, k, step[0], step[1]) < 0) return k;
     }
     return GD_NONE;
 }
 
-/* A step that goes down and stays in the face; false: there is none. */
-static bool feasible_step(const struct model *m, uint32_t arity, const struct gd__spot *spot,
+/* Computes a descent step that begins inside the face. Returns false if there is none. */
+static bool feasible_step(const struct model *m, uint32_t arity, const struct gd__face_place *local,
                           double step[2])
 {
     newton_step(m, step);
-    if (blocked_by(arity, spot, step) == GD_NONE) return true;
+    if (blocked_by(arity, local, step) == GD_NONE) return true;
     for (uint32_t k = 0; k < arity; k++) {
-        if (gd__line_at(arity, k, spot->s, spot->t) > GD_TOL_FOOT) continue;
+        if (gd__line_at(arity, k, local->s, local->t) > GD_TOL_FOOT) continue;
         step_along_side(m, arity, k, step);
-        if (fabs(step[0]) + fabs(step[1]) > GD_TOL_FOOT && blocked_by(arity, spot, step) == GD_NONE)
+        if (fabs(step[0]) + fabs(step[1]) > GD_TOL_FOOT &&
+            blocked_by(arity, local, step) == GD_NONE)
             return true;
     }
     return false;
 }
 
-static struct gd__spot moved(uint32_t arity, const struct gd__spot *from, const double step[2],
-                             double part)
+static struct gd__face_place subdiv_nearest_moved(uint32_t arity, const struct gd__face_place *from,
+                                                  const double step[2], double part)
 {
-    struct gd__spot to = {from->face, from->s + part * step[0], from->t + part * step[1]};
+    struct gd__face_place to = {from->face, from->s + part * step[0], from->t + part * step[1]};
     to.s = fmin(fmax(to.s, 0), 1);
     to.t = fmin(fmax(to.t, 0), arity == 3 ? 1 - to.s : 1);
     return to;
 }
 
-/* The part of a step up to the border, at most 1. */
-static double part_inside(uint32_t arity, const struct gd__spot *spot, const double step[2])
+/* Returns the fraction of a step up to the face's border, at most 1. */
+static double part_inside(uint32_t arity, const struct gd__face_place *local, const double step[2])
 {
     double part = 1;
     for (uint32_t k = 0; k < arity; k++) {
         double slope = gd__line_slope(arity, k, step[0], step[1]),
-               height = gd__line_at(arity, k, spot->s, spot->t);
+               height = gd__line_at(arity, k, local->s, local->t);
         if (slope < 0 && height + part * slope < 0) part = fmax(height, 0) / -slope;
     }
     return part;
 }
 
-static void note(struct search *search, const struct gd__spot *spot, struct gd_vec3 position)
+static void note(struct search *search, const struct gd__face_place *local, struct gd_vec3 position)
 {
     double square = square_to(position, search->xyz);
     if (!(square < search->square)) return;
     search->square = square;
-    search->best = *spot;
+    search->best = *local;
     search->position = position;
 }
 
-static void descend(struct search *search, struct gd__spot spot)
+static void subdiv_nearest_descend(struct search *search, struct gd__face_place local)
 {
     uint32_t arity = search->walker.surface->rules->arity;
     struct model here, there;
-    bool smooth = model_at(search, &spot, &here);
-    if (!smooth) { /* from a vertex no derivative leads away: from half a cell beside it on */
-        note(search, &spot, here.position);
-        const double inwards[2] = {(arity == 3 ? 1.0 / 3 : 0.5) - spot.s,
-                                   (arity == 3 ? 1.0 / 3 : 0.5) - spot.t};
-        spot = moved(arity, &spot, inwards, 0.5 / SEED_CELLS);
-        smooth = model_at(search, &spot, &here);
+    bool smooth = model_at(search, &local, &here);
+    if (!smooth) { /* starts half a cell beside a vertex without derivatives */
+        note(search, &local, here.position);
+        const double inwards[2] = {(arity == 3 ? 1.0 / 3 : 0.5) - local.s,
+                                   (arity == 3 ? 1.0 / 3 : 0.5) - local.t};
+        local = subdiv_nearest_moved(arity, &local, inwards, 0.5 / SEED_CELLS);
+        smooth = model_at(search, &local, &here);
     }
     for (int i = 0; smooth && i < ITERATIONS; i++) {
         double step[2];
-        if (!feasible_step(&here, arity, &spot, step)) break;
-        double part = part_inside(arity, &spot, step),
+        if (!feasible_step(&here, arity, &local, step)) break;
+        double part = part_inside(arity, &local, step),
                before = square_to(here.position, search->xyz);
-        struct gd__spot next = moved(arity, &spot, step, part);
+        struct gd__face_place next = subdiv_nearest_moved(arity, &local, step, part);
         smooth = model_at(search, &next, &there);
         while (square_to(there.position, search->xyz) > before * (1 + GD_TOL_BETTER) &&
                part > GD_TOL_FOOT) {
             part /= 2;
-            next = moved(arity, &spot, step, part);
+            next = subdiv_nearest_moved(arity, &local, step, part);
             smooth = model_at(search, &next, &there);
         }
         if (square_to(there.position, search->xyz) > before * (1 + GD_TOL_BETTER)) break;
-        spot = next;
+        local = next;
         here = there;
         if (part * fmax(fabs(step[0]), fabs(step[1])) <= GD_TOL_FOOT) break;
     }
-    note(search, &spot, here.position);
+    note(search, &local, here.position);
 }
 
-/* Whether no neighbour in the grid is nearer. */
+/* Returns true if no neighbour in the grid is nearer. */
 static bool is_local_minimum(const double *squares, uint32_t arity, int i, int j)
 {
     for (int di = -1; di <= 1; di++) {
@@ -196,8 +195,8 @@ static void search_face(struct search *search, uint32_t face)
     for (int i = 0; i <= SEED_CELLS; i++) {
         for (int j = 0; j <= (arity == 3 ? SEED_CELLS - i : SEED_CELLS); j++) {
             if (!is_local_minimum(squares, arity, i, j)) continue;
-            descend(search,
-                    (struct gd__spot){face, (double)i / SEED_CELLS, (double)j / SEED_CELLS});
+            subdiv_nearest_descend(search, (struct gd__face_place){face, (double)i / SEED_CELLS,
+                                                                   (double)j / SEED_CELLS});
         }
     }
 }
@@ -210,7 +209,7 @@ static double square_to_box(const struct gd__box *box, struct gd_vec3 p)
     return x * x + y * y + z * z;
 }
 
-/* The face whose box's middle is nearest: a good bound to begin with. */
+/* Returns the face whose box has the nearest middle: it gives a good first bound. */
 static uint32_t first_face(const struct gd_subdivision *surface, struct gd_vec3 xyz)
 {
     uint32_t found = 0;
@@ -242,10 +241,10 @@ static enum gd_status search_all(struct search *search, const struct gd_control 
 }
 
 enum gd_status gd_limit_nearest(const struct gd_subdivision *surface, struct gd_vec3 xyz,
-                                const struct gd_control *control, struct gd_limit_foot *out,
+                                const struct gd_control *control, struct gd_limit_closest *out,
                                 struct gd_detail *detail)
 {
-    if (!(isfinite(xyz.x) && isfinite(xyz.y) && isfinite(xyz.z)))
+    if (!gd_vec3_is_finite(xyz))
         return gd_fail(detail, GD_INVALID_ARGUMENT,
                        "the point has a coordinate that is no finite number");
     struct search search = {.xyz = xyz, .square = INFINITY};
@@ -255,7 +254,7 @@ enum gd_status gd_limit_nearest(const struct gd_subdivision *surface, struct gd_
     status = search_all(&search, control);
     gd__walker_free(&search.walker);
     if (status) return status;
-    *out = (struct gd_limit_foot){gd__place_of(surface, &search.best), search.position,
-                                  sqrt(search.square)};
+    *out = (struct gd_limit_closest){gd__place_of(surface, &search.best), search.position,
+                                     sqrt(search.square)};
     return GD_OK;
 }

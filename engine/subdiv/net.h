@@ -1,9 +1,10 @@
-/* Net: a control mesh at some level of subdivision, as compact half-edge tables. The whole mesh has
- * one, and so has each neighbourhood that is subdivided locally.
+/* Net: a control mesh at some level of subdivision, as compact half-edge tables. Nets represent the
+ * whole mesh, and the neighbourhoods that are subdivided locally.
  *
- * Side h is the half-edge from corner h of its face to the next one, the face to its left; the
- * sides of a face follow each other. Faces have `arity` corners (4 Catmull-Clark, 3 Loop), so that
- * side h is of face h / arity; only the net of a control mesh with other polygons has `first`. */
+ * A side is a half-edge, from one corner of its face to the next, with the face on its left. The
+ * sides of a face are consecutive. Faces have `arity` corners (Catmull-Clark 4, Loop 3), so that
+ * side h belongs to face h / arity. Only the net of a control mesh with other polygons has
+ * `first`. */
 #ifndef GD_SUBDIV_NET_H
 #define GD_SUBDIV_NET_H
 
@@ -16,24 +17,27 @@ struct gd__net {
     uint32_t arity;
     uint32_t point_count, face_count, side_count;
     struct gd_vec3 *points;
-    float *corner;    /* per point: its tag's sharpness, INFINITY from GD_SHARPNESS_INFINITE on */
-    uint32_t *first;  /* face_count + 1 offsets of sides, NULL: arity each */
-    uint32_t *origin; /* per side: the point that it starts from */
-    /* per side: the same edge seen from the other face, GD_NONE at the boundary and where a
-       neighbourhood was cut out */
+    /* per point: sharpness of its corner tag (gd/control_mesh.h); INFINITY if that is at least
+       GD_SHARPNESS_INFINITE */
+    float *corner;
+    uint32_t *first;  /* face_count + 1 offsets of sides; NULL: all faces have `arity` sides */
+    uint32_t *origin; /* per side: the point where it begins */
+    /* per side: the opposite half-edge; GD_NONE at the boundary and at the border of a
+       neighbourhood */
     uint32_t *twin;
     uint32_t *edge;    /* per side: number of its edge; set and used by gd__net_refine */
-    float *sharpness;  /* per side, equal on both; INFINITY at the boundary of the mesh */
+    float *sharpness;  /* per side, equal on twins; INFINITY at the boundary of the mesh */
     uint32_t *face_of; /* per side, only with `first` */
 };
 
-/* Memory for so many points, faces and sides, counts zero; `polygons`: with `first` and `face_of`.
- * GD_NO_MEMORY: nothing is held. */
+/* Allocates a net with room for the given numbers of points, faces and sides, and sets its counts
+ * to zero. If `polygons`, also allocates `first` and `face_of`. Error: GD_NO_MEMORY (nothing is
+ * allocated). */
 GD_MUST_USE enum gd_status gd__net_create(struct gd__net *net, uint32_t arity, size_t points,
                                           size_t faces, size_t sides, bool polygons);
 void gd__net_free(struct gd__net *net);
 
-/* Bytes that gd__net_create takes. */
+/* Returns the bytes that gd__net_create allocates. */
 size_t gd__net_size(size_t points, size_t faces, size_t sides, bool polygons);
 
 static inline uint32_t gd__face_of(const struct gd__net *net, uint32_t side)
@@ -64,15 +68,16 @@ static inline uint32_t gd__side_end(const struct gd__net *net, uint32_t side)
 }
 
 /* Fan: the faces and edges around a point, counter-clockwise. Spoke i is the edge of sides[i]; an
- * open fan has one more, the last side's predecessor. */
+ * open fan has one more spoke, the edge of the last side's predecessor. */
 struct gd__fan {
-    uint32_t *sides; /* outgoing, one a face; room for the largest valence of the mesh */
+    /* outgoing sides, one for each face; has room for the largest valence of the mesh */
+    uint32_t *sides;
     uint32_t count;
     bool closed;
 };
 
-/* The fan around the origin of `side`: from `side` on if it is closed, else from its clockwise end
- * on. */
+/* Lists the fan around the origin of `side`. A closed fan begins with `side`, an open one with its
+ * clockwise end. */
 void gd__fan_around(const struct gd__net *net, uint32_t side, struct gd__fan *fan);
 
 static inline uint32_t gd__fan_spokes(const struct gd__fan *fan)
@@ -80,7 +85,8 @@ static inline uint32_t gd__fan_spokes(const struct gd__fan *fan)
     return fan->count + !fan->closed;
 }
 
-/* The point at the end of a spoke, and its sharpness. */
+/* gd__spoke_end returns the point at the end of a spoke; gd__spoke_sharpness returns the spoke's
+ * sharpness. */
 static inline uint32_t gd__spoke_end(const struct gd__net *net, const struct gd__fan *fan,
                                      uint32_t spoke)
 {

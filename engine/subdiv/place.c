@@ -1,4 +1,5 @@
-/* Places: between the control mesh's own faces, in which callers speak, and base faces. */
+/* Places: converts between places in faces of the control mesh, which callers use, and places in
+ * base faces. */
 #include "subdiv/surface.h"
 
 #include <math.h>
@@ -30,7 +31,7 @@ void gd__chart_in(const struct gd__chart *frame, double u, double v, double out[
     out[1] = (frame->s[0] * y - frame->s[1] * x) / determinant;
 }
 
-/* x a + y b */
+/* Returns x a + y b. */
 static struct gd_vec3 sum(double x, struct gd_vec3 a, double y, struct gd_vec3 b)
 {
     return gd_vec3_along(gd_vec3_scale(a, x), y, b);
@@ -58,22 +59,22 @@ static bool is_split_quad(const struct gd_subdivision *surface, uint32_t face)
     return surface->split_first && surface->split_first[face + 1] - surface->split_first[face] == 4;
 }
 
-struct gd__spot gd__spot_of(const struct gd_subdivision *surface,
-                            const struct gd_limit_point *place)
+struct gd__face_place gd__face_place_of(const struct gd_subdivision *surface,
+                                        const struct gd_limit_point *place)
 {
-    if (!surface->split_first) return (struct gd__spot){place->face, place->u, place->v};
+    if (!surface->split_first) return (struct gd__face_place){place->face, place->u, place->v};
     uint32_t first = surface->split_first[place->face];
     if (!is_split_quad(surface, place->face))
-        return (struct gd__spot){first + place->corner, place->u, place->v};
+        return (struct gd__face_place){first + place->corner, place->u, place->v};
     uint32_t child = surface->rules->child_at(place->u, place->v, 0, 0, 0);
     struct gd__chart whole = GD__CHART_WHOLE,
                      frame = gd__chart_child(&whole, &surface->rules->children[child]);
     double st[2];
     gd__chart_in(&frame, place->u, place->v, st);
-    return (struct gd__spot){first + child, st[0], st[1]};
+    return (struct gd__face_place){first + child, st[0], st[1]};
 }
 
-/* The control face of a base face, by bisection. */
+/* Returns the control face of a base face, by binary search. */
 static uint32_t control_face(const struct gd_subdivision *surface, uint32_t base)
 {
     uint32_t low = 0, high = surface->control_faces;
@@ -102,12 +103,12 @@ struct gd__chart gd__base_frame(const struct gd_subdivision *surface, uint32_t b
 }
 
 struct gd_limit_point gd__place_of(const struct gd_subdivision *surface,
-                                   const struct gd__spot *spot)
+                                   const struct gd__face_place *local)
 {
     struct gd_limit_point place;
-    struct gd__chart frame = gd__base_frame(surface, spot->face, &place.face, &place.corner);
+    struct gd__chart frame = gd__base_frame(surface, local->face, &place.face, &place.corner);
     double uv[2];
-    gd__chart_out(&frame, spot->s, spot->t, uv);
+    gd__chart_out(&frame, local->s, local->t, uv);
     place.u = uv[0];
     place.v = uv[1];
     return place;

@@ -2,12 +2,12 @@
 
 #include <math.h>
 
-/* DeRose, Kass, Truong: Subdivision surfaces in character animation (1998), section 3; where the
- * rule of a point changes from one level to the next, its position is blended by the mean of the
- * sharpnesses that run out, as OpenSubdiv does. */
+/* DeRose, Kass, Truong: Subdivision surfaces in character animation (1998), section 3. If the rule
+ * of a point changes from one level to the next, its position is interpolated between both rules,
+ * with the mean of the sharpnesses that become zero as weight, as in OpenSubdiv. */
 enum rule { RULE_SMOOTH, RULE_CREASE, RULE_CORNER };
 
-#define NOT_PLACED (-1.0F) /* the sharpness of a corner that has no point yet */
+#define NOT_PLACED (-1.0F) /* marks a point that is not placed yet */
 
 static float decayed(float sharpness, float decay)
 {
@@ -56,7 +56,7 @@ static void count_transition(float sharpness, uint32_t *count, double *sum)
     *sum += sharpness;
 }
 
-/* How much of the sharper rule is left in a step in which sharpnesses run out. */
+/* Returns the weight of the sharper rule in a step in which sharpnesses become zero. */
 static double transition(const struct gd__net *net, const struct gd__fan *fan, float corner)
 {
     uint32_t count = 0;
@@ -103,7 +103,7 @@ uint32_t gd__number_edges(struct gd__net *net)
     uint32_t edges = 0;
     for (uint32_t side = 0; side < net->side_count; side++) {
         uint32_t twin = net->twin[side];
-        /* GD_NONE is the largest number */
+        /* a side without twin also gets a new number, because GD_NONE is the largest number */
         net->edge[side] = twin < side ? net->edge[twin] : edges++;
     }
     return edges;
@@ -124,8 +124,8 @@ static void place_points(const struct gd__net *net, uint32_t edges, uint32_t set
     for (uint32_t i = 0; i < out->point_count; i++)
         out->corner[i] = i < net->point_count ? decayed(net->corner[i], 1) : 0;
     for (uint32_t i = 0; i < net->point_count; i++) out->points[i] = net->points[i];
-    /* each point once: by the side at which its fan begins; those that no face refers to have none,
-     * and may be more than there are sides */
+    /* Moves each point once, at the side where its fan begins. Points without faces have no such
+       side. */
     for (uint32_t i = 0; i < settled; i++) out->corner[i] = NOT_PLACED;
     for (uint32_t side = 0; side < net->side_count; side++) {
         uint32_t point = net->origin[side];
@@ -137,7 +137,8 @@ static void place_points(const struct gd__net *net, uint32_t edges, uint32_t set
     for (uint32_t i = 0; i < settled; i++) out->corner[i] = fmaxf(out->corner[i], 0);
 }
 
-/* The child at the origin of `side`: corner, edge point ahead, (face point,) edge point behind. */
+/* Creates the child at the origin of `side`. Its corners are the origin, the edge point ahead, the
+ * face point (not with Loop), and the edge point behind. */
 static void join_corner(const struct gd__net *net, uint32_t side, struct gd__net *out)
 {
     uint32_t arity = net->arity, first = arity * gd__child_at_corner(net, side),
@@ -169,7 +170,8 @@ static void join_quads(const struct gd__net *net, uint32_t edges, struct gd__net
     }
 }
 
-/* A triangle's middle child is that of its edge points, in the order of its edges. */
+/* Creates the children of triangles. The corners of a middle child are the edge points, in the
+ * order of the edges. */
 static void join_triangles(const struct gd__net *net, struct gd__net *out)
 {
     out->face_count = 4 * net->face_count;

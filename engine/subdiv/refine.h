@@ -1,24 +1,24 @@
-/* Refine: one step of subdivision of a net. */
+/* Refine: subdivides a net by one step. */
 #ifndef GD_SUBDIV_REFINE_H
 #define GD_SUBDIV_REFINE_H
 
 #include "subdiv/scheme.h"
 
-/* The child of a face at one of its corners, which is its corner 0; `side` begins at that corner.
- * Loop's fourth child is 4 face + 3. */
+/* Returns the child of a face at the origin of `side`, which is the child's corner 0. Loop's fourth
+ * child, in the middle, is 4 * face + 3. */
 static inline uint32_t gd__child_at_corner(const struct gd__net *net, uint32_t side)
 {
     return net->arity == 3 ? 4 * (side / 3) + side % 3 : side;
 }
 
-/* Numbers the edges into net->edge and returns how many there are. */
+/* Numbers the edges in net->edge, and returns the number of edges. */
 uint32_t gd__number_edges(struct gd__net *net);
 
-/* Subdivides `net` into `out`, made by gd__net_create with room for points + edges (+ faces where
- * the scheme has face points) points and for a child a corner (Loop: four a face). Points 0 to
- * `settled` - 1 are moved by the vertex rule, the others, whose fans are not whole, aren't. `fan`
- * is scratch. Children are numbered as gd__child_at_corner says; point i of `net` is point i of
- * `out`. Semi-sharp tags lose 1. */
+/* Subdivides `net` into `out`. The caller creates `out` by gd__net_create with room for the new
+ * points (points + edges, and faces if the scheme has face points) and faces (one for each corner;
+ * Loop: four for each face). The vertex rule is applied to points 0 to `settled` - 1; the fans of
+ * other points are incomplete. `fan` is scratch. Children are numbered as by gd__child_at_corner;
+ * point i of `net` is point i of `out`. Semi-sharp tags decrease by 1. */
 void gd__net_refine(struct gd__net *net, uint32_t settled, struct gd__fan *fan,
                     struct gd__net *out);
 

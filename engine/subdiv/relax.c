@@ -1,4 +1,4 @@
-/* Shooting for the geodesic between two places. */
+/* Computes the geodesic between two places by shooting. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -7,7 +7,8 @@
 
 enum { SHOTS = 24 };
 
-/* The tangent plane at the start: a unit direction is cos x + sin y. */
+/* The start, its tangent plane (a unit direction is cos(angle) x + sin(angle) y), and the
+ * target. */
 struct aim {
     const struct gd_subdivision *surface;
     const struct gd_control *control;
@@ -20,7 +21,8 @@ struct aim {
 struct shot {
     double angle, length;
     struct gd_limit_path path;
-    struct gd_vec3 end; /* beyond the path's end, if it met the boundary before, straight on */
+    /* the path's end; if the path met the boundary, extended straight to `length` */
+    struct gd_vec3 end;
     double miss;
 };
 
@@ -39,8 +41,8 @@ static enum gd_status shoot(const struct aim *aim, double angle, double length, 
     return GD_OK;
 }
 
-/* How far the end moves sideways, and which way that is, per radian of the direction at the
- * start. */
+/* Computes the derivative of the end by the angle of the direction at the start, as a vector across
+ * the path. */
 static enum gd_status end_movement(const struct aim *aim, const struct shot *shot,
                                    struct gd_vec3 *out)
 {
@@ -53,9 +55,9 @@ static enum gd_status end_movement(const struct aim *aim, const struct shot *sho
     return GD_OK;
 }
 
-/* One step of Newton's method, halved until it comes nearer; `*shot` becomes the better one.
- * `*better` false: none is. */
-static enum gd_status improve(const struct aim *aim, struct shot *shot, bool *better)
+/* Makes a step of Newton's method, halved until the end comes nearer to the target, and replaces
+ * *shot. Sets *better to false if no fraction of the step is better. */
+static enum gd_status relax_improve(const struct aim *aim, struct shot *shot, bool *better)
 {
     struct gd_vec3 sideways, miss = gd_vec3_sub(aim->target, shot->end);
     enum gd_status status = end_movement(aim, shot, &sideways);
@@ -83,9 +85,9 @@ static enum gd_status hit(const struct aim *aim, double length, struct gd_limit_
     enum gd_status status = shoot(aim, 0, length, &shot);
     if (status) return status;
     for (int i = 0; !status && better && i < SHOTS && shot.miss > GD_TOL_PLACE * length; i++)
-        status = improve(aim, &shot, &better);
+        status = relax_improve(aim, &shot, &better);
     *out = (struct gd_limit_geodesic){.path = shot.path};
-    /* it may have met the boundary before */
+    /* the path may have met the boundary before its end */
     double off = shot.miss + fabs(shot.length - shot.path.length);
     out->error_estimate = off + GD_TOL_GEODESIC * shot.path.step_count * length;
     out->converged =
@@ -94,7 +96,8 @@ static enum gd_status hit(const struct aim *aim, double length, struct gd_limit_
     return status;
 }
 
-/* Axes of the tangent plane, x towards the polyline's first tenth; the polyline's length. */
+/* Computes the axes of the tangent plane, with x towards the end of the polyline's first tenth, and
+ * the polyline's length. */
 static enum gd_status take_aim(const struct gd_limit_jet *jets, size_t count, struct aim *aim,
                                double *length)
 {

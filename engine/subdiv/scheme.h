@@ -1,9 +1,9 @@
-/* Scheme: what Catmull-Clark and Loop subdivision differ in. Everything else (refinement,
- * neighbourhoods, descent, grids, tracing) is written once.
+/* Scheme: the differences between Catmull-Clark and Loop subdivision. All other code (refinement,
+ * neighbourhoods, descent, grids, tracing) is common to both.
  *
  * A face's own coordinates (s,t) run over its domain: the square [0,1]^2 or the triangle s, t >= 0,
- * s + t <= 1. Its children lie in it as `children` says: (s,t) of a child is ((origin + s * axis_s
- * + t * axis_t) / 2) of its parent; the determinant of the axes is 1. */
+ * s + t <= 1. `children` contains the placement of a face's children: (s,t) of a child is (origin +
+ * s * axis_s + t * axis_t) / 2 in the parent's coordinates; the determinant of the axes is 1. */
 #ifndef GD_SUBDIV_SCHEME_H
 #define GD_SUBDIV_SCHEME_H
 
@@ -26,7 +26,7 @@ struct gd__child {
 
 enum { GD__CHILDREN = 4 };
 
-/* Where a grid is written: (i,j) at index origin + i step_s + j step_t. */
+/* The destination of a grid: (i,j) is stored at index origin + i step_s + j step_t. */
 struct gd__grid_rows {
     uint32_t cells;
     ptrdiff_t origin, step_s, step_t;
@@ -35,43 +35,45 @@ struct gd__grid_rows {
 
 struct gd__scheme {
     uint32_t arity;
-    uint32_t valence; /* of regular vertices */
+    uint32_t valence; /* valence of regular vertices */
     bool face_points;
     struct gd__child children[GD__CHILDREN];
-    bool corner_patches; /* a sharp corner of one face is part of a polynomial patch */
+    bool corner_patches; /* a sharp corner with only one face is part of a polynomial patch */
 
-    /* The child in whose domain (s,t) lies. On a border between children, up to `slack`: the one
-     * that (ds,dt) points into, if that is not 0. */
+    /* Returns the child whose domain contains (s,t). Within `slack` of the border between children,
+       the direction (ds,dt) decides, if it is not 0. */
     uint32_t (*child_at)(double s, double t, double ds, double dt, double slack);
 
-    /* Subdivision rules inside; `face_points` is NULL for Loop. */
+    /* The subdivision rules for smooth interior points. `face_points` is NULL for Loop. */
     struct gd_vec3 (*edge_point)(const struct gd__net *net, uint32_t side,
                                  const struct gd_vec3 *face_points);
     struct gd_vec3 (*vertex_point)(const struct gd__net *net, const struct gd__fan *fan,
                                    const struct gd_vec3 *face_points);
 
-    /* Limit masks of a closed fan without sharp edges, and the tangent towards spoke 0 turned by
-     * `angle` (2 pi / n is the next spoke). */
+    /* Limit masks of a closed fan without sharp edges: the position, and the tangent towards spoke
+       0 rotated by `angle` (2 pi / n leads to the next spoke). */
     struct gd_vec3 (*limit)(const struct gd__net *net, const struct gd__fan *fan);
     struct gd_vec3 (*tangent)(const struct gd__net *net, const struct gd__fan *fan, double angle);
-    /* ... with the vertex held where it is: the direction that the ring takes as it shrinks, 0:
-     * none. */
+    /* Limit mask of a closed fan around a fixed vertex: the direction of the ring's slowest
+       shrinking component; 0: none. */
     struct gd_vec3 (*axis)(const struct gd__net *net, const struct gd__fan *fan);
-    /* ... and, at a crease with `faces` faces from spoke `begin` on, the tangent into the surface
-     * across it. */
+    /* Limit mask at a crease with `faces` faces that begin at spoke `begin`: the tangent into the
+       surface, across the crease. */
     struct gd_vec3 (*cross)(const struct gd__net *net, const struct gd__fan *fan, uint32_t begin,
                             uint32_t faces);
 
-    /* The polynomial of face 0, all of whose corners are regular (gd__ring_is_regular). */
+    /* Computes the polynomial of face 0, all of whose corners must be regular
+       (gd__ring_is_regular). */
     void (*patch)(const struct gd__net *net, struct gd__fan *fan, struct gd__patch *out);
     void (*evaluate)(const struct gd__patch *patch, double s, double t, struct gd__jet *out);
 
-    /* Row i of a grid: positions and cross products of the derivatives at (i / cells, j / cells), 0
-     * <= j <= cells in the domain. */
+    /* Computes row i of a grid: positions and cross products of the derivatives at (i / cells, j /
+       cells), for all 0 <= j <= cells in the domain. */
     void (*row)(const struct gd__patch *patch, uint32_t i, const struct gd__grid_rows *rows);
 };
 
-/* Which side of the border between children at 1/2 a coordinate is on. */
+/* Returns true if a coordinate lies beyond the border between children at 1/2. Within `slack` of
+ * the border, dx decides if it is not 0. */
 static inline bool gd__is_beyond(double x, double dx, double slack)
 {
     bool on = x >= 0.5 - slack && x <= 0.5 + slack;

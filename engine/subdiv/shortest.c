@@ -1,4 +1,4 @@
-/* Shortest paths: the mesh finds the way, the surface straightens it. */
+/* Shortest paths: searches a path on the mesh, and relaxes it to a geodesic of the surface. */
 #include "gd/limit_shortest.h"
 
 #include <math.h>
@@ -15,7 +15,7 @@ void gd_limit_shortest_free(struct gd_limit_shortest *shortest)
     *shortest = (struct gd_limit_shortest){0};
 }
 
-/* One search, with all that it has made. */
+/* One search with its results. */
 struct search {
     const struct gd_limit_mesh *fine;
     const struct gd_control *control;
@@ -24,7 +24,7 @@ struct search {
     struct gd_pair_answer pair; /* on the mesh */
     struct gd_limit_point *places;
     struct gd_limit_jet *jets;
-    uint32_t count; /* of places and jets */
+    uint32_t count; /* number of places and jets */
 };
 
 static void search_free(struct search *search)
@@ -48,12 +48,12 @@ static enum gd_status search_mesh(struct search *search)
     if (status) return status;
     return gd_pair_solve(
         gd_limit_mesh_mesh(search->fine),
-        &(struct gd_pair_request){.from = &points[0], .to = &points[1], .wish = GD_PAIR_PATH},
+        &(struct gd_pair_request){.from = &points[0], .to = &points[1], .output = GD_PAIR_PATH},
         search->control, &search->pair, search->detail);
 }
 
-/* The middle of a straight part of the path; where the mesh passes through itself perhaps that of
- * another sheet, which is as good for a length. */
+/* Computes the place at the middle of a straight part of the path. If the mesh intersects itself,
+ * the result may lie on another sheet, which gives an equally good length. */
 static enum gd_status place_between(const struct search *search, const struct gd_point *a,
                                     const struct gd_point *b, struct gd_limit_point *out)
 {
@@ -66,8 +66,8 @@ static enum gd_status place_between(const struct search *search, const struct gd
     return status;
 }
 
-/* The places of the path's points and, between them, of the middles of its parts. They begin and
- * end with the caller's own. */
+/* Computes the places of the path's points and of the middles of its parts. The first and the last
+ * place are the caller's. */
 static enum gd_status place_path(struct search *search)
 {
     const struct gd_path *path = &search->pair.path;
@@ -82,7 +82,7 @@ static enum gd_status place_path(struct search *search)
     return status;
 }
 
-/* The path's places, and the surface there. */
+/* Allocates and computes the path's places, and evaluates the surface at them. */
 static enum gd_status lift(struct search *search)
 {
     uint32_t count = search->pair.path.count < 2 ? 3 : 2 * search->pair.path.count - 1;
@@ -103,38 +103,40 @@ static enum gd_status lift(struct search *search)
 
 /* --- on the surface --------------------------------------------------------------------------- */
 
-/* Length of the cubic over a chord that leaves it with the slopes a and b, to the fourth order. */
+/* Returns the length of a cubic over a chord, with the slopes a and b at the chord's ends, up to
+ * the fourth order. */
 static double arc(double chord, double a, double b)
 {
     return chord * (1 + (2 * a * a - a * b + 2 * b * b) / 30);
 }
 
-/* How much of a chord of unit length the normal sees; nothing where there is none. */
-static double slope_at(const struct gd_limit_jet *jet, struct gd_vec3 way, double chord)
+/* Returns the slope of the surface against a chord, from the normal; 0 without a normal. */
+static double subdiv_shortest_slope_at(const struct gd_limit_jet *jet, struct gd_vec3 way,
+                                       double chord)
 {
     return isnan(jet->normal.x) ? 0 : -gd_vec3_dot(jet->normal, way) / chord;
 }
 
-/* Of the surface's curve from one jet's point to the other's, straight but for what the normals
- * tell. */
+/* Returns the length of the curve on the surface between two jets that is straight in the tangent
+ * plane. */
 static double arc_between(const struct gd_limit_jet *from, const struct gd_limit_jet *to)
 {
     struct gd_vec3 way = gd_vec3_sub(to->position, from->position);
     double chord = gd_vec3_length(way);
     if (!(chord > 0)) return 0;
-    return arc(chord, slope_at(from, way, chord), slope_at(to, way, chord));
+    return arc(chord, subdiv_shortest_slope_at(from, way, chord),
+               subdiv_shortest_slope_at(to, way, chord));
 }
 
-/* Over three points: what the middle one adds to the whole's length is a quarter of what is
- * missing, since normals tell how the surface bends, but not how the path bends in it, at a
- * boundary for instance. */
+/* Returns the length of a curve through three points, by extrapolation: halving the chords leaves a
+ * quarter of the error. This also covers bends within the surface, for instance at a boundary,
+ * which normals do not show. */
 static double arc_by_way(const struct gd_limit_jet *jets)
 {
     double halves = arc_between(&jets[0], &jets[1]) + arc_between(&jets[1], &jets[2]);
     return halves + (halves - arc_between(&jets[0], &jets[2])) / 3;
 }
 
-/* The lifted path as the answer. */
 static enum gd_status answer_lifted(const struct search *search, struct gd_limit_shortest *out)
 {
     struct gd_limit_shortest made = {.mesh_distance = search->pair.distance,
@@ -151,8 +153,8 @@ static enum gd_status answer_lifted(const struct search *search, struct gd_limit
     return GD_OK;
 }
 
-/* Puts the geodesic in the place of the lifted path if it is no longer than that, as far as its
- * length is known. */
+/* Replaces the projected path by the geodesic if the geodesic is not longer, within the known
+ * error. */
 static void prefer_geodesic(const struct search *search, struct gd_limit_geodesic *found,
                             struct gd_limit_shortest *out)
 {
@@ -170,21 +172,22 @@ static void prefer_geodesic(const struct search *search, struct gd_limit_geodesi
     out->steps[path->step_count - 1].place = search->ends[1];
 }
 
-static enum gd_status relax(const struct search *search, struct gd_limit_shortest *out)
+static enum gd_status subdiv_shortest_relax(const struct search *search,
+                                            struct gd_limit_shortest *out)
 {
     struct gd_limit_geodesic found;
     if (!(out->distance > 0)) return GD_OK;
     enum gd_status status = gd_limit_relax(gd_limit_mesh_surface(search->fine),
                                            &(struct gd_limit_places){search->places, search->count},
                                            search->control, &found, search->detail);
-    /* the ends are too near to each other to tell a direction, or there is none at the start, or
-     * geodesics can't be followed */
+    /* the ends are too near to each other to define a direction, the start has no tangent plane, or
+       tracing failed */
     if (status == GD_INVALID_ARGUMENT || status == GD_INTERNAL) return GD_OK;
     if (!status) prefer_geodesic(search, &found, out);
     return status;
 }
 
-static enum gd_status find(struct search *search, struct gd_limit_shortest *out)
+static enum gd_status subdiv_shortest_find(struct search *search, struct gd_limit_shortest *out)
 {
     enum gd_status status = search_mesh(search);
     if (!status && isinf(search->pair.distance)) {
@@ -194,7 +197,7 @@ static enum gd_status find(struct search *search, struct gd_limit_shortest *out)
     struct gd_limit_shortest made = {0};
     if (!status) status = lift(search);
     if (!status) status = answer_lifted(search, &made);
-    if (!status) status = relax(search, &made);
+    if (!status) status = subdiv_shortest_relax(search, &made);
     if (status)
         gd_limit_shortest_free(&made);
     else
@@ -209,7 +212,7 @@ enum gd_status gd_limit_shortest_find(const struct gd_limit_mesh *fine,
 {
     struct search search = {
         .fine = fine, .control = control, .detail = detail, .ends = {ends[0], ends[1]}};
-    enum gd_status status = find(&search, out);
+    enum gd_status status = subdiv_shortest_find(&search, out);
     search_free(&search);
     return status;
 }

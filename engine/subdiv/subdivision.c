@@ -9,8 +9,8 @@
 
 enum { SIDES_MOST = 1 << 26 };
 
-/* One refinement of a mesh with polygons, whose children are all quads. */
-static enum gd_status split(struct gd_subdivision *surface, struct gd__net *control)
+/* Refines a mesh with polygons once, so that all base faces are quads. */
+static enum gd_status subdivision_split(struct gd_subdivision *surface, struct gd__net *control)
 {
     uint32_t edges = gd__number_edges(control);
     struct gd__fan fan = {.sides = malloc((control->side_count + (size_t)1) * sizeof *fan.sides)};
@@ -29,7 +29,7 @@ static enum gd_status split(struct gd_subdivision *surface, struct gd__net *cont
     return status;
 }
 
-/* Counts, per point, its edges (one more than its faces at a boundary) and whether it is at the
+/* Per point: its number of edges (at a boundary one more than its faces), and whether it is on the
  * boundary. */
 struct census {
     uint32_t *edges;
@@ -59,7 +59,8 @@ static uint32_t largest_valence(const struct gd__net *net, const struct census *
     return largest;
 }
 
-/* `valences` has room for one of each valence up to the largest. */
+/* Counts the extraordinary points of each valence. `valences` has room for an entry for each
+ * valence up to `largest`. */
 static uint32_t count_extraordinary(const struct gd__net *net, const struct census *census,
                                     uint32_t regular, uint32_t largest, struct gd_valence *valences)
 {
@@ -131,7 +132,8 @@ static enum gd_status summarise(struct gd_subdivision *surface, struct gd__net *
     return status;
 }
 
-/* Splitting makes vertices of polygons' valence: their middles. */
+/* Updates the largest valence after a split: the middle of a polygon becomes a vertex whose valence
+ * is the number of the polygon's corners. */
 static void widen_valence(struct gd_subdivision *surface)
 {
     for (uint32_t face = 0; surface->split_first && face < surface->control_faces; face++) {
@@ -147,8 +149,8 @@ static struct gd__box joined(struct gd__box a, struct gd__box b)
         {fmax(a.high.x, b.high.x), fmax(a.high.y, b.high.y), fmax(a.high.z, b.high.z)}};
 }
 
-/* Of the corners of each face; then of the faces around each point; then of the points of each face
- * again. */
+/* Computes the box of each face's one-ring: first the boxes of each face's corners, then their
+ * union around each point, then the union over each face's points. */
 static enum gd_status make_boxes(struct gd_subdivision *surface)
 {
     const struct gd__net *base = &surface->base;
@@ -180,7 +182,7 @@ static enum gd_status make_boxes(struct gd_subdivision *surface)
     return GD_OK;
 }
 
-static void measure(struct gd_subdivision *surface)
+static void subdivision_measure(struct gd_subdivision *surface)
 {
     struct gd__box all = surface->boxes[0];
     for (uint32_t face = 1; face < surface->base.face_count; face++)
@@ -189,14 +191,14 @@ static void measure(struct gd_subdivision *surface)
     surface->size = fmax(extent.x, fmax(extent.y, extent.z));
 }
 
-static enum gd_status adopt(struct gd_subdivision *surface, struct gd__net *control,
-                            const struct gd_control_mesh *mesh)
+static enum gd_status subdivision_adopt(struct gd_subdivision *surface, struct gd__net *control,
+                                        const struct gd_control_mesh *mesh)
 {
     surface->control_faces = control->face_count;
     enum gd_status status = summarise(surface, control, mesh);
     if (status) return status;
     if (control->first) {
-        status = split(surface, control);
+        status = subdivision_split(surface, control);
         widen_valence(surface);
     } else {
         surface->base = *control;
@@ -205,12 +207,13 @@ static enum gd_status adopt(struct gd_subdivision *surface, struct gd__net *cont
     if (status) return status;
     surface->base_edges = gd__number_edges(&surface->base);
     status = make_boxes(surface);
-    if (!status) measure(surface);
+    if (!status) subdivision_measure(surface);
     return status;
 }
 
-static enum gd_status build(struct gd_subdivision *surface, const struct gd_control_mesh *mesh,
-                            struct gd_detail *detail)
+static enum gd_status subdivision_build(struct gd_subdivision *surface,
+                                        const struct gd_control_mesh *mesh,
+                                        struct gd_detail *detail)
 {
     struct gd__net control = {0};
     struct gd__edge_key *edges = NULL;
@@ -218,7 +221,7 @@ static enum gd_status build(struct gd_subdivision *surface, const struct gd_cont
         gd__net_connect(&mesh->polygons, surface->rules->arity, &control, &edges, detail);
     if (!status) status = gd__apply_tags(mesh, edges, &control, detail);
     free(edges);
-    if (!status) status = adopt(surface, &control, mesh);
+    if (!status) status = subdivision_adopt(surface, &control, mesh);
     gd__net_free(&control);
     return status;
 }
@@ -242,7 +245,7 @@ enum gd_status gd_subdivision_create(const struct gd_control_mesh *control_mesh,
     atomic_init(&surface->references, 1);
     surface->scheme = scheme;
     surface->rules = scheme == GD_SCHEME_LOOP ? &gd__loop : &gd__catmull_clark;
-    status = build(surface, control_mesh, detail);
+    status = subdivision_build(surface, control_mesh, detail);
     if (!status) status = gd_control_check(control, 1);
     if (status)
         gd_subdivision_release(surface);

@@ -1,8 +1,8 @@
-/* Surface: what a subdivision surface holds, for the files of this room.
+/* Surface: the members of a subdivision surface, for the files of this folder.
  *
- * Base faces are those from which everything starts: all quads (Loop: triangles). They are the
- * control mesh's own faces or, where one of those is no quad, all of its faces' children after one
- * refinement, so that base face h is the child at side h of the control mesh. */
+ * All base faces are quads (Loop: triangles). If all faces of the control mesh are quads, they are
+ * the base faces. Otherwise the base faces are the children after one refinement: base face h is
+ * the child at side h of the control mesh. */
 #ifndef GD_SUBDIV_SURFACE_H
 #define GD_SUBDIV_SURFACE_H
 
@@ -20,51 +20,55 @@ struct gd_subdivision {
     enum gd_scheme scheme;
     const struct gd__scheme *rules;
     struct gd__net base;
-    /* per control face: its first base face, one more at the end; NULL: base faces are control
-       faces */
+    /* per control face: its first base face, with one more entry at the end; NULL: base faces are
+       control faces */
     uint32_t *split_first;
     uint32_t control_faces;
-    uint32_t largest_valence; /* of base vertices, at least the regular one */
-    uint32_t base_edges;      /* base.edge numbers the edges; that of a lower side is its owner */
+    uint32_t largest_valence; /* largest valence of base vertices, at least the regular one */
+    /* number of edges, which base.edge numbers; the lower side of an edge owns it */
+    uint32_t base_edges;
     struct gd_subdivision_summary summary;
     struct gd_valence *valences;
-    /* per base face: of its one-ring, whose convex hull the surface over the face keeps to */
+    /* per base face: bounding box of its one-ring, which contains the surface over the face */
     struct gd__box *boxes;
     double size; /* largest extent of the control points */
 };
 
-/* Affine map from a face's own coordinates to those of one that it is a part of: origin + s * s[] +
- * t * t[]. */
+/* An affine map from a face's own coordinates to those of a face that contains it: origin + s * s[]
+ * + t * t[]. */
 struct gd__chart {
     double origin[2], s[2], t[2];
 };
 
 #define GD__CHART_WHOLE ((struct gd__chart){{0, 0}, {1, 0}, {0, 1}})
 
-/* The frame of child `child`, in the coordinates that `frame` maps to. */
+/* gd__chart_child returns the chart of a child, in the coordinates into which `frame` maps.
+ * gd__chart_out maps from a face's own coordinates to the outer ones; gd__chart_in is the
+ * inverse. */
 struct gd__chart gd__chart_child(const struct gd__chart *frame, const struct gd__child *child);
 void gd__chart_out(const struct gd__chart *frame, double s, double t, double out[2]);
 void gd__chart_in(const struct gd__chart *frame, double u, double v, double out[2]);
 
-/* The jet in the coordinates that the frame maps to. */
+/* Transforms a jet from a face's own coordinates to the outer ones. */
 struct gd__jet gd__chart_jet(const struct gd__chart *frame, const struct gd__jet *jet);
 
 /* A place on a base face. */
-struct gd__spot {
+struct gd__face_place {
     uint32_t face;
     double s, t;
 };
 
-/* Places that are known to be in range, and base faces' spots. `frame` of a base face maps to the
- * coordinates of its control face. */
-struct gd__spot gd__spot_of(const struct gd_subdivision *surface,
-                            const struct gd_limit_point *place);
+/* Convert between valid places and places on base faces. gd__base_frame returns the chart of a base
+ * face in its control face, and that face and corner. */
+struct gd__face_place gd__face_place_of(const struct gd_subdivision *surface,
+                                        const struct gd_limit_point *place);
 struct gd__chart gd__base_frame(const struct gd_subdivision *surface, uint32_t base, uint32_t *face,
                                 uint32_t *corner);
 struct gd_limit_point gd__place_of(const struct gd_subdivision *surface,
-                                   const struct gd__spot *spot);
+                                   const struct gd__face_place *local);
 
-/* GD_OUT_OF_RANGE, GD_INVALID_ARGUMENT; moves u and v that are off by rounding into the face. */
+/* Validates a place, and clamps u and v to the face if they are outside only by rounding. Errors:
+ * GD_OUT_OF_RANGE, GD_INVALID_ARGUMENT. */
 GD_MUST_USE enum gd_status gd__place_check(const struct gd_subdivision *surface,
                                            struct gd_limit_point *place, struct gd_detail *detail);
 

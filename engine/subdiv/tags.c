@@ -47,7 +47,7 @@ static enum gd_status apply_crease(const struct gd_crease *crease, uint32_t inde
         return GD_NO_SUCH_EDGE;
     }
     uint32_t twin = net->twin[edge->side];
-    if (twin == GD_NONE) return GD_OK; /* the boundary is infinitely sharp already */
+    if (twin == GD_NONE) return GD_OK; /* the boundary is already infinitely sharp */
     net->sharpness[edge->side] = net->sharpness[twin] = sharpness_of(crease->sharpness);
     return GD_OK;
 }

@@ -1,4 +1,4 @@
-/* The triangles of one face. */
+/* Computes the triangles of one face. */
 #include "subdiv/tiling.h"
 
 static uint32_t *triangle(uint32_t *corners, uint32_t a, uint32_t b, uint32_t c)
@@ -13,7 +13,8 @@ static double square_distance(const double *a, const double *b)
     return x * x + y * y + z * z;
 }
 
-/* Counter-clockwise corners; cut along the shorter diagonal, of equal ones from a to c. */
+/* Divides a quad with the counter-clockwise corners v along the shorter diagonal; in a tie from
+ * v[0] to v[2]. */
 static uint32_t *quad(const double (*positions)[3], const uint32_t v[4], uint32_t *corners)
 {
     bool first = square_distance(positions[v[0]], positions[v[2]]) <=
@@ -22,7 +23,7 @@ static uint32_t *quad(const double (*positions)[3], const uint32_t v[4], uint32_
     return first ? triangle(corners, v[0], v[2], v[3]) : triangle(corners, v[1], v[2], v[3]);
 }
 
-/* The vertex at (i,j) of a face whose edges are as fine as itself. */
+/* Returns the vertex at (i,j) of a face whose edges have the face's own level. */
 static uint32_t vertex_at(const struct gd__tiling *tiling, uint32_t face, uint32_t cells,
                           uint32_t i, uint32_t j)
 {
@@ -42,7 +43,7 @@ struct tiled {
     struct gd__pace *pace;
 };
 
-/* Cells (i,j) with low <= i, j and i, j < high (Loop: i + j < high). */
+/* Appends the triangles of the cells (i,j) with low <= i, j < high (Loop: i + j < high). */
 static uint32_t *tile_cells(const struct tiled *tiled, uint32_t low, uint32_t high,
                             uint32_t *corners)
 {
@@ -71,7 +72,7 @@ static uint32_t *tile_cells(const struct tiled *tiled, uint32_t low, uint32_t hi
     return corners;
 }
 
-/* Vertex n of the row of inner vertices next to side k, along it. */
+/* Returns vertex n of the row of inner vertices next to side k. */
 static uint32_t inner_vertex(const struct gd__tiling *tiling, uint32_t face, uint32_t k, uint32_t n)
 {
     uint32_t cells = 1u << tiling->face_level[face], m = n + 1, rest = cells - m;
@@ -83,8 +84,8 @@ static uint32_t inner_vertex(const struct gd__tiling *tiling, uint32_t face, uin
     return gd__tiling_inside(tiling, face, cells, at[k][0], at[k][1]);
 }
 
-/* Between a side and the inner row beside it: from both, the vertex that comes next along the
- * side. */
+/* Joins a side with the inner row beside it. Each triangle advances on the side or on the row,
+ * wherever the next vertex comes first along the side. */
 static uint32_t *tile_strip(const struct gd__tiling *tiling, uint32_t face, uint32_t k,
                             uint32_t *corners)
 {

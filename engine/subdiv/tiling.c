@@ -59,7 +59,8 @@ static uint64_t inside_count(uint32_t arity, uint64_t cells)
     return arity == 4 ? (cells - 1) * (cells - 1) : cells < 2 ? 0 : (cells - 1) * (cells - 2) / 2;
 }
 
-/* Cells and, for each edge that is finer than the face, what is more at its border. */
+/* Returns the number of a face's triangles: those of its cells, and additional ones at edges finer
+ * than the face. */
 static uint64_t triangle_count(const struct gd__tiling *tiling, uint32_t face)
 {
     const struct gd__net *base = &tiling->surface->base;
@@ -77,7 +78,7 @@ enum gd_status gd__tiling_number(struct gd__tiling *tiling, uint64_t most)
     level_edges(tiling);
     for (uint32_t face = 0; face < base->face_count; face++)
         tiling->triangles += triangle_count(tiling, face);
-    /* the vertices of fewer than 2^30 triangles can be counted */
+    /* with fewer than 2^30 triangles, vertex numbers fit 32 bits */
     if (tiling->triangles > most) return GD_TOO_LARGE;
     number_points(tiling);
     for (uint32_t edge = 0; edge < tiling->surface->base_edges; edge++) {

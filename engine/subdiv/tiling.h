@@ -1,7 +1,7 @@
-/* Tiling: how fine each base face and edge is cut, and the numbers of the vertices that this makes.
+/* Tiling: the level of each base face and edge, and the numbering of all vertices.
  *
- * Vertices are numbered: base points, then the inner points of edges, edge by edge in the direction
- * of the owning side, then those of faces, row by row. */
+ * The order of vertices is: base points; inner points of edges, edge by edge in the direction of
+ * the owning side; inner points of faces, row by row. */
 #ifndef GD_SUBDIV_TILING_H
 #define GD_SUBDIV_TILING_H
 
@@ -10,36 +10,38 @@
 
 struct gd__tiling {
     const struct gd_subdivision *surface; /* borrowed */
-    uint8_t *face_level, *edge_level;     /* edge: of the finer face beside it */
-    /* per base point: its vertex, GD_NONE if no face has it */
+    uint8_t *face_level, *edge_level;     /* an edge has the level of its finer face */
+    /* per base point: its vertex; GD_NONE: no face uses the point */
     uint32_t *point;
     uint32_t *edge_first, *face_first;
-    uint64_t vertices, triangles; /* at most 2^32 - 1 each, or gd__tiling_number fails */
+    uint64_t vertices, triangles; /* numbers of each; gd__tiling_number fails beyond 2^32 - 1 */
 };
 
-/* With all levels `level`. GD_NO_MEMORY. */
+/* Creates a tiling in which all faces have `level`. Error: GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__tiling_create(const struct gd_subdivision *surface, uint32_t level,
                                              struct gd__tiling *out);
 void gd__tiling_free(struct gd__tiling *tiling);
 
-/* Edges' levels and all numbers, from face_level. GD_TOO_LARGE: more than `most` triangles. */
+/* Computes the levels of edges and all numbers from face_level. Error: GD_TOO_LARGE (more than
+ * `most` triangles). */
 GD_MUST_USE enum gd_status gd__tiling_number(struct gd__tiling *tiling, uint64_t most);
 
-/* The finest level at a face or its edges. */
+/* Returns the finest level of a face and its edges. */
 uint32_t gd__tiling_finest(const struct gd__tiling *tiling, uint32_t face);
 
-/* Vertex `m` of the 2^level + 1 along a side. */
+/* Returns vertex `m` of the 2^level + 1 vertices along a side. */
 uint32_t gd__tiling_on_side(const struct gd__tiling *tiling, uint32_t side, uint32_t m);
 
-/* Vertex (i,j) inside of a face of 2^level = `cells`: 0 < i, j < cells (Loop: i + j < cells). */
+/* Returns vertex (i,j) inside a face with `cells` = 2^level cells along a side: 0 < i, j < cells
+ * (Loop: i + j < cells). */
 uint32_t gd__tiling_inside(const struct gd__tiling *tiling, uint32_t face, uint32_t cells,
                            uint32_t i, uint32_t j);
 
-/* (i,j) of point `m` of side `k` of a face in `cells`. */
+/* Computes (i,j) of point `m` on side `k` of a face with `cells` cells along a side. */
 void gd__side_place(uint32_t arity, uint32_t k, uint32_t cells, uint32_t m, uint32_t out[2]);
 
-/* Appends the triangles of a face at `corners` and returns its end. `positions` are all vertices'.
- * A step of the pace is a cell; where it ends, so do the triangles. */
+/* Writes the triangles of a face to `corners`, and returns their end. `positions` are those of all
+ * vertices. A step of the pace is a cell; if the pace stops, the function returns early. */
 uint32_t *gd__tile(const struct gd__tiling *tiling, uint32_t face, const double (*positions)[3],
                    uint32_t *corners, struct gd__pace *pace);
 

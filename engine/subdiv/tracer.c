@@ -10,28 +10,29 @@ static const struct gd__scheme *rules_of(const struct gd__tracer *tracer)
     return tracer->walker->surface->rules;
 }
 
-/* Puts a state that is on line k exactly there. */
-static void settle(uint32_t arity, uint32_t k, struct gd__flow *flow)
+/* Moves a state on line k exactly onto it. */
+static void tracer_settle(uint32_t arity, uint32_t k, struct gd__flow *flow)
 {
     double at[2], m = gd__along_side(arity, k, flow->s, flow->t);
     gd__place_on_side(arity, k, m, at);
     flow->s = at[0], flow->t = at[1];
 }
 
-/* The state in the piece's coordinates, on its border where it is within slack of that. In small
- * pieces the base face's coordinates tell places with an error, and axes turn within small pieces
- * as much as within large ones: so it is the direction that is taken apart, at the very place. */
+/* Returns the tracer's state in the piece's coordinates; a place within the slack of the piece's
+ * border is moved onto it. The velocity is computed from the direction in space at the exact place:
+ * near vertices the base face's coordinates are imprecise, and the axes rotate within small pieces
+ * as much as in large ones. */
 static struct gd__flow flow_in(const struct gd__tracer *tracer)
 {
     const struct gd__scheme *rules = rules_of(tracer);
     const struct gd__cell *piece = &tracer->walker->piece;
     struct gd__jet jet;
     double at[2], move[2] = {NAN, NAN};
-    gd__chart_in(&piece->frame, tracer->spot.s, tracer->spot.t, at);
+    gd__chart_in(&piece->frame, tracer->local.s, tracer->local.t, at);
     struct gd__flow flow = {.s = at[0], .t = at[1]};
     for (uint32_t k = 0; k < rules->arity; k++) {
         if (fabs(gd__line_at(rules->arity, k, flow.s, flow.t)) <= piece->slack)
-            settle(rules->arity, k, &flow);
+            tracer_settle(rules->arity, k, &flow);
     }
     rules->evaluate(&piece->patch, flow.s, flow.t, &jet);
     (void)gd__components(&jet, tracer->direction, move);
@@ -54,10 +55,10 @@ static void flow_out(struct gd__tracer *tracer, const struct gd__flow *flow)
     gd__chart_out(&frame, flow->s, flow->t, at);
     frame.origin[0] = frame.origin[1] = 0;
     gd__chart_out(&frame, flow->ds, flow->dt, move);
-    tracer->spot.s = at[0], tracer->spot.t = at[1];
+    tracer->local.s = at[0], tracer->local.t = at[1];
     tracer->ds = move[0], tracer->dt = move[1];
-    /* from the piece's own coordinates: at a distant corner the base face's don't tell places in
-     * small pieces well enough for derivatives */
+    /* evaluates in the piece's own coordinates, because near a distant corner those of the base
+       face are too imprecise for derivatives */
     struct gd__jet jet;
     rules_of(tracer)->evaluate(&tracer->walker->piece.patch, flow->s, flow->t, &jet);
     tracer->position = gd_vec3_add(jet.p, tracer->walker->piece.origin);
@@ -67,7 +68,7 @@ static void flow_out(struct gd__tracer *tracer, const struct gd__flow *flow)
     tracer->ds = move[0] / length, tracer->dt = move[1] / length;
 }
 
-/* Where derivatives span no plane nothing is straight. */
+/* Ends the path where derivatives are parallel, so that "straight" is undefined. */
 static enum gd_status end_here(struct gd__tracer *tracer)
 {
     tracer->ended = true;
@@ -75,14 +76,14 @@ static enum gd_status end_here(struct gd__tracer *tracer)
     return GD_OK;
 }
 
-/* Enters the piece at the spot; the direction's components are those of `direction` there. */
-static enum gd_status enter(struct gd__tracer *tracer, struct gd_vec3 direction)
+/* Enters the piece at the current place, with the velocity of the unit vector `direction`. */
+static enum gd_status tracer_enter(struct gd__tracer *tracer, struct gd_vec3 direction)
 {
     uint32_t corner;
     double c[2];
-    if (!gd__cell_at(tracer->walker, &tracer->spot, tracer->ds, tracer->dt, &corner))
-        return gd__tracer_leave_vertex(tracer, tracer->spot.face, corner, direction);
-    struct gd__jet jet = gd__cell_jet(tracer->walker, tracer->spot.s, tracer->spot.t);
+    if (!gd__cell_at(tracer->walker, &tracer->local, tracer->ds, tracer->dt, &corner))
+        return gd__tracer_leave_vertex(tracer, tracer->local.face, corner, direction);
+    struct gd__jet jet = gd__cell_jet(tracer->walker, tracer->local.s, tracer->local.t);
     tracer->position = jet.p;
     if (!gd__components(&jet, direction, c)) return end_here(tracer);
     tracer->ds = c[0], tracer->dt = c[1];
@@ -94,25 +95,26 @@ static enum gd_status enter(struct gd__tracer *tracer, struct gd_vec3 direction)
 }
 
 enum gd_status gd__tracer_start(struct gd__tracer *tracer, struct gd__walker *walker,
-                                const struct gd__spot *spot, struct gd_vec3 direction)
+                                const struct gd__face_place *local, struct gd_vec3 direction)
 {
-    *tracer = (struct gd__tracer){.walker = walker, .spot = *spot, .direction = direction};
-    enum gd_status status = enter(tracer, direction);
-    /* once more: now it is known which of the pieces that meet here it leads into */
+    *tracer = (struct gd__tracer){.walker = walker, .local = *local, .direction = direction};
+    enum gd_status status = tracer_enter(tracer, direction);
+    /* enters again, because now the velocity decides which of the adjacent pieces the path
+       enters */
     if (!status && !tracer->ended && walker->piece.face != GD_NONE)
-        status = enter(tracer, tracer->direction);
+        status = tracer_enter(tracer, tracer->direction);
     tracer->under_way = true;
     return status;
 }
 
-/* The side of the base face over which the path is about to go, GD_NONE: it is not. */
+/* Returns the side of the base face that the path is about to cross; GD_NONE: none. */
 static uint32_t side_ahead(const struct gd__tracer *tracer)
 {
     uint32_t arity = rules_of(tracer)->arity, found = GD_NONE;
     double steepest = 0, speed = fmax(fabs(tracer->ds), fabs(tracer->dt));
     for (uint32_t k = 0; k < arity; k++) {
         double slope = gd__line_slope(arity, k, tracer->ds, tracer->dt) / speed;
-        if (gd__line_at(arity, k, tracer->spot.s, tracer->spot.t) > GD_TOL_PATCH ||
+        if (gd__line_at(arity, k, tracer->local.s, tracer->local.t) > GD_TOL_PATCH ||
             slope >= steepest)
             continue;
         if (slope > -GD_TOL_PATCH) continue;
@@ -122,7 +124,7 @@ static uint32_t side_ahead(const struct gd__tracer *tracer)
     return found;
 }
 
-/* Unit vector along side k, and the unit normal. */
+/* Computes the unit vector along side k, and the unit normal. */
 static bool side_axes(const struct gd__jet *jet, uint32_t arity, uint32_t k, struct gd_vec3 *along,
                       struct gd_vec3 *normal)
 {
@@ -138,50 +140,50 @@ static bool side_axes(const struct gd__jet *jet, uint32_t arity, uint32_t k, str
     return true;
 }
 
-/* Over side k into the face behind it. Movements for the choice of a piece there: along the side as
- * here, and inwards. */
+/* Crosses side k into the next face. The piece there is chosen by a velocity with the same
+ * component along the side, and an inward component. */
 static enum gd_status cross_side(struct gd__tracer *tracer, uint32_t k)
 {
     const struct gd__net *base = &tracer->walker->surface->base;
-    uint32_t arity = base->arity, twin = base->twin[arity * tracer->spot.face + k];
+    uint32_t arity = base->arity, twin = base->twin[arity * tracer->local.face + k];
     if (twin == GD_NONE) {
         tracer->ended = true;
         tracer->end = GD_LIMIT_END_BOUNDARY;
         return GD_OK;
     }
     struct gd_vec3 along, normal, next_along, next_normal;
-    struct gd__jet jet = gd__cell_jet(tracer->walker, tracer->spot.s, tracer->spot.t);
+    struct gd__jet jet = gd__cell_jet(tracer->walker, tracer->local.s, tracer->local.t);
     if (!side_axes(&jet, arity, k, &along, &normal)) return end_here(tracer);
     double x = gd_vec3_dot(tracer->direction, along);
     double y = gd_vec3_dot(tracer->direction, gd_vec3_cross(along, normal));
 
-    double m = 1 - gd__along_side(arity, k, tracer->spot.s, tracer->spot.t), a[2], b[2], in[2];
+    double m = 1 - gd__along_side(arity, k, tracer->local.s, tracer->local.t), a[2], b[2], in[2];
     uint32_t other = twin % arity, corner;
-    tracer->spot.face = twin / arity;
+    tracer->local.face = twin / arity;
     gd__place_on_side(arity, other, m, in);
     gd__place_on_side(arity, other, 0, a);
     gd__place_on_side(arity, other, 1, b);
-    tracer->spot.s = in[0], tracer->spot.t = in[1];
-    /* along the side; turned to the left it leads inwards */
+    tracer->local.s = in[0], tracer->local.t = in[1];
+    /* (s, t) points along the side; rotated to the left it points inwards */
     double s = b[0] - a[0], t = b[1] - a[1];
-    if (!gd__cell_at(tracer->walker, &tracer->spot, -x * s - y * t, -x * t + y * s, &corner))
-        return gd__tracer_leave_vertex(tracer, tracer->spot.face, corner, tracer->direction);
-    /* smooth: the same vector */
-    if (base->sharpness[twin] != INFINITY) return enter(tracer, tracer->direction);
+    if (!gd__cell_at(tracer->walker, &tracer->local, -x * s - y * t, -x * t + y * s, &corner))
+        return gd__tracer_leave_vertex(tracer, tracer->local.face, corner, tracer->direction);
+    /* across a smooth side the direction does not change */
+    if (base->sharpness[twin] != INFINITY) return tracer_enter(tracer, tracer->direction);
     jet = gd__cell_jet(tracer->walker, in[0], in[1]);
     if (!side_axes(&jet, arity, other, &next_along, &next_normal)) return end_here(tracer);
     struct gd_vec3 inwards = gd_vec3_cross(next_normal, next_along);
-    return enter(tracer, gd_vec3_along(gd_vec3_scale(next_along, -x), y, inwards));
+    return tracer_enter(tracer, gd_vec3_along(gd_vec3_scale(next_along, -x), y, inwards));
 }
 
-/* Where the path goes from the end of a step on a border of its piece. */
+/* Continues after a step that ended on the border of its piece. */
 static enum gd_status hand_over(struct gd__tracer *tracer)
 {
     uint32_t side = side_ahead(tracer);
-    return side == GD_NONE ? enter(tracer, tracer->direction) : cross_side(tracer, side);
+    return side == GD_NONE ? tracer_enter(tracer, tracer->direction) : cross_side(tracer, side);
 }
 
-/* The lowest line that a state is beyond, GD_NONE: it is inside. */
+/* Returns the line beyond which the state lies farthest; GD_NONE if it is inside the domain. */
 static uint32_t line_beyond(uint32_t arity, const struct gd__flow *flow)
 {
     uint32_t found = GD_NONE;
@@ -193,8 +195,8 @@ static uint32_t line_beyond(uint32_t arity, const struct gd__flow *flow)
     return found;
 }
 
-/* The step in (0, step] to where line k is crossed: Newton's iteration within a bracket. Leaves
- * `*end` there. `from` is on the inner side. */
+/* Returns the step, in (0, step], at which the path crosses line k, by Newton's method within a
+ * bracket. Sets *end to the state there. `from` must be on the inner side. */
 static double step_to_line(struct gd__tracer *tracer, const struct gd__flow *from, double step,
                            uint32_t k, struct gd__flow *end)
 {
@@ -212,7 +214,7 @@ static double step_to_line(struct gd__tracer *tracer, const struct gd__flow *fro
     return at;
 }
 
-/* Shortens a step that ends beyond the piece to where it leaves it first. */
+/* Shortens a step that ends beyond the piece to its first crossing of the border. */
 static double step_to_border(struct gd__tracer *tracer, const struct gd__flow *from, double step,
                              struct gd__flow *end, bool *at_border)
 {
@@ -223,12 +225,13 @@ static double step_to_border(struct gd__tracer *tracer, const struct gd__flow *f
         double height = gd__line_at(arity, k, from->s, from->t);
         *at_border = true;
         bool ahead = gd__line_slope(arity, k, from->ds, from->dt) > 0;
-        if (height <= GD_TOL_PATCH && !(ahead && step > least)) { /* it leaves at once */
+        /* the path leaves the piece at once */
+        if (height <= GD_TOL_PATCH && !(ahead && step > least)) {
             *end = *from;
-            settle(arity, k, end);
+            tracer_settle(arity, k, end);
             return 0;
         }
-        /* it left the line and came back: half as far it may still be inside */
+        /* the path left the line and returned: half of the step may still be inside */
         if (height <= GD_TOL_PATCH) {
             step /= 2;
             if (!gd__flow_advance(rules_of(tracer), &tracer->walker->piece.patch, from, step, end))
@@ -237,28 +240,28 @@ static double step_to_border(struct gd__tracer *tracer, const struct gd__flow *f
             continue;
         }
         step = step_to_line(tracer, from, step, k, end);
-        settle(arity, k, end);
+        tracer_settle(arity, k, end);
     }
     return step;
 }
 
-/* The vertex at the nearest corner of the base face, if the piece is small and the path about to
- * meet it within `most`. */
+/* Continues through the vertex at the nearest corner of the base face, if the piece is small and
+ * the path meets the vertex within `most`. Sets *met in that case. */
 static enum gd_status meet_vertex(struct gd__tracer *tracer, double most, bool *met)
 {
     const struct gd__cell *piece = &tracer->walker->piece;
     double scale = fabs(piece->frame.s[0]) + fabs(piece->frame.s[1]);
     *met = false;
     if (scale > ldexp(1, -10)) return GD_OK;
-    uint32_t face = tracer->spot.face;
-    uint32_t corner = gd__nearest_corner(rules_of(tracer)->arity, tracer->spot.s, tracer->spot.t);
+    uint32_t face = tracer->local.face;
+    uint32_t corner = gd__nearest_corner(rules_of(tracer)->arity, tracer->local.s, tracer->local.t);
     struct gd__vertex vertex;
     gd__corner_limit(tracer->walker, face, corner, &vertex);
     struct gd_vec3 way = gd_vec3_sub(vertex.position, tracer->position);
     double length = gd_vec3_length(way), width = length;
-    /* a spike that thin is its axis, and on it the path goes to the tip */
+    /* a thin spike is treated as its axis, on which the path reaches the tip */
     if (isnan(vertex.normal.x)) {
-        struct gd__jet jet = gd__cell_jet(tracer->walker, tracer->spot.s, tracer->spot.t);
+        struct gd__jet jet = gd__cell_jet(tracer->walker, tracer->local.s, tracer->local.t);
         width *= gd__sine(&jet);
     }
     bool near = width <= GD_TOL_VERTEX * tracer->walker->surface->size || scale < ldexp(1, -40);

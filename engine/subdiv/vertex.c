@@ -1,4 +1,4 @@
-/* Vertices and corners of neighbourhoods: what kind they are, and the limits there. */
+/* Vertices of neighbourhoods: their kinds, and the limit position and tangents. */
 #include "subdiv/walker.h"
 
 #include <math.h>
@@ -8,14 +8,14 @@
 
 enum kind {
     KIND_SMOOTH,
-    KIND_DART, /* a crease ends */
+    KIND_DART, /* the end of a crease */
     KIND_CREASE,
     KIND_CORNER,
-    KIND_SPIKE,  /* a corner in the middle of a smooth surface */
-    KIND_PASSING /* semi-sharp: another kind after some steps */
+    KIND_SPIKE,  /* a corner inside a smooth surface */
+    KIND_PASSING /* semi-sharp: the kind changes after some steps */
 };
 
-static enum kind kind_of(const struct gd__net *net, const struct gd__fan *fan)
+static enum kind vertex_kind_of(const struct gd__net *net, const struct gd__fan *fan)
 {
     float corner = net->corner[net->origin[fan->sides[0]]];
     uint32_t sharp = 0;
@@ -31,10 +31,11 @@ static enum kind kind_of(const struct gd__net *net, const struct gd__fan *fan)
     return sharp == 2 ? KIND_CREASE : sharp == 1 ? KIND_DART : KIND_SMOOTH;
 }
 
-/* The faces between two creases, among them the one of `side`: from spoke `begin` on. */
+/* A sector: the faces between two creases that contain the face of a side. It begins at spoke
+ * `begin`. */
 struct sector {
     uint32_t begin, faces;
-    uint32_t own; /* the spoke of `side`, counted from `begin` */
+    uint32_t own; /* the spoke of that side, counted from `begin` */
 };
 
 static struct sector sector_of(const struct gd__net *net, const struct gd__fan *fan, uint32_t side)
@@ -56,7 +57,7 @@ static bool corner_is_regular(const struct gd__net *net, uint32_t side, struct g
 {
     const struct gd__scheme *rules = gd__scheme_of(net);
     gd__fan_around(net, side, fan);
-    switch (kind_of(net, fan)) {
+    switch (vertex_kind_of(net, fan)) {
     case KIND_SMOOTH:
         return fan->count == rules->valence;
     case KIND_CREASE:
@@ -80,7 +81,7 @@ bool gd__ring_is_regular(const struct gd__net *ring, struct gd__fan *fan)
     return true;
 }
 
-/* NAN where there is no direction. */
+/* Returns a unit vector; NAN for a vector without a direction. */
 static struct gd_vec3 unit(struct gd_vec3 v)
 {
     double length = gd_vec3_length(v);
@@ -110,10 +111,10 @@ static void smooth_limit(const struct gd__net *net, const struct gd__fan *fan, u
     to_units(out);
 }
 
-/* The ring shrinks more slowly along the spike's axis than across it: all ways from the vertex
- * begin along the axis, and there is no tangent plane. Where the ring has no such part, as in an
- * even plane, what is across is what a smooth vertex has, for the vertex' own place is no part of
- * that. */
+/* Computes the limit of a spike. The ring shrinks more slowly along the spike's axis than across
+ * it: all directions from the vertex converge to the axis, and no tangent plane exists. If the ring
+ * has no component along an axis, as in a plane, the tangents are those of a smooth vertex, which
+ * do not depend on the vertex' own position. */
 static void spike_limit(const struct gd__net *net, const struct gd__fan *fan, uint32_t side,
                         struct gd__vertex *out)
 {
@@ -129,8 +130,9 @@ static void spike_limit(const struct gd__net *net, const struct gd__fan *fan, ui
     out->position = own;
 }
 
-/* Along the crease, or, from an inner spoke of three or more faces, across it: there the ring
- * shrinks less across the crease than along it. */
+/* Returns the limit direction of a spoke: along the crease for its own spokes, across the crease
+ * for inner spokes of three or more faces, because such a ring shrinks less across the crease than
+ * along it. */
 static struct gd_vec3 crease_direction(struct sector sector, uint32_t spoke, struct gd_vec3 along,
                                        struct gd_vec3 cross)
 {
@@ -157,12 +159,12 @@ static void crease_limit(const struct gd__net *net, const struct gd__fan *fan, u
     to_units(out);
 }
 
-/* Darts and corners have no masks in closed form: their rings have been subdivided until only their
- * shape is left. */
+/* Computes the limit of darts and corners, which have no closed-form masks: subdivides their rings
+ * until only the limiting shape is left. */
 static void shape_limit(const struct gd__net *net, const struct gd__fan *fan, uint32_t side,
                         struct gd__vertex *out)
 {
-    bool corner = kind_of(net, fan) == KIND_CORNER;
+    bool corner = vertex_kind_of(net, fan) == KIND_CORNER;
     struct gd_vec3 own = net->points[net->origin[side]];
     struct gd_vec3 limit = corner ? own : gd__scheme_of(net)->limit(net, fan);
     *out = (struct gd__vertex){
@@ -194,7 +196,7 @@ void gd__vertex_limit(struct gd__walker *walker, uint32_t at, uint32_t corner, u
     for (uint32_t depth = 0;; depth++) {
         const struct gd__net *net = &walker->stages[at].ring;
         gd__fan_around(net, corner, &walker->fan);
-        enum kind kind = kind_of(net, &walker->fan);
+        enum kind kind = vertex_kind_of(net, &walker->fan);
         if (limits[kind] || depth == GD__DEPTH_MOST) {
             (limits[kind] ? limits[kind] : shape_limit)(net, &walker->fan, corner, out);
             break;

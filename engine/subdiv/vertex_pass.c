@@ -1,4 +1,4 @@
-/* A geodesic from a vertex that no patch contains. */
+/* Continues a geodesic from a vertex that no patch contains. */
 #include "subdiv/tracer.h"
 
 #include <math.h>
@@ -6,8 +6,8 @@
 #include "base/tolerance.h"
 #include "subdiv/domain.h"
 
-/* How far `direction` is inside of the corner of a face, by the sine of the angle to the nearer
- * edge; below 0: outside. */
+/* Returns how far `direction` is inside the corner of a face: the sine of the angle to the nearer
+ * edge; negative: outside. */
 static double inside_by(const struct gd__vertex *vertex, struct gd_vec3 direction)
 {
     double left = gd_vec3_dot(gd_vec3_cross(vertex->s, direction), vertex->normal);
@@ -15,7 +15,8 @@ static double inside_by(const struct gd__vertex *vertex, struct gd_vec3 directio
     return fmin(left, right);
 }
 
-/* Whether the surface is smooth at the vertex: inside, and no crease that stays meets it. */
+/* Returns true if the surface is smooth at the vertex: an interior vertex that is not an infinitely
+ * sharp corner or on an infinitely sharp crease. */
 static bool is_smooth(const struct gd__net *base, const struct gd__fan *fan)
 {
     if (!fan->closed || base->corner[base->origin[fan->sides[0]]] == INFINITY) return false;
@@ -25,8 +26,8 @@ static bool is_smooth(const struct gd__net *base, const struct gd__fan *fan)
     return true;
 }
 
-/* The side at which the faces between two creases begin, clockwise of `side`; without creases
- * `side`. */
+/* Returns the side where the sector of `side` begins, at a crease clockwise of `side`; without
+ * creases `side` itself. */
 static uint32_t sector_begin(const struct gd__net *base, uint32_t side)
 {
     uint32_t at = side;
@@ -37,8 +38,8 @@ static uint32_t sector_begin(const struct gd__net *base, uint32_t side)
     return at;
 }
 
-/* The side that begins at the vertex, in the face of its sector into which the direction leads
- * best, and by how much. */
+/* Returns the side at the vertex whose face, in the same sector, contains the direction best. Sets
+ * *best to inside_by of that face. */
 static uint32_t side_towards(struct gd__walker *walker, uint32_t side, struct gd_vec3 direction,
                              double *best)
 {
@@ -56,8 +57,9 @@ static uint32_t side_towards(struct gd__walker *walker, uint32_t side, struct gd
     return found;
 }
 
-/* ... GD_NONE: no way on is straight. Creases and corners have a tangent plane in each sector: a
- * path may begin in one, but none passes through. */
+/* Returns side_towards for a path that continues from the vertex; GD_NONE if "straight" is
+ * undefined. Creases and corners have a tangent plane in each sector: a path may begin at them, but
+ * none passes through. */
 static uint32_t way_on(struct gd__tracer *tracer, uint32_t side, struct gd_vec3 direction)
 {
     struct gd__walker *walker = tracer->walker;
@@ -71,49 +73,52 @@ static uint32_t way_on(struct gd__tracer *tracer, uint32_t side, struct gd_vec3 
     return smooth || inside >= -GD_TOL_INPUT ? towards : GD_NONE;
 }
 
-/* The spot at `reach` and `angle` from a corner, in the corner's own axes. */
-static struct gd__spot spot_near(const struct gd__walker *walker, uint32_t side, double reach,
-                                 double angle)
+/* Returns the place at the distance `reach` and the angle `angle` from a corner, in the corner's
+ * own axes. */
+static struct gd__face_place spot_near(const struct gd__walker *walker, uint32_t side, double reach,
+                                       double angle)
 {
     const struct gd__scheme *rules = walker->surface->rules;
     struct gd__chart whole = GD__CHART_WHOLE,
                      frame = gd__chart_child(&whole, &rules->children[side % rules->arity]);
     double at[2], c = cos(angle), s = sin(angle);
     gd__chart_out(&frame, 2 * reach * c / (c + s), 2 * reach * s / (c + s), at);
-    return (struct gd__spot){side / rules->arity, at[0], at[1]};
+    return (struct gd__face_place){side / rules->arity, at[0], at[1]};
 }
 
-static struct gd_vec3 position_at(struct gd__walker *walker, const struct gd__spot *spot)
+static struct gd_vec3 position_at(struct gd__walker *walker, const struct gd__face_place *local)
 {
     uint32_t corner;
-    if (!gd__cell_at(walker, spot, 0, 0, &corner)) return (struct gd_vec3){NAN, NAN, NAN};
-    return gd__cell_jet(walker, spot->s, spot->t).p;
+    if (!gd__cell_at(walker, local, 0, 0, &corner)) return (struct gd_vec3){NAN, NAN, NAN};
+    return gd__cell_jet(walker, local->s, local->t).p;
 }
 
-/* The spot at `reach` that is seen from the vertex in the direction: bisection over the angle. */
-static struct gd__spot spot_towards(struct gd__walker *walker, uint32_t side,
-                                    const struct gd__vertex *vertex, double reach,
-                                    struct gd_vec3 direction)
+/* Returns the place at the distance `reach` that lies in the given direction from the vertex, by
+ * bisection over the angle. */
+static struct gd__face_place spot_towards(struct gd__walker *walker, uint32_t side,
+                                          const struct gd__vertex *vertex, double reach,
+                                          struct gd_vec3 direction)
 {
     double low = 0, high = M_PI / 2;
     for (int i = 0; i < 50; i++) {
         double middle = (low + high) / 2;
-        struct gd__spot spot = spot_near(walker, side, reach, middle);
-        struct gd_vec3 way = gd_vec3_sub(position_at(walker, &spot), vertex->position);
+        struct gd__face_place local = spot_near(walker, side, reach, middle);
+        struct gd_vec3 way = gd_vec3_sub(position_at(walker, &local), vertex->position);
         bool before = gd_vec3_dot(gd_vec3_cross(way, direction), vertex->normal) > 0;
         *(before ? &low : &high) = middle;
     }
     return spot_near(walker, side, reach, (low + high) / 2);
 }
 
-/* So near that the surface is flat, but no nearer than coordinates can tell. */
+/* Returns a distance from the vertex within which the surface is nearly flat, but not below the
+ * resolution of coordinates. */
 static double reach_from(struct gd__walker *walker, uint32_t side, const struct gd__vertex *vertex)
 {
     double reach = ldexp(1, -10), far = 0;
     do {
         reach /= 2;
-        struct gd__spot spot = spot_near(walker, side, reach, M_PI / 4);
-        far = gd_vec3_distance(position_at(walker, &spot), vertex->position);
+        struct gd__face_place local = spot_near(walker, side, reach, M_PI / 4);
+        far = gd_vec3_distance(position_at(walker, &local), vertex->position);
     } while (far > GD_TOL_VERTEX * walker->surface->size && reach > ldexp(1, -40));
     return reach;
 }
@@ -127,7 +132,7 @@ enum gd_status gd__tracer_leave_vertex(struct gd__tracer *tracer, uint32_t face,
     double at[2];
     gd__corner_limit(walker, face, corner, &vertex);
     gd__place_on_side(walker->surface->base.arity, corner, 0, at);
-    tracer->spot = (struct gd__spot){face, at[0], at[1]};
+    tracer->local = (struct gd__face_place){face, at[0], at[1]};
     tracer->position = vertex.position;
     tracer->end = GD_LIMIT_END_SINGULAR;
     if (!isnan(vertex.normal.x)) {
@@ -142,10 +147,10 @@ enum gd_status gd__tracer_leave_vertex(struct gd__tracer *tracer, uint32_t face,
         return GD_OK;
     }
     double reach = reach_from(walker, towards, &vertex);
-    struct gd__spot spot = spot_towards(walker, towards, &vertex, reach, direction);
+    struct gd__face_place local = spot_towards(walker, towards, &vertex, reach, direction);
     double skipped =
-        tracer->skipped + gd_vec3_distance(position_at(walker, &spot), vertex.position);
-    enum gd_status status = gd__tracer_start(tracer, walker, &spot, direction);
+        tracer->skipped + gd_vec3_distance(position_at(walker, &local), vertex.position);
+    enum gd_status status = gd__tracer_start(tracer, walker, &local, direction);
     tracer->skipped = skipped;
     return status;
 }

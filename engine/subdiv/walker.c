@@ -7,7 +7,7 @@
 #include "subdiv/domain.h"
 #include "subdiv/refine.h"
 
-/* Sizes of the nets of a stage, largest valence and all. */
+/* Sizes of the nets of a stage, large enough for the largest valence. */
 struct sizes {
     size_t ring_faces, ring_points, refined_faces, refined_points;
 };
@@ -29,7 +29,7 @@ static enum gd_status create_stage(struct gd__stage *stage, uint32_t arity,
     return status;
 }
 
-static size_t larger(size_t a, size_t b)
+static size_t walker_larger(size_t a, size_t b)
 {
     return a > b ? a : b;
 }
@@ -52,8 +52,8 @@ enum gd_status gd__walker_create(struct gd__walker *walker, const struct gd_subd
 {
     uint32_t arity = surface->rules->arity;
     struct sizes sizes = sizes_of(surface);
-    size_t faces = larger(surface->base.face_count, sizes.refined_faces);
-    size_t points = larger(surface->base.point_count, sizes.refined_points);
+    size_t faces = walker_larger(surface->base.face_count, sizes.refined_faces);
+    size_t points = walker_larger(surface->base.point_count, sizes.refined_points);
     size_t stage_size =
         gd__net_size(sizes.ring_points, sizes.ring_faces, arity * sizes.ring_faces, false) +
         gd__net_size(sizes.refined_points, sizes.refined_faces, arity * sizes.refined_faces, false);
@@ -97,7 +97,7 @@ static void take_face(struct gd__walker *walker, uint32_t face, uint32_t *count)
     walker->cut_faces[(*count)++] = face;
 }
 
-/* The face, then those around its corners. */
+/* Takes the face first, then the faces around its corners; returns their number. */
 static uint32_t take_faces(struct gd__walker *walker, const struct gd__net *from, uint32_t face)
 {
     uint32_t count = 0;
@@ -133,15 +133,15 @@ static void next_stamp(struct gd__walker *walker)
     if (++walker->stamp) return;
     const struct gd_subdivision *surface = walker->surface;
     struct sizes sizes = sizes_of(surface);
-    size_t faces = larger(surface->base.face_count, sizes.refined_faces);
-    size_t points = larger(surface->base.point_count, sizes.refined_points);
+    size_t faces = walker_larger(surface->base.face_count, sizes.refined_faces);
+    size_t points = walker_larger(surface->base.point_count, sizes.refined_points);
     for (size_t i = 0; i < faces; i++) walker->face_stamp[i] = 0;
     for (size_t i = 0; i < points; i++) walker->point_stamp[i] = 0;
     walker->stamp = 1;
 }
 
-void gd__cut(struct gd__walker *walker, const struct gd__net *from, uint32_t face,
-             struct gd__net *out, struct gd_vec3 *origin)
+void gd__neighbourhood_extract(struct gd__walker *walker, const struct gd__net *from, uint32_t face,
+                               struct gd__net *out, struct gd_vec3 *origin)
 {
     next_stamp(walker);
     uint32_t arity = from->arity;
@@ -163,20 +163,21 @@ void gd__descend(struct gd__walker *walker, uint32_t from, uint32_t child, uint3
 {
     struct gd__stage *stage = &walker->stages[from];
     gd__net_refine(&stage->ring, stage->ring.arity, &walker->fan, &stage->refined);
-    gd__cut(walker, &stage->refined, child, &walker->stages[to].ring, origin);
+    gd__neighbourhood_extract(walker, &stage->refined, child, &walker->stages[to].ring, origin);
 }
 
-bool gd__cell_at(struct gd__walker *walker, const struct gd__spot *spot, double ds, double dt,
-                 uint32_t *corner)
+bool gd__cell_at(struct gd__walker *walker, const struct gd__face_place *local, double ds,
+                 double dt, uint32_t *corner)
 {
     const struct gd__scheme *rules = walker->surface->rules;
     struct gd__cell *piece = &walker->piece;
-    double at[2] = {spot->s, spot->t};
-    piece->face = spot->face;
+    double at[2] = {local->s, local->t};
+    piece->face = local->face;
     piece->frame = GD__CHART_WHOLE;
     piece->slack = GD_TOL_PLACE;
     piece->origin = (struct gd_vec3){0};
-    gd__cut(walker, &walker->surface->base, spot->face, &walker->stages[0].ring, &piece->origin);
+    gd__neighbourhood_extract(walker, &walker->surface->base, local->face, &walker->stages[0].ring,
+                              &piece->origin);
     for (uint32_t depth = 0; depth < GD__DEPTH_MOST; depth++) {
         struct gd__net *ring = &walker->stages[depth % 2].ring;
         if (gd__ring_is_regular(ring, &walker->fan)) {
@@ -193,9 +194,9 @@ bool gd__cell_at(struct gd__walker *walker, const struct gd__spot *spot, double 
         piece->slack *= 2;
         gd__descend(walker, depth % 2, child, (depth + 1) % 2, &piece->origin);
     }
-    /* only towards a vertex does it go on for ever */
+    /* the descent only reaches its limit at a vertex */
     piece->face = GD_NONE;
-    *corner = gd__nearest_corner(rules->arity, spot->s, spot->t);
+    *corner = gd__nearest_corner(rules->arity, local->s, local->t);
     return false;
 }
 
@@ -215,6 +216,7 @@ void gd__corner_limit(struct gd__walker *walker, uint32_t face, uint32_t corner,
                       struct gd__vertex *out)
 {
     struct gd_vec3 origin = {0};
-    gd__cut(walker, &walker->surface->base, face, &walker->stages[0].ring, &origin);
+    gd__neighbourhood_extract(walker, &walker->surface->base, face, &walker->stages[0].ring,
+                              &origin);
     gd__vertex_limit(walker, 0, corner, 1, origin, out);
 }

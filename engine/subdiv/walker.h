@@ -1,22 +1,23 @@
-/* Walker: local subdivision, and the memory that it needs. One owner, one thread.
+/* Walker: local subdivision, and its memory. A walker belongs to one thread.
  *
- * DESIGN. The limit surface over a face depends on the face's one-ring only: the faces that share a
- * corner with it. The one-ring of a child of the face lies in the refinement of that one-ring. So a
- * neighbourhood is a net whose face 0 is the face in question, its corners points 0, 1, ...; it is
- * refined by the same gd__net_refine as a whole mesh, and the neighbourhood of a child is cut out
- * of the result. That goes on until all corners of the face are regular, when the surface over it
- * is one polynomial, or until its vertex is reached. Each cut moves the coordinates' origin to the
- * face's first corner; points shrink with the face, and what rounding leaves shrinks with them:
- * derivatives stay exact however deep.
+ * DESIGN. The limit surface over a face depends only on the face's one-ring: the faces that share a
+ * corner with it. The one-ring of a child lies in the refinement of that one-ring. The
+ * neighbourhood of a face is a net whose face 0 is that face, with corners 0, 1, ... It is refined
+ * by gd__net_refine like a whole mesh, and the neighbourhood of a child is extracted from the
+ * result. The descent ends when all corners of the face are regular, so that the surface over the
+ * face is one polynomial, or when the place counts as a vertex. Each extraction moves the origin of
+ * coordinates to the face's first corner, so that rounding errors shrink with the face, and
+ * derivatives stay accurate at any depth.
  *
- * Stages alternate or are stacked: stage i holds a neighbourhood and its refinement. */
+ * Each stage holds a neighbourhood and its refinement. A descent alternates between two stages; a
+ * recursion over children uses one stage for each level. */
 #ifndef GD_SUBDIV_WALKER_H
 #define GD_SUBDIV_WALKER_H
 
 #include "subdiv/surface.h"
 
-/* So many halvings take a ring of any valence (they shrink by 0.41 to 0.66) below rounding; nearer
- * than that a place is the vertex. */
+/* Limit on halvings, after which a ring of any valence (it shrinks by 0.41 to 0.66 in a step) is
+ * below rounding. A nearer place counts as the vertex. */
 enum { GD__DEPTH_MOST = 85 };
 
 struct gd__stage {
@@ -26,9 +27,10 @@ struct gd__stage {
 /* A polynomial piece of a base face. */
 struct gd__cell {
     uint32_t face;          /* GD_NONE: none */
-    struct gd__chart frame; /* from the piece's coordinates to the base face's */
-    double slack;           /* what rounding of the base face's coordinates makes of the piece's */
-    struct gd_vec3 origin;  /* of the patch's points */
+    struct gd__chart frame; /* maps the piece's coordinates to the base face's */
+    /* rounding of the base face's coordinates, in the piece's coordinates */
+    double slack;
+    struct gd_vec3 origin; /* added to the patch's values */
     struct gd__patch patch;
 };
 
@@ -38,53 +40,55 @@ struct gd__walker {
     uint32_t stage_count;
     struct gd__fan fan;
     uint32_t stamp;
-    /* where a cut put a face or point, if stamped */
+    /* per face or point: its new number, valid if its stamp is current */
     uint32_t *face_stamp, *face_at, *point_stamp, *point_at;
-    uint32_t *cut_faces;   /* of the net that was cut from */
-    struct gd__cell piece; /* the last one that was looked for */
+    uint32_t *cut_faces;   /* extracted faces, numbers of the source net */
+    struct gd__cell piece; /* the piece of the last query */
 };
 
-/* `stages` >= 2. GD_NO_MEMORY, GD_BUDGET. */
+/* Creates a walker with `stages` >= 2. Errors: GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__walker_create(struct gd__walker *walker,
                                              const struct gd_subdivision *surface, uint32_t stages,
                                              const struct gd_control *control);
 void gd__walker_free(struct gd__walker *walker);
 
-/* Cuts the neighbourhood of a face of `from` into `out`, relative to its first corner, which is
- * added to `origin`. */
-void gd__cut(struct gd__walker *walker, const struct gd__net *from, uint32_t face,
-             struct gd__net *out, struct gd_vec3 *origin);
+/* Extracts the neighbourhood of a face of `from` into `out`, relative to the face's first corner,
+ * and adds that corner to *origin. */
+void gd__neighbourhood_extract(struct gd__walker *walker, const struct gd__net *from, uint32_t face,
+                               struct gd__net *out, struct gd_vec3 *origin);
 
-/* Refines the neighbourhood of stage `from` and cuts a child of its face 0 into stage `to`. */
+/* Refines the neighbourhood in stage `from`, and extracts the neighbourhood of a child of its face
+ * 0 into stage `to`. */
 void gd__descend(struct gd__walker *walker, uint32_t from, uint32_t child, uint32_t to,
                  struct gd_vec3 *origin);
 
-/* Whether face 0 of a neighbourhood is one polynomial: all corners are inside without sharp edges
- * and of regular valence, or on a crease that is infinitely sharp and has as many faces on this
- * side as a straight one, or (Catmull-Clark) corners of one face. */
+/* Returns true if the surface over face 0 is one polynomial. Each corner must be interior, without
+ * sharp edges and of regular valence; or on an infinitely sharp crease with the regular number of
+ * faces on this side; or (Catmull-Clark) a sharp corner with only one face. */
 bool gd__ring_is_regular(const struct gd__net *ring, struct gd__fan *fan);
 
-/* What the surface does at a vertex, seen from a face: directions of the two edges of the face, of
- * unit length, and the normal. NAN where there is none. */
+/* The surface at a vertex, seen from a face: the position, the normal, and unit directions s and t
+ * of the face's two edges. NAN: does not exist. */
 struct gd__vertex {
     struct gd_vec3 position, normal, s, t;
 };
 
-/* At corner `corner` of face 0 of stage `at`, whose origin is `origin`; stages `free` and `free` +
- * 1 are used. */
+/* Computes the limit at corner `corner` of face 0 of stage `at`, whose coordinates are relative to
+ * `origin`. Overwrites stages `free` and `free` + 1. */
 void gd__vertex_limit(struct gd__walker *walker, uint32_t at, uint32_t corner, uint32_t free,
                       struct gd_vec3 origin, struct gd__vertex *out);
 
-/* The piece at a spot, into walker->piece; where pieces meet, the one that (ds,dt) leads into.
- * False: the spot is a vertex that is no piece's, corner
- * `*corner` of the base face. */
-bool gd__cell_at(struct gd__walker *walker, const struct gd__spot *spot, double ds, double dt,
-                 uint32_t *corner);
+/* Finds the piece at a place and stores it in walker->piece; where pieces meet, (ds,dt) points into
+ * the chosen one. Returns false at a vertex without a piece, and sets *corner to its corner of the
+ * base face. */
+bool gd__cell_at(struct gd__walker *walker, const struct gd__face_place *local, double ds,
+                 double dt, uint32_t *corner);
 
-/* The surface at a spot of walker->piece, in the coordinates of its base face. */
+/* Evaluates the surface at a place of walker->piece; place and derivatives are in the coordinates
+ * of the piece's base face. */
 struct gd__jet gd__cell_jet(const struct gd__walker *walker, double s, double t);
 
-/* The surface at a corner of a base face. */
+/* Computes the surface at a corner of a base face. */
 void gd__corner_limit(struct gd__walker *walker, uint32_t face, uint32_t corner,
                       struct gd__vertex *out);
 

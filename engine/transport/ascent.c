@@ -1,7 +1,7 @@
 #include "transport/ascent.h"
 
-/* Directions around a point are a circle of some circumference, or, at the boundary, an
- * interval. */
+/* The directions around a point: a circle whose circumference is the total angle, or an interval at
+ * the boundary. */
 struct cone {
     const struct gd__pull *pulls;
     uint32_t count;
@@ -20,13 +20,13 @@ static struct cone cone_at(const struct gd_mesh *mesh, const struct gd_point *po
     return cone;
 }
 
-/* The signed angle from a turn to another, the shorter way round. */
-static double between(const struct cone *cone, double from, double to)
+/* Returns the signed angle between two turns, by the shorter way around. */
+static double ascent_between(const struct cone *cone, double from, double to)
 {
     return cone->is_closed ? remainder(to - from, cone->total) : to - from;
 }
 
-static double clamp(const struct cone *cone, double turn)
+static double ascent_clamp(const struct cone *cone, double turn)
 {
     return cone->is_closed ? turn : fmin(fmax(turn, cone->first), cone->first + cone->total);
 }
@@ -36,21 +36,22 @@ static double sum_at(const struct cone *cone, double turn)
     double sum = 0;
     for (uint32_t i = 0; i < cone->count; i++)
         sum += cone->pulls[i].strength *
-               cos(fmin(fabs(between(cone, turn, cone->pulls[i].turn)), M_PI));
+               cos(fmin(fabs(ascent_between(cone, turn, cone->pulls[i].turn)), M_PI));
     return sum;
 }
 
-/* The greatest sum near a turn: of the vectors less than pi from it, laid flat. */
+/* Computes the sum of the vectors less than pi from a turn, unfolded into the plane, and tries its
+ * direction. */
 static double climb(const struct cone *cone, double turn)
 {
     double x = 0, y = 0;
     for (uint32_t i = 0; i < cone->count; i++) {
-        double angle = between(cone, turn, cone->pulls[i].turn);
+        double angle = ascent_between(cone, turn, cone->pulls[i].turn);
         if (fabs(angle) >= M_PI) continue;
         x += cone->pulls[i].strength * cos(angle);
         y += cone->pulls[i].strength * sin(angle);
     }
-    return x == 0 && y == 0 ? turn : clamp(cone, turn + atan2(y, x));
+    return x == 0 && y == 0 ? turn : ascent_clamp(cone, turn + atan2(y, x));
 }
 
 static void try_turn(const struct cone *cone, double turn, double *best, double *out)
@@ -61,9 +62,9 @@ static void try_turn(const struct cone *cone, double turn, double *best, double 
     *out = turn;
 }
 
-/* Where it is greatest the sum is smooth, or the direction is an end of the interval; the vectors
- * that count there are those less than pi away. That set changes only half a turn from a vector: so
- * it is that of one of these places, to one side of it or the other. */
+/* Finds the greatest sum. At the maximum the sum is smooth, or the direction is an end of the
+ * interval. Only vectors less than pi away contribute. The set of these vectors only changes at
+ * turns that are pi from a vector, so trying both sides of each such turn covers all sets. */
 static double climb_all(const struct cone *cone, double *turn)
 {
     enum { SIDES = 2 };
@@ -75,10 +76,10 @@ static double climb_all(const struct cone *cone, double *turn)
     for (uint32_t i = 0; i < cone->count; i++) {
         try_turn(cone, climb(cone, cone->pulls[i].turn), &best, turn);
         for (int side = 0; side < SIDES; side++) {
-            try_turn(cone, climb(cone, clamp(cone, cone->pulls[i].turn + M_PI + off[side])), &best,
-                     turn);
-            try_turn(cone, climb(cone, clamp(cone, cone->pulls[i].turn - M_PI + off[side])), &best,
-                     turn);
+            try_turn(cone, climb(cone, ascent_clamp(cone, cone->pulls[i].turn + M_PI + off[side])),
+                     &best, turn);
+            try_turn(cone, climb(cone, ascent_clamp(cone, cone->pulls[i].turn - M_PI + off[side])),
+                     &best, turn);
         }
     }
     return best;
@@ -99,13 +100,12 @@ double gd__ascent(const struct gd_mesh *mesh, const struct gd_point *point,
     return best;
 }
 
-/* Along a turn alone. */
 static double step_along(const struct cone *cone, double turn)
 {
     double force = 0, stiffness = 0;
     for (uint32_t i = 0; i < cone->count; i++) {
         const struct gd__pull *pull = &cone->pulls[i];
-        double cosine = cos(fmin(fabs(between(cone, turn, pull->turn)), M_PI));
+        double cosine = cos(fmin(fabs(ascent_between(cone, turn, pull->turn)), M_PI));
         force += pull->strength * cosine;
         stiffness += pull->weight * (cosine * cosine + pull->bend * (1 - cosine * cosine));
     }

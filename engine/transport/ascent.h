@@ -1,26 +1,27 @@
-/* Ascent: of vectors at a point, the direction in which they pull most. */
+/* Ascent: the direction at a point in which the sum of given vectors' components is greatest. */
 #ifndef GD_TRANSPORT_ASCENT_H
 #define GD_TRANSPORT_ASCENT_H
 
 #include "line/turn.h"
 
-/* A pull: a vector's turn, and its length times its weight. */
+/* A weighted vector: `turn` is its direction, `strength` its length times its weight. */
 struct gd__pull {
     double turn, strength;
     double weight;
-    double bend; /* length over that of the first segment: 1 where the path is straight */
+    double bend; /* the path's length divided by that of its first segment: 1 for a straight path */
 };
 
-/* The turn on the surface in which the sum of strength_i cos(min(|turn - turn_i|, pi)) is greatest,
- * and that sum: less than 0 where every direction leads away from all. In a plane they are those of
- * the vectors' sum. O(count), at vertices and at the boundary O(count^2). */
+/* Finds the turn with the greatest sum of strength_i cos(min(|turn - turn_i|, pi)). Returns that
+ * sum; if it is negative, every direction leads away from the vectors. In a plane, turn and sum are
+ * direction and length of the vectors' sum. O(count); O(count^2) at vertices and at the
+ * boundary. */
 double gd__ascent(const struct gd_mesh *mesh, const struct gd_point *point,
                   const struct gd__pull *pulls, uint32_t count, double *turn);
 
-/* Newton's step for the sum of weight times squared distance, whose second derivative is the weight
- * along each vector and weight times bend across:
- * `*turn` is its turn, the result its length. `heading` is the turn of gd__ascent: where the
- * surface is not flat around the point, the step goes that way. O(count). */
+/* Computes Newton's step for the sum of weight times squared distance, of which each term has the
+ * second derivative `weight` along its vector and `weight * bend` across. Returns the step's length
+ * and sets *turn to its turn. `heading` is the turn of gd__ascent, which the step takes where the
+ * surface is not flat around the point. O(count). */
 double gd__ascent_step(const struct gd_mesh *mesh, const struct gd_point *point,
                        const struct gd__pull *pulls, uint32_t count, double heading, double *turn);
 

@@ -15,7 +15,7 @@ void gd_flat_strip_free(struct gd_flat_strip *strip)
     *strip = (struct gd_flat_strip){0};
 }
 
-/* Turns the plane so that the path runs along x, and moves and scales it. */
+/* A similarity of the plane after which the path begins at the origin and ends on the x axis. */
 struct turning {
     struct gd__local begin, along;
     double unit;
@@ -31,7 +31,7 @@ static struct turning turning_of(const struct gd_mesh *mesh, struct gd__local be
     return (struct turning){begin, along, mesh->unit};
 }
 
-static void turn(const struct turning *turning, struct gd__local at, double out[2])
+static void flat_strip_turn(const struct turning *turning, struct gd__local at, double out[2])
 {
     struct gd__local from = {at.x - turning->begin.x, at.y - turning->begin.y},
                      along = turning->along;
@@ -39,31 +39,31 @@ static void turn(const struct turning *turning, struct gd__local at, double out[
     out[1] = turning->unit * (from.y * along.x - from.x * along.y);
 }
 
-/* A strip while it is laid: the gates by which its faces are entered, that of the first face
- * first. */
+/* A strip under construction. A portal is the unfolded edge by which the strip enters a face; the
+ * first face has one too. */
 struct laying {
     const struct gd_mesh *mesh;
     const struct gd_path *path;
     const struct gd__strip *strip;
-    struct gd__gate entrance;
+    struct gd__portal entrance;
 };
 
-static const struct gd__gate *gate_of(const struct laying *laying, uint32_t number)
+static const struct gd__portal *gate_of(const struct laying *laying, uint32_t number)
 {
-    return number ? &laying->strip->gates[number - 1] : &laying->entrance;
+    return number ? &laying->strip->portals[number - 1] : &laying->entrance;
 }
 
-static struct gd__local corner(const struct laying *laying, uint32_t number, int k)
+static struct gd__local flat_strip_corner(const struct laying *laying, uint32_t number, int k)
 {
-    const struct gd__gate *gate = gate_of(laying, number);
-    uint32_t face = laying->mesh->side_face[gate->side];
+    const struct gd__portal *portal = gate_of(laying, number);
+    uint32_t face = laying->mesh->side_face[portal->side];
     struct gd_point point =
         gd__point_of_vertex(laying->mesh->origin[laying->mesh->face_side[face][k]]);
-    return gd__gate_place(laying->mesh, gate, &point);
+    return gd__portal_place(laying->mesh, portal, &point);
 }
 
-/* The first face, from `*number` on, that has the point: a path leaves a face only where the next
- * point is not in it. */
+/* Advances *number to the first face of the strip that contains the point: a path only leaves a
+ * face if its next point is not in that face. */
 static bool find_face(const struct laying *laying, const struct gd_point *point, uint32_t *number)
 {
     for (; *number <= laying->strip->count; ++*number) {
@@ -81,7 +81,8 @@ static enum gd_status lay_points(const struct laying *laying, const struct turni
     for (uint32_t i = 0; i < laying->path->count && !status; i++) {
         const struct gd_point *point = &laying->path->points[i];
         if (!find_face(laying, point, &number)) return GD_INTERNAL;
-        turn(turning, gd__gate_place(laying->mesh, gate_of(laying, number), point), out[i]);
+        flat_strip_turn(turning, gd__portal_place(laying->mesh, gate_of(laying, number), point),
+                        out[i]);
         if (i % 1024 == 0) status = gd_control_check(control, 0.5 + 0.5 * i / laying->path->count);
     }
     return status;
@@ -91,15 +92,17 @@ static void lay_faces(const struct laying *laying, const struct turning *turning
                       struct gd_flat_face *out)
 {
     for (uint32_t i = 0; i <= laying->strip->count; i++)
-        for (int k = 0; k < 3; k++) turn(turning, corner(laying, i, k), out[i].corners[k]);
+        for (int k = 0; k < 3; k++)
+            flat_strip_turn(turning, flat_strip_corner(laying, i, k), out[i].corners[k]);
 }
 
-static enum gd_status reserve(const struct laying *laying, const struct gd_control *control,
-                              struct gd_flat_strip *out)
+static enum gd_status flat_strip_reserve(const struct laying *laying,
+                                         const struct gd_control *control,
+                                         struct gd_flat_strip *out)
 {
     size_t faces = laying->strip->count + (size_t)1, points = laying->path->count;
-    size_t bytes =
-        faces * (sizeof *out->faces + sizeof *laying->strip->gates) + points * sizeof *out->points;
+    size_t bytes = faces * (sizeof *out->faces + sizeof *laying->strip->portals) +
+                   points * sizeof *out->points;
     enum gd_status status = gd_control_afford(control, bytes);
     if (status) return status;
     out->faces = malloc(faces * sizeof *out->faces);
@@ -109,14 +112,15 @@ static enum gd_status reserve(const struct laying *laying, const struct gd_contr
     return out->faces && out->points ? GD_OK : GD_NO_MEMORY;
 }
 
-static enum gd_status flatten(const struct gd_mesh *mesh, const struct gd_path *path,
-                              const struct gd__strip *strip, const struct gd_control *control,
-                              struct gd_flat_strip *out)
+static enum gd_status flat_strip_flatten(const struct gd_mesh *mesh, const struct gd_path *path,
+                                         const struct gd__strip *strip,
+                                         const struct gd_control *control,
+                                         struct gd_flat_strip *out)
 {
     const struct laying laying = {mesh, path, strip, gd__strip_entrance(mesh, strip)};
     const struct turning turning = turning_of(mesh, strip->begin, strip->end);
     struct gd_flat_strip flat = {0};
-    enum gd_status status = reserve(&laying, control, &flat);
+    enum gd_status status = flat_strip_reserve(&laying, control, &flat);
     if (!status) lay_faces(&laying, &turning, flat.faces);
     if (!status) status = lay_points(&laying, &turning, control, flat.points);
     if (status)
@@ -126,7 +130,7 @@ static enum gd_status flatten(const struct gd_mesh *mesh, const struct gd_path *
     return status;
 }
 
-/* A path of one point is one from it to itself. */
+/* Finds the strip of a path. A path of one point is treated as a path from the point to itself. */
 static enum gd_status find_strip(const struct gd_mesh *mesh, const struct gd_path *path,
                                  const struct gd_control *control, struct gd__strip *strip)
 {
@@ -141,10 +145,10 @@ enum gd_status gd_flat_strip_of(const struct gd_mesh *mesh, const struct gd_path
                                 const struct gd_control *control, struct gd_flat_strip *out)
 {
     if (path->count == 0) return GD_INVALID_ARGUMENT;
-    /* a path may turn round at any of its points */
+    /* a path may turn back at any of its points */
     struct gd__strip strip = {.keeps_ways_back = true};
     enum gd_status status = find_strip(mesh, path, control, &strip);
-    if (!status) status = flatten(mesh, path, &strip, control, out);
+    if (!status) status = flat_strip_flatten(mesh, path, &strip, control, out);
     gd__strip_free(&strip);
     return status;
 }

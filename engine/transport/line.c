@@ -5,7 +5,9 @@
 enum {
     FIRST = 64,
     CHUNK = 16384
-}; /* points: to begin with; and at most before the control is looked at: a millisecond's work */
+    /* points: initial capacity; largest number between two checks of the control, about a
+       millisecond */
+};
 
 static uint32_t next_capacity(const struct gd__line *line)
 {

@@ -1,4 +1,4 @@
-/* Line: the polyline of a trace as it grows: points, length, limits. Inside unit. */
+/* Line: the polyline of a trace under construction, with its length and limits. Normalised unit. */
 #ifndef GD_TRANSPORT_LINE_H
 #define GD_TRANSPORT_LINE_H
 
@@ -9,16 +9,17 @@
 struct gd__line {
     struct gd_point *points;
     uint32_t count, capacity;
-    uint32_t limit;     /* points, the first one not counted */
-    double length;      /* that was asked for */
+    uint32_t limit;     /* largest number of points after the first */
+    double length;      /* requested */
     double gone, carry; /* sum of the segments: gone + carry */
     const struct gd_control *control;
-    uint32_t others;       /* lines that grow at the same time, out of the same budget */
-    enum gd_status status; /* sticky: the first failure */
+    /* number of other lines that grow at the same time and share the budget */
+    uint32_t others;
+    enum gd_status status; /* the first failure */
 };
 
-/* Room for more points, with a look at the control; false: a failure, or the limit (status GD_OK).
- * Called when the room is used up, which doubles, and so is looked at seldom. */
+/* Doubles the capacity and checks the control. Returns false on failure, or with status GD_OK if
+ * the limit is reached. */
 bool gd__line_grow(struct gd__line *line);
 
 static inline double gd__line_rest(const struct gd__line *line)
@@ -26,7 +27,8 @@ static inline double gd__line_rest(const struct gd__line *line)
     return line->length - line->gone - line->carry;
 }
 
-/* Neumaier's sum: what rounding takes from `gone` is carried. */
+/* Adds `run` to `gone` by Neumaier's compensated summation: `carry` collects the rounding
+ * errors. */
 static inline void gd__line_go(struct gd__line *line, double run)
 {
     double sum = line->gone + run;

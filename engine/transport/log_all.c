@@ -5,25 +5,25 @@
 #include "base/tolerance.h"
 #include "field/layout.h"
 #include "mesh/canonical.h"
-#include "transport/flight.h"
+#include "transport/surface_ray.h"
 #include "line/unfold.h"
 
-/* The log map of one point. Vertices are taken by distance. One whose path bends last at a vertex
- * leaves the point as that vertex does. Of one that is seen straight the sight is walked back only
- * until it crosses an edge with an end that is seen straight as well, and over the same strip of
- * faces: then the two directions at the point differ by the angle between the two ends, which the
- * predecessor of the sight tells. */
+/* The log map at one point, for all vertices in order of distance. If the path to a vertex bends
+ * last at another vertex, the paths to both leave the point in the same direction. A straight path
+ * is only walked back until it crosses an edge with an end whose path is straight too and runs
+ * through the same strip of faces. The directions of the two paths at the point then differ by the
+ * angle between vertex and end in the unfolded strip. */
 
 struct map {
     const struct gd_field *field;
     const struct gd_mesh *mesh;
     struct gd_point from;
-    double *ahead; /* per vertex: turn at `from`; NAN: not known */
+    double *ahead; /* per vertex: turn at `from`; NAN: unknown */
 };
 
-/* On the way back from a vertex: the source lies `rest` ahead. */
+/* A walk back from a vertex; the source is at distance `rest` ahead. */
 struct wedge_view {
-    struct gd__flight flight;
+    struct gd__surface_ray walk;
     double rest;
 };
 
@@ -35,7 +35,7 @@ static bool is_root(const struct map *map, uint32_t source)
 
 /* --- one vertex ------------------------------------------------------------------------------- */
 
-/* The turn at which a path that is known in full leaves the source. */
+/* Traces the complete path to a vertex, and stores the turn in which it leaves the source. */
 static enum gd_status trace_it(struct map *map, uint32_t vertex)
 {
     struct gd_point point = gd__point_of_vertex(vertex);
@@ -52,7 +52,7 @@ static enum gd_status trace_it(struct map *map, uint32_t vertex)
     return status;
 }
 
-/* From a vertex of the source's own face or edge. */
+/* Computes the turn of a vertex of the source's own face or edge. */
 static enum gd_status look_beside(struct map *map, uint32_t vertex)
 {
     struct gd_point points[2] = {map->from, gd__point_of_vertex(vertex)};
@@ -62,17 +62,17 @@ static enum gd_status look_beside(struct map *map, uint32_t vertex)
     return status;
 }
 
-/* In the frame of the flight's side. */
+/* Returns the place of the source in the frame of the walk's side. */
 static struct gd__local source_of(const struct wedge_view *sight)
 {
-    return (struct gd__local){sight->flight.t + sight->rest * sight->flight.dx,
-                              sight->rest * sight->flight.dy};
+    return (struct gd__local){sight->walk.t + sight->rest * sight->walk.dx,
+                              sight->rest * sight->walk.dy};
 }
 
 static bool has_arrived(const struct map *map, const struct wedge_view *sight)
 {
     const struct gd_mesh *mesh = map->mesh;
-    uint32_t side = sight->flight.side, face = mesh->side_face[side];
+    uint32_t side = sight->walk.side, face = mesh->side_face[side];
     const struct gd_side *s = &mesh->side[side];
     struct gd__local source = source_of(sight);
     double tolerance = GD_TOL_ARRIVED * (s->length + s->left_length), w[3];
@@ -85,7 +85,8 @@ static bool has_arrived(const struct map *map, const struct wedge_view *sight)
     return w[0] + w[1] + w[2] > 0 && hypot(at.x - source.x, at.y - source.y) <= tolerance;
 }
 
-/* Turn at a vertex seen straight to the source, as its predecessor has it. */
+/* Returns the turn, at a vertex with a straight path, towards the source; computed from the vertex'
+ * predecessor. */
 static double back_of(const struct map *map, uint32_t vertex)
 {
     const struct gd_mesh *mesh = map->mesh;
@@ -97,8 +98,8 @@ static double back_of(const struct map *map, uint32_t vertex)
                             -predecessor.y - s->left_length * s->left_y);
 }
 
-/* Is the end of the edge that the sight crosses seen over the same strip? Then its direction tells
- * the vertex'. */
+/* Computes the vertex' direction from that of an end of the crossed edge. Returns false if the
+ * end's path does not run through the same strip. */
 static bool lean_on(struct map *map, const struct wedge_view *sight, uint32_t end, double x,
                     double *ahead)
 {
@@ -111,18 +112,19 @@ static bool lean_on(struct map *map, const struct wedge_view *sight, uint32_t en
     if (!(fabs(hypot(to.x, to.y) - distance) <= GD_TOL_SAME_SOURCE * distance)) return false;
     struct gd_point point = gd__point_of_vertex(end);
     double apart =
-        gd__turn_in_face(mesh, &point, sight->flight.side, -to.x, -to.y) - back_of(map, end);
+        gd__turn_in_face(mesh, &point, sight->walk.side, -to.x, -to.y) - back_of(map, end);
     if (!(fabs(remainder(apart, mesh->total_angle[end])) <= GD_TOL_SAME_SOURCE)) return false;
-    double dx = -sight->flight.dx, dy = -sight->flight.dy;
+    double dx = -sight->walk.dx, dy = -sight->walk.dy;
     *ahead = gd__turn_reduce(mesh, &map->from,
                              map->ahead[end] + atan2(to.x * dy - to.y * dx, to.x * dx + to.y * dy));
     return true;
 }
 
-/* By the farther end of the edge: there the angle is better told. */
+/* Computes the direction from an end of the crossed edge, preferably the farther one, where the
+ * angle is more precise. */
 static bool lean(struct map *map, const struct wedge_view *sight, double *ahead)
 {
-    uint32_t side = sight->flight.side,
+    uint32_t side = sight->walk.side,
              ends[2] = {map->mesh->origin[side], map->mesh->origin[side ^ 1]};
     double x[2] = {0, map->mesh->side[side].length};
     int far = map->field->distance[ends[1]] > map->field->distance[ends[0]];
@@ -130,7 +132,7 @@ static bool lean(struct map *map, const struct wedge_view *sight, double *ahead)
            lean_on(map, sight, ends[!far], x[!far], ahead);
 }
 
-/* Over the side opposite to the vertex. */
+/* Starts the walk back across the side opposite to the vertex. */
 static struct wedge_view sight_from(const struct map *map, uint32_t vertex)
 {
     struct gd__predecessor predecessor = map->field->predecessor[vertex];
@@ -147,16 +149,16 @@ static enum gd_status look_back(struct map *map, uint32_t vertex)
 {
     const struct gd_mesh *mesh = map->mesh;
     struct wedge_view sight = sight_from(map, vertex);
-    while (sight.rest > 0 && !gd__side_is_boundary(mesh, sight.flight.side)) {
-        const struct gd_side *s = &mesh->side[sight.flight.side];
+    while (sight.rest > 0 && !gd__side_is_boundary(mesh, sight.walk.side)) {
+        const struct gd_side *s = &mesh->side[sight.walk.side];
         if (has_arrived(map, &sight)) {
-            map->ahead[vertex] = gd__turn_in_face(mesh, &map->from, sight.flight.side,
-                                                  -sight.flight.dx, -sight.flight.dy);
+            map->ahead[vertex] =
+                gd__turn_in_face(mesh, &map->from, sight.walk.side, -sight.walk.dx, -sight.walk.dy);
             return GD_OK;
         }
         if (lean(map, &sight, &map->ahead[vertex])) return GD_OK;
-        struct gd__passage passage = gd__flight_cross(s, &sight.flight);
-        if (!(passage.run >= 0 && sight.flight.t >= 0 && sight.flight.t <= passage.edge)) break;
+        struct gd__face_crossing passage = gd__surface_ray_cross(s, &sight.walk);
+        if (!(passage.run >= 0 && sight.walk.t >= 0 && sight.walk.t <= passage.edge)) break;
         sight.rest -= passage.run;
     }
     return trace_it(map, vertex);
@@ -165,7 +167,7 @@ static enum gd_status look_back(struct map *map, uint32_t vertex)
 static enum gd_status look_from(struct map *map, uint32_t vertex)
 {
     struct gd__predecessor predecessor = map->field->predecessor[vertex];
-    /* it bends on an edge */
+    /* the path bends on an edge */
     if (predecessor.source == GD_NONE && predecessor.side != GD_NONE) return trace_it(map, vertex);
     if (is_root(map, predecessor.source)) {
         bool is_beside = predecessor.side == GD_NONE || predecessor.y < 0;
@@ -176,7 +178,7 @@ static enum gd_status look_from(struct map *map, uint32_t vertex)
     return GD_OK;
 }
 
-/* --- all of them ------------------------------------------------------------------------------ */
+/* --- all vertices ----------------------------------------------------------------------------- */
 
 struct entry {
     double distance;
@@ -189,7 +191,7 @@ static int by_distance(const void *a, const void *b)
     return d < e ? -1 : d > e;
 }
 
-/* The vertices that paths reach, by distance. */
+/* Lists the reached vertices in order of distance, and returns their number. */
 static uint32_t sort_vertices(const struct gd_field *field, struct entry *entries)
 {
     uint32_t count = 0;
@@ -199,7 +201,8 @@ static uint32_t sort_vertices(const struct gd_field *field, struct entry *entrie
     return count;
 }
 
-static enum gd_status fill(struct map *map, struct entry *entries, const struct gd_control *control)
+static enum gd_status log_all_fill(struct map *map, struct entry *entries,
+                                   const struct gd_control *control)
 {
     enum { CHUNK = 1024 };
     enum gd_status status = GD_OK;
@@ -240,9 +243,10 @@ enum gd_status gd_vector_log_all(const struct gd_field *field, const struct gd_c
         gd_control_afford(control, count * (sizeof(struct entry) + sizeof *map.ahead));
     struct entry *entries = status ? NULL : malloc(count * sizeof *entries);
     map.ahead = status ? NULL : malloc(count * sizeof *map.ahead);
-    if (!status) status = entries && map.ahead ? fill(&map, entries, control) : GD_NO_MEMORY;
+    if (!status)
+        status = entries && map.ahead ? log_all_fill(&map, entries, control) : GD_NO_MEMORY;
     if (!status) write_out(&map, angles, lengths);
     free(entries);
     free(map.ahead);
-    return status ? gd_fail(detail, status, "%s", gd_status_sentence(status)) : GD_OK;
+    return status ? gd_fail_status(detail, status) : GD_OK;
 }

@@ -10,22 +10,22 @@
 #include "mesh/canonical.h"
 #include "transport/ascent.h"
 
-/* Newton's steps, halved until they help. As long as the paths to the points cross the same faces f
- * is the sum of squared distances in the plane, of the points or of where the paths bend first: its
- * second derivatives are known. A minimum may stand at a vertex, where f has a kink: so corners of
- * the face at hand are tried when steps have to be halved. */
+/* Newton's method with halved steps. While the paths to the points cross the same faces, f is a sum
+ * of squared distances in the plane (to the points, or via the first bends of the paths) with known
+ * second derivatives. A minimum may be at a vertex, where f has a kink. Therefore the corners of
+ * the current face are tried when steps must be halved. */
 
 enum { ITERATIONS = 100, HALVINGS = 8, SEARCHES = ITERATIONS / 4 };
 
-/* A place and all that is known of f there. */
+/* An iterate, with f and its derivatives. */
 struct view {
     struct gd_point point;
-    double value;   /* f over the sum of the weights; inside unit */
-    double slope;   /* of half of that, downwards; less than 0: all directions lead up */
-    double heading; /* and the turn in which it is so steep */
-    double length;  /* of the next step */
-    double turn;    /* and where it leads */
-    bool is_cut;    /* a path to one of the points is not the only shortest one */
+    double value;   /* f divided by the sum of the weights; normalised unit */
+    double slope;   /* steepest descent of value / 2; negative: f grows in all directions */
+    double heading; /* the turn of steepest descent */
+    double length;  /* length of the next step */
+    double turn;    /* turn of the next step */
+    bool is_cut;    /* the shortest path to one of the points is not unique */
 };
 
 struct finder {
@@ -34,16 +34,16 @@ struct finder {
     struct gd__share *share;
     const struct gd_control *control;
     struct gd_detail *detail;
-    struct gd__pull *pulls; /* of the place at hand */
-    double weights;         /* sum */
+    struct gd__pull *pulls; /* of the current iterate */
+    double weights;         /* sum of the weights */
 };
 
-static double weight_of(const struct finder *finder, uint32_t i)
+static double mean_weight_of(const struct finder *finder, uint32_t i)
 {
     return finder->request->weights ? finder->request->weights[i] : 1;
 }
 
-/* --- one place -------------------------------------------------------------------------------- */
+/* --- evaluation ------------------------------------------------------------------------------- */
 
 static enum gd_status pull_of(const struct finder *finder, const struct gd_point *from, uint32_t i,
                               struct gd__pull *pull, double *length, bool *is_cut)
@@ -54,14 +54,14 @@ static enum gd_status pull_of(const struct finder *finder, const struct gd_point
         gd_pair_solve(finder->mesh,
                       &(struct gd_pair_request){.from = from,
                                                 .to = &finder->request->points[i],
-                                                .wish = GD_PAIR_PATH_AND_CUT,
+                                                .output = GD_PAIR_PATH_AND_CUT,
                                                 .landmarks = finder->request->landmarks},
                       finder->control, &answer, finder->detail);
     if (status) return status;
     status = gd_vector_log(finder->mesh, &answer.path, &log, finder->detail);
     gd_pair_answer_free(&answer);
     if (status) return status;
-    double weight = weight_of(finder, i);
+    double weight = mean_weight_of(finder, i);
     *is_cut |= answer.is_cut && weight > 0;
     *length = log.vector.length / finder->mesh->unit;
     *pull =
@@ -73,8 +73,8 @@ static enum gd_status pull_of(const struct finder *finder, const struct gd_point
     return GD_OK;
 }
 
-static enum gd_status look(const struct finder *finder, const struct gd_point *point,
-                           struct view *out)
+static enum gd_status mean_evaluate(const struct finder *finder, const struct gd_point *point,
+                                    struct view *out)
 {
     double value = 0, length;
     bool is_cut = false;
@@ -96,8 +96,8 @@ static enum gd_status look(const struct finder *finder, const struct gd_point *p
 
 /* --- steps ------------------------------------------------------------------------------------ */
 
-static enum gd_status step(const struct finder *finder, const struct view *view, double turn,
-                           double length, struct gd_point *out)
+static enum gd_status mean_step(const struct finder *finder, const struct view *view, double turn,
+                                double length, struct gd_point *out)
 {
     const struct gd_direction ahead = gd__turn_direction(finder->mesh, &view->point, turn);
     struct gd_trace trace;
@@ -112,8 +112,9 @@ static enum gd_status step(const struct finder *finder, const struct view *view,
     return GD_OK;
 }
 
-/* Near a minimum f is level up to rounding; there the slope decides. */
-static bool is_better(const struct view *a, const struct view *b)
+/* Returns true if a is better than b. Near a minimum f is constant up to rounding, and the slope
+ * decides. */
+static bool mean_is_better(const struct view *a, const struct view *b)
 {
     double noise = GD_TOL_HIT * b->value;
     return a->value < b->value - noise ||
@@ -124,16 +125,15 @@ static enum gd_status try_point(const struct finder *finder, const struct gd_poi
                                 struct view *view, bool *has_moved)
 {
     struct view next;
-    enum gd_status status = look(finder, point, &next);
-    if (status || !is_better(&next, view)) return status;
+    enum gd_status status = mean_evaluate(finder, point, &next);
+    if (status || !mean_is_better(&next, view)) return status;
     next.is_cut |= view->is_cut;
     *view = next;
     *has_moved = true;
     return GD_OK;
 }
 
-/* The corners of a face at the point, or of those on both sides of its edge the ends of the
- * edge. */
+/* Moves to a corner of the point's face, or an end of its edge, if that is better. */
 static enum gd_status try_corners(const struct finder *finder, struct view *view, bool *has_moved)
 {
     const struct gd_mesh *mesh = finder->mesh;
@@ -150,14 +150,14 @@ static enum gd_status try_corners(const struct finder *finder, struct view *view
 }
 
 /* Moves to a better place, if one is found. */
-static enum gd_status improve(const struct finder *finder, struct view *view, bool *has_moved)
+static enum gd_status mean_improve(const struct finder *finder, struct view *view, bool *has_moved)
 {
     double part = 1;
     enum gd_status status = GD_OK;
     *has_moved = false;
     for (int i = 0; i < HALVINGS && !status && !*has_moved; i++, part /= 2) {
         struct gd_point point;
-        status = step(finder, view, view->turn, part * view->length, &point);
+        status = mean_step(finder, view, view->turn, part * view->length, &point);
         if (!status) status = try_point(finder, &point, view, has_moved);
         if (!status && !*has_moved && i == 0) status = try_corners(finder, view, has_moved);
     }
@@ -169,24 +169,25 @@ static bool is_there(const struct view *view)
     return view->slope <= GD_TOL_MEAN * sqrt(view->value);
 }
 
-static enum gd_status descend(const struct finder *finder, struct view *view, uint32_t *iterations)
+static enum gd_status mean_descend(const struct finder *finder, struct view *view,
+                                   uint32_t *iterations)
 {
     bool has_moved = true;
     enum gd_status status = GD_OK;
     while (!status && has_moved && !is_there(view) && *iterations < ITERATIONS) {
-        status = improve(finder, view, &has_moved);
+        status = mean_improve(finder, view, &has_moved);
         ++*iterations;
     }
     return status;
 }
 
-/* --- where to begin --------------------------------------------------------------------------- */
+/* --- start ------------------------------------------------------------------------------------ */
 
 static struct gd_vec3 centroid(const struct finder *finder)
 {
     struct gd_vec3 sum = {0, 0, 0};
     for (uint32_t i = 0; i < finder->request->count; i++)
-        sum = gd_vec3_along(sum, weight_of(finder, i) / finder->weights,
+        sum = gd_vec3_along(sum, mean_weight_of(finder, i) / finder->weights,
                             gd_point_position(finder->mesh, &finder->request->points[i]));
     return sum;
 }
@@ -205,23 +206,23 @@ static struct gd_point nearest_given(const struct finder *finder, struct gd_vec3
     return points[best];
 }
 
-/* The better of the two places that lie next to the mean in space. */
-static enum gd_status begin(const struct finder *finder, struct view *out)
+/* Evaluates two start places near the points' mean in space and returns the better one. */
+static enum gd_status mean_begin(const struct finder *finder, struct view *out)
 {
     struct gd_vec3 middle = centroid(finder);
     struct gd_point start = nearest_given(finder, middle), other;
     bool has_moved;
-    enum gd_status status = look(finder, &start, out);
+    enum gd_status status = mean_evaluate(finder, &start, out);
     if (status || gd_locate_nearest(finder->mesh, middle, -1, &other, NULL)) return status;
     if (gd_point_component(finder->mesh, &other) != gd_point_component(finder->mesh, &start))
         return GD_OK;
     return try_point(finder, &other, out, &has_moved);
 }
 
-/* --- the whole -------------------------------------------------------------------------------- */
+/* --- public call ------------------------------------------------------------------------------ */
 
-static enum gd_status check(const struct gd_mesh *mesh, const struct gd_mean_request *request,
-                            double *sum, struct gd_detail *detail)
+static enum gd_status mean_check(const struct gd_mesh *mesh, const struct gd_mean_request *request,
+                                 double *sum, struct gd_detail *detail)
 {
     if (!request->count)
         return gd_fail(detail, GD_INVALID_ARGUMENT, "a mean is of at least one point");
@@ -247,15 +248,15 @@ static enum gd_status check(const struct gd_mesh *mesh, const struct gd_mean_req
 static enum gd_status find_in_one_step(const struct finder *finder, struct view *view)
 {
     struct gd_point point;
-    enum gd_status status = look(finder, &finder->request->points[0], view);
+    enum gd_status status = mean_evaluate(finder, &finder->request->points[0], view);
     bool is_cut = view->is_cut;
-    if (!status) status = step(finder, view, view->heading, fmax(view->slope, 0), &point);
-    if (!status) status = look(finder, &point, view);
+    if (!status) status = mean_step(finder, view, view->heading, fmax(view->slope, 0), &point);
+    if (!status) status = mean_evaluate(finder, &point, view);
     view->is_cut |= is_cut;
     return status;
 }
 
-static enum gd_status find(struct finder *finder, struct gd_mean *out)
+static enum gd_status mean_find(struct finder *finder, struct gd_mean *out)
 {
     struct view view = {0};
     uint32_t iterations = 1;
@@ -264,8 +265,8 @@ static enum gd_status find(struct finder *finder, struct gd_mean *out)
         status = find_in_one_step(finder, &view);
     } else {
         iterations = 0;
-        status = begin(finder, &view);
-        if (!status) status = descend(finder, &view, &iterations);
+        status = mean_begin(finder, &view);
+        if (!status) status = mean_descend(finder, &view, &iterations);
     }
     if (status) return status;
     *out = (struct gd_mean){.point = view.point,
@@ -282,7 +283,7 @@ enum gd_status gd_mean_find(const struct gd_mesh *mesh, const struct gd_mean_req
                             struct gd_detail *detail)
 {
     struct finder finder = {.mesh = mesh, .request = request, .detail = detail};
-    enum gd_status status = check(mesh, request, &finder.weights, detail);
+    enum gd_status status = mean_check(mesh, request, &finder.weights, detail);
     size_t held = request->count * sizeof *finder.pulls;
     if (!status) status = gd_control_afford(control, held);
     if (status) return status;
@@ -291,7 +292,7 @@ enum gd_status gd_mean_find(const struct gd_mesh *mesh, const struct gd_mean_req
     finder.share = &share;
     finder.control = &own;
     finder.pulls = malloc(held);
-    status = finder.pulls ? find(&finder, out) : GD_NO_MEMORY;
+    status = finder.pulls ? mean_find(&finder, out) : GD_NO_MEMORY;
     free(finder.pulls);
     return status;
 }

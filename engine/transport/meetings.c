@@ -8,17 +8,17 @@
 
 enum { CAPACITY = 64 };
 
-/* In the frame of its face's side 0. */
+/* A segment, in the frame of its face's side 0. */
 struct segment {
     struct gd__local from, to;
-    uint32_t before; /* in the same face; GD_NONE: none */
+    uint32_t before; /* the next segment in the same face; GD_NONE: none */
 };
 
 struct gd__meetings {
     const struct gd_mesh *mesh;
     const struct gd_control *control;
-    uint32_t *newest; /* per face: segment */
-    bool *is_met;     /* per vertex */
+    uint32_t *newest; /* per face: its latest segment */
+    bool *is_met;     /* per vertex: visited */
     struct segment *segments;
     uint32_t count, capacity;
 };
@@ -59,42 +59,29 @@ enum gd_status gd__meetings_create(const struct gd_mesh *mesh, const struct gd_p
 
 /* --- two segments ----------------------------------------------------------------------------- */
 
-static struct gd__local minus(struct gd__local a, struct gd__local b)
-{
-    return (struct gd__local){a.x - b.x, a.y - b.y};
-}
-
-static double cross(struct gd__local a, struct gd__local b)
-{
-    return a.x * b.y - a.y * b.x;
-}
-
-static double dot(struct gd__local a, struct gd__local b)
-{
-    return a.x * b.x + a.y * b.y;
-}
-
-/* The part of `a` after which it first runs on `b`, along the same line; 2 if it doesn't. */
+/* Returns the fraction of `a` at which it first overlaps `b` on the same line; 2 if they do not
+ * overlap. */
 static double meet_along(const struct segment *a, const struct segment *b)
 {
-    struct gd__local d = minus(a->to, a->from), w = minus(b->from, a->from),
-                     e = minus(b->to, a->from);
-    double length = dot(d, d), touch = GD_TOL_TOUCH * length;
-    if (fabs(cross(d, w)) > touch || fabs(cross(d, e)) > touch) return 2;
-    double first = fmin(dot(d, w), dot(d, e)) / length, last = fmax(dot(d, w), dot(d, e)) / length;
+    struct gd__local d = gd__local_minus(a->to, a->from), w = gd__local_minus(b->from, a->from),
+                     e = gd__local_minus(b->to, a->from);
+    double length = gd__local_dot(d, d), touch = GD_TOL_TOUCH * length;
+    if (fabs(gd__local_cross(d, w)) > touch || fabs(gd__local_cross(d, e)) > touch) return 2;
+    double first = fmin(gd__local_dot(d, w), gd__local_dot(d, e)) / length,
+           last = fmax(gd__local_dot(d, w), gd__local_dot(d, e)) / length;
     if (last <= GD_TOL_TOUCH || first > 1 + GD_TOL_TOUCH) return 2;
     return fmax(first, GD_TOL_TOUCH);
 }
 
-/* The part of `a` after which it meets `b`; 2 if it doesn't. */
-static double meet(const struct segment *a, const struct segment *b)
+/* Returns the fraction of `a` at which it meets `b`; 2 if they do not meet. */
+static double meetings_meet(const struct segment *a, const struct segment *b)
 {
-    struct gd__local d = minus(a->to, a->from), e = minus(b->to, b->from),
-                     w = minus(b->from, a->from);
-    double sine = cross(d, e), lengths = sqrt(dot(d, d) * dot(e, e));
+    struct gd__local d = gd__local_minus(a->to, a->from), e = gd__local_minus(b->to, b->from),
+                     w = gd__local_minus(b->from, a->from);
+    double sine = gd__local_cross(d, e), lengths = sqrt(gd__local_dot(d, d) * gd__local_dot(e, e));
     if (!(lengths > 0)) return 2;
     if (fabs(sine) <= GD_TOL_TOUCH * lengths) return meet_along(a, b);
-    double part = cross(w, e) / sine, other = cross(w, d) / sine;
+    double part = gd__local_cross(w, e) / sine, other = gd__local_cross(w, d) / sine;
     if (part <= GD_TOL_TOUCH || part > 1 + GD_TOL_TOUCH) return 2;
     return other >= -GD_TOL_TOUCH && other <= 1 + GD_TOL_TOUCH ? part : 2;
 }
@@ -115,8 +102,8 @@ static enum gd_status make_room(struct gd__meetings *meetings)
     return GD_OK;
 }
 
-static struct gd__local place(const struct gd_mesh *mesh, uint32_t face,
-                              const struct gd_point *point)
+static struct gd__local meetings_place(const struct gd_mesh *mesh, uint32_t face,
+                                       const struct gd_point *point)
 {
     double weight[3];
     gd__point_weights(mesh, point, face, weight);
@@ -129,11 +116,11 @@ enum gd_status gd__meetings_add(struct gd__meetings *meetings, uint32_t face,
 {
     enum gd_status status = make_room(meetings);
     if (status) return status;
-    struct segment segment = {place(meetings->mesh, face, from), place(meetings->mesh, face, to),
-                              meetings->newest[face]};
+    struct segment segment = {meetings_place(meetings->mesh, face, from),
+                              meetings_place(meetings->mesh, face, to), meetings->newest[face]};
     double first = 2;
     for (uint32_t i = segment.before; i != GD_NONE; i = meetings->segments[i].before)
-        first = fmin(first, meet(&segment, &meetings->segments[i]));
+        first = fmin(first, meetings_meet(&segment, &meetings->segments[i]));
     if (to->kind == GD_POINT_VERTEX) {
         if (meetings->is_met[to->element]) first = fmin(first, 1);
         meetings->is_met[to->element] = true;

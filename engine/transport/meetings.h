@@ -1,5 +1,5 @@
-/* Meetings: where a line meets itself. Its segments are kept by the face that they lie in, and its
- * vertices by themselves. */
+/* Meetings: detects where a line meets itself. Segments are indexed by face; the vertices that the
+ * line passes are marked separately. */
 #ifndef GD_TRANSPORT_MEETINGS_H
 #define GD_TRANSPORT_MEETINGS_H
 
@@ -8,16 +8,16 @@
 
 struct gd__meetings;
 
-/* Of a line that begins at `start`. GD_NO_MEMORY, GD_BUDGET. O(faces). */
+/* Creates the index of a line that begins at `start`. Errors: GD_NO_MEMORY, GD_BUDGET. O(faces). */
 GD_MUST_USE enum gd_status gd__meetings_create(const struct gd_mesh *mesh,
                                                const struct gd_point *start,
                                                const struct gd_control *control,
                                                struct gd__meetings **out);
 void gd__meetings_destroy(struct gd__meetings *meetings); /* NULL is harmless */
 
-/* Adds the line's next segment, in a face. `*part`: the part of it after which it first meets one
- * before, in (0, 1]; 2: it meets none. What it has in common with the segment before is its
- * beginning, which doesn't count. GD_NO_MEMORY, GD_BUDGET. O(segments in the face). */
+/* Adds the line's next segment, in a face. Sets *part to the fraction, in (0, 1], at which the
+ * segment first meets an earlier one; 2 if it meets none. The common point with the previous
+ * segment does not count. Errors: GD_NO_MEMORY, GD_BUDGET. O(segments in the face). */
 GD_MUST_USE enum gd_status gd__meetings_add(struct gd__meetings *meetings, uint32_t face,
                                             const struct gd_point *from, const struct gd_point *to,
                                             double *part);

@@ -22,15 +22,15 @@ struct gd_curve gd__route_take_curve(struct gd__route *route, bool closed)
     return curve;
 }
 
-/* A walk along a route that is divided on the way. */
+/* The state of a walk along a route that is divided at given lengths. */
 struct walk {
     const struct gd__route *route;
-    uint32_t at;          /* the last point that was passed */
-    struct gd_point here; /* behind it */
-    double gone;          /* as far as `at` */
+    uint32_t at;          /* the last point passed */
+    struct gd_point here; /* the current place */
+    double gone;          /* length walked up to `at` */
 };
 
-/* From where the walk is to a length behind the beginning, as a route that is filled anew. */
+/* Replaces `out` by the part of the route from the current place to a given length. */
 static enum gd_status walk_to(struct gd__straightener *s, struct walk *walk, double length,
                               struct gd__route *out)
 {

@@ -2,20 +2,20 @@
 
 void gd__polygon_free(struct gd__polygon *polygon)
 {
-    for (int k = 0; k < 3; k++) gd__route_free(&polygon->legs[k]);
+    for (int k = 0; k < 3; k++) gd__route_free(&polygon->arms[k]);
     *polygon = (struct gd__polygon){0};
 }
 
-/* The lines of the construction, each level between points of the one above. */
+/* The state of de Casteljau's construction. */
 struct construction {
     struct gd__straightener *straightener;
     double part;
-    struct gd__route route; /* what is pulled tight next */
+    struct gd__route route; /* scratch: the line to be straightened next */
 };
 
-/* Divides a line at the part: `before` and `behind` are filled anew. */
-static enum gd_status cut(const struct construction *c, const struct gd__route *line,
-                          struct gd__route *before, struct gd__route *behind)
+/* Divides a line at the fraction c->part, and replaces `before` and `behind` by its parts. */
+static enum gd_status polygon_cut(const struct construction *c, const struct gd__route *line,
+                                  struct gd__route *before, struct gd__route *behind)
 {
     const struct gd_control *control = c->straightener->control;
     struct gd__route whole = {0};
@@ -35,7 +35,7 @@ static enum gd_status cut(const struct construction *c, const struct gd__route *
     return status;
 }
 
-/* The line that two become which meet: from where the first begins to where the second ends. */
+/* Straightens two joined lines, from the beginning of the first to the end of the second. */
 static enum gd_status pull(struct construction *c, const struct gd__route *first,
                            const struct gd__route *second, struct gd__route *out)
 {
@@ -57,15 +57,15 @@ enum gd_status gd__polygon_divide(struct gd__straightener *straightener,
     struct gd__route inner[2] = {0}, second[2] = {0}, third = {0};
     double at = polygon->begin + part * (polygon->end - polygon->begin);
     left->begin = polygon->begin, left->end = right->begin = at, right->end = polygon->end;
-    enum gd_status status = cut(&c, &polygon->legs[0], &left->legs[0], &third);
-    if (!status) status = cut(&c, &polygon->legs[1], &inner[0], &inner[1]);
+    enum gd_status status = polygon_cut(&c, &polygon->arms[0], &left->arms[0], &third);
+    if (!status) status = polygon_cut(&c, &polygon->arms[1], &inner[0], &inner[1]);
     if (!status) status = pull(&c, &third, &inner[0], &second[0]);
-    if (!status) status = cut(&c, &polygon->legs[2], &third, &right->legs[2]);
+    if (!status) status = polygon_cut(&c, &polygon->arms[2], &third, &right->arms[2]);
     if (!status) status = pull(&c, &inner[1], &third, &second[1]);
-    if (!status) status = cut(&c, &second[0], &left->legs[1], &inner[0]);
-    if (!status) status = cut(&c, &second[1], &inner[1], &right->legs[1]);
+    if (!status) status = polygon_cut(&c, &second[0], &left->arms[1], &inner[0]);
+    if (!status) status = polygon_cut(&c, &second[1], &inner[1], &right->arms[1]);
     if (!status) status = pull(&c, &inner[0], &inner[1], &third);
-    if (!status) status = cut(&c, &third, &left->legs[2], &right->legs[0]);
+    if (!status) status = polygon_cut(&c, &third, &left->arms[2], &right->arms[0]);
     if (!status) *touching = third.length;
     for (int k = 0; k < 2; k++) {
         gd__route_free(&inner[k]);
@@ -81,8 +81,8 @@ enum gd_status gd__polygon_join(const struct gd__polygon *polygon, bool backward
 {
     enum gd_status status = GD_OK;
     for (int k = 0; k < 3 && !status; k++) {
-        const struct gd__route *leg = &polygon->legs[backwards ? 2 - k : k];
-        status = gd__route_join(out, leg->points, leg->count, leg->length, backwards, control);
+        const struct gd__route *arm = &polygon->arms[backwards ? 2 - k : k];
+        status = gd__route_join(out, arm->points, arm->count, arm->length, backwards, control);
     }
     return status;
 }

@@ -3,15 +3,16 @@
 #include "transport/spacing.h"
 #include "line/turn.h"
 
-/* A sampling under way. */
+/* A sampling in progress. */
 struct sampling {
     struct gd__sampler sampler;
     struct gd__parameters parameters;
     struct gd_spline_place *places;
-    uint32_t count; /* that are there */
+    uint32_t count; /* number of places so far */
     struct gd__route path;
-    struct gd__route pending; /* from the last place to the beginning of the leaf at hand */
-    bool is_at_end;           /* ... which that place is the end of */
+    /* the polyline from the last place to the beginning of the current leaf */
+    struct gd__route pending;
+    bool is_at_end; /* the polyline so far ends at the last place */
 };
 
 void gd_spline_line_free(struct gd_spline_line *line)
@@ -22,34 +23,34 @@ void gd_spline_line_free(struct gd_spline_line *line)
     *line = (struct gd_spline_line){0};
 }
 
-/* --- one place -------------------------------------------------------------------------------- */
+/* --- one sampled place ------------------------------------------------------------------------ */
 
-/* The direction in which a polygon begins, if it has any length. */
+/* Computes the direction at the beginning of a polygon; *found stays false if the polygon has
+ * length zero. */
 static enum gd_status begins_in(const struct gd_mesh *mesh, const struct gd__polygon *polygon,
                                 bool *found, struct gd_direction *out)
 {
     double turn;
     for (int k = 0; k < 3 && !*found; k++) {
-        const struct gd__route *leg = &polygon->legs[k];
-        if (leg->count < 2) continue;
-        enum gd_status status = gd__route_ahead(mesh, leg->points, leg->count, &turn);
+        const struct gd__route *arm = &polygon->arms[k];
+        if (arm->count < 2) continue;
+        enum gd_status status = gd__route_ahead(mesh, arm->points, arm->count, &turn);
         if (status) return status;
-        *out = gd__turn_direction(mesh, &leg->points[0], turn);
+        *out = gd__turn_direction(mesh, &arm->points[0], turn);
         *found = true;
     }
     return GD_OK;
 }
 
-/* ... and ends. */
 static enum gd_status ends_in(const struct gd_mesh *mesh, const struct gd__polygon *polygon,
                               bool *found, struct gd_direction *out)
 {
     double turn;
     for (int k = 3; k-- > 0 && !*found;) {
-        const struct gd__route *leg = &polygon->legs[k];
-        if (leg->count < 2) continue;
-        const struct gd_point *end = &leg->points[leg->count - 1];
-        enum gd_status status = gd__route_back(mesh, leg->points, leg->count, &turn);
+        const struct gd__route *arm = &polygon->arms[k];
+        if (arm->count < 2) continue;
+        const struct gd_point *end = &arm->points[arm->count - 1];
+        enum gd_status status = gd__route_back(mesh, arm->points, arm->count, &turn);
         if (status) return status;
         struct gd_direction back = gd__turn_direction(mesh, end, turn);
         *out = gd_direction_opposite(mesh, end, &back);
@@ -58,15 +59,16 @@ static enum gd_status ends_in(const struct gd_mesh *mesh, const struct gd__polyg
     return GD_OK;
 }
 
-/* The place between two parts of a leaf. */
-static enum gd_status describe(struct sampling *s, const struct gd__polygon *left,
-                               const struct gd__polygon *right, double parameter, double speed)
+/* Appends the place between two parts of a leaf. */
+static enum gd_status sample_describe(struct sampling *s, const struct gd__polygon *left,
+                                      const struct gd__polygon *right, double parameter,
+                                      double speed)
 {
     const struct gd_mesh *mesh = s->sampler.mesh;
-    const struct gd__route *end = &left->legs[2];
+    const struct gd__route *end = &left->arms[2];
     struct gd_spline_place place = {.parameter = parameter, .speed = speed};
     bool found = false;
-    place.point = end->count ? end->points[end->count - 1] : right->legs[0].points[0];
+    place.point = end->count ? end->points[end->count - 1] : right->arms[0].points[0];
     enum gd_status status = begins_in(mesh, right, &found, &place.tangent);
     if (!status) status = ends_in(mesh, left, &found, &place.tangent);
     if (!found) place.tangent = gd_trace_fan(mesh, &place.point, 1, 0);
@@ -76,9 +78,10 @@ static enum gd_status describe(struct sampling *s, const struct gd__polygon *lef
 
 /* --- the polyline ----------------------------------------------------------------------------- */
 
-/* On from the last place to the end of `left`, the part of the leaf before the next one. */
-static enum gd_status reach(struct sampling *s, const struct gd__polygon *left,
-                            const struct gd_point *point)
+/* Extends the polyline from the last place to the end of `left`, the part of the leaf before the
+ * next place. */
+static enum gd_status sample_reach(struct sampling *s, const struct gd__polygon *left,
+                                   const struct gd_point *point)
 {
     const struct gd_control *control = s->sampler.straightener.control;
     struct gd__route *line = &s->sampler.line;
@@ -90,11 +93,11 @@ static enum gd_status reach(struct sampling *s, const struct gd__polygon *left,
     return status;
 }
 
-static enum gd_status put(struct sampling *s, const struct gd__polygon *left,
-                          const struct gd__polygon *right, double parameter, double speed)
+static enum gd_status sample_put(struct sampling *s, const struct gd__polygon *left,
+                                 const struct gd__polygon *right, double parameter, double speed)
 {
-    enum gd_status status = describe(s, left, right, parameter, speed);
-    if (!status) status = reach(s, left, &s->places[s->count - 1].point);
+    enum gd_status status = sample_describe(s, left, right, parameter, speed);
+    if (!status) status = sample_reach(s, left, &s->places[s->count - 1].point);
     gd__route_clear(&s->pending);
     if (!status)
         status = gd__route_add(&s->pending, &s->places[s->count - 1].point, 0,
@@ -104,7 +107,6 @@ static enum gd_status put(struct sampling *s, const struct gd__polygon *left,
     return status;
 }
 
-/* The place at a parameter of a leaf. */
 static enum gd_status put_place(struct sampling *s, const struct gd__polygon *leaf,
                                 double parameter)
 {
@@ -113,11 +115,11 @@ static enum gd_status put_place(struct sampling *s, const struct gd__polygon *le
     double span = leaf->end - leaf->begin, part = (parameter - leaf->begin) / span, touching,
            scale = 3 * s->sampler.mesh->unit / span;
     s->is_at_end = !(part < 1);
-    if (!(part > 0)) return put(s, &none, leaf, parameter, leaf->legs[0].length * scale);
-    if (s->is_at_end) return put(s, leaf, &none, parameter, leaf->legs[2].length * scale);
+    if (!(part > 0)) return sample_put(s, &none, leaf, parameter, leaf->arms[0].length * scale);
+    if (s->is_at_end) return sample_put(s, leaf, &none, parameter, leaf->arms[2].length * scale);
     enum gd_status status =
         gd__polygon_divide(&s->sampler.straightener, leaf, part, &left, &right, &touching);
-    if (!status) status = put(s, &left, &right, parameter, touching * scale);
+    if (!status) status = sample_put(s, &left, &right, parameter, touching * scale);
     gd__polygon_free(&left);
     gd__polygon_free(&right);
     return status;
@@ -139,9 +141,10 @@ static enum gd_status visit(struct gd__sampler *sampler, const struct gd__polygo
     return gd__route_add(&s->pending, &s->places[s->count - 1].point, 0, control);
 }
 
-/* --- the whole -------------------------------------------------------------------------------- */
+/* --- public call ------------------------------------------------------------------------------ */
 
-static enum gd_status check(const struct gd_spline_sampling *sampling, struct gd_detail *detail)
+static enum gd_status sample_check(const struct gd_spline_sampling *sampling,
+                                   struct gd_detail *detail)
 {
     int ways = (sampling->per_segment != 0) + (sampling->even != 0) + (sampling->tolerance != 0) +
                (sampling->spacing != 0) + (sampling->parameters != NULL);
@@ -157,8 +160,8 @@ static enum gd_status check(const struct gd_spline_sampling *sampling, struct gd
     return GD_OK;
 }
 
-static enum gd_status sample(struct sampling *s, const struct gd_spline_sampling *sampling,
-                             struct gd_detail *detail)
+static enum gd_status sample_all(struct sampling *s, const struct gd_spline_sampling *sampling,
+                                 struct gd_detail *detail)
 {
     enum gd_status status = gd__spacing_find(&s->sampler, sampling, &s->parameters, detail);
     if (!status)
@@ -168,7 +171,7 @@ static enum gd_status sample(struct sampling *s, const struct gd_spline_sampling
     s->places = malloc(s->parameters.count * sizeof *s->places);
     if (!s->places) return GD_NO_MEMORY;
     s->sampler.visit = visit;
-    s->sampler.begun = 0.5;
+    s->sampler.progress = 0.5;
     return gd__sampler_walk(&s->sampler);
 }
 
@@ -181,8 +184,8 @@ enum gd_status gd_spline_sample(const struct gd_mesh *mesh,
                                      .spline = sampling->spline,
                                      .share = 0.5,
                                      .straightener = {.mesh = mesh, .control = control}}};
-    enum gd_status status = check(sampling, detail);
-    if (!status) status = sample(&s, sampling, detail);
+    enum gd_status status = sample_check(sampling, detail);
+    if (!status) status = sample_all(&s, sampling, detail);
     if (!status && s.count < s.parameters.count) status = GD_INTERNAL;
     if (!status)
         *out = (struct gd_spline_line){gd__route_take(mesh, &s.path), s.places, s.count,

@@ -1,10 +1,10 @@
 #include "transport/sampler.h"
 
-enum { DEPTH = 32 }; /* halvings: far below rounding */
+enum { DEPTH = 32 }; /* limit on halvings; lengths are far below rounding before */
 
-/* A leaf departs from its chord by this part of its segment's polygon: then de Casteljau's
- * construction with any parameter and halving differ by the surface's curvature times this part of
- * the square. */
+/* Flatness of a leaf: largest distance from its chord, relative to the length of its segment's
+ * polygon. In a leaf, de Casteljau's construction for any parameter differs from repeated halving
+ * by the order of this value squared, times the surface's curvature. */
 #define HEIGHT_PART 1e-3
 
 void gd__sampler_free(struct gd__sampler *sampler)
@@ -14,8 +14,8 @@ void gd__sampler_free(struct gd__sampler *sampler)
     gd__route_free(&sampler->line);
 }
 
-static enum gd_status walk(struct gd__sampler *sampler, const struct gd__polygon *polygon,
-                           double height, int depth);
+static enum gd_status sampler_walk(struct gd__sampler *sampler, const struct gd__polygon *polygon,
+                                   double height, int depth);
 
 static enum gd_status halve(struct gd__sampler *sampler, const struct gd__polygon *polygon,
                             double height, int depth)
@@ -24,21 +24,21 @@ static enum gd_status halve(struct gd__sampler *sampler, const struct gd__polygo
     double touching;
     enum gd_status status =
         gd__polygon_divide(&sampler->straightener, polygon, 0.5, &left, &right, &touching);
-    if (!status) status = walk(sampler, &left, height, depth + 1);
-    if (!status) status = walk(sampler, &right, height, depth + 1);
+    if (!status) status = sampler_walk(sampler, &left, height, depth + 1);
+    if (!status) status = sampler_walk(sampler, &right, height, depth + 1);
     gd__polygon_free(&left);
     gd__polygon_free(&right);
     return status;
 }
 
-static enum gd_status walk(struct gd__sampler *sampler, const struct gd__polygon *polygon,
-                           double height, int depth)
+static enum gd_status sampler_walk(struct gd__sampler *sampler, const struct gd__polygon *polygon,
+                                   double height, int depth)
 {
     struct gd__route chord = {0};
     const struct gd_spline *spline = sampler->spline;
     struct gd__straightener *straightener = &sampler->straightener;
-    straightener->progress =
-        sampler->begun + sampler->share * polygon->begin / spline->knots[spline->count].parameter;
+    straightener->progress = sampler->progress + sampler->share * polygon->begin /
+                                                     spline->knots[spline->count].parameter;
     enum gd_status status = gd_control_check(straightener->control, straightener->progress);
     if (!status) status = gd__polygon_chord(straightener, polygon, &sampler->route, &chord);
     if (!status && depth < DEPTH &&
@@ -56,12 +56,12 @@ static enum gd_status walk_segment(struct gd__sampler *sampler,
     struct gd__polygon polygon = {.begin = segment->begin, .end = segment->end};
     enum gd_status status = GD_OK;
     for (int k = 0; k < 3 && !status; k++)
-        status = gd__route_join(&polygon.legs[k], segment->legs[k].points, segment->legs[k].count,
-                                segment->legs[k].length / sampler->mesh->unit, false,
+        status = gd__route_join(&polygon.arms[k], segment->arms[k].points, segment->arms[k].count,
+                                segment->arms[k].length / sampler->mesh->unit, false,
                                 sampler->straightener.control);
     double height =
         sampler->height > 0 ? sampler->height : HEIGHT_PART * gd__polygon_length(&polygon);
-    if (!status) status = walk(sampler, &polygon, height, 0);
+    if (!status) status = sampler_walk(sampler, &polygon, height, 0);
     gd__polygon_free(&polygon);
     return status;
 }

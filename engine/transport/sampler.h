@@ -1,4 +1,5 @@
-/* Sampler: walks along a spline, leaf by leaf: polygons that are flat. */
+/* Sampler: walks along a spline, leaf by leaf. A leaf is a control polygon that is almost
+ * straight. */
 #ifndef GD_TRANSPORT_SAMPLER_H
 #define GD_TRANSPORT_SAMPLER_H
 
@@ -9,14 +10,14 @@ struct gd__sampler {
     const struct gd_mesh *mesh;
     const struct gd_spline *spline;
     struct gd__straightener straightener;
-    double begun, share; /* the part of the caller's work that a walk is */
-    /* a leaf departs from its chord by no more; 0: by a part of its segment's length */
+    double progress, share; /* progress before the walk, and the walk's share of it */
+    /* largest distance of a leaf from its chord; 0: relative to its segment's length */
     double height;
     /* Called for each leaf in order, with its chord. */
     enum gd_status (*visit)(struct gd__sampler *sampler, const struct gd__polygon *leaf,
                             const struct gd__route *chord);
     void *user;
-    struct gd__route route, line; /* to be used by anybody for a moment */
+    struct gd__route route, line; /* scratch */
 };
 
 /* Walks the whole spline. Errors: those of the visitor and of gd__straighten. */

@@ -17,14 +17,14 @@ void gd_shortening_free(struct gd_shortening *shortening)
 
 struct shortening {
     struct gd__straightener straightener;
-    /* the curve, and what it becomes; a closed one ends where it begins */
+    /* The curve before and after a round. The route of a closed curve ends at its first point. */
     struct gd__route route, line;
     bool closed;
-    double length; /* of the curve that was given */
+    double length; /* length of the original curve */
     struct gd_detail *detail;
 };
 
-static void swap(struct shortening *s)
+static void shortening_swap(struct shortening *s)
 {
     struct gd__route route = s->route;
     s->route = s->line;
@@ -33,15 +33,16 @@ static void swap(struct shortening *s)
 
 /* --- bends ------------------------------------------------------------------------------------ */
 
-/* By how much a line that came from the turn `back` bends more than a taut one would. */
-static double excess(const struct gd_mesh *mesh, const struct gd_point *at, double back,
-                     double ahead)
+/* Returns the excess of a bend: the angle by which a line that arrives from the turn `back` and
+ * leaves in the turn `ahead` differs from a taut line. */
+static double shortening_excess(const struct gd_mesh *mesh, const struct gd_point *at, double back,
+                                double ahead)
 {
     struct gd__bend bend = gd__bend_of_turns(mesh, at, back, ahead);
     return fmax(M_PI - fmin(bend.left, bend.right), 0);
 }
 
-/* The excess where a closed route begins and ends. */
+/* Computes the excess where a closed route begins and ends. */
 static enum gd_status excess_at_joint(const struct shortening *s, double *out)
 {
     const struct gd_mesh *mesh = s->straightener.mesh;
@@ -49,13 +50,13 @@ static enum gd_status excess_at_joint(const struct shortening *s, double *out)
     double back, ahead;
     enum gd_status status = gd__route_back(mesh, route->points, route->count, &back);
     if (!status) status = gd__route_ahead(mesh, route->points, route->count, &ahead);
-    if (!status) *out = excess(mesh, &route->points[0], back, ahead);
+    if (!status) *out = shortening_excess(mesh, &route->points[0], back, ahead);
     return status;
 }
 
 /* --- until it is a geodesic ------------------------------------------------------------------- */
 
-/* Begins a closed route at another of its points. */
+/* Rotates a closed route to begin at another of its points. */
 static enum gd_status begin_at(struct shortening *s, uint32_t at)
 {
     const struct gd__route *route = &s->route;
@@ -64,12 +65,12 @@ static enum gd_status begin_at(struct shortening *s, uint32_t at)
     enum gd_status status = gd__route_join(&s->line, route->points + at, route->count - at,
                                            route->length, false, control);
     if (!status) status = gd__route_join(&s->line, route->points, at + 1, 0, false, control);
-    swap(s);
+    shortening_swap(s);
     return status;
 }
 
-/* A vertex near the middle, which may hold the curve, or the middle itself: the next round begins
- * there, so that what bends now is pulled tight. */
+/* Rotates a closed route to begin at the vertex nearest to its middle (a vertex may hold the
+ * curve), or at its middle. The next round then straightens the bend at the present beginning. */
 static enum gd_status begin_elsewhere(struct shortening *s)
 {
     uint32_t count = s->route.count, best = 0;
@@ -87,7 +88,7 @@ static enum gd_status begin_elsewhere(struct shortening *s)
 static enum gd_status pull_tight(struct shortening *s)
 {
     enum gd_status status = gd__straighten(&s->straightener, &s->route, &s->line);
-    swap(s);
+    shortening_swap(s);
     if (!status && s->closed &&
         !(s->route.count > 2 && s->route.length > GD_TOL_VANISH * s->length))
         return gd_fail(s->detail, GD_INVALID_ARGUMENT,
@@ -114,9 +115,11 @@ static enum gd_status close_up(struct shortening *s, struct gd_shortening *out)
 
 /* --- by rounds -------------------------------------------------------------------------------- */
 
-/* Divisions of an odd round lie midway between those of an even one; a closed curve begins half a
- * piece further on instead. */
-static uint32_t divide(const struct shortening *s, uint32_t pieces, bool is_odd, double *lengths)
+/* Computes the lengths at which a round divides the curve. For open curves the divisions of odd
+ * rounds lie midway between those of even rounds; a closed curve is rotated by half a piece
+ * instead. */
+static uint32_t shortening_divide(const struct shortening *s, uint32_t pieces, bool is_odd,
+                                  double *lengths)
 {
     double step = s->route.length / pieces;
     uint32_t count = 0;
@@ -139,13 +142,13 @@ static enum gd_status shorten_once(struct shortening *s, uint32_t pieces, uint32
         if (!status) status = begin_at(s, at);
     }
     if (status) return status;
-    uint32_t count = divide(s, pieces, is_odd, lengths);
+    uint32_t count = shortening_divide(s, pieces, is_odd, lengths);
     status = gd__pieces_tighten(&s->straightener, &s->route, lengths, count, &s->line, NULL);
-    swap(s);
+    shortening_swap(s);
     return status;
 }
 
-/* The greatest excess at any point of the route. */
+/* Computes the greatest excess at any point of the route. */
 static enum gd_status greatest_excess(const struct shortening *s, double *out)
 {
     const struct gd_mesh *mesh = s->straightener.mesh;
@@ -156,7 +159,8 @@ static enum gd_status greatest_excess(const struct shortening *s, double *out)
     for (uint32_t i = 1; i + 1 < route->count && !status; i++) {
         status = gd__route_back(mesh, route->points + i - 1, 2, &back);
         if (!status) status = gd__route_ahead(mesh, route->points + i, 2, &ahead);
-        if (!status) greatest = fmax(greatest, excess(mesh, &route->points[i], back, ahead));
+        if (!status)
+            greatest = fmax(greatest, shortening_excess(mesh, &route->points[i], back, ahead));
     }
     if (!status) *out = greatest;
     return status;
@@ -175,7 +179,7 @@ static enum gd_status shorten_by_rounds(struct shortening *s, uint32_t rounds, u
     return status ? status : greatest_excess(s, &out->turn);
 }
 
-/* --- the whole -------------------------------------------------------------------------------- */
+/* --- public call ------------------------------------------------------------------------------ */
 
 static enum gd_status shorten(struct shortening *s, uint32_t rounds, uint32_t pieces,
                               struct gd_shortening *out)

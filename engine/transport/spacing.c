@@ -1,36 +1,27 @@
 #include "transport/spacing.h"
 
-#include <stdlib.h>
+#include "base/array.h"
 
-enum { FIRST_CAPACITY = 64, BISECTIONS = 60 };
+enum { BISECTIONS = 60 };
 
 static enum gd_status refuse_number(struct gd_detail *detail)
 {
-    return gd_fail(detail, GD_TOO_LARGE,
-                   "the curve would be looked at in more than %u places; ask for fewer",
+    return gd_fail(detail, GD_TOO_LARGE, "the curve would have more than %u samples; request fewer",
                    GD_SPLINE_PLACES);
 }
 
-static enum gd_status reserve(struct gd__parameters *list, double count,
-                              const struct gd_control *control, struct gd_detail *detail)
+static enum gd_status spacing_reserve(struct gd__parameters *list, double count,
+                                      const struct gd_control *control, struct gd_detail *detail)
 {
-    if (count <= list->capacity) return GD_OK;
     if (count > GD_SPLINE_PLACES) return refuse_number(detail);
-    size_t capacity = list->capacity ? 2 * (size_t)list->capacity : FIRST_CAPACITY;
-    if (capacity < count) capacity = (size_t)count;
-    enum gd_status status = gd_control_afford(control, 2 * capacity * sizeof *list->values);
-    if (status) return status;
-    double *values = realloc(list->values, capacity * sizeof *values);
-    if (!values) return GD_NO_MEMORY;
-    list->values = values;
-    list->capacity = (uint32_t)capacity;
-    return GD_OK;
+    return gd__array_extend(&list->values, &list->capacity, (uint64_t)count, sizeof *list->values,
+                            control);
 }
 
-static enum gd_status add(struct gd__parameters *list, double value,
-                          const struct gd_control *control, struct gd_detail *detail)
+static enum gd_status spacing_add(struct gd__parameters *list, double value,
+                                  const struct gd_control *control, struct gd_detail *detail)
 {
-    enum gd_status status = reserve(list, (double)list->count + 1, control, detail);
+    enum gd_status status = spacing_reserve(list, (double)list->count + 1, control, detail);
     if (!status) list->values[list->count++] = value;
     return status;
 }
@@ -41,8 +32,8 @@ static enum gd_status find_steps(const struct gd__sampler *sampler, uint32_t per
                                  struct gd__parameters *out, struct gd_detail *detail)
 {
     const struct gd_spline *spline = sampler->spline;
-    enum gd_status status = reserve(out, (double)per_segment * spline->count + 1,
-                                    sampler->straightener.control, detail);
+    enum gd_status status = spacing_reserve(out, (double)per_segment * spline->count + 1,
+                                            sampler->straightener.control, detail);
     if (status) return status;
     for (uint32_t i = 0; i < spline->count; i++) {
         double begin = spline->segments[i].begin, span = spline->segments[i].end - begin;
@@ -65,15 +56,16 @@ static enum gd_status collect_end(struct gd__sampler *sampler, const struct gd__
 {
     (void)chord;
     const struct collecting *collecting = sampler->user;
-    return add(collecting->list, leaf->end, sampler->straightener.control, collecting->detail);
+    return spacing_add(collecting->list, leaf->end, sampler->straightener.control,
+                       collecting->detail);
 }
 
 static enum gd_status find_leaves(struct gd__sampler *sampler, struct gd__parameters *out,
                                   struct gd_detail *detail)
 {
     struct collecting collecting = {out, detail};
-    enum gd_status status =
-        add(out, sampler->spline->knots[0].parameter, sampler->straightener.control, detail);
+    enum gd_status status = spacing_add(out, sampler->spline->knots[0].parameter,
+                                        sampler->straightener.control, detail);
     if (status) return status;
     sampler->user = &collecting;
     sampler->visit = collect_end;
@@ -82,9 +74,9 @@ static enum gd_status find_leaves(struct gd__sampler *sampler, struct gd__parame
 
 /* --- by arc length ---------------------------------------------------------------------------- */
 
-/* A leaf's length over its parameter from 0 to 1 is nearly a cubic: the speeds at its ends are
- * known, and its length lies between those of chord and polygon (J. Gravesen's estimate for cubics,
- * the mean of the two; its error is of the fourth order). */
+/* A leaf as a piece of the function from parameter to length, which is nearly cubic in a leaf. The
+ * speeds at its ends are known. Its length is the mean of the lengths of chord and polygon (J.
+ * Gravesen's estimate for cubics, with an error of fourth order). */
 struct stretch {
     double begin, end; /* parameters */
     double length, first_speed, last_speed;
@@ -92,7 +84,7 @@ struct stretch {
 
 struct measuring {
     struct stretch *stretches;
-    size_t count, capacity;
+    uint32_t count, capacity;
     struct gd_detail *detail;
 };
 
@@ -100,23 +92,17 @@ static enum gd_status measure_leaf(struct gd__sampler *sampler, const struct gd_
                                    const struct gd__route *chord)
 {
     struct measuring *measuring = sampler->user;
-    if (measuring->count == measuring->capacity) {
-        size_t capacity = measuring->capacity ? 2 * measuring->capacity : FIRST_CAPACITY;
-        if (capacity > GD_SPLINE_PLACES) return refuse_number(measuring->detail);
-        enum gd_status status = gd_control_afford(sampler->straightener.control,
-                                                  2 * capacity * sizeof *measuring->stretches);
-        if (status) return status;
-        struct stretch *stretches = realloc(measuring->stretches, capacity * sizeof *stretches);
-        if (!stretches) return GD_NO_MEMORY;
-        measuring->stretches = stretches;
-        measuring->capacity = capacity;
-    }
+    if (measuring->count == GD_SPLINE_PLACES) return refuse_number(measuring->detail);
+    enum gd_status status =
+        gd__array_extend(&measuring->stretches, &measuring->capacity, measuring->count + 1ULL,
+                         sizeof *measuring->stretches, sampler->straightener.control);
+    if (status) return status;
     measuring->stretches[measuring->count++] =
         (struct stretch){.begin = leaf->begin,
                          .end = leaf->end,
                          .length = 0.5 * (gd__polygon_length(leaf) + chord->length),
-                         .first_speed = 3 * leaf->legs[0].length,
-                         .last_speed = 3 * leaf->legs[2].length};
+                         .first_speed = 3 * leaf->arms[0].length,
+                         .last_speed = 3 * leaf->arms[2].length};
     return GD_OK;
 }
 
@@ -126,7 +112,6 @@ static double length_at(const struct stretch *s, double t)
                 t * (s->length * (3 - 2 * t) - s->last_speed * (1 - t)));
 }
 
-/* The parameter behind a length of the stretch. */
 static double parameter_at(const struct stretch *s, double length)
 {
     double low = 0, high = 1;
@@ -140,7 +125,8 @@ static double parameter_at(const struct stretch *s, double length)
     return s->begin + low * (s->end - s->begin);
 }
 
-/* `count` steps, or, if it is 0, as many as come nearest to `spacing`. */
+/* Computes the parameters of `count` equal steps of length; 0: of as many steps as come nearest to
+ * `spacing`. */
 static enum gd_status put_lengths(const struct measuring *measuring, uint32_t count, double spacing,
                                   struct gd__parameters *out, const struct gd_control *control)
 {
@@ -149,7 +135,7 @@ static enum gd_status put_lengths(const struct measuring *measuring, uint32_t co
     for (size_t i = 0; i < measuring->count; i++) total += s[i].length;
     double steps = count ? count : fmax(1, round(total / spacing));
     out->step = total / steps;
-    enum gd_status status = reserve(out, steps + 1, control, measuring->detail);
+    enum gd_status status = spacing_reserve(out, steps + 1, control, measuring->detail);
     if (status) return status;
     for (uint32_t k = 0; k < steps; k++) {
         double target = total * k / steps;
@@ -173,14 +159,15 @@ static enum gd_status find_lengths(struct gd__sampler *sampler, uint32_t count, 
     return status;
 }
 
-/* --- given ones ------------------------------------------------------------------------------- */
+/* --- given parameters ------------------------------------------------------------------------- */
 
-static enum gd_status take(const struct gd__sampler *sampler,
-                           const struct gd_spline_sampling *sampling, struct gd__parameters *out,
-                           struct gd_detail *detail)
+static enum gd_status spacing_copy_given(const struct gd__sampler *sampler,
+                                         const struct gd_spline_sampling *sampling,
+                                         struct gd__parameters *out, struct gd_detail *detail)
 {
     double last = sampler->spline->knots[sampler->spline->count].parameter, least = 0;
-    enum gd_status status = reserve(out, sampling->count, sampler->straightener.control, detail);
+    enum gd_status status =
+        spacing_reserve(out, sampling->count, sampler->straightener.control, detail);
     for (uint32_t i = 0; i < sampling->count && !status; i++) {
         double value = sampling->parameters[i];
         if (!(value >= least && value <= last))
@@ -199,7 +186,7 @@ enum gd_status gd__spacing_find(struct gd__sampler *sampler,
 {
     double unit = sampler->mesh->unit;
     sampler->height = sampling->tolerance / unit;
-    if (sampling->parameters) return take(sampler, sampling, out, detail);
+    if (sampling->parameters) return spacing_copy_given(sampler, sampling, out, detail);
     if (sampling->per_segment) return find_steps(sampler, sampling->per_segment, out, detail);
     if (sampling->tolerance > 0) return find_leaves(sampler, out, detail);
     return find_lengths(sampler, sampling->even, sampling->spacing / unit, out, detail);

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 
 #include "base/tolerance.h"
-#include "transport/legs.h"
+#include "transport/bezier_arms.h"
 #include "line/straighten.h"
 #include "line/turn.h"
 
@@ -11,7 +11,7 @@ void gd_spline_free(struct gd_spline *spline)
 {
     if (!spline) return;
     for (uint32_t i = 0; i < spline->count && spline->segments; i++)
-        for (int k = 0; k < 3; k++) gd_path_free(&spline->segments[i].legs[k]);
+        for (int k = 0; k < 3; k++) gd_path_free(&spline->segments[i].arms[k]);
     free(spline->segments);
     free(spline->knots);
     *spline = (struct gd_spline){0};
@@ -19,8 +19,8 @@ void gd_spline_free(struct gd_spline *spline)
 
 /* --- joints ----------------------------------------------------------------------------------- */
 
-/* By how much a line that comes and one that goes miss half a turn, of angles as directions have
- * them. */
+/* Computes the angle between an arriving and a leaving path, as a deviation from the straight
+ * continuation; angles as in gd_direction. */
 static enum gd_status angle_between(const struct gd_mesh *mesh, const struct gd_path *in,
                                     const struct gd_path *out, double *angle)
 {
@@ -37,11 +37,11 @@ static enum gd_status measure_joint(const struct gd_mesh *mesh, const struct gd_
                                     const struct gd_spline_segment *out,
                                     struct gd_spline_knot *knot)
 {
-    double from = in->legs[2].length / (in->end - in->begin),
-           to = out->legs[0].length / (out->end - out->begin);
+    double from = in->arms[2].length / (in->end - in->begin),
+           to = out->arms[0].length / (out->end - out->begin);
     knot->speed_jump = fmax(from, to) > 0 ? fabs(to - from) / fmax(from, to) : 0;
-    if (in->legs[2].count < 2 || out->legs[0].count < 2) return GD_OK;
-    return angle_between(mesh, &in->legs[2], &out->legs[0], &knot->angle_jump);
+    if (in->arms[2].count < 2 || out->arms[0].count < 2) return GD_OK;
+    return angle_between(mesh, &in->arms[2], &out->arms[0], &knot->angle_jump);
 }
 
 static enum gd_status measure_joints(const struct gd_mesh *mesh, struct gd_spline *spline)
@@ -58,9 +58,10 @@ static enum gd_status measure_joints(const struct gd_mesh *mesh, struct gd_splin
     return status;
 }
 
-/* --- the whole -------------------------------------------------------------------------------- */
+/* --- public call ------------------------------------------------------------------------------ */
 
-static enum gd_status check(const struct gd_spline_request *request, struct gd_detail *detail)
+static enum gd_status spline_check(const struct gd_spline_request *request,
+                                   struct gd_detail *detail)
 {
     if (request->count < 2)
         return gd_fail(detail, GD_INVALID_ARGUMENT,
@@ -84,44 +85,44 @@ static enum gd_status check(const struct gd_spline_request *request, struct gd_d
     return GD_OK;
 }
 
-static enum gd_status make(struct gd__knotting *knotting, struct gd_spline *spline)
+static enum gd_status spline_make(struct gd__spline_work *work, struct gd_spline *spline)
 {
-    enum gd_status status = gd__knots_search(knotting);
-    if (!status) status = gd__knots_fill(knotting);
-    if (!status) status = gd__legs_make(knotting, spline->segments);
-    return status ? status : measure_joints(knotting->mesh, spline);
+    enum gd_status status = gd__control_points_search(work);
+    if (!status) status = gd__control_points_fill(work);
+    if (!status) status = gd__bezier_arms_make(work, spline->segments);
+    return status ? status : measure_joints(work->mesh, spline);
 }
 
-static enum gd_status allocate(struct gd__knotting *knotting, struct gd_spline *spline)
+static enum gd_status spline_allocate(struct gd__spline_work *work, struct gd_spline *spline)
 {
-    size_t count = spline->count, hops = knotting->total_count,
-           bytes = hops * sizeof *knotting->hops +
+    size_t count = spline->count, paths = work->total_count,
+           bytes = paths * sizeof *work->paths +
                    count * (sizeof *spline->segments + sizeof *spline->knots);
-    enum gd_status status = gd_control_afford(knotting->control, bytes);
+    enum gd_status status = gd_control_afford(work->control, bytes);
     if (status) return status;
     spline->segments = calloc(count, sizeof *spline->segments);
     spline->knots = calloc(count + 1, sizeof *spline->knots);
-    knotting->hops = calloc(hops, sizeof *knotting->hops);
-    knotting->knots = spline->knots;
-    return spline->segments && spline->knots && knotting->hops ? GD_OK : GD_NO_MEMORY;
+    work->paths = calloc(paths, sizeof *work->paths);
+    work->knots = spline->knots;
+    return spline->segments && spline->knots && work->paths ? GD_OK : GD_NO_MEMORY;
 }
 
 enum gd_status gd_spline_build(const struct gd_mesh *mesh, const struct gd_spline_request *request,
                                const struct gd_control *control, struct gd_spline *out,
                                struct gd_detail *detail)
 {
-    enum gd_status status = check(request, detail);
+    enum gd_status status = spline_check(request, detail);
     if (status) return status;
     struct gd_spline spline = {.closed = request->closed,
                                .count = request->count - !request->closed};
-    uint32_t hops = request->tangent_rule == GD_TANGENT_PAPER ? 2 * spline.count : spline.count;
-    struct gd__share share = {.control = control, .total = hops + spline.count + 1};
+    uint32_t paths = request->tangent_rule == GD_TANGENT_PAPER ? 2 * spline.count : spline.count;
+    struct gd__share share = {.control = control, .total = paths + spline.count + 1};
     const struct gd_control own = gd__share_control(&share, 0);
-    struct gd__knotting knotting = {mesh,         request, &share, &own, detail,
-                                    spline.count, hops,    NULL,   NULL};
-    status = allocate(&knotting, &spline);
-    if (!status) status = make(&knotting, &spline);
-    gd__hops_free(knotting.hops, hops);
+    struct gd__spline_work work = {mesh,         request, &share, &own, detail,
+                                   spline.count, paths,   NULL,   NULL};
+    status = spline_allocate(&work, &spline);
+    if (!status) status = spline_make(&work, &spline);
+    gd__point_paths_free(work.paths, paths);
     if (status) {
         gd_spline_free(&spline);
         return status;

@@ -2,8 +2,8 @@
 
 #include "gd/spline.h"
 
-/* The points of the line; a closed one does not say its first point again. */
-static struct gd_curve take(struct gd_spline_line *line, bool closed)
+/* Moves the points of the line into a curve; a closed curve does not repeat its first point. */
+static struct gd_curve spline_curve_take(struct gd_spline_line *line, bool closed)
 {
     struct gd_curve curve = {
         .points = line->path.points, .count = line->path.count, .closed = closed};
@@ -27,7 +27,7 @@ enum gd_status gd_spline_curve(const struct gd_mesh *mesh, const struct gd_splin
     status = gd_spline_sample(mesh, &sampling, control, &line, detail);
     gd_spline_free(&spline);
     if (status) return status;
-    *out = take(&line, request->closed);
+    *out = spline_curve_take(&line, request->closed);
     gd_spline_line_free(&line);
     return GD_OK;
 }

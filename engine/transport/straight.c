@@ -13,7 +13,7 @@ static double bisect(const struct gd_mesh *mesh, uint32_t vertex, double back)
 
 /* --- normals ---------------------------------------------------------------------------------- */
 
-/* The mean of the normals of the faces, weighted by their angles; not of unit length. */
+/* Returns the mean of the faces' normals, weighted by angle; not of unit length. */
 static struct gd_vec3 mesh_normal(const struct gd_mesh *mesh, uint32_t vertex)
 {
     struct gd_vec3 sum = {0, 0, 0};
@@ -26,14 +26,8 @@ static struct gd_vec3 mesh_normal(const struct gd_mesh *mesh, uint32_t vertex)
     return sum;
 }
 
-static struct gd_vec3 unit(struct gd_vec3 v)
-{
-    double length = gd_vec3_length(v);
-    return length > 0 ? gd_vec3_scale(v, 1 / length) : (struct gd_vec3){0, 0, 0};
-}
-
-/* The plane of a line and a normal, through a vertex; `ahead` is where the line points, without its
- * part along the normal. */
+/* The plane through a vertex that contains a line and the normal. `ahead` is the line's direction
+ * without its component along the normal. */
 struct plane {
     struct gd_vec3 across, ahead;
 };
@@ -49,8 +43,9 @@ static struct plane plane_of(const struct gd_mesh *mesh, uint32_t vertex, double
                           gd_vec3_sub(gd_vec3_scale(normal, gd_vec3_dot(v, normal)), v)};
 }
 
-/* Where the plane meets the edge opposite to the vertex in the face of a fan's entry: the cosine
- * that it makes with `ahead` (-1: it doesn't meet it), and the turn. */
+/* Intersects the plane with the edge opposite to the vertex in the face of a fan entry. Returns the
+ * cosine of the angle between `ahead` and the direction to the intersection (-1: none), and sets
+ * *turn to that direction's turn. */
 static double meet_face(const struct gd_mesh *mesh, uint32_t vertex, const struct gd_fan *fan,
                         const struct plane *plane, double *turn)
 {
@@ -65,11 +60,12 @@ static double meet_face(const struct gd_mesh *mesh, uint32_t vertex, const struc
     return gd_vec3_dot(x, plane->ahead) / (gd_vec3_length(x) * gd_vec3_length(plane->ahead));
 }
 
-/* Of several ways in the plane that go ahead, the one that turns least; false: there is none. */
+/* Computes the turn in the plane of line and normal; of several, the one nearest to `ahead`.
+ * Returns false if there is none. */
 static bool by_normal(const struct gd_mesh *mesh, uint32_t vertex, double back,
                       struct gd_vec3 normal, double *out)
 {
-    struct plane plane = plane_of(mesh, vertex, back, unit(normal));
+    struct plane plane = plane_of(mesh, vertex, back, gd_vec3_unit(normal));
     double best = 0, turn = 0;
     if (!(gd_vec3_length(plane.across) > GD_TOL_HIT)) return false;
     for (uint32_t i = mesh->fan_first[vertex]; i < mesh->fan_first[vertex + 1]; i++) {

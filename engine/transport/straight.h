@@ -1,19 +1,19 @@
-/* Straight: how a line goes on that comes to a vertex. */
+/* Straight continuation of a line through a vertex. */
 #ifndef GD_TRANSPORT_STRAIGHT_H
 #define GD_TRANSPORT_STRAIGHT_H
 
 #include "gd/trace.h"
 #include "line/turn.h"
 
-/* The turn in which a line leaves a vertex that came from the turn `back`, by the rule of the
- * options. False, at the boundary only: straight on is not on the surface. O(faces of the
- * vertex). */
+/* Computes the turn in which a line that arrived from the turn `back` leaves a vertex, by the rule
+ * of the options. Returns false, only at the boundary, if the straight continuation leaves the
+ * surface. O(faces around the vertex). */
 bool gd__straight_on(const struct gd_mesh *mesh, uint32_t vertex, double back,
                      const struct gd_trace_options *options, double *out);
 
-/* Where a line slides on along the boundary that came to a vertex of it from the turn `back`:
- * forward, along the boundary side that begins there, or backward, along the one that ends there.
- * False: it makes no acute angle with either. */
+/* Chooses the boundary side along which a line that arrived at a boundary vertex from the turn
+ * `back` slides: forward along the side that begins at the vertex, or backward along the side that
+ * ends there. Returns false if the line's angle with neither side is acute. */
 bool gd__straight_slide(const struct gd_mesh *mesh, uint32_t vertex, double back, uint32_t *side,
                         bool *forward);
 

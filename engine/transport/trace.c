@@ -5,47 +5,48 @@
 #include "base/tolerance.h"
 #include "field/layout.h"
 #include "mesh/canonical.h"
-#include "transport/flight.h"
+#include "transport/surface_ray.h"
 #include "transport/line.h"
 #include "transport/meetings.h"
 #include "transport/straight.h"
 
-/* A trace is flights from face to face, and halts between them: at vertices, at the boundary, at
- * its end. A flight knows the face that it comes to by its side alone; where the line came from at
- * a halt is kept as a turn. */
+/* A trace alternates between rays from face to face and halts: at vertices, at the boundary, at its
+ * end. The state of a ray is its side, which determines the face. At a halt the direction of
+ * arrival is stored as a turn. */
 
 enum halt {
-    HALT_NONE,   /* over an edge, into the face of the flight's side */
-    HALT_VERTEX, /* at the last point, from the turn `back` */
-    HALT_BORDER, /* on the flight's side, which has no face */
-    HALT_END,    /* by length; here and below it is over */
-    HALT_STOP,   /* by the boundary */
+    HALT_NONE,   /* crossing an edge into the face of the ray's side */
+    HALT_VERTEX, /* at the last point, arrived from the turn `back` */
+    HALT_BORDER, /* on the ray's side, which is a boundary side */
+    HALT_END,    /* ended by length; this halt and the following ones end the trace */
+    HALT_STOP,   /* ended by the boundary */
     HALT_MEETING,
-    HALT_LIMIT /* of steps; or the line's status is a failure */
+    HALT_LIMIT /* ended by the step limit, or the line's status is a failure */
 };
 
 struct tracer {
     const struct gd_mesh *mesh;
     const struct gd_trace_options *options;
     struct gd__line line;
-    struct gd__flight flight;
+    struct gd__surface_ray walk;
     enum halt halt;
-    /* turn at the last point to where the line came from: at halts but NONE and BORDER */
+    /* at halts except NONE and BORDER: the turn at the last point back along the line */
     double back;
-    struct gd__meetings *meetings; /* NULL: not asked for */
-    struct gd_direction ahead;     /* at the start */
+    struct gd__meetings *meetings; /* NULL: not requested */
+    struct gd_direction ahead;     /* normal at the start */
 };
 
 /* --- one face --------------------------------------------------------------------------------- */
 
-/* How far from where it should be a point may be for rounding. */
+/* Returns the accumulated rounding error of a point's place. */
 static inline double drift(const struct tracer *tracer)
 {
     return GD_TOL_DRIFT * tracer->line.gone;
 }
 
-/* Looks whether the last segment, which is in `face`, meets the line: then the line ends there. */
-static enum halt meet(struct tracer *tracer, uint32_t face, double run, enum halt halt)
+/* Ends the trace if its last segment, which lies in `face`, meets an earlier segment. */
+static enum halt transport_trace_meet(struct tracer *tracer, uint32_t face, double run,
+                                      enum halt halt)
 {
     const struct gd_mesh *mesh = tracer->mesh;
     struct gd__line *line = &tracer->line;
@@ -65,16 +66,16 @@ static enum halt meet(struct tracer *tracer, uint32_t face, double run, enum hal
     return HALT_MEETING;
 }
 
-/* Appends a point of a face; the line came to it by a straight segment in that face. */
-static inline enum halt append(struct tracer *tracer, struct gd_point point, uint32_t face,
-                               double run, enum halt halt)
+/* Appends a point of a face, reached by a straight segment in that face. */
+static inline enum halt transport_trace_append(struct tracer *tracer, struct gd_point point,
+                                               uint32_t face, double run, enum halt halt)
 {
     if (!gd__line_append(&tracer->line, &point, run)) return HALT_LIMIT;
-    return tracer->meetings ? meet(tracer, face, run, halt) : halt;
+    return tracer->meetings ? transport_trace_meet(tracer, face, run, halt) : halt;
 }
 
-/* The point of a side's face at a place in its frame; of an edge or a vertex, when it is no farther
- * from it than `snap`. */
+/* Returns the point of the side's face at a place in the side's frame, snapped to an edge or a
+ * vertex within `snap`. */
 static struct gd_point point_at(const struct gd_mesh *mesh, uint32_t side, struct gd__local at,
                                 double snap)
 {
@@ -93,7 +94,7 @@ static struct gd_point point_at(const struct gd_mesh *mesh, uint32_t side, struc
     return gd__point_of_face(mesh, face, own);
 }
 
-/* The line ends in the ray's face. */
+/* Ends the line in the ray's face. */
 static enum halt end_in_face(struct tracer *tracer, const struct gd__ray *ray, double snap)
 {
     const struct gd_mesh *mesh = tracer->mesh;
@@ -105,10 +106,10 @@ static enum halt end_in_face(struct tracer *tracer, const struct gd__ray *ray, d
         gd__line_go(&tracer->line, run);
         return HALT_END;
     }
-    return append(tracer, end, mesh->side_face[ray->side], run, HALT_END);
+    return transport_trace_append(tracer, end, mesh->side_face[ray->side], run, HALT_END);
 }
 
-/* A corner of the face in the frame of its side. */
+/* Returns the place of a corner of the side's face, in the side's frame. */
 static struct gd__local corner_of(const struct gd_mesh *mesh, uint32_t side, uint32_t vertex)
 {
     const struct gd_side *s = &mesh->side[side];
@@ -117,86 +118,89 @@ static struct gd__local corner_of(const struct gd_mesh *mesh, uint32_t side, uin
     return (struct gd__local){s->left_length * s->left_x, s->left_length * s->left_y};
 }
 
-/* The line ends on the edge or the vertex that its end is no farther from. */
+/* Returns the distance within which the line's end is snapped to an edge or a vertex. */
 static double snap_of_end(const struct tracer *tracer, double edge)
 {
     return GD_TOL_HIT * fmin(edge, tracer->line.length) + drift(tracer);
 }
 
-/* The line leaves the ray's face through an end of the edge to which the flight has come. */
+/* Continues a line that leaves the ray's face through an end of the edge that the walk has
+ * reached. */
 static enum halt pass_vertex(struct tracer *tracer, const struct gd__ray *ray, double edge,
                              double snap)
 {
     const struct gd_mesh *mesh = tracer->mesh;
-    const struct gd__flight *flight = &tracer->flight;
+    const struct gd__surface_ray *walk = &tracer->walk;
     struct gd_point vertex =
-        gd__point_of_vertex(mesh->origin[flight->side ^ !(flight->t < 0.5 * edge)]);
+        gd__point_of_vertex(mesh->origin[walk->side ^ !(walk->t < 0.5 * edge)]);
     struct gd__local corner = corner_of(mesh, ray->side, vertex.element);
     double run = hypot(corner.x - ray->x, corner.y - ray->y);
     if (gd__line_rest(&tracer->line) < run - snap)
         return end_in_face(tracer, ray, snap_of_end(tracer, edge));
-    tracer->back = gd__turn_in_face(mesh, &vertex, flight->side ^ 1, flight->dx, flight->dy);
+    tracer->back = gd__turn_in_face(mesh, &vertex, walk->side ^ 1, walk->dx, walk->dy);
     bool is_end = gd__line_rest(&tracer->line) <= run + snap;
-    return append(tracer, vertex, mesh->side_face[ray->side],
-                  is_end ? gd__line_rest(&tracer->line) : run, is_end ? HALT_END : HALT_VERTEX);
+    return transport_trace_append(tracer, vertex, mesh->side_face[ray->side],
+                                  is_end ? gd__line_rest(&tracer->line) : run,
+                                  is_end ? HALT_END : HALT_VERTEX);
 }
 
-/* The flight has left the face that the ray lies in. */
-static inline enum halt pass(struct tracer *tracer, const struct gd__ray *ray,
-                             const struct gd__passage *passage)
+/* Continues after the walk has left the ray's face: appends the crossing, a vertex, or the end of
+ * the line. */
+static inline enum halt transport_trace_pass(struct tracer *tracer, const struct gd__ray *ray,
+                                             const struct gd__face_crossing *passage)
 {
-    const struct gd__flight *flight = &tracer->flight;
-    /* near its start a line tells the sides of a vertex well */
+    const struct gd__surface_ray *walk = &tracer->walk;
+    /* near its start a line is accurate enough to tell the sides of a vertex apart */
     double gone = tracer->line.gone + passage->run;
     double snap =
         GD_TOL_HIT * fmin(passage->edge, gone) + GD_TOL_PLACE * passage->edge + drift(tracer);
-    if (!(flight->t > snap && flight->t < passage->edge - snap))
+    if (!(walk->t > snap && walk->t < passage->edge - snap))
         return pass_vertex(tracer, ray, passage->edge, snap);
     double end_snap = snap_of_end(tracer, passage->edge);
     if (gd__line_rest(&tracer->line) <= passage->run + end_snap)
         return end_in_face(tracer, ray, end_snap);
-    struct gd_point point = gd__point_within_side(flight->side, flight->t / passage->edge);
-    return append(tracer, point,
-                  tracer->meetings ? tracer->mesh->side_face[flight->side ^ 1] : GD_NONE,
-                  passage->run, HALT_NONE);
+    struct gd_point point = gd__point_within_side(walk->side, walk->t / passage->edge);
+    return transport_trace_append(
+        tracer, point, tracer->meetings ? tracer->mesh->side_face[walk->side ^ 1] : GD_NONE,
+        passage->run, HALT_NONE);
 }
 
-/* --- flights ---------------------------------------------------------------------------------- */
+/* --- rays ------------------------------------------------------------------------------------- */
 
-/* Over one face. It reads one record of the mesh, and asks for both of those that may be next as
- * soon as that is there. */
+/* Crosses one face. Reads one record of the mesh and prefetches both possible next records. */
 static inline enum halt hop(struct tracer *tracer)
 {
     const struct gd_mesh *mesh = tracer->mesh;
-    const struct gd__flight *flight = &tracer->flight;
-    const struct gd_side *s = &mesh->side[flight->side];
+    const struct gd__surface_ray *walk = &tracer->walk;
+    const struct gd_side *s = &mesh->side[walk->side];
     if (s->left == GD_NONE) return HALT_BORDER;
     __builtin_prefetch(&mesh->side[s->left]);
     __builtin_prefetch(&mesh->side[s->right]);
-    struct gd__ray ray = {flight->side, flight->t, 0, flight->dx, flight->dy};
-    struct gd__passage passage = gd__flight_cross(s, &tracer->flight);
-    enum halt halt = pass(tracer, &ray, &passage);
-    if (halt == HALT_LIMIT) /* the last point is where the ray begins */
+    struct gd__ray ray = {walk->side, walk->t, 0, walk->dx, walk->dy};
+    struct gd__face_crossing passage = gd__surface_ray_cross(s, &tracer->walk);
+    enum halt halt = transport_trace_pass(tracer, &ray, &passage);
+    if (halt == HALT_LIMIT) /* the last point is the beginning of the ray */
         tracer->back =
             gd__turn_in_face(mesh, gd__line_last(&tracer->line), ray.side, -ray.dx, -ray.dy);
     return halt;
 }
 
-/* Leaves a face from inside, by the first of its sides. */
-static struct gd__passage leave_from_inside(const struct gd_mesh *mesh, const struct gd__ray *ray,
-                                            struct gd__flight *flight)
+/* Computes the side by which a ray from inside a face leaves it. */
+static struct gd__face_crossing leave_from_inside(const struct gd_mesh *mesh,
+                                                  const struct gd__ray *ray,
+                                                  struct gd__surface_ray *walk)
 {
-    struct gd__passage passage = {0, INFINITY};
+    struct gd__face_crossing passage = {0, INFINITY};
     double x = ray->x, y = ray->y, dx = ray->dx, dy = ray->dy;
     uint32_t side = ray->side;
     for (int k = 0; k < 3; k++) {
         const struct gd_side *s = &mesh->side[side];
         double run = dy < 0 ? fmax(y, 0) / -dy : INFINITY;
         if (run < passage.run) {
-            passage = (struct gd__passage){s->length, run};
-            *flight = (struct gd__flight){side ^ 1, s->length - (x + run * dx), -dx, -dy};
+            passage = (struct gd__face_crossing){s->length, run};
+            *walk = (struct gd__surface_ray){side ^ 1, s->length - (x + run * dx), -dx, -dy};
         }
-        /* into the frame of the next side, whose direction is that of destination -> apex */
+        /* transform to the frame of the next side, destination -> apex */
         double ux = -s->right_x, uy = -s->right_y, rx = x - s->length, ry = y, ex = dx, ey = dy;
         x = rx * ux + ry * uy, y = ry * ux - rx * uy;
         dx = ex * ux + ey * uy, dy = ey * ux - ex * uy;
@@ -205,26 +209,27 @@ static struct gd__passage leave_from_inside(const struct gd_mesh *mesh, const st
     return passage;
 }
 
-/* From the last point in the direction of a turn, over the first face. */
+/* Starts a ray from the last point in the direction of a turn, and crosses the first face. */
 static enum halt depart(struct tracer *tracer, double turn)
 {
     const struct gd_mesh *mesh = tracer->mesh;
     const struct gd_point *point = gd__line_last(&tracer->line);
     struct gd__ray ray = gd__turn_ray(mesh, point, turn);
-    struct gd__passage passage;
+    struct gd__face_crossing passage;
     if (point->kind == GD_POINT_FACE) {
-        passage = leave_from_inside(mesh, &ray, &tracer->flight);
+        passage = leave_from_inside(mesh, &ray, &tracer->walk);
     } else {
-        tracer->flight = (struct gd__flight){ray.side, ray.x, ray.dx, fmax(ray.dy, 0)};
-        passage = gd__flight_cross(&mesh->side[ray.side], &tracer->flight);
+        tracer->walk = (struct gd__surface_ray){ray.side, ray.x, ray.dx, fmax(ray.dy, 0)};
+        passage = gd__surface_ray_cross(&mesh->side[ray.side], &tracer->walk);
     }
-    return pass(tracer, &ray, &passage);
+    return transport_trace_pass(tracer, &ray, &passage);
 }
 
 /* --- the boundary ----------------------------------------------------------------------------- */
 
-/* Along a boundary side from `at`, forward or backward, to its end. */
-static enum halt slide(struct tracer *tracer, uint32_t side, double at, bool forward)
+/* Slides along a boundary side from `at` to its end, forward or backward. */
+static enum halt transport_trace_slide(struct tracer *tracer, uint32_t side, double at,
+                                       bool forward)
 {
     const struct gd_mesh *mesh = tracer->mesh;
     double edge = mesh->side[side].length, run = forward ? edge - at : at,
@@ -235,35 +240,36 @@ static enum halt slide(struct tracer *tracer, uint32_t side, double at, bool for
         double part = (forward ? at + rest : at - rest) / edge;
         struct gd_point end = gd__point_of_edge(mesh, side >> 1, side & 1 ? 1 - part : part);
         tracer->back = gd__turn_in_face(mesh, &end, side ^ 1, forward ? 1 : -1, 0);
-        return append(tracer, end, face, rest, HALT_END);
+        return transport_trace_append(tracer, end, face, rest, HALT_END);
     }
     struct gd_point vertex = gd__point_of_vertex(mesh->origin[forward ? side ^ 1 : side]);
     tracer->back = forward ? 0 : mesh->total_angle[vertex.element];
     bool is_end = rest <= run + snap;
-    return append(tracer, vertex, face, is_end ? rest : run, is_end ? HALT_END : HALT_VERTEX);
+    return transport_trace_append(tracer, vertex, face, is_end ? rest : run,
+                                  is_end ? HALT_END : HALT_VERTEX);
 }
 
-/* Does the line reach the boundary at so small an angle that its end, or the vertex ahead, lies on
- * the edge within rounding? Then it goes on along the edge: the angle does not tell where the line
- * crosses it. */
+/* Returns true if the line reaches the boundary at so small an angle that its end, or the vertex
+ * ahead, lies on the edge up to rounding. The line then continues along the edge, because the place
+ * where it crosses the edge is undetermined. */
 static bool grazes(const struct tracer *tracer)
 {
-    const struct gd__flight *flight = &tracer->flight;
-    double edge = tracer->mesh->side[flight->side].length,
-           ahead = flight->dx > 0 ? edge - flight->t : flight->t;
-    return fmin(ahead, gd__line_rest(&tracer->line)) * flight->dy <=
+    const struct gd__surface_ray *walk = &tracer->walk;
+    double edge = tracer->mesh->side[walk->side].length,
+           ahead = walk->dx > 0 ? edge - walk->t : walk->t;
+    return fmin(ahead, gd__line_rest(&tracer->line)) * walk->dy <=
            GD_TOL_HIT * edge + drift(tracer);
 }
 
 static enum halt at_border(struct tracer *tracer)
 {
-    const struct gd__flight *flight = &tracer->flight;
-    tracer->back = gd__turn_in_face(tracer->mesh, gd__line_last(&tracer->line), flight->side ^ 1,
-                                    flight->dx, flight->dy);
-    bool leans = fabs(flight->dx) > GD_TOL_HIT;
+    const struct gd__surface_ray *walk = &tracer->walk;
+    tracer->back = gd__turn_in_face(tracer->mesh, gd__line_last(&tracer->line), walk->side ^ 1,
+                                    walk->dx, walk->dy);
+    bool leans = fabs(walk->dx) > GD_TOL_HIT;
     bool stops = tracer->options->boundary_rule == GD_BOUNDARY_RULE_STOP;
     if (!leans || (stops && !grazes(tracer))) return HALT_STOP;
-    return slide(tracer, flight->side, flight->t, flight->dx > 0);
+    return transport_trace_slide(tracer, walk->side, walk->t, walk->dx > 0);
 }
 
 static enum halt at_vertex(struct tracer *tracer)
@@ -275,10 +281,11 @@ static enum halt at_vertex(struct tracer *tracer)
         return depart(tracer, turn);
     if (tracer->options->boundary_rule == GD_BOUNDARY_RULE_STOP) return HALT_STOP;
     if (!gd__straight_slide(tracer->mesh, vertex, tracer->back, &side, &forward)) return HALT_STOP;
-    return slide(tracer, side, forward ? 0 : tracer->mesh->side[side].length, forward);
+    return transport_trace_slide(tracer, side, forward ? 0 : tracer->mesh->side[side].length,
+                                 forward);
 }
 
-/* --- the whole -------------------------------------------------------------------------------- */
+/* --- lines ------------------------------------------------------------------------------------ */
 
 static inline bool is_over(const struct tracer *tracer)
 {
@@ -291,8 +298,9 @@ static inline enum halt go_on(struct tracer *tracer)
     return tracer->halt == HALT_VERTEX ? at_vertex(tracer) : at_border(tracer);
 }
 
-/* Each a face at a time in turn: while one waits for its record of the mesh the others go on. */
-static void run(struct tracer *tracers, uint32_t count)
+/* Advances each line by one face in turn: while one line waits for its record of the mesh, the
+ * others continue. */
+static void transport_trace_run(struct tracer *tracers, uint32_t count)
 {
     uint32_t going;
     do {
@@ -305,7 +313,7 @@ static void run(struct tracer *tracers, uint32_t count)
     } while (going);
 }
 
-static enum gd_trace_end end_of(enum halt halt)
+static enum gd_trace_end transport_trace_end_of(enum halt halt)
 {
     switch (halt) {
     case HALT_STOP:
@@ -319,7 +327,7 @@ static enum gd_trace_end end_of(enum halt halt)
     }
 }
 
-static void finish(struct tracer *tracer, struct gd_trace *out)
+static void transport_trace_finish(struct tracer *tracer, struct gd_trace *out)
 {
     const struct gd__line *line = &tracer->line;
     const struct gd_mesh *mesh = tracer->mesh;
@@ -328,12 +336,13 @@ static void finish(struct tracer *tracer, struct gd_trace *out)
     *out = (struct gd_trace){
         .path = {(line->gone + line->carry) * mesh->unit, line->count, line->points},
         .direction = gd_direction_opposite(mesh, last, &back),
-        .end = end_of(tracer->halt)};
+        .end = transport_trace_end_of(tracer->halt)};
 }
 
-static enum gd_status check(const struct gd_mesh *mesh, const struct gd_point *start,
-                            const struct gd_direction *ahead, double length,
-                            struct gd_direction *out, struct gd_detail *detail)
+static enum gd_status transport_trace_check(const struct gd_mesh *mesh,
+                                            const struct gd_point *start,
+                                            const struct gd_direction *ahead, double length,
+                                            struct gd_direction *out, struct gd_detail *detail)
 {
     if (!(isfinite(length) && length >= 0))
         return gd_fail(detail, GD_INVALID_ARGUMENT,
@@ -341,13 +350,14 @@ static enum gd_status check(const struct gd_mesh *mesh, const struct gd_point *s
     return gd_direction_at_angle(mesh, start, ahead->angle, out, detail);
 }
 
-/* At its start, on its way over the first face. */
+/* Initialises a tracer at the start of its line, and crosses the first face. */
 static enum gd_status open(struct tracer *tracer, const struct gd_trace_request *request,
                            const struct gd_direction *ahead, struct gd_detail *detail)
 {
     const struct gd_point *start = request->start;
     double length = request->length;
-    enum gd_status status = check(tracer->mesh, start, ahead, length, &tracer->ahead, detail);
+    enum gd_status status =
+        transport_trace_check(tracer->mesh, start, ahead, length, &tracer->ahead, detail);
     if (status) return status;
     uint64_t limit = tracer->options->step_limit ? tracer->options->step_limit : GD_TRACE_STEPS;
     tracer->line.limit = limit < UINT32_MAX - 1 ? (uint32_t)limit : UINT32_MAX - 1;
@@ -356,14 +366,14 @@ static enum gd_status open(struct tracer *tracer, const struct gd_trace_request 
     if (!gd__line_append(&tracer->line, start, 0)) status = tracer->line.status;
     if (!status && tracer->options->stop_at_self_intersection)
         status = gd__meetings_create(tracer->mesh, start, tracer->line.control, &tracer->meetings);
-    if (status) return gd_fail(detail, status, "%s", gd_status_sentence(status));
+    if (status) return gd_fail_status(detail, status);
     if (length > 0)
         tracer->halt = depart(tracer, gd__turn_of_angle(tracer->mesh, start, tracer->ahead.angle));
     return GD_OK;
 }
 
-/* The first failure of all. */
-static enum gd_status status_of(const struct tracer *tracers, uint32_t count)
+/* Returns the first failure of any line. */
+static enum gd_status transport_trace_status_of(const struct tracer *tracers, uint32_t count)
 {
     enum gd_status status = GD_OK;
     for (uint32_t i = 0; i < count && !status; i++) status = tracers[i].line.status;
@@ -386,12 +396,12 @@ enum gd_status gd_trace_follow_many(const struct gd_mesh *mesh,
         if (!status) status = open(&tracers[i], request, &request->ahead[i], detail);
     }
     if (!status) {
-        run(tracers, count);
-        status = status_of(tracers, count);
-        if (status) gd_fail(detail, status, "%s", gd_status_sentence(status));
+        transport_trace_run(tracers, count);
+        status = transport_trace_status_of(tracers, count);
+        if (status) gd_fail_status(detail, status);
     }
     for (uint32_t i = 0; i < count; i++) {
-        if (!status) finish(&tracers[i], &out[i]);
+        if (!status) transport_trace_finish(&tracers[i], &out[i]);
         if (!status && !(request->length > 0)) out[i].direction = tracers[i].ahead;
         if (status) free(tracers[i].line.points);
         gd__meetings_destroy(tracers[i].meetings);

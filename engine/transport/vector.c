@@ -26,8 +26,8 @@ static uint32_t count_parts(const struct gd_path *path)
     return count;
 }
 
-/* Laid flat, the parts are as long as the path, but for rounding: of lengths, and of places in
- * faces. */
+/* Returns true if the length of the unfolded parts equals the path's, up to the rounding of lengths
+ * and of places in faces. */
 static bool agree(const struct gd_mesh *mesh, const struct gd_path *path, double sum)
 {
     double slack =
@@ -63,20 +63,22 @@ enum gd_status gd_vector_log(const struct gd_mesh *mesh, const struct gd_path *p
     }
     if (status) {
         gd_log_free(&log);
-        return gd_fail(detail, status, "%s", gd_status_sentence(status));
+        return gd_fail_status(detail, status);
     }
     log.vector.direction =
         log.count ? log.segments[0].direction : gd__turn_direction(mesh, path->points, 0);
-    if (log.count) log.vector.length = path->length; /* has digits that the flat parts have lost */
+    /* the path's length has digits that the unfolded parts have lost */
+    if (log.count) log.vector.length = path->length;
     *out = log;
     return GD_OK;
 }
 
 /* --- exp -------------------------------------------------------------------------------------- */
 
-/* The vertex that a trace ends so close to that the next segment is meant to begin there, or the
- * end itself. */
-static struct gd_point settle(const struct gd_mesh *mesh, const struct gd_point *end, double length)
+/* Returns the vertex near the end of a segment, where the next segment should begin; the end itself
+ * if no vertex is near. */
+static struct gd_point vector_settle(const struct gd_mesh *mesh, const struct gd_point *end,
+                                     double length)
 {
     uint32_t side = 2 * end->element;
     if (end->kind == GD_POINT_VERTEX) return *end;
@@ -96,8 +98,8 @@ static struct gd_point settle(const struct gd_mesh *mesh, const struct gd_point 
                : *end;
 }
 
-/* The leg, used up, begins where the trace ends. */
-static enum gd_status join(struct gd_trace *trace, struct gd_trace *leg)
+/* Appends a leg to the trace and empties the leg. */
+static enum gd_status vector_join(struct gd_trace *trace, struct gd_trace *leg)
 {
     struct gd_path *path = &trace->path;
     uint32_t more = leg->path.count - 1;
@@ -137,9 +139,9 @@ static enum gd_status go_on(const struct gd_mesh *mesh, const struct gd_vector *
 {
     struct gd_trace leg;
     struct gd_point *end = &trace->path.points[trace->path.count - 1];
-    *end = settle(mesh, end, trace->path.length / mesh->unit);
+    *end = vector_settle(mesh, end, trace->path.length / mesh->unit);
     enum gd_status status = trace_segment(mesh, end, segment, options, control, &leg, detail);
-    return status ? status : join(trace, &leg);
+    return status ? status : vector_join(trace, &leg);
 }
 
 enum gd_status gd_vector_exp(const struct gd_mesh *mesh, const struct gd_exp_request *request,
@@ -165,8 +167,8 @@ enum gd_status gd_vector_exp(const struct gd_mesh *mesh, const struct gd_exp_req
 
 /* --- transport -------------------------------------------------------------------------------- */
 
-/* At a boundary vertex angles are no more than the total one, and some that differ by a whole turn
- * are not the same: the nearest one is meant. */
+/* Returns a vector with the given angle at a point. At a boundary vertex an angle and its sum with
+ * 2 pi differ; the one nearer to the surface's range is used. */
 static struct gd_vector vector_at(const struct gd_mesh *mesh, const struct gd_point *point,
                                   double angle, double length)
 {
@@ -176,7 +178,7 @@ static struct gd_vector vector_at(const struct gd_mesh *mesh, const struct gd_po
         gd__turn_direction(mesh, point, gd__turn_of_angle(mesh, point, angle)), length};
 }
 
-/* The angle that a vector's has to grow by on its way along a path of at least two points. */
+/* Computes the angle by which transport along a path of at least two points rotates vectors. */
 static enum gd_status find_rotation(const struct gd_mesh *mesh, const struct gd_path *path,
                                     double *out)
 {
@@ -195,7 +197,7 @@ enum gd_status gd_vector_transport(const struct gd_mesh *mesh, const struct gd_p
 {
     double rotation = 0;
     enum gd_status status = path->count > 1 ? find_rotation(mesh, path, &rotation) : GD_OK;
-    if (status) return gd_fail(detail, status, "%s", gd_status_sentence(status));
+    if (status) return gd_fail_status(detail, status);
     const struct gd_point *to = &path->points[path->count - 1];
     for (uint32_t i = 0; i < count; i++)
         vectors[i] = vector_at(mesh, to, vectors[i].direction.angle + rotation, vectors[i].length);

@@ -1,26 +1,26 @@
 #include "wavefront/wavefront.h"
 
-/* Emission of a vertex, and of a seed beside a vertex, into the vertex' fan. A seed at a vertex
- * emits into the whole fan; a saddle or boundary vertex only into the shadow cone behind it, where
- * a path that bends there is locally shortest: at least pi on both sides of the incoming ray. A
- * seed beside a vertex emits what it sees past the vertex on both sides; both ends of that are rays
- * from the vertex. */
+/* Emission from a vertex, or from a seed beside a vertex, into the vertex' fan. A seed at a vertex
+ * emits into the whole fan. A saddle or boundary vertex emits only into its shadow cone: the
+ * directions at an angle of at least pi from the incoming ray on both sides. Only there a path that
+ * bends at the vertex is locally shortest. A seed beside a vertex emits past the vertex on both
+ * sides; rays from the vertex bound its cone on both sides. */
 
-/* What emits: a vertex, or a seed beside it. */
+/* The emitter: a vertex, or a seed beside it. */
 struct emitter {
     uint32_t source;
     double sigma;
 };
 
-/* A part of an entry's face: angles from the entry's own side, which `opening` is the most of. */
+/* A part of the face of a fan entry: angles from the entry's side, at most `opening`. */
 struct sector {
     double from, to, opening;
 };
 
 /* --- vertices --------------------------------------------------------------------------------- */
 
-/* The seed is beside the vertex: its distance is the seed's, and no path to the vertex is
- * shorter. */
+/* Returns true if `source` is a seed beside the vertex. Sets `out` to the seed's polar coordinates
+ * about the vertex. */
 static bool is_beside(const struct gd__wavefront *front, uint32_t vertex, uint32_t source,
                       struct gd__polar *out)
 {
@@ -30,14 +30,14 @@ static bool is_beside(const struct gd__wavefront *front, uint32_t vertex, uint32
     return gd__polar_beside(front->mesh, &seed->point, out) && out->vertex == vertex;
 }
 
-/* Angle of the ray from `vertex` back along its last leg, in its fan. */
+/* Returns the angle of the ray from `vertex` back along its last leg, in its fan. */
 static double incoming_angle(const struct gd__wavefront *front, uint32_t vertex)
 {
     const struct gd_mesh *mesh = front->mesh;
     struct gd__predecessor predecessor = *gd__wavefront_predecessor(front, vertex);
     struct gd__polar beside;
     if (is_beside(front, vertex, predecessor.source, &beside)) return beside.angle;
-    /* between p -> origin and p -> destination of the side opposite to p = vertex */
+    /* between p -> origin and p -> destination of the side opposite to the vertex p */
     if (predecessor.side != GD_NONE) {
         const struct gd_side *s = &mesh->side[predecessor.side];
         double px = s->left_length * s->left_x, py = s->left_length * s->left_y;
@@ -65,8 +65,8 @@ static void reach_along_edge(struct gd__wavefront *front, uint32_t from, uint32_
     gd__wavefront_reach(front, to, front->distance[from] + length, predecessor);
 }
 
-/* Where the ray from the vertex at an angle meets the far edge of an entry's face, from the
- * apex. */
+/* Returns where the ray from the vertex at an angle meets the far edge of the entry's face,
+ * measured from the apex. */
 static double place_of_ray(const struct gd_side *s, double angle)
 {
     double py = s->left_length * s->left_y, ax = s->left_length * s->left_x - s->length;
@@ -74,7 +74,7 @@ static double place_of_ray(const struct gd_side *s, double angle)
 }
 
 /* Casts a window through a sector of an entry's face. The emitter lies at `at` in the frame of the
- * entry's side; the window's side runs the other way. */
+ * entry's side. The window's side runs in the opposite direction. */
 static void emit_through_face(struct gd__wavefront *front, const struct emitter *emitter,
                               const struct gd_fan *fan, struct sector sector, struct gd__local at)
 {
@@ -83,10 +83,11 @@ static void emit_through_face(struct gd__wavefront *front, const struct emitter 
            py = s->left_length * s->left_y;
     double b0 = 0, b1 = length;
     double x = -(px * s->right_x + py * s->right_y) + (at.x * s->right_x + at.y * s->right_y),
-           y = py * s->length / length /* twice the area over the edge: no cancellation */
-               + (at.x * s->right_y - at.y * s->right_x);
+           /* twice the area divided by the edge, which avoids cancellation */
+        y = py * s->length / length + (at.x * s->right_y - at.y * s->right_x);
     if (gd__window_grazes(x, y, length)) return;
-    /* the vertex lies almost on the edge: see all of it, as its ends would not tell the angle */
+    /* The vertex lies almost on the edge. Emit through all of the edge, because the ends of a part
+     * would not determine the angle. */
     bool cap = y <= GD_TOL_CAP * length;
     if (sector.from > 0 && !cap) b1 = place_of_ray(s, sector.from);
     if (sector.to < sector.opening && !cap) b0 = place_of_ray(s, sector.to);
@@ -98,8 +99,8 @@ static void emit_through_face(struct gd__wavefront *front, const struct emitter 
     gd__wavefront_offer(front, s->right, &window);
 }
 
-/* Emits into the directions [from, to] of the fan, 0 <= from <= to; an interior fan goes round (to
- * may exceed the total angle). */
+/* Emits into the directions [from, to] of the fan, 0 <= from <= to. The fan of an interior vertex
+ * is periodic: `to` may exceed the total angle. */
 static void emit_cone(struct gd__wavefront *front, uint32_t vertex, double from, double to)
 {
     const struct gd_mesh *mesh = front->mesh;
@@ -125,8 +126,8 @@ static void emit_cone(struct gd__wavefront *front, uint32_t vertex, double from,
     }
 }
 
-/* A boundary vertex offers its distance along all of its edges: always true, and the cone's edge
- * cases need no care. */
+/* Offers the distance of a boundary vertex along all of its edges. Each edge is a path, so the
+ * borders of the cone need no special case. */
 static void reach_all_neighbours(struct gd__wavefront *front, uint32_t vertex)
 {
     const struct gd_mesh *mesh = front->mesh;
@@ -138,7 +139,7 @@ static void reach_all_neighbours(struct gd__wavefront *front, uint32_t vertex)
     }
 }
 
-/* The vertex is a seed, and none comes nearer to it. */
+/* Returns true if the vertex is a seed and no other seed is nearer to it. */
 static bool is_seed_vertex(const struct gd__wavefront *front, uint32_t vertex)
 {
     const struct gd__predecessor *predecessor = gd__wavefront_predecessor(front, vertex);
@@ -153,11 +154,11 @@ static void emit_vertex(struct gd__wavefront *front, uint32_t vertex)
     const struct gd_mesh *mesh = front->mesh;
     double total = mesh->total_angle[vertex];
     *gd__wavefront_emitted(front, vertex) = front->distance[vertex];
-    front->effort.vertices_emitted++;
+    front->counts.vertices_emitted++;
     bool boundary = mesh->vertex_kind[vertex] == GD_VERTEX_BOUNDARY,
          is_seed = is_seed_vertex(front, vertex);
     if (boundary) reach_all_neighbours(front, vertex);
-    if (is_seed || front->methods.no_cone) {
+    if (is_seed || front->variant.no_cone) {
         emit_cone(front, vertex, 0, total);
         return;
     }
@@ -171,8 +172,8 @@ static void emit_vertex(struct gd__wavefront *front, uint32_t vertex)
     }
 }
 
-/* The other wavefront of a partition emits from common vertices itself. Of the others it has to know
- * the distance, as windows of theirs may come to it. */
+/* The other wavefront of a partition emits from common vertices itself. It needs the distances of
+ * the other vertices near the cut, because their windows may cross the cut. */
 void gd__emit_vertex(struct gd__wavefront *front, uint32_t vertex)
 {
     struct gd__partition *partition = front->partition;
@@ -189,13 +190,13 @@ void gd__emit_vertex(struct gd__wavefront *front, uint32_t vertex)
 
 /* --- seeds beside a vertex -------------------------------------------------------------------- */
 
-/* A seed beside a vertex, and how far it sees round the vertex, in radians. The ways past the two
- * sides of a convex vertex are as long where they meet, half of the fan away. Elsewhere sight ends
- * behind the vertex, or at the boundary. */
+/* A seed beside a vertex, and the angle around the vertex into which it emits, in radians. At a
+ * convex vertex the paths past both sides are equally long where they meet, half of the fan away.
+ * At other vertices the cone ends behind the vertex or at the boundary. */
 struct beside {
     struct emitter emitter;
     struct gd__polar polar;
-    double left, right; /* counter-clockwise, and clockwise */
+    double left, right; /* angles counter-clockwise and clockwise */
 };
 
 static struct beside beside_of(const struct gd__wavefront *front, uint32_t seed,
@@ -215,8 +216,9 @@ static struct beside beside_of(const struct gd__wavefront *front, uint32_t seed,
     return b;
 }
 
-/* The seed sees all of an edge of the vertex from (x, -y) in the frame of a side. What it casts
- * across the side's face is emitted from the vertex; queries in that face want the wedge. */
+/* Stores a wedge of an edge of the vertex, all of which the seed sees from (x, -y) in the frame of
+ * a side. The wedge serves queries in the side's face. The windows across that face are emitted
+ * from the vertex. */
 static void store_edge(struct gd__wavefront *front, const struct beside *b, uint32_t side,
                        struct gd__local at)
 {
@@ -228,8 +230,8 @@ static void store_edge(struct gd__wavefront *front, const struct beside *b, uint
     if (window.y > 0) gd__store_window(front, side, &window);
 }
 
-/* Offers a neighbour of the vertex the straight way from the seed: `way` long, and it starts at
- * `at` in the frame of `side`, opposite to the neighbour. */
+/* Offers a neighbour of the vertex the straight path `way` from the seed. It starts at `at` in the
+ * frame of `side`, the side opposite to the neighbour. */
 static void reach_neighbour(struct gd__wavefront *front, const struct beside *b, uint32_t side,
                             struct gd__local at, struct gd__local way)
 {
@@ -239,7 +241,7 @@ static void reach_neighbour(struct gd__wavefront *front, const struct beside *b,
                         b->emitter.sigma + sqrt(way.x * way.x + way.y * way.y), predecessor);
 }
 
-/* Emits into the face of a fan's entry that begins `ahead` radians counter-clockwise of the
+/* Emits into the face of the fan entry that begins `ahead` radians counter-clockwise of the
  * seed. */
 static void emit_to_left(struct gd__wavefront *front, const struct beside *b, uint32_t entry,
                          double ahead, double opening)
@@ -254,7 +256,7 @@ static void emit_to_left(struct gd__wavefront *front, const struct beside *b, ui
     if (ahead + opening <= b->left + GD_TOL_CONE) reach_neighbour(front, b, fan->side, at, way);
 }
 
-/* Emits into the face of a fan's entry that ends `ahead` radians clockwise of the seed. */
+/* Emits into the face of the fan entry that ends `ahead` radians clockwise of the seed. */
 static void emit_to_right(struct gd__wavefront *front, const struct beside *b, uint32_t entry,
                           double ahead, double opening)
 {
@@ -290,7 +292,7 @@ void gd__emit_beside(struct gd__wavefront *front, uint32_t seed, const struct gd
         if (i == first && !is_closed) break;
         i = i > first ? i - 1 : end - 1;
         double opening = gd__fan_end(mesh, polar->vertex, i) - mesh->fan[i].angle;
-        /* else a face of the seed's edge */
+        /* 0: the entry is a face of the seed's edge */
         if (right > 0) emit_to_right(front, &b, i, right, opening);
         right += opening;
     }

@@ -2,13 +2,15 @@
 
 #include <stdlib.h>
 
-/* buckets: some edges. Much shorter, and pages come back at once; longer, and more of them wait */
+/* Number of buckets after which an idle page is reused: about the length of some edges. With a
+ * lower number, pages are reused that are needed again soon. With a higher number more pages stay
+ * idle. */
 #define REST       4
 #define SLAB_PAGES 32
 
 struct gd__page_slab {
     struct gd__page_slab *next;
-    char pages[]; /* SLAB_PAGES of them */
+    char pages[]; /* SLAB_PAGES pages */
 };
 
 enum gd_status gd__pages_open(struct gd__pages *pages, uint32_t count, size_t size,
@@ -38,7 +40,7 @@ void gd__pages_close(struct gd__pages *pages)
     *pages = (struct gd__pages){0};
 }
 
-static void enter(struct gd__pages *pages, struct gd__page *page, uint32_t now)
+static void page_line_up(struct gd__pages *pages, struct gd__page *page, uint32_t now)
 {
     page->in_line = true;
     page->entered = now;
@@ -53,11 +55,11 @@ static void enter(struct gd__pages *pages, struct gd__page *page, uint32_t now)
 void gd__pages_rest(struct gd__pages *pages, struct gd__page *page, uint32_t now)
 {
     page->rested = now;
-    if (!page->in_line) enter(pages, page, now);
+    if (!page->in_line) page_line_up(pages, page, now);
 }
 
-/* A page that has rested long enough, taken from its place; NULL: there is none. Those that woke up
- * in the line leave it, or begin anew. */
+/* Removes an idle page that has rested long enough from the line and returns it; NULL: there is
+ * none. Pages that were used since they entered the line are removed too, or enter it again. */
 static struct gd__page *take_rested(struct gd__pages *pages, uint32_t now)
 {
     while (pages->first && pages->first->entered + REST < now) {
@@ -69,7 +71,7 @@ static struct gd__page *take_rested(struct gd__pages *pages, uint32_t now)
             pages->page[page->number] = NULL;
             return page;
         }
-        enter(pages, page, now);
+        page_line_up(pages, page, now);
     }
     return NULL;
 }

@@ -1,12 +1,10 @@
-/* Pages: the records of sides and of vertices where only those near the wavefront are kept.
- *
- * A field of distances only needs nothing of what lies behind the front but the distances. So
- * records lie in pages of some neighbours (numbers follow places, mesh/topology.h), made when one
- * of them is first asked for. A page on which nothing has waited for some buckets is used again for
- * another place; should the front come back there, its records begin anew. What must not be
- * forgotten keeps its page: wedges that were stored, and places that the front comes back to again
- * and again, where the visits of a side have to be counted for gd__prune_by_stored. One owner, one
- * thread. */
+/* Pages: records of sides and vertices that exist only near the wavefront. A propagation that
+ * computes distances only needs no records behind the front. The records of neighbouring elements
+ * share a page, because neighbours have similar numbers (mesh/topology.h). A page is created at its
+ * first use. If none of its records has waited in the queue for some buckets, its memory is reused.
+ * If the front returns, its records start anew. Two kinds of pages stay: pages with stored wedges,
+ * and pages that were created repeatedly. In the latter, visits of a side must accumulate for
+ * gd__prune_by_stored. One owner, one thread. */
 #ifndef GD_WAVEFRONT_PAGES_H
 #define GD_WAVEFRONT_PAGES_H
 
@@ -17,44 +15,45 @@
 #include "base/budget.h"
 
 struct gd__page {
-    uint32_t number;  /* of the page among all */
-    uint32_t waiting; /* of its records, in the queue */
-    uint32_t rested;  /* bucket of the queue since which none of them does */
-    uint32_t entered; /* bucket in which it entered the line */
+    uint32_t number;  /* number of the page */
+    uint32_t waiting; /* number of its records that wait in the queue */
+    uint32_t rested;  /* bucket of the queue since which none of its records waits */
+    uint32_t entered; /* bucket of the queue at which it entered the line */
     bool in_line;
     bool stays;
-    struct gd__page *next; /* in the line */
+    struct gd__page *next; /* next page in the line */
 };
 
 struct gd__pages {
-    struct gd__page **page; /* NULL where there is none */
-    uint8_t *made;          /* how often, saturating */
-    uint32_t made_most;     /* a page that is made more often stays */
+    struct gd__page **page; /* per number: the page, NULL if it does not exist */
+    uint8_t *made;          /* number of times the page was created, saturating */
+    uint32_t made_most;     /* a page that was created more often stays */
     uint32_t count;
-    size_t size; /* of a page, what follows the header counted */
-    /* their memory, the newest first: side by side, as the heap would scatter them */
+    size_t size; /* bytes of a page with its header */
+    /* Memory of the pages, newest first. Slabs hold pages side by side, because the heap would
+     * scatter them. */
     struct gd__page_slab *slab;
-    uint32_t fresh; /* pages of the newest slab that were not used yet */
-    /* the line: pages that rest, or did when they entered; the first came first */
+    uint32_t fresh; /* number of unused pages of the newest slab */
+    /* The line: pages that may be reused, the oldest first. They were idle when they entered it. */
     struct gd__page *first, *last;
     struct gd__budget *budget;
 };
 
-/* None are made yet; the budget pays for those that will be. A page that is made more than
- * `made_most` times stays; from UINT8_MAX on: however often. All zero before. GD_NO_MEMORY,
- * GD_BUDGET. */
+/* Initialises the struct, which must be all zero, without pages. The budget is charged for each
+ * page that is created. A page that was created more than `made_most` times stays; UINT8_MAX or
+ * more: no page stays for that reason. GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__pages_open(struct gd__pages *pages, uint32_t count, size_t size,
                                           uint32_t made_most, struct gd__budget *budget);
 
-/* Frees all; all zero then. */
+/* Frees everything and zeroes the struct. */
 void gd__pages_close(struct gd__pages *pages);
 
-/* Makes a page that is not there, at bucket `now` of the queue; its records are undefined. Pages on
- * which something waits, or did a few buckets ago, are where they were. GD_NO_MEMORY, GD_BUDGET.
- * Amortised O(1). */
+/* Creates a missing page at bucket `now` of the queue. Its records are undefined. Does not move
+ * pages whose records wait, or waited a few buckets ago. GD_NO_MEMORY, GD_BUDGET. Amortised
+ * O(1). */
 GD_MUST_USE enum gd_status gd__pages_make(struct gd__pages *pages, uint32_t number, uint32_t now);
 
-/* Nothing waits on the page, at bucket `now`: it may be used again later. */
+/* Records that no record of the page waits at bucket `now`. The page may be reused later. */
 void gd__pages_rest(struct gd__pages *pages, struct gd__page *page, uint32_t now);
 
 #endif

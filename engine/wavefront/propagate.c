@@ -1,50 +1,53 @@
 #include "base/prefetch.h"
 #include "wavefront/wavefront.h"
 
-/* visits of a side: on meshes of any sense few sides have more than three */
+/* Visits of a side after which its windows are pruned. On real meshes few sides have more than
+ * three. */
 #define PRUNE_AFTER 8
-#define STORE_AFTER 4 /* where wedges are not wanted, but for the pruning */
-/* of the edge's length: a ray that passes the apex farther off did not lose it by rounding */
+/* Visits of a side after which its wedges are stored for pruning, in a propagation that does not
+ * store them anyway. */
+#define STORE_AFTER 4
+/* Part of the edge's length. A ray that passes the apex at a larger distance did not miss it due to
+ * rounding. */
 #define BESIDE       0.01
-#define LINE         64 /* bytes */
-#define LINES_BEFORE 16 /* a few lists' wedges */
-#define LINES_AHEAD  3  /* one list's */
+#define LINE         64 /* bytes of a cache line */
+#define LINES_BEFORE 16 /* the wedges of a few lists */
+#define LINES_AHEAD  3  /* the wedges of one list */
 
-/* Wedges are written to memory that has not been seen yet: asks for the lines that a few lists on
- * will fill. */
-GD__ASKING prefetch_ahead(const char *end)
+/* Prefetches the cache lines of the next lists, because wedges are written to memory that is not in
+ * the cache. */
+GD__PREFETCH prefetch_ahead(const char *end)
 {
     for (int i = 0; i < LINES_AHEAD; i++)
         __builtin_prefetch(end + (ptrdiff_t)LINE * (LINES_BEFORE + i), 1);
 }
 
-/* What is cast will arrive there. */
-GD__ASKING prefetch_receivers(const struct gd__wavefront *front, uint32_t side)
+/* Prefetches the lists that receive the children. */
+GD__PREFETCH prefetch_receivers(const struct gd__wavefront *front, uint32_t side)
 {
     const struct gd_side *s = &front->mesh->side[side];
-    if (front->near || s->left == GD_NONE) return;
+    if (front->paged || s->left == GD_NONE) return;
     __builtin_prefetch(&front->lists[s->left], 1);
     __builtin_prefetch(&front->lists[s->right], 1);
 }
 
 /* Stores windows as a chunk of wedges of the side's edge. */
-static enum gd_status store(struct gd__wavefront *front, uint32_t side,
-                            const struct gd__windows *windows, uint32_t count)
+static enum gd_status store_chunk(struct gd__wavefront *front, uint32_t side,
+                                  const struct gd__windows *windows, uint32_t count)
 {
-    size_t most = sizeof(struct gd__chunk) + (size_t)gd__wedges_bound(count) * GD__WEDGE_BYTES;
-    enum gd_status status = gd__region_reserve(&front->work->wedges, most);
+    enum gd_status status = gd__region_reserve(&front->work->wedges, gd__chunk_bound(count));
     if (status) return status;
     struct gd__chunk *chunk =
         (struct gd__chunk *)(front->work->wedges.base + front->work->wedges.used);
     double length = front->mesh->side[side].length;
     uint32_t *newest = gd__wavefront_newest(front, side >> 1);
     chunk->previous = *newest;
-    chunk->count = front->kernel->store(windows, count, length, side & 1, chunk->data);
-    if (!chunk->count)
-        chunk->count = gd__wedges_write(windows, count, length, side & 1, chunk->data);
-    if (front->near) gd__near_side(front->near, side)->page.stays = true;
+    chunk->form = front->wedge_form;
+    if (!front->kernel->store(windows, count, length, side & 1, chunk))
+        gd__chunk_write(windows, count, length, side & 1, chunk);
+    if (front->paged) gd__paged_side(front->paged, side)->page.stays = true;
     *newest = (uint32_t)(front->work->wedges.used / GD__CHUNK_UNIT);
-    front->work->wedges.used += sizeof *chunk + (size_t)chunk->count * GD__WEDGE_BYTES;
+    front->work->wedges.used += gd__chunk_bytes(chunk);
     front->wedge_count += chunk->count;
     prefetch_ahead(front->work->wedges.base + front->work->wedges.used);
     return GD_OK;
@@ -53,7 +56,7 @@ static enum gd_status store(struct gd__wavefront *front, uint32_t side,
 void gd__store_window(struct gd__wavefront *front, uint32_t side, const struct gd__window *window)
 {
     struct gd__window_builder *one = &front->work->scratch.tail;
-    bool is_wanted = !front->near && front->inner == 0 &&
+    bool is_wanted = !front->paged && front->inner == 0 &&
                      (!front->partition || gd__partition_has_side(front->partition, side));
     if (front->status || !is_wanted) return;
     front->status = gd__window_builder_reserve(one, 1);
@@ -62,7 +65,7 @@ void gd__store_window(struct gd__wavefront *front, uint32_t side, const struct g
     gd__workspace_touch(front->work, side, !list->touched);
     list->touched = true;
     gd__windows_put(&one->at, 0, window);
-    front->status = store(front, side, &one->at, 1);
+    front->status = store_chunk(front, side, &one->at, 1);
 }
 
 static enum gd_status open_children(struct gd_workspace *work, uint32_t count)
@@ -74,20 +77,21 @@ static enum gd_status open_children(struct gd_workspace *work, uint32_t count)
     return status;
 }
 
-static void hand_on(struct gd__wavefront *front, const struct gd__receiver *to,
-                    struct gd__children *children)
+static void deliver_children(struct gd__wavefront *front, const struct gd__receiver *to,
+                             struct gd__children *children)
 {
     if (!children->count) {
         gd__children_close(children, &front->work->pool);
         return;
     }
     if (children->tangled != GD_NONE && !front->status)
-        front->status = gd__untangle(children, &front->work->pool, GD_TOL_WIDTH * to->length,
-                                     &front->work->scratch);
+        front->status = gd__children_sort(children, &front->work->pool, GD_TOL_WIDTH * to->length,
+                                          &front->work->scratch);
     gd__wavefront_deliver(front, to, children);
 }
 
-/* The ray through that end of a window leaves (px, py) at a distance of more than `apart`. */
+/* Returns true if the ray through that end of a window passes (px, py) at a distance of more than
+ * `apart`. */
 static inline bool passes_far_off(const struct gd__windows *w, uint32_t at, double end, double px,
                                   double py, double apart)
 {
@@ -96,11 +100,10 @@ static inline bool passes_far_off(const struct gd__windows *w, uint32_t at, doub
            !gd__source_is_linear(w->source[at]);
 }
 
-/* Offers the apex the way round the end of a window beside it. It counts where the window that
- * would see the apex has been cut off by rounding: the two that the apex lies between are all there
- * is to ask. */
-static inline void bend(struct gd__apex *apex, const struct gd_side *s, const struct gd__windows *w,
-                        uint32_t at, double end)
+/* Offers the apex the path round the end of a window beside it. It is needed if rounding cut off
+ * the window that would see the apex. Only the two windows beside the apex need it. */
+static inline void offer_bend(struct gd__apex *apex, const struct gd_side *s,
+                              const struct gd__windows *w, uint32_t at, double end)
 {
     double px = s->left_length * s->left_x, py = s->left_length * s->left_y, fx = px - end;
     if (passes_far_off(w, at, end, px, py, BESIDE * s->length)) return;
@@ -115,49 +118,49 @@ static inline void bend(struct gd__apex *apex, const struct gd_side *s, const st
     apex->source = GD_NONE;
 }
 
-/* A call of its own would cost 1 % of a field. */
-static inline __attribute__((always_inline)) void cast(struct gd__wavefront *front,
-                                                       const struct gd__receiver *at,
-                                                       const struct gd__windows *windows,
-                                                       uint32_t count)
+/* Inlined, because a call would cost 1 % of a field. */
+static inline __attribute__((always_inline)) void cast_windows(struct gd__wavefront *front,
+                                                               const struct gd__receiver *at,
+                                                               const struct gd__windows *windows,
+                                                               uint32_t count)
 {
     uint32_t side = at->side;
     const struct gd_side *s = &front->mesh->side[side];
     uint32_t vertex = gd__side_apex(front->mesh, side);
     front->status = open_children(front->work, count);
     if (front->status) return;
-    front->effort.windows_propagated += count;
+    front->counts.windows_propagated += count;
     struct gd__apex apex = {.distance = front->distance[vertex]};
-    front->kernel->cast(s, windows, count, !front->methods.no_coalescing, &apex, &front->work->left,
+    front->kernel->cast(s, windows, count, !front->variant.no_coalescing, &apex, &front->work->left,
                         &front->work->right);
     if (apex.last_left != GD_NONE)
-        bend(&apex, s, windows, apex.last_left, windows->b1[apex.last_left]);
+        offer_bend(&apex, s, windows, apex.last_left, windows->b1[apex.last_left]);
     if (apex.first_right != GD_NONE)
-        bend(&apex, s, windows, apex.first_right, windows->b0[apex.first_right]);
+        offer_bend(&apex, s, windows, apex.first_right, windows->b0[apex.first_right]);
     if (apex.improved) {
         struct gd__predecessor predecessor = {
             .x = apex.x, .y = apex.y, .side = side, .source = apex.source};
         gd__wavefront_reach(front, vertex, apex.distance, predecessor);
     }
     double rest = gd__wavefront_rest(front, vertex);
-    hand_on(front,
-            &(struct gd__receiver){s->left, s->left_length, at->d0, apex.distance, at->l0, rest,
-                                   at->falls},
-            &front->work->left);
-    hand_on(front,
-            &(struct gd__receiver){s->right, s->right_length, apex.distance, at->d1, rest, at->l1,
-                                   at->falls},
-            &front->work->right);
+    deliver_children(front,
+                     &(struct gd__receiver){s->left, s->left_length, at->d0, apex.distance, at->l0,
+                                            rest, at->distance_drops},
+                     &front->work->left);
+    deliver_children(front,
+                     &(struct gd__receiver){s->right, s->right_length, apex.distance, at->d1, rest,
+                                            at->l1, at->distance_drops},
+                     &front->work->right);
 }
 
 void gd__cast(struct gd__wavefront *front, const struct gd__receiver *at,
               const struct gd__windows *windows, uint32_t count)
 {
-    cast(front, at, windows, count);
+    cast_windows(front, at, windows, count);
 }
 
-/* The window's source has come nearer since it cast the window, and by more than a contest makes of
- * a tie: what it has cast again has not lost to this window. */
+/* Returns true if the window's source came nearer after it cast the window, by more than the tie of
+ * a contest. The source casts its windows again, so this window must not win against them. */
 static bool is_stale(const struct gd__wavefront *front, const struct gd__windows *w, uint32_t i,
                      double length)
 {
@@ -166,7 +169,7 @@ static bool is_stale(const struct gd__wavefront *front, const struct gd__windows
     return w->sigma[i] - front->distance[w->source[i]] > GD_TOL_STALE * reach;
 }
 
-/* Drops windows that are cast again from nearer. See prune.c. */
+/* Drops stale windows; prune.c explains why. */
 static uint32_t drop_stale(const struct gd__wavefront *front, const struct gd__windows *w,
                            uint32_t count, double length)
 {
@@ -183,29 +186,32 @@ static uint32_t drop_stale(const struct gd__wavefront *front, const struct gd__w
     return kept;
 }
 
-/* What is left of a side's windows after all that is known of the edge. */
-static enum gd_status prune(struct gd__wavefront *front, const struct gd__receiver *at,
-                            const struct gd__list *list, struct gd__windows *windows,
-                            uint32_t *count)
+/* Removes the windows of a side that cannot be part of a shortest path. */
+static enum gd_status prune_windows(struct gd__wavefront *front, const struct gd__receiver *at,
+                                    const struct gd__list *list, struct gd__windows *windows,
+                                    uint32_t *count)
 {
     double d0 = at->d0, d1 = at->d1;
-    /* what lies beyond the bound is as useless as what lies behind a shorter way */
+    /* windows beyond the bound are as useless as windows behind a shorter path */
     if (front->guide) {
         d0 = fmin(d0, front->bound - at->l0);
         d1 = fmin(d1, front->bound - at->l1);
     }
-    if (list->falls != front->falls) *count = drop_stale(front, windows, *count, at->length);
-    bool own = list->visits > (front->methods.no_filter ? 1 : PRUNE_AFTER),
-         twin = front->methods.one_list;
-    enum gd_status status =
-        own || twin ? gd__prune_by_stored(front, at->side, own, twin, windows, count) : GD_OK;
-    if (!status && !front->methods.no_filter)
+    if (list->distance_drops != front->distance_drops)
+        *count = drop_stale(front, windows, *count, at->length);
+    bool often = list->visits > (front->variant.no_filter ? 1 : PRUNE_AFTER);
+    enum gd__prune_by by = often ? GD__PRUNE_BY_OWN : 0;
+#ifdef GD_ABLATION
+    if (front->variant.one_list) by |= GD__PRUNE_BY_OTHER;
+#endif
+    enum gd_status status = by ? gd__prune_by_stored(front, at->side, by, windows, count) : GD_OK;
+    if (!status && !front->variant.no_filter)
         *count = front->kernel->filter(windows, *count, at->length, d0, d1);
     return status;
 }
 
-/* The list keeps nothing of its windows. */
-static void forget(struct gd__wavefront *front, struct gd__list *list)
+/* Empties the list. The caller owns the block. */
+static void list_forget(struct gd__wavefront *front, struct gd__list *list)
 {
     list->block = NULL;
     list->count = 0;
@@ -219,16 +225,17 @@ void gd__propagate_side(struct gd__wavefront *front, uint32_t side)
     struct gd__windows windows = gd__list_windows(list);
     void *block = list->block;
     uint32_t count = list->count, size_class = list->size_class;
-    forget(front, list);
+    list_forget(front, list);
     prefetch_receivers(front, side);
     struct gd__receiver at = gd__wavefront_receiver(front, side);
-    front->effort.sides_propagated++;
-    front->status = prune(front, &at, list, &windows, &count);
-    bool stores = !front->near || list->visits > STORE_AFTER;
-    if (!front->status && count && stores) front->status = store(front, side, &windows, count);
+    front->counts.sides_propagated++;
+    front->status = prune_windows(front, &at, list, &windows, &count);
+    bool stores = !front->paged || list->visits > STORE_AFTER;
+    if (!front->status && count && stores)
+        front->status = store_chunk(front, side, &windows, count);
     if (front->bound < GD__FAR && !front->guide)
         count = front->kernel->within(&windows, count, front->bound);
     if (!front->status && count && !gd__side_is_boundary(front->mesh, side))
-        cast(front, &at, &windows, count);
+        cast_windows(front, &at, &windows, count);
     gd__pool_release(&front->work->pool, block, size_class);
 }

@@ -1,15 +1,14 @@
 #include "window/contest.h"
 #include "wavefront/wavefront.h"
 
-/* Pruning: windows are compared with the wedges that their edge has already (the paper's merged
- * list of an edge, Property 3). Wedges keep their ends to 2^-32 of the edge only; pieces that
- * narrow are left out, as the windows beside them cover what they would see.
+/* Pruning: compares windows with the stored wedges of their edge (the paper's merged list of an
+ * edge, Property 3). Ends of wedges are stored to 2^-32 of the edge. Narrower pieces are dropped,
+ * because the windows beside them cover their rays.
  *
- * A wedge knows its source, not the distance that the source had when the wedge went on. Where that
- * distance fell since, the wedge went on with the longer one and would tie with the windows of the
- * later emission, which are the ones that have to go on: chunks older than the present distance are
- * passed over for this source, and what is still on its way with an older one is dropped before it
- * is stored. */
+ * A wedge stores its source, not the source's distance when it was stored. If that distance has
+ * decreased since, the wedge was propagated with the longer one. It would tie with the windows of
+ * the later emission, which must propagate. So chunks older than the source's present distance are
+ * skipped, and waiting windows with an older distance are dropped before they are stored. */
 
 #define NARROW (4 * GD__WEDGE_UNIT)
 
@@ -21,10 +20,10 @@ void gd__stored_windows(const struct gd__wavefront *front, const struct gd__chun
     uint32_t at = (uint32_t)(((const char *)chunk - front->work->wedges.base) / GD__CHUNK_UNIT);
     for (uint32_t i = 0; i < chunk->count; i++) {
         struct gd__window w =
-            gd__wedge_window(wedges, chunk->count, side & 1 ? chunk->count - 1 - i : i, length);
+            gd__wedge_window(&wedges, side & 1 ? chunk->count - 1 - i : i, length);
         bool is_own = (w.tags & GD__WINDOW_FAR_SIDE ? 1 : 0) == (side & 1);
         if (w.source == GD_NONE || is_own != own) continue;
-        if (w.source < front->mesh->vertex_count && at < gd__wavefront_since(front, w.source))
+        if (w.source < front->mesh->vertex_count && at < gd__wavefront_valid_from(front, w.source))
             continue;
         if (side & 1) w = gd__window_mirrored(&w, length);
         w.sigma = gd__wavefront_sigma(front, &w);
@@ -32,8 +31,8 @@ void gd__stored_windows(const struct gd__wavefront *front, const struct gd__chun
     }
 }
 
-static void keep(struct gd__stack *out, const struct gd__window *w, double from, double to,
-                 double narrow)
+static void keep_piece(struct gd__stack *out, const struct gd__window *w, double from, double to,
+                       double narrow)
 {
     if (to - from <= narrow) return;
     out->windows[out->count] = *w;
@@ -41,31 +40,31 @@ static void keep(struct gd__stack *out, const struct gd__window *w, double from,
     out->windows[out->count++].b1 = to;
 }
 
-/* Cuts the pieces out of `w` where the stored windows are better, and appends what is left. *first
- * is the first that may still overlap. */
-static void cut(const struct gd__window *w, const struct gd__stack *stored, bool own, double narrow,
-                uint32_t *first, struct gd__stack *out)
+/* Removes the parts of `w` where the stored windows are better, and appends the remaining pieces.
+ * *first is the first stored window that may overlap this or a later window. */
+static void cut_window(const struct gd__window *w, const struct gd__stack *stored, bool own,
+                       double narrow, uint32_t *first, struct gd__stack *out)
 {
-    double start = w->b0; /* of the piece that is kept so far */
+    double start = w->b0; /* start of the piece that is kept so far */
     while (*first < stored->count && stored->windows[*first].b1 <= w->b0) ++*first;
     for (uint32_t i = *first; i < stored->count && stored->windows[i].b0 < w->b1; i++) {
         const struct gd__window *s = &stored->windows[i];
         double lo = fmax(w->b0, s->b0), hi = fmin(w->b1, s->b1);
         if (hi - lo <= 0) continue;
-        struct gd__verdict verdict = own ? gd__contest(w, s, lo, hi) : gd__contest(s, w, lo, hi);
+        struct gd__contest_result verdict =
+            own ? gd__contest(w, s, lo, hi) : gd__contest(s, w, lo, hi);
         bool stored_wins = verdict.challenger_first != own;
         for (int k = 0; k <= verdict.switches; k++, stored_wins = !stored_wins) {
             double from = k ? verdict.at[k - 1] : lo,
                    to = k < verdict.switches ? verdict.at[k] : hi;
             if (!stored_wins) continue;
-            keep(out, w, start, from, narrow);
+            keep_piece(out, w, start, from, narrow);
             start = to;
         }
     }
-    keep(out, w, start, w->b1, narrow);
+    keep_piece(out, w, start, w->b1, narrow);
 }
 
-/* Cuts all windows of `list` by one chunk; the result is in `out`. */
 static enum gd_status cut_by_chunk(const struct gd__wavefront *front, const struct gd__chunk *chunk,
                                    uint32_t side, bool own, const struct gd__stack *list,
                                    struct gd__stack *stored, struct gd__stack *out)
@@ -77,19 +76,12 @@ static enum gd_status cut_by_chunk(const struct gd__wavefront *front, const stru
     stored->count = out->count = 0;
     gd__stored_windows(front, chunk, side, own, stored);
     for (uint32_t i = 0; i < list->count; i++)
-        cut(&list->windows[i], stored, own, NARROW * front->mesh->side[side].length, &first, out);
+        cut_window(&list->windows[i], stored, own, NARROW * front->mesh->side[side].length, &first,
+                   out);
     return GD_OK;
 }
 
-static bool is_of_side(const struct gd__chunk *chunk, uint32_t side)
-{
-    struct gd__wedges wedges = gd__chunk_wedges(chunk);
-    uint32_t i = 0;
-    while (i + 1 < chunk->count && gd__wedge_source(wedges.start[i]) == GD_NONE) i++;
-    return (signbit(wedges.y[i]) != 0) == !(side & 1);
-}
-
-enum gd_status gd__prune_by_stored(struct gd__wavefront *front, uint32_t side, bool own, bool twin,
+enum gd_status gd__prune_by_stored(struct gd__wavefront *front, uint32_t side, enum gd__prune_by by,
                                    struct gd__windows *windows, uint32_t *count)
 {
     struct gd__stack *list = &front->work->scratch.stack[0],
@@ -102,10 +94,10 @@ enum gd_status gd__prune_by_stored(struct gd__wavefront *front, uint32_t side, b
     for (uint32_t at = *gd__wavefront_newest(front, side >> 1); at != GD_NONE && !status;) {
         const struct gd__chunk *chunk =
             (const struct gd__chunk *)(front->work->wedges.base + (size_t)at * GD__CHUNK_UNIT);
-        bool is_own = is_of_side(chunk, side);
+        bool is_own = chunk->is_far == (side & 1);
         at = chunk->previous;
-        front->effort.wedges_compared += chunk->count;
-        if (!(is_own ? own : twin)) continue;
+        front->counts.wedges_compared += chunk->count;
+        if (!(by & (is_own ? GD__PRUNE_BY_OWN : GD__PRUNE_BY_OTHER))) continue;
         status = cut_by_chunk(front, chunk, side, is_own, list, stored, out);
         struct gd__stack swap = *list;
         *list = *out;

@@ -4,8 +4,9 @@
 #include <string.h>
 
 #define MASK     (GD__QUEUE_BUCKETS - 1)
-#define SMALLEST 256 /* nodes of an array */
-#define BEFORE   16  /* buckets, see gd__queue_begin: some edges' lengths */
+#define SMALLEST 256 /* smallest capacity of a bucket's array */
+/* number of buckets before the first key, see gd__queue_begin: some edge lengths */
+#define BEFORE 16
 
 struct gd__queue *gd__queue_create(void)
 {
@@ -20,8 +21,8 @@ void gd__queue_destroy(struct gd__queue *queue)
     free(queue);
 }
 
-/* Keeps the bucket's array for another one. */
-static void retire(struct gd__queue *queue, struct gd__bucket *bucket)
+/* Keeps the array of an emptied bucket for reuse. */
+static void bucket_retire(struct gd__queue *queue, struct gd__bucket *bucket)
 {
     if (bucket->capacity)
         queue->spare[queue->spare_count++] =
@@ -31,7 +32,7 @@ static void retire(struct gd__queue *queue, struct gd__bucket *bucket)
 
 void gd__queue_clear(struct gd__queue *queue)
 {
-    for (uint32_t i = 0; i < GD__QUEUE_BUCKETS; i++) retire(queue, &queue->bucket[i]);
+    for (uint32_t i = 0; i < GD__QUEUE_BUCKETS; i++) bucket_retire(queue, &queue->bucket[i]);
     queue->current = 0;
     queue->size = 0;
     queue->out_of_memory = false;
@@ -48,14 +49,13 @@ void gd__queue_begin(struct gd__queue *queue, double key)
     queue->current = number > BEFORE ? number - BEFORE : 0;
 }
 
-/* Of a bucket that is full. */
 static bool make_room(struct gd__queue *queue, struct gd__bucket *bucket)
 {
     if (!bucket->capacity && queue->spare_count) {
         *bucket = queue->spare[--queue->spare_count];
         return true;
     }
-    if (bucket->head > bucket->capacity / 2) { /* a bucket that is filled while it is emptied */
+    if (bucket->head > bucket->capacity / 2) { /* the bucket is filled while it is being emptied */
         memmove(bucket->nodes, bucket->nodes + bucket->head,
                 sizeof *bucket->nodes * (bucket->count - bucket->head));
         bucket->count -= bucket->head;
@@ -85,7 +85,7 @@ uint32_t gd__queue_pop(struct gd__queue *queue, uint32_t end)
     struct gd__bucket *bucket = &queue->bucket[queue->current & MASK];
     while (bucket->head == bucket->count) {
         if (queue->current + 1 >= end) return GD_NONE;
-        retire(queue, bucket);
+        bucket_retire(queue, bucket);
         bucket = &queue->bucket[++queue->current & MASK];
     }
     queue->size--;

@@ -1,11 +1,10 @@
-/* Queue: circular buckets of small integers (sides and vertices), in order of distance up to a
- * bucket's width.
- *
- * An entry that moves forward is entered again and its old place becomes stale: each node's owner
- * keeps the bucket it waits in, and passes over what it no longer waits for. Order within a bucket
- * is first in, first out, and a key beyond the ring waits in its last bucket: propagation corrects
- * itself, so order costs time, never exactness, and first-in-first-out keeps a bucket that holds a
- * whole component polynomial. One owner, one thread. */
+/* Queue: circular buckets of small integers (sides and vertices), in order of distance up to the
+ * width of a bucket. A node whose key decreases is entered again, and its old entry becomes stale.
+ * The owner of a node stores the bucket in which the node waits, and ignores its entries in other
+ * buckets. Within a bucket the order is first in, first out. A key beyond the ring goes to the last
+ * bucket. The order costs time, never exactness, because propagation corrects itself. First in,
+ * first out keeps the work polynomial if a whole component is in one bucket. One owner, one
+ * thread. */
 #ifndef GD_WAVEFRONT_QUEUE_H
 #define GD_WAVEFRONT_QUEUE_H
 
@@ -19,36 +18,36 @@
 
 struct gd__bucket {
     uint32_t *nodes;
-    uint32_t head, count, capacity; /* nodes [head, count) wait */
+    uint32_t head, count, capacity; /* nodes [head, count) are still to be popped */
 };
 
 struct gd__queue {
     struct gd__bucket bucket[GD__QUEUE_BUCKETS];
-    /* arrays of buckets that ran empty, for the next ones: the newest first, as it is in the
-       cache */
+    /* arrays of emptied buckets for reuse; the newest, which is in the cache, is taken first */
     struct gd__bucket spare[GD__QUEUE_BUCKETS];
     uint32_t spare_count;
-    uint32_t current; /* number of the bucket at hand; nothing waits in a lower one */
-    uint64_t size;    /* entries, stale ones too */
+    uint32_t current; /* number of the current bucket; no node waits in a lower one */
+    uint64_t size;    /* number of entries, including stale ones */
     double buckets_per_length;
-    bool out_of_memory; /* sticky: an entry was lost */
+    bool out_of_memory; /* sticky: an entry was lost for lack of memory */
 };
 
-/* An empty one; NULL without memory. */
+/* Creates an empty queue. Returns NULL if there is no memory. */
 struct gd__queue *gd__queue_create(void);
-void gd__queue_destroy(struct gd__queue *queue); /* NULL is harmless */
+void gd__queue_destroy(struct gd__queue *queue); /* accepts NULL */
 
-/* Removes all entries; the owners of nodes that wait forget it themselves. */
+/* Removes all entries. Owners of waiting nodes must reset their buckets themselves. */
 void gd__queue_clear(struct gd__queue *queue);
 
-/* The width of buckets, > 0, of an empty queue. */
+/* Sets the width of buckets, > 0. The queue must be empty. */
 void gd__queue_set_width(struct gd__queue *queue, double bucket_width);
 
-/* Nothing much nearer than that key will be entered in the empty queue: it need not begin at zero,
- * from where its ring may not reach so far. */
+/* Sets the first bucket of the empty queue to `key`. From zero its ring might not reach the keys.
+ * Later keys may be smaller by a few edge lengths only. */
 void gd__queue_begin(struct gd__queue *queue, double key);
 
-/* The bucket of a key; one that rounding has made less than zero goes to the first. */
+/* Returns the bucket number of a key. A negative key, which is due to rounding, goes to the first
+ * bucket. */
 static inline uint32_t gd__queue_number(const struct gd__queue *queue, double key)
 {
     const double farthest = 4e9; /* below the largest bucket number */
@@ -64,19 +63,19 @@ static inline void gd__queue_enter(struct gd__queue *queue, struct gd__bucket *b
     queue->size++;
 }
 
-/* The same where the bucket's array is full. */
+/* Enters a node into a bucket whose array is full. */
 void gd__queue_enter_full(struct gd__queue *queue, struct gd__bucket *bucket, uint32_t node,
                           uint32_t number, uint32_t *waiting);
 
-/* Enters the node, which waits in bucket *waiting (GD_NONE: in none), unless that comes no later
- * than its key. Amortised O(1). */
+/* Enters a node unless it already waits in a bucket at or before its key. *waiting is the bucket in
+ * which it waits; GD_NONE: none. Amortised O(1). */
 static inline void gd__queue_push(struct gd__queue *queue, uint32_t node, double key,
                                   uint32_t *waiting)
 {
     uint32_t number = gd__queue_number(queue, key), last = queue->current + GD__QUEUE_BUCKETS - 1;
     if (number < queue->current) number = queue->current;
     if (number > last) number = last;
-    if (*waiting <= number) return; /* GD_NONE is larger than any */
+    if (*waiting <= number) return; /* never for GD_NONE, which is larger than any bucket */
     struct gd__bucket *bucket = &queue->bucket[number & (GD__QUEUE_BUCKETS - 1)];
     if (bucket->count < bucket->capacity)
         gd__queue_enter(queue, bucket, node, number, waiting);
@@ -84,15 +83,15 @@ static inline void gd__queue_push(struct gd__queue *queue, uint32_t node, double
         gd__queue_enter_full(queue, bucket, node, number, waiting);
 }
 
-/* Takes the first entry of the buckets before number `end`; GD_NONE when they are empty. It is
- * stale unless its node waits in the current bucket. Amortised O(1). */
+/* Removes and returns the first entry of the buckets before number `end`; GD_NONE if they are
+ * empty. The entry is stale unless its node waits in the current bucket. Amortised O(1). */
 uint32_t gd__queue_pop(struct gd__queue *queue, uint32_t end);
 
-/* Number of the first bucket that is not empty; GD_NONE when all are. */
+/* Returns the number of the first bucket that is not empty; GD_NONE if all are empty. */
 uint32_t gd__queue_first(const struct gd__queue *queue);
 
-/* The entry so many places behind the one that was popped last, if it is in the current or the next
- * bucket, else GD_NONE: a hint. */
+/* Returns the entry `places` behind the last popped one, as a hint for prefetching. GD_NONE if it
+ * is in neither the current nor the next bucket. */
 static inline uint32_t gd__queue_peek(const struct gd__queue *queue, uint32_t places)
 {
     const struct gd__bucket *b = &queue->bucket[queue->current & (GD__QUEUE_BUCKETS - 1)];

@@ -2,29 +2,29 @@
 
 #include "wavefront/wavefront.h"
 
-/* Resuming: a propagation that ended at a bound goes on from there (doc 022). Its distances, predecessors
- * and wedges are taken over as they are; all of them are paths that exist, those up to the bound
- * final. What the bound kept back is made again from what is stored: children of wedges, windows of
- * vertices that emitted, and the vertices behind the bound, which have not emitted yet.
+/* Resuming: continues a propagation that ended at a bound (doc 022). Copies its distances,
+ * predecessors and wedges. All of them are existing paths, and those within the bound are final.
+ * The windows that the bound cut off are generated again from stored data: from children of wedges,
+ * from vertices that emitted, and from vertices beyond the bound, which have not emitted yet.
  *
- * A window is of use on an edge only if it is nearer somewhere than the ways along the edge from
- * its ends, so that where these keep all of an edge within the bound nothing that was kept back is
- * missed. Elsewhere everything is cast once more, and what cannot have been kept back is dropped
- * where it is offered: a window whose nearest point lies within the bound by more than its ends may
- * have moved, as they are those of a wedge, stored to 2^-32 of its edge, on another edge. What is
- * offered twice for it is found twice, no more. Windows are cast unjoined: one that the bound kept
- * back must not go with one that it did not. */
+ * A window is useful on an edge only where it is shorter than the paths along the edge from its
+ * ends. Where those paths lie within the bound, no window is missing. On all other edges all wedges
+ * are cast again. A child is dropped if its nearest point lies within the bound by more than the
+ * rounding of its ends, which are stored to 2^-32 of an edge: then the bound cannot have cut it
+ * off. Duplicates cost time only. Windows are cast without joining, so that a window that was cut
+ * off is not joined to one that was not. */
 
-#define COPY_BYTES  ((size_t)1 << 20) /* between two looks at the monitor */
-#define CHECK_NODES 1024              /* edges or vertices */
+#define COPY_BYTES  ((size_t)1 << 20) /* bytes copied between two checks of the monitor */
+#define CHECK_NODES 1024              /* edges or vertices between two checks of the monitor */
 
-/* How far an end of a window may lie from where it lay when the window was first cast. The ray
- * through it turns by what its end was rounded by over its length up to there, which is half of the
- * whole at least where the whole is twice the face, and meets the side at a slant. No end leaves
- * the side. */
-static double slack(const struct gd__wavefront *front, uint32_t side, const struct gd__window *w)
+/* Returns a bound, at most the side's length, on how far the end of a window has moved since the
+ * window was first cast. The rounding of a wedge's end turns the ray through it, and a slanted ray
+ * moves farther along the side. The bound by rounding holds if the ray is longer than twice the
+ * longest edge of the face: then at least half of the ray lies before the face. */
+static double end_slack(const struct gd__wavefront *front, uint32_t side,
+                        const struct gd__window *w)
 {
-    /* of the face that the window came across */
+    /* the face that the window crossed */
     const struct gd_side *s = &front->mesh->side[side ^ 1];
     double longest = fmax(s->length, fmax(s->left_length, s->right_length)),
            rounded = GD_TOL_STRAIGHT * longest;
@@ -39,22 +39,22 @@ void gd__keep_beyond(const struct gd__wavefront *front, uint32_t side, struct gd
     for (uint32_t i = 0; i < windows->count; i++) {
         struct gd__window w = gd__windows_get(&windows->at, i);
         double nearest = gd__window_nearest(&w);
-        if (nearest + slack(front, side, &w) > front->inner * (1 - GD_TOL_BOUND))
+        if (nearest + end_slack(front, side, &w) > front->inner * (1 - GD_TOL_BOUND))
             gd__windows_put(&windows->at, kept++, &w);
     }
     windows->count = kept;
 }
 
-static void look(struct gd__wavefront *front, uint32_t node)
+static void check_control(struct gd__wavefront *front, uint32_t node)
 {
     double part = (double)front->sides_visited / (2 * (double)front->mesh->edge_count);
     if (node % CHECK_NODES == 0 && !front->status)
         front->status = gd_control_check(front->monitor, part);
 }
 
-/* --- what there is ---------------------------------------------------------------------------- */
+/* --- stored data ------------------------------------------------------------------------------ */
 
-static void copy(struct gd__wavefront *front, void *to, const void *from, size_t bytes)
+static void copy_checked(struct gd__wavefront *front, void *to, const void *from, size_t bytes)
 {
     for (size_t at = 0; at < bytes && !front->status; at += COPY_BYTES) {
         size_t part = bytes - at < COPY_BYTES ? bytes - at : COPY_BYTES;
@@ -63,37 +63,39 @@ static void copy(struct gd__wavefront *front, void *to, const void *from, size_t
     }
 }
 
-/* Anything in the workspace may be touched from here on. A vertex beyond the bound may have emitted
- * with a distance that is none of its own now: 0 tells no more than that it may have. */
-static void take_over(struct gd__wavefront *front, const struct gd__begun *begun)
+/* Copies the stored data. Afterwards any element of the workspace may be dirty. A vertex beyond the
+ * bound may have emitted with an earlier distance. `emitted` is 0 for it, which means that it may
+ * have emitted. */
+static void copy_partial_field(struct gd__wavefront *front, const struct gd__partial_state *partial)
 {
     const struct gd_mesh *mesh = front->mesh;
     struct gd_workspace *work = front->work;
     work->touched_count = work->touched_capacity + 1;
-    copy(front, front->distance, begun->distance, mesh->vertex_count * sizeof *front->distance);
-    copy(front, front->predecessor, begun->predecessor,
-         mesh->vertex_count * sizeof *front->predecessor);
-    copy(front, front->newest, begun->newest, mesh->edge_count * sizeof *front->newest);
-    if (!front->status) front->status = gd__region_reserve(&work->wedges, begun->wedge_bytes);
+    copy_checked(front, front->distance, partial->distance,
+                 mesh->vertex_count * sizeof *front->distance);
+    copy_checked(front, front->predecessor, partial->predecessor,
+                 mesh->vertex_count * sizeof *front->predecessor);
+    copy_checked(front, front->newest, partial->newest, mesh->edge_count * sizeof *front->newest);
+    if (!front->status) front->status = gd__region_reserve(&work->wedges, partial->wedge_bytes);
     if (front->status) return;
-    copy(front, work->wedges.base, begun->wedges, begun->wedge_bytes);
-    work->wedges.used = begun->wedge_bytes;
-    front->wedge_count = begun->wedge_count;
+    copy_checked(front, work->wedges.base, partial->wedges, partial->wedge_bytes);
+    work->wedges.used = partial->wedge_bytes;
+    front->wedge_count = partial->wedge_count;
     for (uint32_t v = 0; v < mesh->vertex_count; v++)
         if (front->distance[v] < GD__FAR)
-            front->emitted[v] = front->distance[v] <= begun->bound ? front->distance[v] : 0;
+            front->emitted[v] = front->distance[v] <= partial->bound ? front->distance[v] : 0;
 }
 
-/* --- what the bound kept back ----------------------------------------------------------------- */
+/* --- windows beyond the bound ----------------------------------------------------------------- */
 
-/* Some of the edge a-b may lie beyond the bound. */
+/* Returns true if a part of the edge a-b may lie beyond the bound. */
 static bool is_open(const struct gd__wavefront *front, uint32_t a, uint32_t b, double length)
 {
     return 0.5 * (front->distance[a] + front->distance[b] + length) >
            front->inner * (1 - GD_TOL_BOUND);
 }
 
-/* Windows of the side may have children beyond the bound. */
+/* Returns true if windows of the side may have children beyond the bound. */
 static bool leads_beyond(const struct gd__wavefront *front, uint32_t side)
 {
     const struct gd_mesh *mesh = front->mesh;
@@ -104,10 +106,10 @@ static bool leads_beyond(const struct gd__wavefront *front, uint32_t side)
            is_open(front, apex, mesh->origin[side ^ 1], s->right_length);
 }
 
-/* Puts the end that two windows share where it was before it was rounded, if it is the edge of a
- * shadow: of two sources the farther one sees the nearer one in it. There the windows tie in
- * distance and direction: unless they meet in the very ray they overlap on edge after edge, and are
- * contested for it. */
+/* Restores the common end of two windows to its position before rounding, if it is the border of a
+ * shadow: along that ray the farther of the two sources sees the nearer one. On the ray the windows
+ * tie in distance and direction. If they did not meet exactly on it, they would overlap and be
+ * contested on edge after edge. */
 static void mend_end(struct gd__window *a, struct gd__window *b, double length)
 {
     if (a->b1 != b->b0 || gd__window_is_linear(a) || gd__window_is_linear(b)) return;
@@ -116,9 +118,10 @@ static void mend_end(struct gd__window *a, struct gd__window *b, double length)
         a->b1 = b->b0 = ray;
 }
 
-/* The side's windows of a chunk to the tail of the scratch; returns how many. Some are narrower
- * than what their ends are stored to. */
-static uint32_t unpack(struct gd__wavefront *front, uint32_t side, const struct gd__chunk *chunk)
+/* Unpacks the windows of a chunk that belong to the side to scratch.tail. Returns their number.
+ * Some may be narrower than the precision of their ends. */
+static uint32_t unpack_chunk(struct gd__wavefront *front, uint32_t side,
+                             const struct gd__chunk *chunk)
 {
     struct gd__stack *stack = &front->work->scratch.stack[0];
     struct gd__window_builder *tail = &front->work->scratch.tail;
@@ -139,7 +142,7 @@ static uint32_t unpack(struct gd__wavefront *front, uint32_t side, const struct 
 
 static void cast_chunk(struct gd__wavefront *front, uint32_t side, const struct gd__chunk *chunk)
 {
-    uint32_t count = unpack(front, side, chunk);
+    uint32_t count = unpack_chunk(front, side, chunk);
     struct gd__windows windows = front->work->scratch.tail.at;
     struct gd__receiver at = gd__wavefront_receiver(front, side);
     if (count) count = front->kernel->filter(&windows, count, at.length, at.d0, at.d1);
@@ -162,7 +165,7 @@ static void cast_edge(struct gd__wavefront *front, uint32_t edge)
 static void cast_edges(struct gd__wavefront *front)
 {
     for (uint32_t edge = 0; edge < front->mesh->edge_count && !front->status; edge++) {
-        look(front, edge);
+        check_control(front, edge);
         if (front->status || front->newest[edge] == GD_NONE) continue;
         front->sides_visited++;
         cast_edge(front, edge);
@@ -185,7 +188,7 @@ static void emit_vertices(struct gd__wavefront *front)
 {
     const struct gd_mesh *mesh = front->mesh;
     for (uint32_t v = 0; v < mesh->vertex_count && !front->status; v++) {
-        look(front, v);
+        check_control(front, v);
         double distance = front->distance[v];
         if (front->status || mesh->vertex_kind[v] == GD_VERTEX_CONVEX || distance >= GD__FAR)
             continue;
@@ -197,17 +200,17 @@ static void emit_vertices(struct gd__wavefront *front)
     }
 }
 
-void gd__resume(struct gd__wavefront *front, const struct gd__begun *begun)
+void gd__resume(struct gd__wavefront *front, const struct gd__partial_state *partial)
 {
-    bool joins = !front->methods.no_coalescing;
-    take_over(front, begun);
+    bool joins = !front->variant.no_coalescing;
+    copy_partial_field(front, partial);
     if (front->status) return;
-    gd__queue_begin(front->queue, begun->bound);
-    front->inner = begun->bound;
-    front->methods.no_coalescing = front->work->scratch.apart = true;
+    gd__queue_begin(front->queue, partial->bound);
+    front->inner = partial->bound;
+    front->variant.no_coalescing = front->work->scratch.apart = true;
     gd__emit_seeds(front);
     cast_edges(front);
     emit_vertices(front);
-    front->methods.no_coalescing = front->work->scratch.apart = !joins;
+    front->variant.no_coalescing = front->work->scratch.apart = !joins;
     front->inner = 0;
 }

@@ -1,29 +1,29 @@
 #include "base/prefetch.h"
 #include "wavefront/polyline_vertex.h"
 
-/* Seeds: what a source sees at once. A point sees its face (or the two faces of its edge, or the
- * fan of its vertex); a segment what lies before and behind it at right angles; a joint, where
- * segments of a curve end, only what lies behind them. */
+/* Seeds: the first windows of each source. A point emits into its face (or the two faces of its
+ * edge, or the fan of its vertex). A segment emits to both sides at right angles. A joint, where
+ * segments of a curve end, emits only into the directions behind all of them. */
 
-#define ARRAYS       6 /* of struct gd__windows */
+#define ARRAYS       6 /* arrays of struct gd__windows */
 #define BLOCKS_AHEAD 2
-#define EDGES_AHEAD  12 /* seeds: see prefetch_seeds */
+#define EDGES_AHEAD  12 /* seeds ahead, see prefetch_seeds */
 #define FACES_AHEAD  6
 
 /* --- points ----------------------------------------------------------------------------------- */
 
-/* Most windows begin a list, in a block of the pool that nobody has seen for long: asks for the
- * lines that one some windows on will fill. */
-GD__ASKING prefetch_block(const struct gd__pool *pool)
+/* Prefetches the cache lines that a window some windows later will fill. Most windows begin a list,
+ * in a block of the pool that is not in the cache. */
+GD__PREFETCH prefetch_block(const struct gd__pool *pool)
 {
-    /* of a block for one window: two groups */
+    /* bytes of an array in a block for one window: two groups */
     const size_t array = 2 * GD__WINDOWS_GROUP * sizeof(double);
-    /* perhaps beyond the chunk */
+    /* may lie beyond the chunk */
     uintptr_t block = (uintptr_t)pool->cursor + 2 * BLOCKS_AHEAD * GD__LIST_POOL_ITEM;
     for (size_t i = 0; i < ARRAYS; i++) __builtin_prefetch((const void *)(block + i * array), 1);
 }
 
-/* Offers a side a seed's window. */
+/* Offers a side the window of a seed. */
 static inline __attribute__((always_inline)) void
 seed_side(struct gd__wavefront *front, uint32_t side, const struct gd__window *window)
 {
@@ -31,8 +31,8 @@ seed_side(struct gd__wavefront *front, uint32_t side, const struct gd__window *w
     gd__wavefront_offer(front, side, window);
 }
 
-/* Sends the seed's window out of its face across a part of `side` (a side of that face). A seed
- * that lies almost on the side sees all of it, as the ends of a part would not tell the angle. */
+/* Emits a seed's window from its face across a part of `side`, a side of that face. A seed almost
+ * on the side sees all of it, because the ends of a part would not determine the angle. */
 static void seed_across(struct gd__wavefront *front, uint32_t seed, uint32_t side,
                         struct gd__local at, struct gd__part part)
 {
@@ -49,14 +49,14 @@ static void seed_across(struct gd__wavefront *front, uint32_t seed, uint32_t sid
     seed_side(front, side ^ 1, &window);
 }
 
-/* From a place in the frame of `side` to the apex. */
+/* Returns the vector from a point in the frame of `side` to the apex. */
 static struct gd__local to_apex(const struct gd_side *s, struct gd__local at)
 {
     return (struct gd__local){s->left_length * s->left_x - at.x, s->left_length * s->left_y - at.y};
 }
 
-/* From a point of a face to the apex of `side`, by the weights of the side's ends: exact to its
- * last digits however near the apex is. */
+/* Returns the vector from a point of a face to the apex of `side`, computed from the weights of the
+ * side's ends. It has full precision however near the apex is. */
 static struct gd__local to_apex_of_face(const struct gd_side *s, double origin, double destination)
 {
     double px = s->left_length * s->left_x, py = s->left_length * s->left_y;
@@ -64,11 +64,13 @@ static struct gd__local to_apex_of_face(const struct gd_side *s, double origin, 
                               (origin + destination) * py};
 }
 
-/* Straight to the apex of `side`, a side of the seed's face, unless a segment is nearer. */
+/* Offers the apex of `side`, a side of the seed's face, the straight path, unless a segment is
+ * nearer to it. */
 static void seed_apex(struct gd__wavefront *front, uint32_t seed, uint32_t side,
-                      struct gd__local at, struct gd__local way, const struct gd__spread *spread)
+                      struct gd__local at, struct gd__local way,
+                      const struct gd__segment_directions *directions)
 {
-    if (gd__is_ahead(spread, way)) return;
+    if (gd__is_ahead(directions, way)) return;
     struct gd__predecessor predecessor = {
         .x = at.x, .y = -at.y, .side = side, .source = front->mesh->vertex_count + seed};
     gd__wavefront_reach(front, gd__side_apex(front->mesh, side),
@@ -76,96 +78,100 @@ static void seed_apex(struct gd__wavefront *front, uint32_t seed, uint32_t side,
                         predecessor);
 }
 
-/* No segment ends at the seed. */
+/* Returns true if no segment ends at the seed. */
 static bool is_apart(const struct gd__joint *joint)
 {
     return !joint->segment[0] && !joint->segment[1];
 }
 
-static void seed_face(struct gd__wavefront *front, struct gd__laying *laying, uint32_t seed)
+static void seed_face(struct gd__wavefront *front, struct gd__segment_cache *cache, uint32_t seed)
 {
     const struct gd_mesh *mesh = front->mesh;
     const struct gd_point *point = &front->seeds[seed].point;
     const uint32_t *sides = mesh->face_side[point->element];
-    const struct gd__joint joint = gd__joint_of(front, laying, seed);
+    const struct gd__joint joint = gd__joint_of(front, cache, seed);
     struct gd__local at[3];
-    struct gd__spread spread[3];
+    struct gd__segment_directions directions[3];
     for (int k = 0; k < 3; k++) {
         at[k] = gd__side_local(&mesh->side[sides[k]], point->weight[(k + 1) % 3],
                                point->weight[(k + 2) % 3]);
-        spread[k] = gd__spread_in_face(&joint, k);
+        directions[k] = gd__directions_in_face(&joint, k);
     }
-    if (gd__is_straight(&spread[0])) return; /* its segments see the corners beside it, too */
+    /* the segments also reach the corners beside the joint */
+    if (gd__is_straight(&directions[0])) return;
     struct gd__polar polar;
     bool is_beside = is_apart(&joint) && gd__polar_beside(mesh, point, &polar);
     for (int k = 0; k < 3; k++) {
         const struct gd_side *s = &mesh->side[sides[k]];
         struct gd__local way =
             is_beside ? to_apex_of_face(s, point->weight[k], point->weight[(k + 1) % 3])
-                      /* rounded as its segments' ways are */
+                      /* rounded in the same way as the paths from the joint's segments */
                       : to_apex(s, at[k]);
-        seed_apex(front, seed, sides[k], at[k], way, &spread[k]);
+        seed_apex(front, seed, sides[k], at[k], way, &directions[k]);
     }
     for (int k = 0; k < 3; k++) {
         if (is_beside && gd__side_apex(mesh, sides[k]) != polar.vertex) continue;
         struct gd__local origin = {-at[k].x, -at[k].y},
                          destination = {mesh->side[sides[k]].length - at[k].x, -at[k].y};
-        seed_across(front, seed, sides[k], at[k], gd__part_behind(&spread[k], origin, destination));
+        seed_across(front, seed, sides[k], at[k],
+                    gd__part_behind(&directions[k], origin, destination));
     }
     if (is_beside) gd__emit_beside(front, seed, &polar);
 }
 
-/* From a point of an edge across the two other sides of the face of one of its sides, but for those
- * that end in `vertex`, which may be GD_NONE. */
+/* Emits from a point of an edge across two sides of a face of the edge: the other two sides of the
+ * face of `side`. Skips a side that ends in `vertex` (GD_NONE: none). */
 static void seed_half_edge(struct gd__wavefront *front, uint32_t seed, uint32_t side, double t,
-                           uint32_t vertex, const struct gd__spread *spread)
+                           uint32_t vertex, const struct gd__segment_directions *directions)
 {
     const struct gd_mesh *mesh = front->mesh;
     if (gd__side_is_boundary(mesh, side)) return;
     const struct gd_side *s = &mesh->side[side];
     struct gd__local origin = {-t, 0}, destination = {s->length - t, 0},
                      apex = to_apex(s, (struct gd__local){t, 0});
-    double u = t / s->length; /* weights 1 - u, u, 0 of origin, destination, apex */
+    double u = t / s->length; /* weights 1 - u, u, 0 of origin, destination and apex */
     uint32_t next = gd__side_next(mesh, side), previous = gd__side_previous(mesh, side);
     if (mesh->origin[next] != vertex)
         seed_across(front, seed, next, gd__side_local(&mesh->side[next], 0, 1 - u),
-                    gd__part_behind(spread, destination, apex));
+                    gd__part_behind(directions, destination, apex));
     if (mesh->origin[side] != vertex)
         seed_across(front, seed, previous, gd__side_local(&mesh->side[previous], 1 - u, u),
-                    gd__part_behind(spread, apex, origin));
+                    gd__part_behind(directions, apex, origin));
 }
 
-/* From a point of an edge to the corners of the face of one of its sides, but for the side's
- * destination. */
+/* Offers the straight paths from a point of an edge to two corners of the face of `side`: all
+ * except the side's destination. */
 static void seed_corners(struct gd__wavefront *front, uint32_t seed, uint32_t side, double t,
-                         const struct gd__spread *spread)
+                         const struct gd__segment_directions *directions)
 {
     struct gd__predecessor predecessor = {.side = GD_NONE,
                                           .source = front->mesh->vertex_count + seed};
-    if (!gd__is_ahead(spread, (struct gd__local){-t, 0}))
+    if (!gd__is_ahead(directions, (struct gd__local){-t, 0}))
         gd__wavefront_reach(front, front->mesh->origin[side], front->seeds[seed].offset + t,
                             predecessor);
     if (gd__side_is_boundary(front->mesh, side)) return;
     const struct gd__local at = {t, 0};
-    seed_apex(front, seed, side, at, to_apex(&front->mesh->side[side], at), spread);
+    seed_apex(front, seed, side, at, to_apex(&front->mesh->side[side], at), directions);
 }
 
-static void seed_edge(struct gd__wavefront *front, struct gd__laying *laying, uint32_t seed)
+static void seed_edge(struct gd__wavefront *front, struct gd__segment_cache *cache, uint32_t seed)
 {
     const struct gd_point *point = &front->seeds[seed].point;
     uint32_t side = 2 * point->element;
     double length = front->mesh->side[side].length, t = point->weight[0] * length;
-    const struct gd__joint joint = gd__joint_of(front, laying, seed);
-    const struct gd__spread spread = gd__spread_from_edge(front->mesh, &joint, side);
-    if (gd__is_straight(&spread)) return; /* as in a face */
-    const struct gd__spread other = gd__spread_from_other_side(spread);
+    const struct gd__joint joint = gd__joint_of(front, cache, seed);
+    const struct gd__segment_directions directions =
+        gd__directions_from_edge(front->mesh, &joint, side);
+    /* the segments reach the corners, as for a point in a face */
+    if (gd__is_straight(&directions)) return;
+    const struct gd__segment_directions other = gd__directions_from_other_side(directions);
     struct gd__polar polar = {.vertex = GD_NONE};
     bool is_beside = is_apart(&joint) && gd__polar_beside(front->mesh, point, &polar);
-    /* rounded as its segments' ends are */
+    /* rounded in the same way as the ends of the joint's segments */
     double rest = is_beside ? gd__edge_rest(point) * length : length - t;
-    seed_corners(front, seed, side, t, &spread);
+    seed_corners(front, seed, side, t, &directions);
     seed_corners(front, seed, side ^ 1, rest, &other);
-    seed_half_edge(front, seed, side, t, polar.vertex, &spread);
+    seed_half_edge(front, seed, side, t, polar.vertex, &directions);
     seed_half_edge(front, seed, side ^ 1, rest, polar.vertex, &other);
     if (is_beside) gd__emit_beside(front, seed, &polar);
 }
@@ -178,7 +184,7 @@ static void reach_vertex(struct gd__wavefront *front, uint32_t seed)
                         predecessor);
 }
 
-/* A seed at a vertex makes the vertex a pseudo-source, whatever its kind, unless another is
+/* Makes the vertex of a seed a pseudo-source, of whatever kind it is, unless another seed is
  * nearer. */
 static void seed_vertex(struct gd__wavefront *front, uint32_t seed)
 {
@@ -195,7 +201,7 @@ static uint32_t linear_source(const struct gd__wavefront *front, uint32_t seed)
     return GD__SOURCE_LINEAR | (front->mesh->vertex_count + seed);
 }
 
-/* A segment along an edge goes off to both of its sides. */
+/* Emits from a segment along an edge to both sides of the edge. */
 static void seed_along_edge(struct gd__wavefront *front, uint32_t seed, uint32_t edge)
 {
     const struct gd__seed *s = &front->seeds[seed];
@@ -209,8 +215,8 @@ static void seed_along_edge(struct gd__wavefront *front, uint32_t seed, uint32_t
     if (!gd__side_is_boundary(mesh, 2 * edge + 1)) seed_side(front, 2 * edge + 1, &mirrored);
 }
 
-/* Out of the segment's face across a side of it: the part of the edge that lies at right angles to
- * the chord. */
+/* Emits from a segment out of its face across a side, through the part of the side that lies at
+ * right angles to the chord. */
 static void seed_strip_across(struct gd__wavefront *front, uint32_t seed, uint32_t side,
                               const struct gd__chord *chord)
 {
@@ -230,8 +236,8 @@ static void seed_strip_across(struct gd__wavefront *front, uint32_t seed, uint32
     if (w.b1 - w.b0 > GD_TOL_WIDTH * length) seed_side(front, side ^ 1, &w);
 }
 
-/* A segment's end is a seed of its own: up to rounding the segment is as near, and must not come
- * before it. */
+/* Returns true if the vertex is an end of the segment. The end is a separate seed, which the
+ * segment must not replace, although up to rounding it is as near. */
 static bool is_end(const struct gd__wavefront *front, uint32_t seed, uint32_t vertex)
 {
     const struct gd_point *ends[2] = {&front->seeds[seed].point, &front->seeds[seed].end};
@@ -240,8 +246,8 @@ static bool is_end(const struct gd__wavefront *front, uint32_t seed, uint32_t ve
     return false;
 }
 
-/* Straight to the apex of `side`, where its perpendicular meets the chord, be it by rounding: at
- * the end of a segment that goes on straight. */
+/* Offers the apex of `side` the straight path at right angles to the chord. At the end of a segment
+ * that continues straight, the perpendicular may miss the chord by rounding. */
 static void seed_apex_from_chord(struct gd__wavefront *front, uint32_t seed, uint32_t side,
                                  const struct gd__chord *chord)
 {
@@ -261,39 +267,41 @@ static void seed_apex_from_chord(struct gd__wavefront *front, uint32_t seed, uin
                         front->seeds[seed].offset + fabs(height), predecessor);
 }
 
-static void seed_segment(struct gd__wavefront *front, struct gd__laying *laying, uint32_t seed)
+static void seed_segment(struct gd__wavefront *front, struct gd__segment_cache *cache,
+                         uint32_t seed)
 {
-    const struct gd__laid *laid = gd__lay(front, laying, seed);
-    if (laid->face == GD_NONE) {
-        seed_along_edge(front, seed, laid->edge);
+    const struct gd__placed_segment *placed = gd__segment_cache_get(front, cache, seed);
+    if (placed->face == GD_NONE) {
+        seed_along_edge(front, seed, placed->edge);
         return;
     }
-    const uint32_t *side = front->mesh->face_side[laid->face];
+    const uint32_t *side = front->mesh->face_side[placed->face];
     for (int k = 0; k < 3; k++) {
-        seed_apex_from_chord(front, seed, side[k], &laid->chord[k]);
-        seed_strip_across(front, seed, side[k], &laid->chord[k]);
+        seed_apex_from_chord(front, seed, side[k], &placed->chord[k]);
+        seed_strip_across(front, seed, side[k], &placed->chord[k]);
     }
 }
 
-/* --- all -------------------------------------------------------------------------------------- */
+/* --- all seeds -------------------------------------------------------------------------------- */
 
-/* Side 0 of the edge that a seed lies on, or begins on; GD_NONE: that is none such. */
+/* Returns side 0 of the edge of a seed; GD_NONE: the seed does not lie or begin on an edge. */
 static uint32_t side_of_seed(const struct gd__wavefront *front, uint32_t seed)
 {
     if (seed >= front->seed_count || front->seeds[seed].point.kind != GD_POINT_EDGE) return GD_NONE;
     return 2 * front->seeds[seed].point.element;
 }
 
-/* Asks for what windows on their way out across `side`, or the face before it, take. */
-GD__ASKING prefetch_way_out(const struct gd__wavefront *front, uint32_t side)
+/* Prefetches the data for windows that leave across `side` or through the face before it. */
+GD__PREFETCH prefetch_way_out(const struct gd__wavefront *front, uint32_t side)
 {
     __builtin_prefetch(&front->mesh->side[side ^ 1]);
     __builtin_prefetch(&front->mesh->origin[side]);
-    if (!front->near) __builtin_prefetch(&front->lists[side]);
+    if (!front->paged) __builtin_prefetch(&front->lists[side]);
 }
 
-/* Asks for the edge of a joint ahead, and then for the two faces there. */
-GD__ASKING prefetch_seeds(const struct gd__wavefront *front, uint32_t seed)
+/* Prefetches the edge of a joint some seeds ahead, and the two faces of the edge of a nearer
+ * one. */
+GD__PREFETCH prefetch_seeds(const struct gd__wavefront *front, uint32_t seed)
 {
     const struct gd_mesh *mesh = front->mesh;
     uint32_t far = side_of_seed(front, seed + EDGES_AHEAD),
@@ -311,27 +319,27 @@ GD__ASKING prefetch_seeds(const struct gd__wavefront *front, uint32_t seed)
     }
 }
 
-/* Makes ready what a joint, and the segment behind it, will take in a while. */
-static inline void look_ahead(const struct gd__wavefront *front, struct gd__laying *laying,
+/* Locates and prefetches data for later joints and segments. */
+static inline void look_ahead(const struct gd__wavefront *front, struct gd__segment_cache *cache,
                               uint32_t joint)
 {
-    uint32_t segment = joint + 1 + 2 * GD__LAID_AHEAD;
+    uint32_t segment = joint + 1 + 2 * GD__SEGMENTS_AHEAD;
     prefetch_seeds(front, joint);
     if (segment < front->seed_count && front->seeds[segment].is_segment)
-        gd__lay(front, laying, segment);
+        gd__segment_cache_get(front, cache, segment);
 }
 
-static void emit_seed(struct gd__wavefront *front, struct gd__laying *laying, uint32_t seed)
+static void emit_seed(struct gd__wavefront *front, struct gd__segment_cache *cache, uint32_t seed)
 {
     if (front->seeds[seed].is_segment) {
-        seed_segment(front, laying, seed);
+        seed_segment(front, cache, seed);
         return;
     }
     if (front->partition) front->partition->is_common = true;
     if (front->seeds[seed].point.kind == GD_POINT_EDGE)
-        seed_edge(front, laying, seed);
+        seed_edge(front, cache, seed);
     else
-        seed_face(front, laying, seed);
+        seed_face(front, cache, seed);
     if (front->partition) front->partition->is_common = false;
 }
 
@@ -340,17 +348,18 @@ static bool is_at_vertex(const struct gd__seed *seed)
     return !seed->is_segment && seed->point.kind == GD_POINT_VERTEX;
 }
 
-/* Vertices emit last, once the nearest of their seeds is known: windows that a vertex has cast with
- * a distance that then falls are dropped, be they all that ties have left. */
+/* Vertices emit last, when the nearest of their seeds is known. Otherwise a window that a vertex
+ * cast with a longer distance would be dropped later as stale, even if ties have left no other
+ * window. */
 void gd__emit_seeds(struct gd__wavefront *front)
 {
-    struct gd__laying laying;
-    gd__laying_begin(&laying);
+    struct gd__segment_cache cache;
+    gd__segment_cache_clear(&cache);
     for (uint32_t i = 0; i < front->seed_count && !front->status; i++)
         if (is_at_vertex(&front->seeds[i])) reach_vertex(front, i);
     for (uint32_t i = 0; i < front->seed_count && !front->status; i++) {
-        if (!front->seeds[i].is_segment) look_ahead(front, &laying, i);
-        if (!is_at_vertex(&front->seeds[i])) emit_seed(front, &laying, i);
+        if (!front->seeds[i].is_segment) look_ahead(front, &cache, i);
+        if (!is_at_vertex(&front->seeds[i])) emit_seed(front, &cache, i);
     }
     for (uint32_t i = 0; i < front->seed_count && !front->status; i++)
         if (is_at_vertex(&front->seeds[i])) seed_vertex(front, i);

@@ -5,21 +5,22 @@
 
 #include "base/prefetch.h"
 
-/* of the grain: narrower costs rounds, wider sends windows on in pieces, which is quadratic on
-   needles */
+/* Width of a bucket relative to the grain. Narrower buckets cost rounds. Wider ones propagate
+ * windows in pieces, which is quadratic on needles. */
 #define BUCKET_WIDTH 0.3
-#define KEY_WEIGHT   0.25 /* a side's key between the nearer and the farther end's distance */
-/* propagated between two looks at the monitor, where an item counts as ITEM_WINDOWS besides: well
-   under a millisecond */
+/* Position of a side's key between the distances of its nearer end (0) and its farther end (1). */
+#define KEY_WEIGHT 0.25
+/* Windows propagated between two checks of the monitor. Each side or vertex counts as ITEM_WINDOWS
+ * windows. The interval is well under a millisecond. */
 #define CHECK_WINDOWS 4096
 #define ITEM_WINDOWS  16
-#define RECORDS_AHEAD 9 /* places in the queue: see prefetch_records */
+#define RECORDS_AHEAD 9 /* entries of the queue, see prefetch_records */
 #define NAMED_AHEAD   5
 #define WORK_AHEAD    2
-/* of a mesh that a second-level cache all but holds: asking for more than records costs 3 %
-   there */
+/* Number of sides of a mesh that nearly fits a second-level cache. Prefetching more than records
+ * costs 3 % there. */
 #define SIDES_IN_CACHE 20000
-#define WORK_LEAST     (UINT64_C(1) << 25) /* windows: a second's work */
+#define WORK_LEAST     (UINT64_C(1) << 25) /* in windows: about a second of work */
 #define WORK_FACTOR    64
 
 /* --- distances, windows, order ---------------------------------------------------------------- */
@@ -39,15 +40,16 @@ static void shrink_bound(struct gd__wavefront *front, uint32_t vertex)
     }
 }
 
-/* The chunks of the vertex's present distance begin here: its page has to stay. */
+/* Stores where the chunks of the vertex' new distance begin. The page of such a vertex must
+ * stay. */
 static void note_fall(struct gd__wavefront *front, uint32_t vertex)
 {
-    uint32_t since = (uint32_t)(front->work->wedges.used / GD__CHUNK_UNIT);
-    if (!front->near) {
-        front->work->since[vertex] = since;
-    } else if (since) {
-        struct gd__vertex_page *page = gd__near_vertex(front->near, vertex);
-        page->since[vertex % GD__PAGE_VERTICES] = since;
+    uint32_t valid_from = (uint32_t)(front->work->wedges.used / GD__CHUNK_UNIT);
+    if (!front->paged) {
+        front->work->valid_from[vertex] = valid_from;
+    } else if (valid_from) {
+        struct gd__vertex_page *page = gd__paged_vertex(front->paged, vertex);
+        page->valid_from[vertex % GD__PAGE_VERTICES] = valid_from;
         page->page.stays = true;
     }
 }
@@ -56,19 +58,19 @@ static void wait_at(struct gd__wavefront *front, uint32_t vertex, double distanc
 {
     uint32_t *waiting = gd__wavefront_waiting(front, vertex), before = *waiting;
     gd__queue_push(front->queue, 2 * front->mesh->edge_count + vertex, distance, waiting);
-    if (front->near && before == GD_NONE) gd__near_vertex(front->near, vertex)->page.waiting++;
+    if (front->paged && before == GD_NONE) gd__paged_vertex(front->paged, vertex)->page.waiting++;
 }
 
-/* A distance that is shorter. Vertices that windows are on their way from already are noted: see
+/* Sets a shorter distance. Counts it if windows of the vertex are already queued or stored, see
  * prune.c. */
-static void settle(struct gd__wavefront *front, uint32_t vertex, double distance,
-                   const struct gd__predecessor *predecessor, bool has_emitted)
+static void set_distance(struct gd__wavefront *front, uint32_t vertex, double distance,
+                         const struct gd__predecessor *predecessor, bool has_emitted)
 {
-    if (!front->near && front->distance[vertex] >= GD__FAR)
+    if (!front->paged && front->distance[vertex] >= GD__FAR)
         gd__workspace_touch(front->work, 2 * front->work->edges + vertex, true);
     if (has_emitted) {
         note_fall(front, vertex);
-        front->falls++;
+        front->distance_drops++;
     }
     front->distance[vertex] = distance;
     *gd__wavefront_predecessor(front, vertex) = *predecessor;
@@ -84,40 +86,42 @@ void gd__wavefront_reach(struct gd__wavefront *front, uint32_t vertex, double di
     if (distance >= front->distance[vertex] * (1 - GD_TOL_BETTER)) return;
     struct gd__partition *partition = front->partition;
     if (partition && !gd__partition_has_vertex(partition, vertex)) return;
-    if (front->near && !front->status)
+    if (front->paged && !front->status)
         front->status =
-            gd__near_need_vertex(front->near, front->mesh, vertex, front->queue->current);
+            gd__paged_need_vertex(front->paged, front->mesh, vertex, front->queue->current);
     if (front->status) return;
-    settle(front, vertex, distance, &predecessor, *gd__wavefront_emitted(front, vertex) < GD__FAR);
+    set_distance(front, vertex, distance, &predecessor,
+                 *gd__wavefront_emitted(front, vertex) < GD__FAR);
     if (partition && gd__partition_shares_vertex(partition, vertex))
         gd__wavefront_tell(front, vertex);
 }
 
 void gd__wavefront_tell(struct gd__wavefront *front, uint32_t vertex)
 {
-    struct gd__vertex_letter letter = {.vertex = vertex,
-                                       .has_emitted = front->emitted[vertex] < GD__FAR,
-                                       .distance = front->distance[vertex],
-                                       .predecessor = front->predecessor[vertex]};
-    if (!front->status) front->status = gd__partition_send_vertex(front->partition, &letter);
+    struct gd__vertex_message message = {.vertex = vertex,
+                                         .has_emitted = front->emitted[vertex] < GD__FAR,
+                                         .distance = front->distance[vertex],
+                                         .predecessor = front->predecessor[vertex]};
+    if (!front->status) front->status = gd__partition_send_vertex(front->partition, &message);
 }
 
-void gd__wavefront_learn(struct gd__wavefront *front, const struct gd__vertex_letter *letter)
+void gd__wavefront_learn(struct gd__wavefront *front, const struct gd__vertex_message *message)
 {
-    if (letter->distance < front->distance[letter->vertex])
-        settle(front, letter->vertex, letter->distance, &letter->predecessor,
-               letter->has_emitted || front->emitted[letter->vertex] < GD__FAR);
+    if (message->distance < front->distance[message->vertex])
+        set_distance(front, message->vertex, message->distance, &message->predecessor,
+                     message->has_emitted || front->emitted[message->vertex] < GD__FAR);
 }
 
-/* An end that is not reached yet counts as a length farther than the other. Without branches, which
- * would be as good as random. */
+/* Returns the key of a side. An end that is not reached yet counts as one edge length farther than
+ * the other end. Branchless, because a branch would be mispredicted half of the time. */
 static double key_of(const struct gd__receiver *to)
 {
     double near = to->d0 < to->d1 ? to->d0 : to->d1, apart = fabs(to->d0 - to->d1);
     return near + KEY_WEIGHT * (apart < to->length ? apart : to->length);
 }
 
-/* Where neither end is reached, as before a narrow cone, what waits there says how near it is. */
+/* Returns the key of a side and its list. If neither end is reached, as before a narrow cone, the
+ * key is the nearest distance of the waiting windows. */
 static double key_of_list(const struct gd__receiver *to, const struct gd__list *list)
 {
     double key = key_of(to);
@@ -127,25 +131,26 @@ static double key_of_list(const struct gd__receiver *to, const struct gd__list *
     return gd__window_nearest(&w);
 }
 
-/* What crosses the cut. */
-static void send(struct gd__wavefront *front, uint32_t side, const struct gd__children *children)
+/* Sends windows that cross the cut to the other part. */
+static void send_windows(struct gd__wavefront *front, uint32_t side,
+                         const struct gd__children *children)
 {
     if (children->count && !front->partition->is_common && !front->status)
         front->status = gd__partition_send_windows(front->partition, side, children);
 }
 
-/* The list of a side that is about to get windows; NULL: front->status says why not. */
+/* Returns the list of a side that will receive windows. NULL: the error is in front->status. */
 static inline struct gd__list *open_list(struct gd__wavefront *front, uint32_t side)
 {
-    if (!front->near) return &front->lists[side];
-    front->status = gd__near_need_side(front->near, side, front->queue->current);
+    if (!front->paged) return &front->lists[side];
+    front->status = gd__paged_need_side(front->paged, side, front->queue->current);
     if (front->status) return NULL;
     struct gd__list *list = gd__wavefront_list(front, side);
-    if (!list->count) gd__near_side(front->near, side)->page.waiting++;
+    if (!list->count) gd__paged_side(front->paged, side)->page.waiting++;
     return list;
 }
 
-/* Windows that are wanted are those that come near enough; false: none are. */
+/* Keeps the windows that are within the bound. Returns false if there are none. */
 static inline bool keep_wanted(struct gd__wavefront *front, const struct gd__receiver *to,
                                struct gd__children *children)
 {
@@ -162,15 +167,16 @@ void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receive
                            struct gd__children *children)
 {
     bool is_ours = !front->partition || gd__partition_has_side(front->partition, to->side);
-    if (!is_ours) send(front, to->side, children);
+    if (!is_ours) send_windows(front, to->side, children);
     if (!is_ours || !keep_wanted(front, to, children)) {
         gd__children_close(children, &front->work->pool);
         return;
     }
     struct gd__list *list = open_list(front, to->side);
-    if (!list) return; /* what is in the pool is let go all at once */
+    if (!list) return; /* the pool frees the block of `children` with all others */
     gd__wavefront_note_windows(front, list, to->side, children->count);
-    if (!list->count || to->falls < list->falls) list->falls = to->falls;
+    if (!list->count || to->distance_drops < list->distance_drops)
+        list->distance_drops = to->distance_drops;
     front->status = gd__list_insert(list, &front->work->pool, children,
                                     front->narrowest * to->length, &front->work->scratch);
     if (!front->status)
@@ -197,7 +203,7 @@ void gd__wavefront_offer_with_care(struct gd__wavefront *front, uint32_t side,
         return;
     }
     struct gd__list *list = &front->lists[side];
-    gd__wavefront_note_windows(front, list, side, 1); /* list->falls is of the oldest: it stays */
+    gd__wavefront_note_windows(front, list, side, 1); /* keeps the oldest window's distance_drops */
     front->status =
         gd__list_add_one(list, &front->work->pool, window,
                          front->narrowest * front->mesh->side[side].length, &front->work->scratch);
@@ -205,11 +211,11 @@ void gd__wavefront_offer_with_care(struct gd__wavefront *front, uint32_t side,
         gd__queue_push(front->queue, side, gd__window_distance_in_middle(window), &list->bucket);
 }
 
-/* --- set-up ----------------------------------------------------------------------------------- */
+/* --- opening ---------------------------------------------------------------------------------- */
 
-/* The corners of the target's faces and the straight ways to them: an upper bound of its distance
- * at any time. */
-static void aim(struct gd__wavefront *front, const struct gd_point *target)
+/* Stores the corners of the target's faces and the straight distances to them. They give an upper
+ * bound of the target's distance at any time. */
+static void set_target(struct gd__wavefront *front, const struct gd_point *target)
 {
     struct gd__anchor anchor = {.corner = {GD_NONE, GD_NONE, GD_NONE, GD_NONE}};
     if (target) anchor = gd__anchor(front->mesh, target);
@@ -219,8 +225,9 @@ static void aim(struct gd__wavefront *front, const struct gd_point *target)
     }
 }
 
-/* Buckets fit the smallest component that holds a seed: one that is a million times smaller than
- * another must not fall into one bucket. */
+/* Returns the width of a bucket, which fits the smallest component that holds a seed. With the
+ * width of a large component, all nodes of a component a million times smaller would be in one
+ * bucket. */
 static double bucket_width(const struct gd__wavefront *front)
 {
     double least = GD__FAR;
@@ -233,7 +240,8 @@ static double bucket_width(const struct gd__wavefront *front)
     return BUCKET_WIDTH * least;
 }
 
-/* Windows that no surface of sense comes near: the square root is what smooth ones grow by. */
+/* Returns a limit far above the windows of any real mesh: smooth surfaces have about n^1.5
+ * windows. */
 static uint64_t work_limit(const struct gd_mesh *mesh)
 {
     double sides = 2 * (double)mesh->edge_count;
@@ -247,54 +255,67 @@ static bool has_segments(const struct gd__wavefront *front)
     return false;
 }
 
+static enum gd__wedge_form wedge_form(const struct gd__wavefront *front)
+{
+    const struct gd_mesh *mesh = front->mesh;
+    bool fit = gd__wedges_fit(mesh->summary.edge_length.min / mesh->unit,
+                              mesh->summary.edge_length.max / mesh->unit, mesh->edge_count);
+    return fit ? gd__wedge_form_of((uint64_t)mesh->vertex_count + front->seed_count)
+               : GD__WEDGE_WIDE;
+}
+
 enum gd_status gd__wavefront_open(struct gd__wavefront *front,
                                   const struct gd__propagation *propagation)
 {
     struct gd_workspace *work = front->work;
     enum gd_status status =
         propagation->without_wedges
-            ? gd__workspace_open_near(work, front->mesh, bucket_width(front), front->monitor)
+            ? gd__workspace_open_paged(work, front->mesh, bucket_width(front), front->monitor)
             : gd__workspace_open(work, front->mesh, bucket_width(front), front->monitor);
-    front->near = propagation->without_wedges ? &work->near : NULL;
+    front->paged = propagation->without_wedges ? &work->paged : NULL;
     front->lists = work->lists;
-    front->distance = front->near ? work->near.distance : work->distance;
+    front->distance = front->paged ? work->paged.distance : work->distance;
     front->emitted = work->emitted;
     front->waiting = work->waiting;
     front->newest = work->newest;
     front->predecessor = work->predecessor;
     front->queue = work->queue;
+    front->wedge_form = wedge_form(front);
     front->kernel = has_segments(front) ? gd__kernel_in_use_linear() : gd__kernel_in_use();
-    front->work->scratch.apart = front->methods.no_coalescing;
+    front->work->scratch.apart = front->variant.no_coalescing;
     front->work_limit = propagation->work_limit ? propagation->work_limit : work_limit(front->mesh);
     front->narrowest = front->seed_count > 1 ? GD_TOL_NARROW : GD_TOL_WIDTH;
     front->bound = propagation->radius;
-    front->takes_all = !front->partition && !front->guide && !front->near && !propagation->begun &&
-                       !propagation->target && propagation->radius >= GD__FAR;
-    aim(front, propagation->target);
+    front->takes_all = !front->partition && !front->guide && !front->paged &&
+                       !propagation->partial && !propagation->target &&
+                       propagation->radius >= GD__FAR;
+    set_target(front, propagation->target);
     return status;
 }
 
 /* --- the loop --------------------------------------------------------------------------------- */
 
-/* One record of a near page has been worked on. */
-static void leave(const struct gd__wavefront *front, struct gd__pages *pages, struct gd__page *page)
+/* Called after a record of a page was processed: the page may be idle now. */
+static void leave_page(const struct gd__wavefront *front, struct gd__pages *pages,
+                       struct gd__page *page)
 {
     if (--page->waiting == 0) gd__pages_rest(pages, page, front->queue->current);
 }
 
 static void work_on_side(struct gd__wavefront *front, uint32_t side)
 {
-    if (front->near && !gd__near_side(front->near, side)) return;
+    if (front->paged && !gd__paged_side(front->paged, side)) return;
     struct gd__list *list = gd__wavefront_list(front, side);
     if (list->bucket != front->queue->current) return;
     list->bucket = GD_NONE;
     gd__propagate_side(front, side);
-    if (front->near) leave(front, &front->near->sides, &gd__near_side(front->near, side)->page);
+    if (front->paged)
+        leave_page(front, &front->paged->sides, &gd__paged_side(front->paged, side)->page);
 }
 
 static void work_on_vertex(struct gd__wavefront *front, uint32_t vertex)
 {
-    if (front->near && !gd__near_vertex(front->near, vertex)) return;
+    if (front->paged && !gd__paged_vertex(front->paged, vertex)) return;
     uint32_t *waiting = gd__wavefront_waiting(front, vertex);
     if (*waiting != front->queue->current) return;
     *waiting = GD_NONE;
@@ -302,29 +323,29 @@ static void work_on_vertex(struct gd__wavefront *front, uint32_t vertex)
     if (distance != *gd__wavefront_emitted(front, vertex) &&
         distance + gd__wavefront_rest(front, vertex) <= front->bound)
         gd__emit_vertex(front, vertex);
-    if (front->near)
-        leave(front, &front->near->vertices, &gd__near_vertex(front->near, vertex)->page);
+    if (front->paged)
+        leave_page(front, &front->paged->vertices, &gd__paged_vertex(front->paged, vertex)->page);
 }
 
-/* Asks, in three steps, for what a node in the queue will need: its records, */
-GD__ASKING prefetch_records(const struct gd__wavefront *front, uint32_t node)
+/* Prefetches the records of a queued node: the first of three steps. */
+GD__PREFETCH prefetch_records(const struct gd__wavefront *front, uint32_t node)
 {
     const struct gd_mesh *mesh = front->mesh;
     uint32_t sides = 2 * mesh->edge_count;
     if (node < sides) {
-        if (!front->near) __builtin_prefetch(&front->lists[node]);
+        if (!front->paged) __builtin_prefetch(&front->lists[node]);
         __builtin_prefetch(&mesh->side[node]);
         __builtin_prefetch(&mesh->origin[node]);
-        if (!front->near) __builtin_prefetch(&front->newest[node >> 1]);
+        if (!front->paged) __builtin_prefetch(&front->newest[node >> 1]);
     } else if (node != GD_NONE) {
         __builtin_prefetch(&front->distance[node - sides]);
-        if (!front->near) __builtin_prefetch(&front->predecessor[node - sides]);
+        if (!front->paged) __builtin_prefetch(&front->predecessor[node - sides]);
         __builtin_prefetch(&mesh->fan_first[node - sides]);
     }
 }
 
-/* what the records name, */
-GD__ASKING prefetch_named(const struct gd__wavefront *front, uint32_t node)
+/* Prefetches the data that the records refer to: the second step. */
+GD__PREFETCH prefetch_named(const struct gd__wavefront *front, uint32_t node)
 {
     const struct gd_mesh *mesh = front->mesh;
     uint32_t sides = 2 * mesh->edge_count;
@@ -335,7 +356,7 @@ GD__ASKING prefetch_named(const struct gd__wavefront *front, uint32_t node)
         if (s->left == GD_NONE) return;
         __builtin_prefetch(&mesh->origin[s->right]);
     } else if (node != GD_NONE) {
-        if (front->near && !gd__near_vertex(front->near, node - sides)) return;
+        if (front->paged && !gd__paged_vertex(front->paged, node - sides)) return;
         uint32_t first = mesh->fan_first[node - sides],
                  side = gd__wavefront_predecessor(front, node - sides)->side;
         for (uint32_t i = first; i < first + 8; i += 4) __builtin_prefetch(&mesh->fan[i]);
@@ -343,13 +364,13 @@ GD__ASKING prefetch_named(const struct gd__wavefront *front, uint32_t node)
     }
 }
 
-/* and what these name. */
-GD__ASKING prefetch_work(const struct gd__wavefront *front, uint32_t node)
+/* Prefetches the data that the second step's data refers to: the third step. */
+GD__PREFETCH prefetch_work(const struct gd__wavefront *front, uint32_t node)
 {
     const struct gd_mesh *mesh = front->mesh;
     uint32_t sides = 2 * mesh->edge_count;
     if (node < sides) {
-        if (front->near && !gd__near_side(front->near, node)) return;
+        if (front->paged && !gd__paged_side(front->paged, node)) return;
         const struct gd__list *list = gd__wavefront_list(front, node);
         const char *block = list->block;
         size_t array = gd__list_capacity(list) * sizeof(double),
@@ -369,12 +390,12 @@ GD__ASKING prefetch_work(const struct gd__wavefront *front, uint32_t node)
     }
 }
 
-static void check(struct gd__wavefront *front)
+static void check_control(struct gd__wavefront *front)
 {
     double part = (double)front->sides_visited / (2 * (double)front->mesh->edge_count);
     if (!front->status) front->status = gd_control_check(front->monitor, part);
     if (!front->status &&
-        front->effort.windows_propagated + front->effort.wedges_compared > front->work_limit)
+        front->counts.windows_propagated + front->counts.wedges_compared > front->work_limit)
         front->status = GD_RUNAWAY;
 }
 
@@ -396,9 +417,9 @@ void gd__wavefront_advance(struct gd__wavefront *front, uint32_t end, uint64_t m
             work_on_side(front, node);
         else
             work_on_vertex(front, node - sides);
-        if (front->effort.windows_propagated + ITEM_WINDOWS * work >= next_check) {
-            next_check = front->effort.windows_propagated + ITEM_WINDOWS * work + CHECK_WINDOWS;
-            check(front);
+        if (front->counts.windows_propagated + ITEM_WINDOWS * work >= next_check) {
+            next_check = front->counts.windows_propagated + ITEM_WINDOWS * work + CHECK_WINDOWS;
+            check_control(front);
         }
     }
     if (!front->status && front->queue->out_of_memory) front->status = GD_NO_MEMORY;

@@ -2,20 +2,17 @@
  * that drives it.
  *
  * DESIGN
- * - One loop, gd__wavefront_run (partition/run.h), with five inputs: seeds, bound, sink, monitor (gd_control) and
- *   executor. A mode is a choice of these.
- * - The windows that wait on a side are taken all at once: filtered, stored as wedges, cast across
- *   the face, forgotten. What arrives on that side later is a list of its own.
- * - Work is label-correcting: a vertex may emit again when its distance falls, a side may be
- *   propagated again when new windows reach it. The queue orders the work by distance; order costs
- *   time, never exactness. A side that is propagated again and again is compared with its stored
- *   wedges, so that only what is strictly better goes on.
- * - Invariants: the windows of a list are sorted and disjoint; each of them is a path that exists,
- *   so distances are upper bounds at any time; a window is dropped only where an existing path is
- *   strictly shorter or no path below the bound can use it.
- * - At the end all windows and vertex distances that are shorter than the bound are final (the
- *   paper's Property 5).
- * - All lengths are in the mesh's inside unit. One owner, one thread; with an executor two
+ * - gd__wavefront_run is the only loop. Seeds, bound, sink, monitor and executor select the mode.
+ * - All windows that wait on a side are filtered, stored as wedges, cast across the face and
+ *   released together. Later arrivals on that side form a new list.
+ * - The propagation is label-correcting: a vertex emits again when its distance decreases, and a
+ *   side is propagated again when new windows reach it. The order of the queue costs time, never
+ *   exactness. Windows of a side that is propagated often are pruned against its stored wedges.
+ * - Invariants: the windows of a list are sorted and disjoint, and each is an existing path, so
+ *   distances are upper bounds. A window is dropped only where an existing path is shorter, or
+ *   where no path below the bound can use it.
+ * - At the end, distances and windows below the bound are final (Property 5 of the paper).
+ * - Lengths are in the mesh's normalised unit. One owner, one thread; with an executor two
  *   wavefronts share the surface (partition/partition.h). */
 #ifndef GD_WAVEFRONT_WAVEFRONT_H
 #define GD_WAVEFRONT_WAVEFRONT_H
@@ -23,37 +20,38 @@
 #include "gd/executor.h"
 #include "mesh/polar.h"
 #include "kernel/kernel.h"
-#include "wavefront/mail.h"
+#include "wavefront/outbox.h"
 #include "wavefront/workspace.h"
 
-/* A seed in inside terms: a point, or the open segment from `point` to `end`, whose ends are seeds
- * of their own. */
+/* A seed in internal numbering: a point, or the open segment from `point` to `end`. The ends of a
+ * segment are separate seeds. */
 struct gd__seed {
     struct gd_point point;
     double offset;
     struct gd_point end;
     bool is_segment;
-    /* that a segment runs across; GD_NONE: along an edge. Set where seeds are indexed, before any
-       is propagated: an image's is not used */
+    /* Face that a segment crosses; GD_NONE: along an edge. Set when seeds are indexed, before
+     * propagation. The value in an image is ignored. */
     uint32_t face;
 };
 
-/* The means by which useless work is avoided; all false: the fastest choice. Results are the same
- * with any of them changed: they exist to be measured (tests/bench). */
-struct gd__methods {
-    /* prune a side's windows by the wedges of its edge's other side too (the paper's edge-based
-       structure) */
-    bool one_list;
-    bool no_filter; /* do not compare windows with the distances of their edge's ends */
-    /* saddle and boundary vertices emit all round, not only into their shadow */
+/* Optimisations that are switched off. All false is the fastest variant. The distances of all
+ * variants agree up to rounding. A field that fails its check is built again in another variant,
+ * where rounding displaces other windows (field.c). */
+struct gd__variant {
+    bool no_filter; /* windows are not compared with the distances of their edge's ends */
+    /* saddle and boundary vertices emit in all directions, not only into their shadow cone */
     bool no_cone;
-    bool no_coalescing; /* neighbouring windows of one source stay apart */
+    bool no_coalescing; /* neighbouring windows of one source stay separate */
+#ifdef GD_ABLATION      /* tests/bench only */
+    bool one_list;      /* windows are also pruned by the wedges of the edge's other side */
+#endif
 };
 
-/* What a propagation of the same seeds has left that ended at a bound, to be taken up there: the
- * arrays of a partial field, of the mesh's sizes. */
-struct gd__begun {
-    double bound; /* inside unit, below GD__FAR: distances up to here are final */
+/* State of an earlier propagation of the same seeds that ended at a bound. The arrays are those of
+ * a partial field and have the mesh's sizes. */
+struct gd__partial_state {
+    double bound; /* normalised unit, below GD__FAR: distances up to here are final */
     const double *distance;
     const struct gd__predecessor *predecessor;
     const uint32_t *newest;
@@ -62,143 +60,157 @@ struct gd__begun {
     uint64_t wedge_count;
 };
 
-/* What to propagate, and how far. Everything is borrowed. */
+/* Input of a propagation. All pointers are borrowed. */
 struct gd__propagation {
     const struct gd__seed *seeds;
     uint32_t seed_count;
-    /* goes on from there, by one wavefront; `radius` lies beyond its bound. NULL: from the seeds */
-    const struct gd__begun *begun;
-    double radius;                 /* inside unit; GD__FAR: no limit */
-    const struct gd_point *target; /* NULL: none */
-    /* towards one target: only its distance and path are final. NULL: none */
+    /* State to continue, by one wavefront; `radius` is beyond its bound. NULL: start from the
+     * seeds. */
+    const struct gd__partial_state *partial;
+    double radius;                 /* normalised unit; GD__FAR: no limit */
+    const struct gd_point *target; /* NULL: no target */
+    /* Bounds for one target. With a guide only the target's distance and path are final. NULL:
+     * none. */
     struct gd__guide *guide;
-    /* distances only, in little memory: the sink finds front->distance; what is stored is for
-       gd__prune_by_stored. One wavefront; no guide, nothing begun */
+    /* Computes distances only, in little memory: the sink reads front->distance. Stored wedges
+     * serve gd__prune_by_stored only. One wavefront; no guide and no `partial`. */
     bool without_wedges;
-    /* windows; 0: the mesh's own, far beyond what any surface of sense needs */
+    /* Limit on windows; 0: the default limit of the mesh, far above the windows of any real
+     * mesh. */
     uint64_t work_limit;
-    struct gd__methods methods;
+    struct gd__variant variant;
 };
 
-/* What a propagation did. */
-struct gd__effort {
+/* Counters of a propagation. */
+struct gd__work_counts {
     uint64_t windows_created, windows_propagated, sides_propagated, vertices_emitted;
-    uint64_t
-        wedges_compared; /* stored ones that windows were compared with, see gd__prune_by_stored */
+    /* stored wedges that were compared with windows, see gd__prune_by_stored */
+    uint64_t wedges_compared;
 };
 
 struct gd__wavefront {
     const struct gd_mesh *mesh;
     const struct gd__seed *seeds;
     uint32_t seed_count;
-    struct gd__methods methods;
+    struct gd__variant variant;
 
     const struct gd__kernel *kernel;
 
     struct gd_workspace *work;
-    struct gd__near *near;  /* its records, without wedges; NULL: there are arrays */
-    struct gd__list *lists; /* the workspace's arrays; in full in workspace.h */
+    /* Paged records, if wedges are not kept. NULL: the arrays below are used. */
+    struct gd__paged *paged;
+    struct gd__list *lists; /* the workspace's arrays, described in workspace.h */
     double *distance, *emitted;
     uint32_t *waiting, *newest;
     struct gd__predecessor *predecessor;
     struct gd__queue *queue;
     uint64_t wedge_count;
-    uint32_t falls; /* how often a distance fell with which windows are on their way already */
+    enum gd__wedge_form wedge_form; /* form of new chunks */
+    /* number of distances that decreased after windows that depend on them were queued */
+    uint32_t distance_drops;
 
     struct gd__guide *guide;
-    /* parts of lists that are no wider, over their edge, are dropped when lists are put together */
+    /* Least width of pieces when lists are merged, relative to the edge. Narrower pieces are
+     * dropped. */
     double narrowest;
-    double bound; /* nothing farther is wanted; shrinks towards the target's distance */
-    /* resume.c, while it looks for what a bound kept back: what surely was within that bound is not
-       wanted again; 0: all is wanted */
+    /* Windows and distances beyond this bound are not needed. It shrinks with the target's
+     * distance. */
+    double bound;
+    /* During gd__resume: windows that are surely within this distance are not needed again. 0: all
+     * are needed. */
     double inner;
-    bool takes_all;            /* lists take whatever is offered, from near and far */
-    uint32_t target_corner[4]; /* vertices of the target's faces, GD_NONE fills */
-    double target_leg[4];      /* and their distances from the target within a face */
+    bool takes_all;            /* lists accept every window, at whatever distance */
+    uint32_t target_corner[4]; /* vertices of the target's faces, padded by GD_NONE */
+    double target_leg[4];      /* distances of these vertices from the target within the face */
 
-    struct gd__partition *partition; /* the part of the surface that is its own; NULL: all of it */
+    struct gd__partition *partition; /* the wavefront's part of the surface; NULL: all of it */
 
     const struct gd_control *monitor;
     enum gd_status status;  /* sticky: the first failure */
-    uint64_t sides_visited; /* different ones: progress */
-    uint64_t work_limit;    /* windows: more of them are a runaway */
-    struct gd__effort effort;
+    uint64_t sides_visited; /* sides visited at least once, for the progress */
+    uint64_t work_limit;    /* limit on windows; GD_RUNAWAY beyond it */
+    struct gd__work_counts counts;
 };
 
-/* What happens to the windows in the end: called once, with everything final. It may keep the
- * workspace's distance, predecessor, newest and wedges (leaving NULL, and the region closed); the rest is
- * used again. */
+/* Receives the result. Called once, when everything is final. It may take the workspace's distance,
+ * predecessor, newest and wedges; it must then leave NULL in their place and the region closed. The
+ * other arrays are reused. */
 struct gd__sink {
     enum gd_status (*take)(void *user, struct gd__wavefront *front,
                            const struct gd_executor *executor);
     void *user;
 };
 
-/* The steps of a propagation by one wavefront, for room `partition`. Opens the workspace, */
+/* The steps of a propagation by one wavefront, for folder `partition`. Opens the workspace. */
 GD_MUST_USE enum gd_status gd__wavefront_open(struct gd__wavefront *front,
                                               const struct gd__propagation *propagation);
 
-/* propagates what waits before bucket `end` of the queue, at most `most` sides and vertices;
- * front->status tells of failure, */
+/* Processes nodes of the queue before bucket `end`, at most `most` sides and vertices. Errors are
+ * in front->status. */
 void gd__wavefront_advance(struct gd__wavefront *front, uint32_t end, uint64_t most);
 
-/* tells the other wavefront of a partition what it knows of a vertex, */
+/* Sends the distance of a vertex to the other wavefront of a partition. */
 void gd__wavefront_tell(struct gd__wavefront *front, uint32_t vertex);
 
-/* takes over what another wavefront knows of a vertex, if it is shorter by however little. */
-void gd__wavefront_learn(struct gd__wavefront *front, const struct gd__vertex_letter *letter);
+/* Receives the distance of a vertex from another wavefront. Accepts it if it is shorter by any
+ * amount. */
+void gd__wavefront_learn(struct gd__wavefront *front, const struct gd__vertex_message *message);
 
-/* --- between the sources of this room --------------------------------------------------------- */
+/* --- shared by the sources of this folder ----------------------------------------------------- */
 
-/* Lower bound of the way from a vertex to the target. */
+/* Returns a lower bound of the distance from a vertex to the target. */
 static inline double gd__wavefront_rest(const struct gd__wavefront *front, uint32_t vertex)
 {
     return front->guide ? gd__guide_lower(front->guide, vertex) : 0;
 }
 
-/* The records of a side, an edge or a vertex: from the arrays, or from near pages, where they must
- * be (gd__near_need_side, gd__near_need_vertex). */
+/* Return the record of a side, an edge or a vertex: in the arrays, or in a page, which must exist
+ * (gd__paged_need_side, gd__paged_need_vertex). */
 static inline struct gd__list *gd__wavefront_list(const struct gd__wavefront *front, uint32_t side)
 {
-    return front->near ? &gd__near_side(front->near, side)->list[side % GD__PAGE_SIDES]
-                       : &front->lists[side];
+    return front->paged ? &gd__paged_side(front->paged, side)->list[side % GD__PAGE_SIDES]
+                        : &front->lists[side];
 }
 
 static inline uint32_t *gd__wavefront_newest(const struct gd__wavefront *front, uint32_t edge)
 {
-    return front->near ? &gd__near_side(front->near, 2 * edge)->newest[edge % (GD__PAGE_SIDES / 2)]
-                       : &front->newest[edge];
+    return front->paged
+               ? &gd__paged_side(front->paged, 2 * edge)->newest[edge % (GD__PAGE_SIDES / 2)]
+               : &front->newest[edge];
 }
 
 static inline uint32_t *gd__wavefront_waiting(const struct gd__wavefront *front, uint32_t vertex)
 {
-    return front->near ? &gd__near_vertex(front->near, vertex)->waiting[vertex % GD__PAGE_VERTICES]
-                       : &front->waiting[vertex];
+    return front->paged
+               ? &gd__paged_vertex(front->paged, vertex)->waiting[vertex % GD__PAGE_VERTICES]
+               : &front->waiting[vertex];
 }
 
 static inline double *gd__wavefront_emitted(const struct gd__wavefront *front, uint32_t vertex)
 {
-    return front->near ? &gd__near_vertex(front->near, vertex)->emitted[vertex % GD__PAGE_VERTICES]
-                       : &front->emitted[vertex];
+    return front->paged
+               ? &gd__paged_vertex(front->paged, vertex)->emitted[vertex % GD__PAGE_VERTICES]
+               : &front->emitted[vertex];
 }
 
 static inline struct gd__predecessor *gd__wavefront_predecessor(const struct gd__wavefront *front,
                                                                 uint32_t vertex)
 {
-    return front->near
-               ? &gd__near_vertex(front->near, vertex)->predecessor[vertex % GD__PAGE_VERTICES]
+    return front->paged
+               ? &gd__paged_vertex(front->paged, vertex)->predecessor[vertex % GD__PAGE_VERTICES]
                : &front->predecessor[vertex];
 }
 
-/* Where the chunks of the vertex's present distance begin: 0 where that is not known any more. */
-static inline uint32_t gd__wavefront_since(const struct gd__wavefront *front, uint32_t vertex)
+/* Returns where the chunks of the vertex' present distance begin; 0: unknown. */
+static inline uint32_t gd__wavefront_valid_from(const struct gd__wavefront *front, uint32_t vertex)
 {
-    if (!front->near) return front->work->since[vertex];
-    const struct gd__vertex_page *page = gd__near_vertex(front->near, vertex);
-    return page ? page->since[vertex % GD__PAGE_VERTICES] : 0;
+    if (!front->paged) return front->work->valid_from[vertex];
+    const struct gd__vertex_page *page = gd__paged_vertex(front->paged, vertex);
+    return page ? page->valid_from[vertex % GD__PAGE_VERTICES] : 0;
 }
 
-/* Distance of the pseudo-source of a window that was a wedge: a linear one has kept its own. */
+/* Returns the distance of the pseudo-source of a stored wedge. A linear wedge stores its own
+ * sigma. */
 static inline double gd__wavefront_sigma(const struct gd__wavefront *front,
                                          const struct gd__window *w)
 {
@@ -208,19 +220,20 @@ static inline double gd__wavefront_sigma(const struct gd__wavefront *front,
                                 : front->seeds[w->source - vertices].offset;
 }
 
-/* Offers a vertex a distance; takes it if strictly shorter, and queues the vertex if paths may bend
- * there. */
+/* Offers a vertex a distance. If it is strictly shorter, stores it, and queues the vertex if paths
+ * may bend there. */
 void gd__wavefront_reach(struct gd__wavefront *front, uint32_t vertex, double distance,
                          struct gd__predecessor predecessor);
 
-/* A side as those know it who offer it windows: no need to look it up. */
+/* A side that receives windows, with values that the sender has already loaded. */
 struct gd__receiver {
     uint32_t side;
     double length;
-    double d0, d1; /* distances of its ends */
-    double l0, l1; /* lower bounds of the ways from them to the target; 0 without a guide */
-    /* struct gd__wavefront's, when the offsets of what is offered were the sources' distances */
-    uint32_t falls;
+    double d0, d1; /* distances of the side's ends */
+    /* lower bounds of the distances from the ends to the target; 0 without a guide */
+    double l0, l1;
+    /* front->distance_drops when the sigma of the windows was read */
+    uint32_t distance_drops;
 };
 
 static inline struct gd__receiver gd__wavefront_receiver(const struct gd__wavefront *front,
@@ -233,30 +246,30 @@ static inline struct gd__receiver gd__wavefront_receiver(const struct gd__wavefr
                                  front->distance[destination],
                                  gd__wavefront_rest(front, origin),
                                  gd__wavefront_rest(front, destination),
-                                 front->falls};
+                                 front->distance_drops};
 }
 
-/* Offers a side new windows (used up: their order stays, their ends may be cut), and queues the
- * side. */
+/* Offers a side new windows and queues the side. The windows are consumed: their order stays, their
+ * ends may be cut. */
 void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receiver *to,
                            struct gd__children *windows);
 
-/* Before the list of a side takes so many windows in. */
+/* Counts windows before they enter the list of a side. */
 static inline void gd__wavefront_note_windows(struct gd__wavefront *front, struct gd__list *list,
                                               uint32_t side, uint32_t count)
 {
-    front->effort.windows_created += count;
+    front->counts.windows_created += count;
     gd__workspace_touch(front->work, side, !list->touched);
     list->touched = true;
 }
 
-/* gd__wavefront_offer where windows wait already, or not all are wanted. */
+/* As gd__wavefront_offer, for a list that is not empty, or if not every window is accepted. */
 void gd__wavefront_offer_with_care(struct gd__wavefront *front, uint32_t side,
                                    const struct gd__window *window);
 
-/* Offers a side one window. Where all is taken the side is queued by the distance in the window's
- * middle: as good an order as that by the distances of the side's ends, which nobody has to look up
- * then. */
+/* Offers a side one window. If every window is accepted, the side's key is the distance in the
+ * middle of the window. That order is as good as by the distances of the side's ends, which then
+ * need not be loaded. */
 static inline void gd__wavefront_offer(struct gd__wavefront *front, uint32_t side,
                                        const struct gd__window *window)
 {
@@ -266,53 +279,55 @@ static inline void gd__wavefront_offer(struct gd__wavefront *front, uint32_t sid
     }
     struct gd__list *list = &front->lists[side];
     gd__wavefront_note_windows(front, list, side, 1);
-    list->falls = front->falls;
+    list->distance_drops = front->distance_drops;
     enum gd_status status = gd__list_begin(list, &front->work->pool, window);
     if (!front->status) front->status = status;
     if (!status)
         gd__queue_push(front->queue, side, gd__window_distance_in_middle(window), &list->bucket);
 }
 
-/* seeds.c, emit.c: windows and neighbour distances of the seeds, and of a saddle or boundary vertex
- * into its shadow cone. */
+/* seeds.c, emit.c: emit the windows of the seeds, or of a saddle or boundary vertex into its shadow
+ * cone. Offer distances to the neighbours. */
 void gd__emit_seeds(struct gd__wavefront *front);
 void gd__emit_vertex(struct gd__wavefront *front, uint32_t vertex);
 
-/* emit.c: a seed beside a vertex emits into the faces of the vertex that it doesn't lie in: what it
- * sees past the vertex on both sides, bounded by rays of the vertex (doc 002). */
+/* emit.c: emits from a seed beside a vertex into the faces of the vertex that do not contain the
+ * seed: past the vertex on both sides, bounded by rays of the vertex (doc 002). */
 void gd__emit_beside(struct gd__wavefront *front, uint32_t seed, const struct gd__polar *polar);
 
-/* propagate.c: stores a window of a side, which is not propagated, as a wedge. */
+/* propagate.c: stores a window of a side as a wedge without propagating it. */
 void gd__store_window(struct gd__wavefront *front, uint32_t side, const struct gd__window *window);
 
-/* propagate.c: the windows that wait on a side become wedges and go on across its face. */
+/* propagate.c: stores the waiting windows of a side as wedges and casts them across its face. */
 void gd__propagate_side(struct gd__wavefront *front, uint32_t side);
 
-/* propagate.c: casts windows of a side with a face across it: offers its apex distances, and the
- * two other sides windows. */
+/* propagate.c: casts windows of a side across its face. Offers distances to the apex and windows to
+ * the other two sides. */
 void gd__cast(struct gd__wavefront *front, const struct gd__receiver *at,
               const struct gd__windows *windows, uint32_t count);
 
-/* resume.c: takes up what has begun; then all that a farther bound wants is on its way. The
- * wavefront is open and fresh. */
-void gd__resume(struct gd__wavefront *front, const struct gd__begun *begun);
+/* resume.c: copies the state and queues everything that a farther bound needs. The wavefront must
+ * be open and fresh. */
+void gd__resume(struct gd__wavefront *front, const struct gd__partial_state *partial);
 
-/* resume.c: drops windows that are offered to a side and were surely within the inner bound
- * already. */
+/* resume.c: drops the offered windows that are surely within the inner bound. */
 void gd__keep_beyond(const struct gd__wavefront *front, uint32_t side,
                      struct gd__children *windows);
 
-/* prune.c: the wedges of a chunk that came from windows of `side` (`own`) or of the edge's other
- * side, as windows in the side's frame, sorted, appended to `out`, which has room. Those of sources
- * that came nearer since are passed over. */
+/* prune.c: appends the wedges of a chunk to `out`, which must have room, as sorted windows in the
+ * frame of `side`. Selects the wedges that came from windows of `side` (`own`) or of the other
+ * side. Skips wedges whose source came nearer afterwards. */
 void gd__stored_windows(const struct gd__wavefront *front, const struct gd__chunk *chunk,
                         uint32_t side, bool own, struct gd__stack *out);
 
-/* prune.c: cuts off windows of a side what its stored wedges (`own`: ties too) or those of the
- * edge's other side (`twin`: only where they are strictly better) make useless. *count: how many
- * windows there are, then how many are left; *windows may move to scratch. GD_NO_MEMORY. */
-GD_MUST_USE enum gd_status gd__prune_by_stored(struct gd__wavefront *front, uint32_t side, bool own,
-                                               bool twin, struct gd__windows *windows,
+/* The stored wedges that prune the windows of a side. OWN: those of the side itself, which win
+ * ties. OTHER: those of the edge's other side, which lose ties. */
+enum gd__prune_by { GD__PRUNE_BY_OWN = 1, GD__PRUNE_BY_OTHER = 2 };
+
+/* prune.c: removes the parts of windows where a stored wedge is better. *count is the number of
+ * windows before and after. Afterwards *windows may point into scratch. GD_NO_MEMORY. */
+GD_MUST_USE enum gd_status gd__prune_by_stored(struct gd__wavefront *front, uint32_t side,
+                                               enum gd__prune_by by, struct gd__windows *windows,
                                                uint32_t *count);
 
 #endif

@@ -5,9 +5,11 @@
 
 #include "base/large.h"
 
-/* bytes of address space, not of memory: more than most fields have, see gd__region_open */
+/* Address space for wedges, in bytes per edge. It is more than most fields need; unused address
+ * space takes no memory (gd__region_open). */
 #define WEDGES_AN_EDGE ((size_t)2 << 10)
-/* of all nodes: beyond it cleaning everything in order is cheaper than by list */
+/* Part of all nodes. If more than 1 / TOUCHED_PART of them are touched, cleaning everything in
+ * order is faster than cleaning by list. */
 #define TOUCHED_PART 4
 
 /* --- clean arrays ----------------------------------------------------------------------------- */
@@ -22,7 +24,7 @@ static void clean_vertices(struct gd_workspace *w, uint32_t first, uint32_t end)
 {
     for (uint32_t v = first; v < end; v++) {
         w->emitted[v] = GD__FAR;
-        w->since[v] = 0;
+        w->valid_from[v] = 0;
         w->waiting[v] = GD_NONE;
     }
 }
@@ -64,12 +66,12 @@ void gd__workspace_clean(struct gd_workspace *w)
         for (uint32_t i = 0; i < w->touched_count; i++) clean_touched(w, w->touched[i]);
     }
     w->touched_count = 0;
-    gd__near_close(&w->near);
+    gd__paged_close(&w->paged);
     w->wedges.used = 0;
     if (w->queue) gd__queue_clear(w->queue);
 }
 
-/* --- room ------------------------------------------------------------------------------------- */
+/* --- memory ----------------------------------------------------------------------------------- */
 
 static void free_results(struct gd_workspace *w)
 {
@@ -86,12 +88,12 @@ static void free_arrays(struct gd_workspace *w)
     free_results(w);
     free(w->lists);
     free(w->emitted);
-    free(w->since);
+    free(w->valid_from);
     free(w->waiting);
     free(w->touched);
     w->lists = NULL;
     w->emitted = NULL;
-    w->waiting = w->since = w->touched = NULL;
+    w->waiting = w->valid_from = w->touched = NULL;
     w->edges = w->vertices = w->touched_capacity = w->touched_count = 0;
 }
 
@@ -100,10 +102,10 @@ static bool take_arrays(struct gd_workspace *w, uint32_t edges, uint32_t vertice
     uint32_t touched = (2 * edges + vertices) / TOUCHED_PART;
     w->lists = gd__large_array(2 * (size_t)edges, sizeof *w->lists);
     w->emitted = gd__large_array(vertices, sizeof *w->emitted);
-    w->since = gd__large_array(vertices, sizeof *w->since);
+    w->valid_from = gd__large_array(vertices, sizeof *w->valid_from);
     w->waiting = gd__large_array(vertices, sizeof *w->waiting);
     w->touched = gd__large_array(touched, sizeof *w->touched);
-    if (!w->lists || !w->emitted || !w->since || !w->waiting || !w->touched) return false;
+    if (!w->lists || !w->emitted || !w->valid_from || !w->waiting || !w->touched) return false;
     w->edges = edges;
     w->vertices = vertices;
     w->touched_capacity = touched;
@@ -112,7 +114,7 @@ static bool take_arrays(struct gd_workspace *w, uint32_t edges, uint32_t vertice
     return true;
 }
 
-/* The results fit the mesh at hand: a propagation may keep them. */
+/* Makes the result arrays fit the mesh. A propagation may have taken them. */
 static bool take_results(struct gd_workspace *w, uint32_t edges, uint32_t vertices)
 {
     if (w->newest && w->result_edges == edges && w->result_vertices == vertices) return true;
@@ -141,7 +143,7 @@ size_t gd__workspace_need(const struct gd_mesh *mesh)
            (sides + vertices) / TOUCHED_PART * sizeof(uint32_t);
 }
 
-/* Queue, pool and region; the budget is open. */
+/* Opens queue, pool and region. The budget must be open. */
 static enum gd_status open_rest(struct gd_workspace *w, const struct gd_mesh *mesh,
                                 double bucket_width)
 {
@@ -171,16 +173,16 @@ enum gd_status gd__workspace_open(struct gd_workspace *w, const struct gd_mesh *
     return open_rest(w, mesh, bucket_width);
 }
 
-enum gd_status gd__workspace_open_near(struct gd_workspace *w, const struct gd_mesh *mesh,
-                                       double bucket_width, const struct gd_control *control)
+enum gd_status gd__workspace_open_paged(struct gd_workspace *w, const struct gd_mesh *mesh,
+                                        double bucket_width, const struct gd_control *control)
 {
     w->budget = (struct gd__budget){.control = control};
     enum gd_status status = gd__budget_take(&w->budget, sizeof *w->queue);
-    if (!status) status = gd__near_open(&w->near, mesh, &w->budget);
+    if (!status) status = gd__paged_open(&w->paged, mesh, &w->budget);
     return status ? status : open_rest(w, mesh, bucket_width);
 }
 
-/* --- life ------------------------------------------------------------------------------------- */
+/* --- creation and cleaning -------------------------------------------------------------------- */
 
 struct gd_workspace *gd_workspace_create(void)
 {
@@ -196,7 +198,7 @@ struct gd_workspace *gd__workspace_partner(struct gd_workspace *w)
 void gd_workspace_trim(struct gd_workspace *w)
 {
     free_arrays(w);
-    gd__near_close(&w->near);
+    gd__paged_close(&w->paged);
     gd__guide_destroy(&w->guide);
     gd__queue_destroy(w->queue);
     gd__region_destroy(&w->wedges);
@@ -223,7 +225,7 @@ size_t gd_workspace_bytes(const struct gd_workspace *w)
     size_t sides = 2 * (size_t)w->edges, vertices = w->vertices,
            bytes = sizeof *w + w->pool.bytes + w->wedges.touched;
     bytes += sides * sizeof *w->lists +
-             vertices * (sizeof *w->emitted + sizeof *w->since + sizeof *w->waiting) +
+             vertices * (sizeof *w->emitted + sizeof *w->valid_from + sizeof *w->waiting) +
              w->touched_capacity * sizeof *w->touched;
     if (w->newest)
         bytes += w->result_vertices * (sizeof *w->distance + sizeof *w->predecessor) +

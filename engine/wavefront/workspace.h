@@ -1,5 +1,5 @@
-/* The workspace from the inside: arrays that are clean between propagations, so that a propagation
- * pays for what it touches only. */
+/* Workspace: arrays that are clean between propagations. So a propagation costs only what it
+ * touches. */
 #ifndef GD_WAVEFRONT_WORKSPACE_H
 #define GD_WAVEFRONT_WORKSPACE_H
 
@@ -9,71 +9,74 @@
 #include "window/predecessor.h"
 #include "guide/guide.h"
 #include "window/list.h"
-#include "wavefront/near.h"
+#include "wavefront/paged.h"
 #include "wavefront/queue.h"
 
 struct gd_workspace {
-    uint32_t edges, vertices; /* that the arrays have room for */
+    uint32_t edges, vertices; /* capacity of the arrays */
 
-    /* Clean, each array: no windows; GD__FAR; 0; GD_NONE. A propagation may keep distance, predecessor
-     * and newest, all three: they are NULL then. */
+    /* Clean values of the arrays: empty lists; GD__FAR; 0; GD_NONE. A propagation may take
+     * distance, predecessor and newest, all three together. They are NULL then. */
     struct gd__list *lists; /* per side */
-    double *emitted;        /* per vertex: the distance that it last emitted windows with */
-    /* per vertex: where in `wedges` the chunks of its present distance begin, in GD__CHUNK_UNITs */
-    uint32_t *since;
-    uint32_t *waiting;                   /* per vertex: bucket of the queue, GD_NONE: in none */
+    double *emitted;        /* per vertex: the distance with which it last emitted */
+    /* per vertex: where the chunks of its present distance begin in `wedges`, in GD__CHUNK_UNITs */
+    uint32_t *valid_from;
+    /* per vertex: bucket of the queue in which it waits; GD_NONE: none */
+    uint32_t *waiting;
     double *distance;                    /* per vertex */
     struct gd__predecessor *predecessor; /* per vertex */
-    /* of distance, predecessor, newest: just those of the last mesh */
+    /* sizes of distance, predecessor and newest, which fit the last mesh exactly */
     uint32_t result_edges, result_vertices;
     /* per edge: its newest chunk of wedges, in GD__CHUNK_UNITs of `wedges`; GD_NONE: none */
     uint32_t *newest;
 
-    /* sides, then vertices behind all sides: what is not clean; as many as fit, see
-       touched_count */
+    /* Nodes that are not clean: sides, then vertices, which are numbered after all sides. As many
+     * as fit, see touched_count. */
     uint32_t *touched;
-    uint32_t touched_capacity, touched_count; /* count > capacity: anything may be touched */
+    /* touched_count > touched_capacity: any node may be dirty */
+    uint32_t touched_capacity, touched_count;
 
-    /* in place of all these for a propagation that keeps distances only; closed between
-       propagations */
-    struct gd__near near;
+    /* Replaces the arrays in a propagation that computes distances only. Closed between
+     * propagations. */
+    struct gd__paged paged;
 
-    struct gd__guide guide; /* of searches for one target */
+    struct gd__guide guide; /* guide of searches for one target */
 
-    /* of the propagation at hand: arrays, windows and wedges come from one budget */
+    /* The budget of the current propagation, which arrays, windows and wedges are charged to. */
     struct gd__budget budget;
-    struct gd__region wedges; /* chunks; closed where a propagation kept them */
+    struct gd__region wedges; /* memory of the chunks; closed if a propagation took it */
     struct gd__queue *queue;
     struct gd__pool pool;
     struct gd__children left, right;
     struct gd__scratch scratch;
-    /* of the second wavefront of a field on two threads (partition.h); NULL: none yet */
+    /* workspace of the second wavefront of a field on two threads (partition/); NULL: not created
+     * yet */
     struct gd_workspace *partner;
 };
 
-/* The partner, made if there is none; NULL without memory. */
+/* Returns the partner and creates it at first use. NULL if there is no memory. */
 struct gd_workspace *gd__workspace_partner(struct gd_workspace *workspace);
 
-/* Bytes that a propagation over the mesh takes before it begins. */
+/* Returns the bytes that a propagation over the mesh needs before it begins. */
 size_t gd__workspace_need(const struct gd_mesh *mesh);
 
-/* Makes room for the mesh: all arrays are there and clean, the queue empty with buckets of that
- * width. GD_NO_MEMORY, GD_BUDGET. */
+/* Makes room for the mesh. Afterwards all arrays exist and are clean, and the queue is empty with
+ * buckets of that width. GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__workspace_open(struct gd_workspace *workspace,
                                               const struct gd_mesh *mesh, double bucket_width,
                                               const struct gd_control *control);
 
-/* The same for one that keeps distances only: what it has is in `near`, the arrays are left
- * alone. */
-GD_MUST_USE enum gd_status gd__workspace_open_near(struct gd_workspace *workspace,
-                                                   const struct gd_mesh *mesh, double bucket_width,
-                                                   const struct gd_control *control);
+/* As gd__workspace_open, for a propagation that computes distances only: opens `paged` and leaves
+ * the arrays unchanged. */
+GD_MUST_USE enum gd_status gd__workspace_open_paged(struct gd_workspace *workspace,
+                                                    const struct gd_mesh *mesh, double bucket_width,
+                                                    const struct gd_control *control);
 
-/* Cleans what the propagation touched. */
+/* Cleans everything that the propagation touched. */
 void gd__workspace_clean(struct gd_workspace *workspace);
 
-/* Notes what is not clean any more, if it is the first time. Without a branch on that, which would
- * be as good as random. */
+/* Adds a node to the list of dirty nodes if `first_time`. Branchless, because a branch would be
+ * mispredicted half of the time. */
 static inline void gd__workspace_touch(struct gd_workspace *workspace, uint32_t node,
                                        bool first_time)
 {

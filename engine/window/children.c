@@ -45,16 +45,16 @@ enum gd_status gd__children_grow(struct gd__children *children, struct gd__pool 
     return status;
 }
 
-/* --- lists that were built as they came ------------------------------------------------------- */
+/* --- sorting ---------------------------------------------------------------------------------- */
 
-/* How many windows before the first tangled one are taken along: what is pushed seldom reaches
- * farther back. */
+/* Number of sorted windows before the first tangled one that are sorted together with it. A window
+ * rarely belongs farther back. */
 #define BEFORE_TANGLE 4
 
-/* Untangles windows [base, count), of which those before children->tangled are in order, into
- * scratch->stack[0]. Stops at the first window behind the last tangled one that lies clear of all
- * before it: *rest, from which on the windows stay as they are. False when a window reaches back
- * beyond `base`. */
+/* Sorts windows [base, count) into scratch->stack[0]. The windows before children->tangled are
+ * already sorted. Stops at the first window behind the last tangled one that overlaps no window
+ * before it. *rest is the number of that window; it and the windows behind it stay unchanged.
+ * Returns false if a window belongs before `base`. */
 static bool untangle_from(const struct gd__children *children, uint32_t base, double min_width,
                           struct gd__scratch *scratch, uint32_t *rest, enum gd_status *status)
 {
@@ -67,7 +67,7 @@ static bool untangle_from(const struct gd__children *children, uint32_t base, do
     for (uint32_t i = children->tangled; i < children->count; i++) {
         struct gd__window w = gd__windows_get(windows, i);
         *rest = i;
-        if (w.b1 - w.b0 <= min_width) continue; /* cut off from both ends */
+        if (w.b1 - w.b0 <= min_width) continue; /* nothing is left between its neighbours */
         if (scratch->apart) w.tags = (i + 1) * GD__WINDOW_SERIAL;
         bool is_clear = list->count && w.b0 >= list->windows[list->count - 1].b1 - min_width;
         if (is_clear && i > children->tangled_last) return true;
@@ -79,9 +79,10 @@ static bool untangle_from(const struct gd__children *children, uint32_t base, do
     return true;
 }
 
-/* Puts the untangled windows from place `base` on, and those from `rest` on behind them. */
-static enum gd_status put_back(struct gd__children *children, struct gd__pool *pool, uint32_t base,
-                               uint32_t rest, struct gd__scratch *scratch)
+/* Writes the sorted windows from index `base` on, and the unchanged windows from `rest` on behind
+ * them. */
+static enum gd_status children_put_back(struct gd__children *children, struct gd__pool *pool,
+                                        uint32_t base, uint32_t rest, struct gd__scratch *scratch)
 {
     const struct gd__stack *list = &scratch->stack[0];
     uint32_t behind = children->count - rest, end = base + list->count;
@@ -95,12 +96,12 @@ static enum gd_status put_back(struct gd__children *children, struct gd__pool *p
     return GD_OK;
 }
 
-enum gd_status gd__untangle(struct gd__children *children, struct gd__pool *pool, double min_width,
-                            struct gd__scratch *scratch)
+enum gd_status gd__children_sort(struct gd__children *children, struct gd__pool *pool,
+                                 double min_width, struct gd__scratch *scratch)
 {
     enum gd_status status;
     uint32_t base = children->tangled > BEFORE_TANGLE ? children->tangled - BEFORE_TANGLE : 0, rest;
     if (!untangle_from(children, base, min_width, scratch, &rest, &status))
         untangle_from(children, base = 0, min_width, scratch, &rest, &status);
-    return status ? status : put_back(children, pool, base, rest, scratch);
+    return status ? status : children_put_back(children, pool, base, rest, scratch);
 }

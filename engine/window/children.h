@@ -1,5 +1,5 @@
-/* Children: windows that are on their way to a side, as they were cast; and the blocks, of a pool,
- * that they and lists lie in. */
+/* Children: windows that are cast to a side and not yet in the side's list. A block is memory of a
+ * pool that holds the windows of children or of a list. */
 #ifndef GD_WINDOW_CHILDREN_H
 #define GD_WINDOW_CHILDREN_H
 
@@ -10,37 +10,37 @@
 struct gd__scratch {
     struct gd__stack stack[3];
     struct gd__window_builder tail;
-    bool apart; /* windows of one source are not joined (struct gd__methods) */
+    bool apart; /* windows of one source are not joined (struct gd__variant) */
 };
 
 void gd__scratch_destroy(struct gd__scratch *scratch);
 
-/* of the pool of blocks */
+/* Item size of the pool of blocks. */
 #define GD__LIST_POOL_ITEM ((size_t)GD__WINDOWS_GROUP * GD__WINDOWS_BYTES)
 
-/* Takes the place of a block by one of the class that holds that many windows; the first `kept` are
- * copied, and the old one, NULL at first, is released. GD_NO_MEMORY, GD_BUDGET. */
+/* Replaces a block by one with room for `windows` windows. Copies the first `kept` windows and
+ * releases the old block (NULL: none). GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__block_enlarge(void **block, uint8_t *size_class,
                                              struct gd__pool *pool, uint32_t windows,
                                              uint32_t kept);
 
-/* From window `tangled` on they overlap in ways that need gd__untangle; before it they are sorted
- * and disjoint. All zero is empty. */
+/* Windows before `tangled` are sorted and disjoint. Later windows may overlap in any way until
+ * gd__children_sort. A struct that is all zero is empty. */
 struct gd__children {
-    void *block; /* NULL: none */
+    void *block; /* NULL: no block */
     struct gd__windows at;
     uint32_t count;
-    /* the first and the last such window; GD_NONE and 0: not at all */
+    /* First and last unsorted window; GD_NONE and 0 if all are sorted. */
     uint32_t tangled, tangled_last;
     uint8_t size_class;
 };
 
-/* Room for that many windows and a group behind them, of which the first `kept` stay. GD_NO_MEMORY,
- * GD_BUDGET. */
+/* Makes room for `count` windows and one group behind them. Keeps the first `kept` windows.
+ * GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__children_grow(struct gd__children *children, struct gd__pool *pool,
                                              uint32_t count, uint32_t kept);
 
-/* A block of such a size, for children that have none. */
+/* Allocates the block of children that have none, with room as by gd__children_grow. */
 GD_MUST_USE static inline enum gd_status gd__children_open(struct gd__children *children,
                                                            struct gd__pool *pool, uint32_t count)
 {
@@ -53,16 +53,16 @@ GD_MUST_USE static inline enum gd_status gd__children_open(struct gd__children *
     return GD_OK;
 }
 
-/* Gives the block back. */
+/* Releases the block. */
 static inline void gd__children_close(struct gd__children *children, struct gd__pool *pool)
 {
     gd__pool_release(pool, children->block, children->size_class);
     children->block = NULL;
 }
 
-/* Sorts out a list that was built as it came: the windows from `tangled` on are pushed behind the
- * others in turn. GD_NO_MEMORY, GD_BUDGET. O(n) but for rare windows whose place is far back. */
-GD_MUST_USE enum gd_status gd__untangle(struct gd__children *children, struct gd__pool *pool,
-                                        double min_width, struct gd__scratch *scratch);
+/* Sorts the windows and makes them disjoint by pushing the windows from `tangled` on one by one.
+ * GD_NO_MEMORY, GD_BUDGET. O(n), except for rare windows that belong far back. */
+GD_MUST_USE enum gd_status gd__children_sort(struct gd__children *children, struct gd__pool *pool,
+                                             double min_width, struct gd__scratch *scratch);
 
 #endif

@@ -3,28 +3,30 @@
 /* D(t) = challenger's distance - owner's distance. D is 2-Lipschitz, and D = 0 is equation (1):
  *     sqrt((t - x1)^2 + y1^2) + sigma1 = sqrt((t - x2)^2 + y2^2) + sigma2.
  * With k = sigma2 - sigma1, P = 2 (x2 - x1), Q = x1^2 + y1^2 - x2^2 - y2^2, squaring twice gives
- *     4 k^2 ((t - x1)^2 + y1^2) = (P t + Q + k^2)^2,   valid where (P t + Q) sign(k) >= k^2,
- * a branch of a hyperbola met by the edge: up to two points.
+ *     4 k^2 ((t - x1)^2 + y1^2) = (P t + Q + k^2)^2,   valid where (P t + Q) sign(k) >= k^2.
+ * The bisector is a branch of a hyperbola, which the edge meets in up to two points.
  *
- * A linear window's distance is linear along the edge: against a point's it makes a parabola's
- * bisector, squared once, up to two points; against another linear one a line's, one point. */
+ * The distance of a linear window is linear along the edge. The bisector of a linear window and a
+ * point is a parabola: squared once, up to two points. The bisector of two linear windows is a
+ * line: one point. */
 
 #define BISECTIONS 60
 
-/* Who is strictly better at a point. A tie says nothing: seen from far, two sources side by side
- * look equally far, and yet one is better close by. */
+/* The window that is strictly better at a point. A tie at one point does not decide an interval:
+ * far away, two neighbouring sources are equally distant up to rounding, although one of them is
+ * better nearby. */
 enum winner { CHALLENGER = -1, TIE = 0, OWNER = 1 };
 
-/* Counted: a choice would be a branch as good as random. */
+/* Branchless, because a branch would be mispredicted half of the time. */
 static enum winner winner_of(double difference, double scale)
 {
     double slack = GD_TOL_BETTER * scale;
     return (enum winner)((difference > slack) - (difference < -slack));
 }
 
-static struct gd__verdict all_to(enum winner winner)
+static struct gd__contest_result all_to(enum winner winner)
 {
-    return (struct gd__verdict){.challenger_first = winner == CHALLENGER};
+    return (struct gd__contest_result){.challenger_first = winner == CHALLENGER};
 }
 
 static double clamp(double t, double lo, double hi)
@@ -32,8 +34,8 @@ static double clamp(double t, double lo, double hi)
     return t < lo ? lo : t > hi ? hi : t;
 }
 
-/* Half the difference of the squared distances to the two sources at t, both factors free of
- * cancellation; and what rounding may make of it. */
+/* Returns half the difference of the squared distances to both sources at t, and a bound on its
+ * rounding error. Neither factor suffers from cancellation. */
 static double square_difference_at(const struct gd__window *c, const struct gd__window *o, double t,
                                    double *scale)
 {
@@ -43,7 +45,7 @@ static double square_difference_at(const struct gd__window *c, const struct gd__
     return 0.5 * ((o->x - c->x) * ((t - c->x) + (t - o->x)) + (c->y - o->y) * (c->y + o->y));
 }
 
-/* The linear form at a point. */
+/* The difference at a point of the edge. */
 struct sample {
     double t, value;
     enum winner winner;
@@ -55,17 +57,18 @@ static struct sample sample_at(const struct gd__window *c, const struct gd__wind
     return (struct sample){t, value, winner_of(value, scale)};
 }
 
-static struct gd__verdict split_linearly(struct sample a, struct sample b)
+static struct gd__contest_result split_linearly(struct sample a, struct sample b)
 {
-    struct gd__verdict verdict = all_to(a.winner);
-    verdict.switches = 1;
-    verdict.at[0] = clamp(a.t + (b.t - a.t) * (a.value / (a.value - b.value)), a.t, b.t);
-    return verdict;
+    struct gd__contest_result result = all_to(a.winner);
+    result.switches = 1;
+    result.at[0] = clamp(a.t + (b.t - a.t) * (a.value / (a.value - b.value)), a.t, b.t);
+    return result;
 }
 
-/* A tie at an end: the places nearest to the two sources tell more. */
-static struct gd__verdict settle_linear_tie(const struct gd__window *c, const struct gd__window *o,
-                                            struct sample lo, struct sample hi)
+/* Decides a tie at an end of the interval by the points that are nearest to the two sources. */
+static struct gd__contest_result settle_linear_tie(const struct gd__window *c,
+                                                   const struct gd__window *o, struct sample lo,
+                                                   struct sample hi)
 {
     double first = clamp(fmin(c->x, o->x), lo.t, hi.t),
            second = clamp(fmax(c->x, o->x), lo.t, hi.t);
@@ -80,16 +83,17 @@ static struct gd__verdict settle_linear_tie(const struct gd__window *c, const st
     return all_to(last.winner);
 }
 
-/* Equal sigma: the bisector is a line, found without a square root, robust where D cancels. */
-static struct gd__verdict contest_equal(const struct gd__window *c, const struct gd__window *o,
-                                        double lo, double hi)
+/* Contests windows of equal sigma. The bisector is a line. Its root needs no square root, and is
+ * robust where D cancels. */
+static struct gd__contest_result contest_equal(const struct gd__window *c,
+                                               const struct gd__window *o, double lo, double hi)
 {
     struct sample at_lo = sample_at(c, o, lo), at_hi = sample_at(c, o, hi);
     if (at_lo.winner == TIE || at_hi.winner == TIE) return settle_linear_tie(c, o, at_lo, at_hi);
     return at_lo.winner == at_hi.winner ? all_to(at_lo.winner) : split_linearly(at_lo, at_hi);
 }
 
-/* One guarded Newton step on D; false when t is no root of D. */
+/* Improves t by one guarded Newton step on D. Returns false if t is not a root of D. */
 static bool polish(const struct gd__window *c, const struct gd__window *o, double k, double lo,
                    double hi, double *t)
 {
@@ -105,9 +109,9 @@ static bool polish(const struct gd__window *c, const struct gd__window *o, doubl
     return true;
 }
 
-/* The squared equation in u = t - lo, which keeps its coefficients small near a close source: roots
- * numerator / denominator, none where that is not finite; and the linear form p u + q that tells
- * the branch. */
+/* The squared equation in u = t - lo, so that coefficients stay small near a close source. A root
+ * is numerator / denominator; there is no root if the quotient is not finite. p u + q is the linear
+ * form that selects the branch. */
 struct squared {
     double numerator[2], denominator[2], p, q;
     bool has_roots;
@@ -118,7 +122,7 @@ static struct squared square(const struct gd__window *c, const struct gd__window
     double xc = c->x - lo, xo = o->x - lo, k = o->sigma - c->sigma, k2 = k * k;
     double p = 2 * (xo - xc), q = (xc - xo) * (xc + xo) + (c->y - o->y) * (c->y + o->y), s = q + k2;
     double a = 4 * k2 - p * p, b = 4 * k2 * xc + p * s,
-           e = 4 * k2 * (xc * xc + c->y * c->y) - s * s; /* a u^2 - 2 b u + e */
+           e = 4 * k2 * (xc * xc + c->y * c->y) - s * s; /* the equation is a u^2 - 2 b u + e = 0 */
     double discriminant = b * b - a * e, r = sqrt(discriminant > 0 ? discriminant : 0),
            z = b >= 0 ? b + r : b - r;
     return (struct squared){.numerator = {z, e},
@@ -128,7 +132,7 @@ static struct squared square(const struct gd__window *c, const struct gd__window
                             .has_roots = !(discriminant < -GD_TOL_DISCRIMINANT * b * b)};
 }
 
-/* Whether n / d lies in (0, span) and on the branch; asked without dividing. */
+/* Returns true if n / d lies in (0, span) and on the branch. Does not divide. */
 static bool is_on_branch(const struct squared *s, double n, double d, double span, double sign,
                          double least)
 {
@@ -137,8 +141,8 @@ static bool is_on_branch(const struct squared *s, double n, double d, double spa
     return (s->p * up + s->q * size) * sign >= least * size;
 }
 
-/* Sorts up to two roots, of which two that lie too close together are one; returns how many are
- * left. */
+/* Sorts up to two roots. Two roots that lie too close together count as one. Returns the number of
+ * roots. */
 static int sort_roots(double root[2], int count, double span)
 {
     if (count < 2) return count;
@@ -150,7 +154,8 @@ static int sort_roots(double root[2], int count, double span)
     return root[1] - root[0] < GD_TOL_ROOT_SEPARATION * span ? 1 : 2;
 }
 
-/* Roots of D in (lo, hi) for points of unequal sigma, increasing; returns how many. */
+/* Computes the roots of D in (lo, hi) for point sources of unequal sigma, in increasing order.
+ * Returns their number. */
 static int roots_of_points(const struct gd__window *c, const struct gd__window *o, double lo,
                            double hi, double root[2])
 {
@@ -169,14 +174,14 @@ static int roots_of_points(const struct gd__window *c, const struct gd__window *
     return sort_roots(root, count, span);
 }
 
-/* Slope of a window's distance along the edge. */
+/* Returns the slope of a window's distance along the edge. */
 static double slope_at(const struct gd__window *w, double t)
 {
     double d = t - w->x;
     return gd__window_is_linear(w) ? -w->x : d / sqrt(d * d + w->y * w->y);
 }
 
-/* A candidate, after one guarded Newton step on D; false when it is no root. */
+/* Improves a candidate by one guarded Newton step on D. Returns false if it is not a root. */
 static bool settle_root(const struct gd__window *c, const struct gd__window *o, double lo,
                         double hi, double *t)
 {
@@ -190,9 +195,9 @@ static bool settle_root(const struct gd__window *c, const struct gd__window *o, 
     return true;
 }
 
-/* Where a linear window is as near as a point's. In u = t - lo with the line's distance beyond the
- * point's sigma a - x u, and the point at p: (u - p)^2 + y^2 = (a - x u)^2, of which 1 - x^2 is the
- * square of the line's y. */
+/* Computes the roots for a linear window against a point source. In u = t - lo, the line's distance
+ * minus the point's sigma is a - x u, and the point is at p. The equation is (u - p)^2 + y^2 = (a -
+ * x u)^2, where 1 - x^2 is the square of the line's y. */
 static int roots_of_line(const struct gd__window *line, const struct gd__window *point, double lo,
                          double hi, double root[2])
 {
@@ -211,11 +216,11 @@ static int roots_of_line(const struct gd__window *line, const struct gd__window 
     return sort_roots(root, count, hi - lo);
 }
 
-/* What follows is compiled twice: `linear`, for pairs of which one may be linear, and for points,
- * which are by far the most. */
+/* The functions below are compiled twice: with `linear`, for windows that may be linear, and
+ * without it, for point sources, which are far more frequent. */
 #define BOTH_KINDS static inline __attribute__((always_inline))
 
-/* Roots of D in (lo, hi), increasing; returns how many. */
+/* Computes the roots of D in (lo, hi), in increasing order. Returns their number. */
 BOTH_KINDS int roots_of(const struct gd__window *c, const struct gd__window *o, double lo,
                         double hi, bool linear, double root[2])
 {
@@ -228,7 +233,8 @@ BOTH_KINDS int roots_of(const struct gd__window *c, const struct gd__window *o, 
     return settle_root(c, o, lo, hi, &root[0]);
 }
 
-/* What a distance is rounded by is a part of this: a linear one is a difference. */
+/* Returns the magnitude to which the rounding error of a distance is proportional. The distance of
+ * a linear window is a difference of larger terms. */
 static double size_at(const struct gd__window *w, double t, double distance)
 {
     return gd__window_is_linear(w) ? fabs(w->sigma) + fabs(w->x * t) : distance;
@@ -250,7 +256,8 @@ BOTH_KINDS enum winner winner_at(const struct gd__window *c, const struct gd__wi
     return winner_of(difference, scale);
 }
 
-/* Where the winner changes exactly once but the quadratic is too ill-conditioned to say where. */
+/* Finds by bisection where the winner changes. Used if it changes exactly once and the quadratic is
+ * too ill-conditioned. */
 BOTH_KINDS double bisect(const struct gd__window *c, const struct gd__window *o, double lo,
                          double hi, enum winner at_lo, bool linear)
 {
@@ -264,8 +271,8 @@ BOTH_KINDS double bisect(const struct gd__window *c, const struct gd__window *o,
     return 0.5 * (lo + hi);
 }
 
-/* D rises and falls in turn only where the edge meets the line through both sources: is that in
- * (lo, hi)? Points only. */
+/* Returns true if the line through both sources meets the edge in (lo, hi). Otherwise D is
+ * monotonic there. Point sources only. */
 static bool may_turn(const struct gd__window *c, const struct gd__window *o, double lo, double hi)
 {
     double at_lo = (lo - c->x) * o->y - (lo - o->x) * c->y,
@@ -273,39 +280,42 @@ static bool may_turn(const struct gd__window *c, const struct gd__window *o, dou
     return at_lo * at_hi <= 0;
 }
 
-/* The same winner at both ends: it wins all of it, or the other wins a piece in the middle. */
-BOTH_KINDS struct gd__verdict settle_same_ends(const struct gd__window *c,
-                                               const struct gd__window *o, double lo, double hi,
-                                               enum winner at_ends, bool linear)
+/* Contests windows if the same one wins at both ends. It wins the whole interval, or the other one
+ * wins a piece in the middle. */
+BOTH_KINDS struct gd__contest_result settle_same_ends(const struct gd__window *c,
+                                                      const struct gd__window *o, double lo,
+                                                      double hi, enum winner at_ends, bool linear)
 {
-    struct gd__verdict verdict = all_to(at_ends);
-    if (!linear && !may_turn(c, o, lo, hi)) return verdict;
-    if (roots_of(c, o, lo, hi, linear, verdict.at) < 2) return verdict;
-    if (winner_at(c, o, 0.5 * (verdict.at[0] + verdict.at[1]), linear) == -at_ends)
-        verdict.switches = 2;
-    return verdict;
+    struct gd__contest_result result = all_to(at_ends);
+    if (!linear && !may_turn(c, o, lo, hi)) return result;
+    if (roots_of(c, o, lo, hi, linear, result.at) < 2) return result;
+    if (winner_at(c, o, 0.5 * (result.at[0] + result.at[1]), linear) == -at_ends)
+        result.switches = 2;
+    return result;
 }
 
-BOTH_KINDS struct gd__verdict settle_different_ends(const struct gd__window *c,
-                                                    const struct gd__window *o, double lo,
-                                                    double hi, enum winner at_lo, bool linear)
+BOTH_KINDS struct gd__contest_result settle_different_ends(const struct gd__window *c,
+                                                           const struct gd__window *o, double lo,
+                                                           double hi, enum winner at_lo,
+                                                           bool linear)
 {
-    struct gd__verdict verdict = all_to(at_lo);
-    int count = roots_of(c, o, lo, hi, linear, verdict.at);
-    if (count == 0) verdict.at[0] = bisect(c, o, lo, hi, at_lo, linear);
-    /* two roots and different ends: one is at an end, up to rounding; the middle tells which */
-    if (count == 2 && winner_at(c, o, 0.5 * (verdict.at[0] + verdict.at[1]), linear) == at_lo)
-        verdict.at[0] = verdict.at[1];
-    verdict.switches = 1;
-    return verdict;
+    struct gd__contest_result result = all_to(at_lo);
+    int count = roots_of(c, o, lo, hi, linear, result.at);
+    if (count == 0) result.at[0] = bisect(c, o, lo, hi, at_lo, linear);
+    /* Two roots and different winners at the ends: up to rounding one root is at an end. The middle
+     * decides which one. */
+    if (count == 2 && winner_at(c, o, 0.5 * (result.at[0] + result.at[1]), linear) == at_lo)
+        result.at[0] = result.at[1];
+    result.switches = 1;
+    return result;
 }
 
-/* Winner of a piece without a root inside: asked in its middle and at its places nearest to the two
- * sources. */
+/* Returns the winner of a piece without a root inside. Compares the windows in the middle of the
+ * piece and at its points nearest to the two sources. */
 BOTH_KINDS enum winner winner_of_piece(const struct gd__window *c, const struct gd__window *o,
                                        double lo, double hi, bool linear)
 {
-    /* a linear window has no such place */
+    /* x of a linear window is not a position, but any point of the piece is valid */
     double at[3] = {0.5 * (lo + hi), clamp(c->x, lo, hi), clamp(o->x, lo, hi)};
     for (int i = 0; i < 3; i++) {
         enum winner winner = winner_at(c, o, at[i], linear);
@@ -314,55 +324,57 @@ BOTH_KINDS enum winner winner_of_piece(const struct gd__window *c, const struct 
     return OWNER;
 }
 
-/* A tie at an end: a root lies there up to rounding and is none of those inside, so each piece
- * between roots is asked by itself. */
-BOTH_KINDS struct gd__verdict settle_tie(const struct gd__window *c, const struct gd__window *o,
-                                         double lo, double hi, bool linear)
+/* Contests windows that tie at an end. Up to rounding a root lies there, which is not one of the
+ * roots inside. So each piece between roots is decided separately. */
+BOTH_KINDS struct gd__contest_result settle_tie(const struct gd__window *c,
+                                                const struct gd__window *o, double lo, double hi,
+                                                bool linear)
 {
     double bound[4] = {lo};
     int count = roots_of(c, o, lo, hi, linear, bound + 1);
     bound[count + 1] = hi;
     enum winner last = winner_of_piece(c, o, lo, bound[1], linear);
-    struct gd__verdict verdict = all_to(last);
+    struct gd__contest_result result = all_to(last);
     for (int i = 1; i <= count; i++) {
         enum winner winner = winner_of_piece(c, o, bound[i], bound[i + 1], linear);
-        if (winner != last) verdict.at[verdict.switches++] = bound[i];
+        if (winner != last) result.at[result.switches++] = bound[i];
         last = winner;
     }
-    return verdict;
+    return result;
 }
 
-BOTH_KINDS struct gd__verdict contest(const struct gd__window *c, const struct gd__window *o,
-                                      double lo, double hi, bool linear)
+BOTH_KINDS struct gd__contest_result contest(const struct gd__window *c, const struct gd__window *o,
+                                             double lo, double hi, bool linear)
 {
     double scale_lo, scale_hi;
     double d_lo = difference_at(c, o, lo, linear, &scale_lo),
            d_hi = difference_at(c, o, hi, linear, &scale_hi);
     enum winner at_lo = winner_of(d_lo, scale_lo), at_hi = winner_of(d_hi, scale_hi);
-    /* D is 2-Lipschitz */
+    /* sufficient, because D is 2-Lipschitz */
     if (fabs(d_lo + d_hi) >= 2 * (hi - lo) && at_lo == at_hi) return all_to(at_lo);
     if (at_lo == TIE || at_hi == TIE) return settle_tie(c, o, lo, hi, linear);
     if (at_lo != at_hi) return settle_different_ends(c, o, lo, hi, at_lo, linear);
     return settle_same_ends(c, o, lo, hi, at_lo, linear);
 }
 
-static struct gd__verdict contest_linear(const struct gd__window *c, const struct gd__window *o,
-                                         double lo, double hi)
+static struct gd__contest_result contest_linear(const struct gd__window *c,
+                                                const struct gd__window *o, double lo, double hi)
 {
     return contest(c, o, lo, hi, true);
 }
 
-/* Two lines: who is nearer at both ends is so all along. */
-static struct gd__verdict contest_lines(const struct gd__window *c, const struct gd__window *o,
-                                        double lo, double hi)
+/* Contests two linear windows: one is nearer at both ends and so everywhere between, or there is
+ * one root. */
+static struct gd__contest_result contest_lines(const struct gd__window *c,
+                                               const struct gd__window *o, double lo, double hi)
 {
     enum winner at_lo = winner_at(c, o, lo, true), at_hi = winner_at(c, o, hi, true);
     if (at_lo == at_hi && at_lo != TIE) return all_to(at_lo);
     return contest_linear(c, o, lo, hi);
 }
 
-struct gd__verdict gd__contest(const struct gd__window *challenger, const struct gd__window *owner,
-                               double lo, double hi)
+struct gd__contest_result gd__contest(const struct gd__window *challenger,
+                                      const struct gd__window *owner, double lo, double hi)
 {
     if (gd__source_is_linear(challenger->source & owner->source))
         return contest_lines(challenger, owner, lo, hi);

@@ -2,30 +2,31 @@
 
 #include "window/contest.h"
 
-/* Two sorted lists of which one lies before the other but for windows that overlap: window `last`
- * of the one faces window `first` of the other. */
+/* Two sorted lists that follow each other. Only the last window of one (`last`) and the first of
+ * the other (`first`) may overlap. */
 struct seam {
     const struct gd__windows *before, *behind;
     uint32_t last, first;
-    uint32_t before_left, behind_left; /* windows; 0: all were dropped */
-    bool newer_is_before;              /* ties stay with the older ones */
+    uint32_t before_left, behind_left; /* number of windows left; 0: all are dropped */
+    bool newer_is_before;              /* ties stay with the older windows */
 };
 
 enum closing { CLOSING_DONE, CLOSING_NEXT, CLOSING_GENERAL };
 
-/* The verdict on the windows that face each other, as if the one before were the challenger. */
-static struct gd__verdict contest_facing(const struct seam *s, double lo, double hi)
+/* Contests the two windows that face each other. The window of the list before is the
+ * challenger. */
+static struct gd__contest_result contest_facing(const struct seam *s, double lo, double hi)
 {
     struct gd__window before = gd__windows_get(s->before, s->last),
                       behind = gd__windows_get(s->behind, s->first);
     if (s->newer_is_before) return gd__contest(&before, &behind, lo, hi);
-    struct gd__verdict verdict = gd__contest(&behind, &before, lo, hi);
-    verdict.challenger_first = !verdict.challenger_first;
-    return verdict;
+    struct gd__contest_result result = gd__contest(&behind, &before, lo, hi);
+    result.challenger_first = !result.challenger_first;
+    return result;
 }
 
-/* Cuts the windows that face each other where they meet; what is beaten all along is dropped.
- * General is what would have to be contested by windows farther away: nothing is cut then. */
+/* Cuts the windows that face each other at their bisector, and drops a window that loses
+ * everywhere. If that requires a window farther away, cuts nothing and returns CLOSING_GENERAL. */
 static enum closing close_facing(struct seam *s, double min_width)
 {
     double *a0 = &s->before->b0[s->last], *a1 = &s->before->b1[s->last];
@@ -36,15 +37,15 @@ static enum closing close_facing(struct seam *s, double min_width)
         if (*a1 > *b0) *(s->newer_is_before ? a1 : b0) = s->newer_is_before ? *b0 : *a1;
         return CLOSING_DONE;
     }
-    struct gd__verdict verdict = contest_facing(s, lo, hi);
-    bool before_first = verdict.challenger_first,
-         before_last = before_first != (verdict.switches == 1);
-    if (verdict.switches > 1 || (before_last && !before_first)) return CLOSING_GENERAL;
+    struct gd__contest_result result = contest_facing(s, lo, hi);
+    bool before_first = result.challenger_first,
+         before_last = before_first != (result.switches == 1);
+    if (result.switches > 1 || (before_last && !before_first)) return CLOSING_GENERAL;
     if ((before_first && *b0 < lo) || (!before_last && *a1 > hi)) return CLOSING_GENERAL;
-    double at = before_last ? hi : before_first ? verdict.at[0] : lo;
+    double at = before_last ? hi : before_first ? result.at[0] : lo;
     if (before_first) *b0 = at;
     if (!before_last) *a1 = at;
-    /* something is left */
+    /* at most one of the two windows is dropped */
     bool a_is_gone = *a1 - *a0 <= min_width, b_is_gone = !a_is_gone && *b1 - *b0 <= min_width;
     s->last -= a_is_gone;
     s->before_left -= a_is_gone;
@@ -54,9 +55,8 @@ static enum closing close_facing(struct seam *s, double min_width)
                                                                         : CLOSING_DONE;
 }
 
-/* Joins the lists where one lies before the other: cuts what overlaps, and lets go of what has been
- * dropped of either. False: part of them still has to be merged. `newer` is a view of *count
- * windows. */
+/* Joins the lists if one lies before the other: cuts the overlap and removes dropped windows from
+ * both. Returns false if the lists must be merged. `newer` is a view of *count windows. */
 static bool close_seam(struct gd__list *list, struct gd__windows *newer, uint32_t *count,
                        double min_width, bool *newer_is_before)
 {
@@ -83,21 +83,22 @@ static bool close_seam(struct gd__list *list, struct gd__windows *newer, uint32_
     return closing == CLOSING_DONE;
 }
 
-static bool joins_at(const struct gd__windows *a, uint32_t i, const struct gd__windows *b,
-                     uint32_t j, double min_width)
+static bool windows_join_at(const struct gd__windows *a, uint32_t i, const struct gd__windows *b,
+                            uint32_t j, double min_width)
 {
     if (a->source[i] != b->source[j]) return false;
     struct gd__window before = gd__windows_get(a, i), behind = gd__windows_get(b, j);
     return gd__window_joins(&before, &behind, min_width);
 }
 
-/* Puts `count` windows behind those of the list; the first one may lengthen the list's last one
- * instead (`join`). */
-static enum gd_status append(struct gd__list *list, struct gd__pool *pool, struct gd__windows newer,
-                             uint32_t count, double min_width, bool join)
+/* Appends `count` windows to the list. With `join`, the first of them may extend the list's last
+ * window. */
+static enum gd_status list_append(struct gd__list *list, struct gd__pool *pool,
+                                  struct gd__windows newer, uint32_t count, double min_width,
+                                  bool join)
 {
     struct gd__windows windows = gd__list_windows(list);
-    if (join && list->count && joins_at(&windows, list->count - 1, &newer, 0, min_width)) {
+    if (join && list->count && windows_join_at(&windows, list->count - 1, &newer, 0, min_width)) {
         windows.b1[list->count - 1] = newer.b1[0];
         newer = gd__windows_from(&newer, 1);
         count--;
@@ -114,14 +115,14 @@ static enum gd_status append(struct gd__list *list, struct gd__pool *pool, struc
     return GD_OK;
 }
 
-/* Puts the first `count` of the newer windows before those of the list, which go over into their
- * block; the list's becomes the newer ones'. */
-static enum gd_status prepend(struct gd__list *list, struct gd__pool *pool,
-                              struct gd__children *newer, uint32_t count, double min_width,
-                              bool join)
+/* Inserts the first `count` newer windows before those of the list. Copies the list's windows into
+ * the block of the newer ones and swaps the two blocks. */
+static enum gd_status list_prepend(struct gd__list *list, struct gd__pool *pool,
+                                   struct gd__children *newer, uint32_t count, double min_width,
+                                   bool join)
 {
     struct gd__windows windows = gd__list_windows(list);
-    if (join && list->count && joins_at(&newer->at, count - 1, &windows, 0, min_width))
+    if (join && list->count && windows_join_at(&newer->at, count - 1, &windows, 0, min_width))
         windows.b0[0] = newer->at.b0[--count];
     enum gd_status status = gd__children_grow(newer, pool, count + list->count, count);
     if (status) return status;
@@ -136,8 +137,8 @@ static enum gd_status prepend(struct gd__list *list, struct gd__pool *pool,
     return GD_OK;
 }
 
-/* Part [from, to) of the list and part [first, last) of the newer windows: those that overlap.
- * Where there are none, all the newer ones go to `from` and first = last = their count. */
+/* The overlap: windows [from, to) of the list and [first, last) of the newer ones. If there is no
+ * overlap, all newer windows are inserted at `from`, and first = last = their count. */
 struct overlap {
     uint32_t from, to, first, last;
 };
@@ -155,28 +156,29 @@ static struct overlap find_overlap(const struct gd__windows *list, uint32_t coun
     return o;
 }
 
-/* The windows that take the place of list [from, to): newer [0, first), merged ones, newer [last,
- * count). */
+/* The windows that replace windows [from, to) of the list, in this order: newer [0, first), the
+ * merged ones, newer [last, count). */
 struct insertion {
     const struct gd__windows *newer;
     const struct gd__stack *merged;
     struct overlap at;
-    uint32_t count;     /* of newer */
-    uint32_t skip, end; /* newer [skip, first) and [last, end): what is not joined to a neighbour */
+    uint32_t count; /* number of newer windows */
+    /* newer [skip, first) and [last, end) are not joined to a neighbour */
+    uint32_t skip, end;
 };
 
-/* Lengthens the neighbours of an insertion instead of inserting windows that see the same
- * source. */
+/* Extends the neighbours of an insertion by windows of the same source, which are then not
+ * inserted. */
 static void join_neighbours(const struct gd__windows *list, uint32_t count, struct insertion *in,
                             double min_width)
 {
     if (in->at.from > 0 && (in->at.first > 0 || !in->merged) &&
-        joins_at(list, in->at.from - 1, in->newer, 0, min_width)) {
+        windows_join_at(list, in->at.from - 1, in->newer, 0, min_width)) {
         list->b1[in->at.from - 1] = in->newer->b1[0];
         in->skip = 1;
     }
     if (in->at.to < count && (in->at.last < in->count || !in->merged) && in->count > in->skip &&
-        joins_at(in->newer, in->count - 1, list, in->at.to, min_width)) {
+        windows_join_at(in->newer, in->count - 1, list, in->at.to, min_width)) {
         list->b0[in->at.to] = in->newer->b0[in->count - 1];
         in->end = in->count - 1;
     }
@@ -184,9 +186,9 @@ static void join_neighbours(const struct gd__windows *list, uint32_t count, stru
 }
 
 /* Rebuilds the list around an insertion. Copies write whole groups, so each part is written after
- * what is before it. */
-static enum gd_status splice(struct gd__list *list, struct gd__pool *pool,
-                             const struct insertion *in, struct gd__window_builder *scratch)
+ * the part before it. */
+static enum gd_status list_splice(struct gd__list *list, struct gd__pool *pool,
+                                  const struct insertion *in, struct gd__window_builder *scratch)
 {
     uint32_t tail = list->count - in->at.to,
              before = in->at.first > in->skip ? in->at.first - in->skip : 0,
@@ -211,7 +213,7 @@ static enum gd_status splice(struct gd__list *list, struct gd__pool *pool,
     return GD_OK;
 }
 
-/* Merges what overlaps, into scratch->stack[2]. */
+/* Merges the overlap into scratch->stack[2]. */
 static enum gd_status merge_overlap(const struct gd__windows *list, const struct gd__windows *newer,
                                     struct overlap o, double min_width, struct gd__scratch *scratch)
 {
@@ -230,10 +232,10 @@ static enum gd_status merge_overlap(const struct gd__windows *list, const struct
     return GD_OK;
 }
 
-/* The general case of an insertion: what overlaps is merged. */
-static enum gd_status merge(struct gd__list *list, struct gd__pool *pool,
-                            const struct gd__windows *newer, uint32_t count, double min_width,
-                            struct gd__scratch *scratch)
+/* Inserts windows in the general case: merges the overlap. */
+static enum gd_status list_merge(struct gd__list *list, struct gd__pool *pool,
+                                 const struct gd__windows *newer, uint32_t count, double min_width,
+                                 struct gd__scratch *scratch)
 {
     struct insertion in = {.newer = newer, .count = count, .end = count};
     struct gd__windows windows = gd__list_windows(list);
@@ -244,40 +246,42 @@ static enum gd_status merge(struct gd__list *list, struct gd__pool *pool,
         in.merged = &scratch->stack[2];
     }
     if (!scratch->apart) join_neighbours(&windows, list->count, &in, min_width);
-    return splice(list, pool, &in, &scratch->tail);
+    return list_splice(list, pool, &in, &scratch->tail);
 }
 
-static enum gd_status add(struct gd__list *list, struct gd__pool *pool, struct gd__children *newer,
-                          double min_width, struct gd__scratch *scratch)
+static enum gd_status list_add_newer(struct gd__list *list, struct gd__pool *pool,
+                                     struct gd__children *newer, double min_width,
+                                     struct gd__scratch *scratch)
 {
     struct gd__windows view = newer->at;
     uint32_t count = newer->count;
     bool is_before;
     if (!close_seam(list, &view, &count, min_width, &is_before))
-        return merge(list, pool, &view, count, min_width, scratch);
+        return list_merge(list, pool, &view, count, min_width, scratch);
     if (!count) return GD_OK;
-    if (is_before) return prepend(list, pool, newer, count, min_width, !scratch->apart);
-    return append(list, pool, view, count, min_width, !scratch->apart);
+    if (is_before) return list_prepend(list, pool, newer, count, min_width, !scratch->apart);
+    return list_append(list, pool, view, count, min_width, !scratch->apart);
 }
 
 enum gd_status gd__list_add(struct gd__list *list, struct gd__pool *pool,
                             struct gd__children *newer, double min_width,
                             struct gd__scratch *scratch)
 {
-    enum gd_status status = add(list, pool, newer, min_width, scratch);
+    enum gd_status status = list_add_newer(list, pool, newer, min_width, scratch);
     gd__children_close(newer, pool);
     return status;
 }
 
 /* --- one window ------------------------------------------------------------------------------- */
 
-#define FEW 3 /* windows that another one is put among in their own block */
-/* each is cut in three, with the new one between them and at both ends */
+#define FEW 3 /* lists of at most that many windows are changed in their own block */
+/* Each window is cut into at most three pieces, with pieces of the new window between them and at
+ * both ends. */
 #define MOST_PARTS (4 * FEW + 1)
 _Static_assert(MOST_PARTS <= 2 * GD__WINDOWS_GROUP,
                "the smallest block of a list has room for them");
 
-/* Parts of windows, in order, as they are written to a list. */
+/* Pieces of windows in sorted order while they are written to the list. */
 struct parts {
     struct gd__windows at;
     uint32_t count;
@@ -285,7 +289,7 @@ struct parts {
     double min_width;
 };
 
-static void put_part(struct parts *parts, const struct gd__window *w, double from, double to)
+static void parts_put(struct parts *parts, const struct gd__window *w, double from, double to)
 {
     if (parts->last == w && parts->at.b1[parts->count - 1] == from) {
         parts->at.b1[parts->count - 1] = to;
@@ -299,34 +303,34 @@ static void put_part(struct parts *parts, const struct gd__window *w, double fro
     parts->last = w;
 }
 
-/* The overlap of the new window with one of the list, which wins ties. */
-static void put_overlap(struct parts *parts, const struct gd__window *w, const struct gd__window *o,
-                        double lo, double hi)
+/* Contests the new window with a window of the list, which wins ties, and appends the pieces. */
+static void parts_put_overlap(struct parts *parts, const struct gd__window *w,
+                              const struct gd__window *o, double lo, double hi)
 {
-    struct gd__verdict verdict = {0};
-    if (hi - lo > parts->min_width) verdict = gd__contest(w, o, lo, hi);
-    bool is_new = verdict.challenger_first;
-    for (int i = 0; i <= verdict.switches; i++, is_new = !is_new) {
-        double to = i < verdict.switches ? verdict.at[i] : hi;
-        put_part(parts, is_new ? w : o, lo, to);
+    struct gd__contest_result result = {0};
+    if (hi - lo > parts->min_width) result = gd__contest(w, o, lo, hi);
+    bool is_new = result.challenger_first;
+    for (int i = 0; i <= result.switches; i++, is_new = !is_new) {
+        double to = i < result.switches ? result.at[i] : hi;
+        parts_put(parts, is_new ? w : o, lo, to);
         lo = to;
     }
 }
 
-/* What is left of windows of a list and a new one. */
-static void put_among(struct parts *parts, const struct gd__window *windows, uint32_t count,
-                      const struct gd__window *w)
+/* Appends the remaining pieces of the list's windows and of the new window. */
+static void parts_put_all(struct parts *parts, const struct gd__window *windows, uint32_t count,
+                          const struct gd__window *w)
 {
-    double from = w->b0; /* of the new one what lies before is put */
+    double from = w->b0; /* start of the part of the new window that is not appended yet */
     for (const struct gd__window *o = windows; o < windows + count; o++) {
         double lo = o->b0 > w->b0 ? o->b0 : w->b0, hi = o->b1 < w->b1 ? o->b1 : w->b1;
-        if (from < lo) put_part(parts, w, from, hi < lo ? hi : lo);
-        if (o->b0 < lo) put_part(parts, o, o->b0, hi < lo ? hi : lo);
-        if (lo < hi) put_overlap(parts, w, o, lo, hi);
-        if (hi < o->b1) put_part(parts, o, hi > o->b0 ? hi : o->b0, o->b1);
+        if (from < lo) parts_put(parts, w, from, hi < lo ? hi : lo);
+        if (o->b0 < lo) parts_put(parts, o, o->b0, hi < lo ? hi : lo);
+        if (lo < hi) parts_put_overlap(parts, w, o, lo, hi);
+        if (hi < o->b1) parts_put(parts, o, hi > o->b0 ? hi : o->b0, o->b1);
         if (from < hi) from = hi;
     }
-    put_part(parts, w, from, w->b1);
+    parts_put(parts, w, from, w->b1);
 }
 
 static bool has_source(const struct gd__windows *windows, uint32_t count, uint32_t source)
@@ -350,8 +354,8 @@ enum gd_status gd__list_add_one(struct gd__list *list, struct gd__pool *pool,
     }
     struct gd__window there[FEW];
     for (uint32_t i = 0; i < list->count; i++) there[i] = gd__windows_get(&parts.at, i);
-    put_among(&parts, there, list->count, window);
-    /* where nothing is wide enough, all stays as it was */
+    parts_put_all(&parts, there, list->count, window);
+    /* if no piece is wide enough, the list stays unchanged */
     if (parts.count) list->count = parts.count;
     if (parts.count + GD__WINDOWS_GROUP <= gd__list_capacity(list)) return GD_OK;
     return gd__block_enlarge(&list->block, &list->size_class, pool, list->count + GD__WINDOWS_GROUP,

@@ -1,4 +1,4 @@
-/* List: the windows that wait on one side of an edge, sorted by b0, their intervals disjoint. */
+/* List: the sorted, disjoint windows that wait on one side of an edge. */
 #ifndef GD_WINDOW_LIST_H
 #define GD_WINDOW_LIST_H
 
@@ -7,11 +7,11 @@
 struct gd__list {
     void *block; /* NULL: empty */
     uint32_t count;
-    uint32_t bucket; /* of the queue, in which the side waits; GD_NONE: in none */
-    uint32_t falls;  /* struct gd__wavefront's, when the oldest of the windows came */
-    uint16_t visits; /* how often it was propagated, saturating */
+    uint32_t bucket;         /* the queue's bucket in which the side waits; GD_NONE: none */
+    uint32_t distance_drops; /* wavefront->distance_drops when the oldest window was inserted */
+    uint16_t visits;         /* number of propagations of the list, saturating */
     uint8_t size_class;
-    bool touched; /* is not clean, and is on the workspace's list of such */
+    bool touched; /* the list is on the workspace's list of lists to be cleaned */
 };
 
 static inline uint32_t gd__list_capacity(const struct gd__list *list)
@@ -24,27 +24,27 @@ static inline struct gd__windows gd__list_windows(const struct gd__list *list)
     return gd__windows_at(list->block, gd__list_capacity(list));
 }
 
-/* Puts sorted windows, at least one, into a list that is not empty. Their block is used up: it
- * becomes the list's or goes back to the pool. Ties stay with what is there. GD_NO_MEMORY,
- * GD_BUDGET. Contests only what overlaps. */
+/* Inserts sorted windows, at least one, into a list that is not empty. Takes ownership of their
+ * block: it becomes the list's or is released. The list's windows win ties. Contests overlapping
+ * windows only. GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__list_add(struct gd__list *list, struct gd__pool *pool,
                                         struct gd__children *newer, double min_width,
                                         struct gd__scratch *scratch);
 
-/* The same of any list: an empty one takes the block of the windows. */
+/* As gd__list_add, for any list. An empty list takes over the block of the windows. */
 GD_MUST_USE static inline enum gd_status
 gd__list_insert(struct gd__list *list, struct gd__pool *pool, struct gd__children *newer,
                 double min_width, struct gd__scratch *scratch)
 {
     if (list->count) return gd__list_add(list, pool, newer, min_width, scratch);
-    list->block = newer->block; /* such a list has none */
+    list->block = newer->block; /* an empty list has no block */
     list->size_class = newer->size_class;
     list->count = newer->count;
     newer->block = NULL;
     return GD_OK;
 }
 
-/* gd__list_add of one window: among few others it is put in their own block. */
+/* As gd__list_add, for one window. A short list is changed in its own block. */
 GD_MUST_USE enum gd_status gd__list_add_one(struct gd__list *list, struct gd__pool *pool,
                                             const struct gd__window *window, double min_width,
                                             struct gd__scratch *scratch);
@@ -53,7 +53,8 @@ GD_MUST_USE enum gd_status gd__list_add_one(struct gd__list *list, struct gd__po
 GD_MUST_USE static inline enum gd_status
 gd__list_begin(struct gd__list *list, struct gd__pool *pool, const struct gd__window *window)
 {
-    enum { GROUPS = 2, SIZE_CLASS = GROUPS - 1 }; /* there is a group behind the last window */
+    /* leaves room for one group behind the last window */
+    enum { GROUPS = 2, SIZE_CLASS = GROUPS - 1 };
     void *block = gd__pool_take(pool, SIZE_CLASS);
     if (!block) return pool->status;
     struct gd__windows at = gd__windows_at(block, GROUPS * GD__WINDOWS_GROUP);

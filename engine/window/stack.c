@@ -29,8 +29,8 @@ void gd__stack_load(struct gd__stack *stack, const struct gd__windows *windows, 
         stack->windows[stack->count++] = gd__windows_get(windows, i);
 }
 
-/* Appends the piece [from, to] of a window; a piece that continues the last one of the same window
- * lengthens it. */
+/* Appends the piece [from, to] of a window. Extends the last piece if that belongs to the same
+ * window and ends at `from`. */
 static void append_piece(struct gd__stack *out, const struct gd__window *w, double from, double to,
                          double min_width, const struct gd__window **last)
 {
@@ -46,48 +46,49 @@ static void append_piece(struct gd__stack *out, const struct gd__window *w, doub
     *last = w;
 }
 
-/* A cursor over a sorted list: the window at hand and where its unread part starts. */
+/* A cursor over a sorted list: the current window, and where its unread part starts. */
 struct cursor {
     const struct gd__window *at, *end;
     double from;
 };
 
-static bool done(const struct cursor *c)
+static bool cursor_is_done(const struct cursor *c)
 {
     return c->at == c->end;
 }
 
-static void advance(struct cursor *c, double to)
+static void cursor_advance(struct cursor *c, double to)
 {
     c->at++;
-    if (!done(c)) c->from = c->at->b0 > to ? c->at->b0 : to;
+    if (!cursor_is_done(c)) c->from = c->at->b0 > to ? c->at->b0 : to;
 }
 
-/* Passes the whole rest of the window at hand on. */
-static void take_rest(struct cursor *c, double min_width, struct gd__stack *out,
-                      const struct gd__window **last)
+/* Appends the rest of the current window and advances. */
+static void cursor_take_rest(struct cursor *c, double min_width, struct gd__stack *out,
+                             const struct gd__window **last)
 {
     append_piece(out, c->at, c->from, c->at->b1, min_width, last);
-    advance(c, -HUGE_VAL);
+    cursor_advance(c, -HUGE_VAL);
 }
 
-/* Both windows at hand start at the same place: contests their overlap and steps over it. */
+/* Contests the overlap of two current windows that start at the same point, and advances both past
+ * it. */
 static void take_overlap(struct cursor *existing, struct cursor *newer, double min_width,
                          struct gd__stack *out, const struct gd__window **last)
 {
     double from = existing->from,
            to = existing->at->b1 < newer->at->b1 ? existing->at->b1 : newer->at->b1;
-    struct gd__verdict verdict = gd__contest(newer->at, existing->at, from, to);
-    bool newer_wins = verdict.challenger_first;
-    for (int i = 0; i <= verdict.switches; i++) {
-        double until = i < verdict.switches ? verdict.at[i] : to;
+    struct gd__contest_result result = gd__contest(newer->at, existing->at, from, to);
+    bool newer_wins = result.challenger_first;
+    for (int i = 0; i <= result.switches; i++) {
+        double until = i < result.switches ? result.at[i] : to;
         append_piece(out, newer_wins ? newer->at : existing->at, from, until, min_width, last);
         newer_wins = !newer_wins;
         from = until;
     }
     existing->from = newer->from = to;
-    if (existing->at->b1 <= to + min_width) advance(existing, to);
-    if (newer->at->b1 <= to + min_width) advance(newer, to);
+    if (existing->at->b1 <= to + min_width) cursor_advance(existing, to);
+    if (newer->at->b1 <= to + min_width) cursor_advance(newer, to);
 }
 
 void gd__merge(const struct gd__window *existing, uint32_t existing_count,
@@ -97,11 +98,11 @@ void gd__merge(const struct gd__window *existing, uint32_t existing_count,
     struct cursor e = {existing, existing + existing_count, existing_count ? existing->b0 : 0};
     struct cursor n = {newer, newer + newer_count, newer_count ? newer->b0 : 0};
     const struct gd__window *last = NULL;
-    while (!done(&e) || !done(&n)) {
-        if (done(&n) || (!done(&e) && e.at->b1 <= n.from + min_width)) {
-            take_rest(&e, min_width, out, &last);
-        } else if (done(&e) || n.at->b1 <= e.from + min_width) {
-            take_rest(&n, min_width, out, &last);
+    while (!cursor_is_done(&e) || !cursor_is_done(&n)) {
+        if (cursor_is_done(&n) || (!cursor_is_done(&e) && e.at->b1 <= n.from + min_width)) {
+            cursor_take_rest(&e, min_width, out, &last);
+        } else if (cursor_is_done(&e) || n.at->b1 <= e.from + min_width) {
+            cursor_take_rest(&n, min_width, out, &last);
         } else if (e.from < n.from) {
             append_piece(out, e.at, e.from, n.from, min_width, &last);
             e.from = n.from;
@@ -114,7 +115,7 @@ void gd__merge(const struct gd__window *existing, uint32_t existing_count,
     }
 }
 
-/* The general case of a push: merges the window with the part of the list that reaches past its
+/* Pushes a window in the general case: merges it with the part of the list that ends after its
  * start. */
 static enum gd_status merge_into_tail(struct gd__stack *list, const struct gd__window *window,
                                       double min_width, struct gd__stack *scratch)
@@ -133,11 +134,12 @@ static enum gd_status merge_into_tail(struct gd__stack *list, const struct gd__w
 
 enum push { PUSH_REST, PUSH_AGAIN, PUSH_DONE, PUSH_GENERAL };
 
-static void put(struct gd__stack *list, const struct gd__window *w, double from, double to,
-                double min_width)
+static void stack_put(struct gd__stack *list, const struct gd__window *w, double from, double to,
+                      double min_width)
 {
     if (to - from <= min_width) return;
-    struct gd__window *place = &list->windows[list->count++]; /* field by field: see push */
+    /* set field by field: see stack_push */
+    struct gd__window *place = &list->windows[list->count++];
     place->b0 = from;
     place->b1 = to;
     place->x = w->x;
@@ -147,8 +149,8 @@ static void put(struct gd__stack *list, const struct gd__window *w, double from,
     place->tags = w->tags;
 }
 
-/* The part of the window that lies before the last one of the list is useless: others are there
- * already, without a gap, and better. */
+/* Returns true if the part of the window before the list's last window loses: better windows cover
+ * it without a gap. */
 static bool is_beaten_before(const struct gd__stack *list, const struct gd__window *w,
                              double min_width)
 {
@@ -159,44 +161,44 @@ static bool is_beaten_before(const struct gd__stack *list, const struct gd__wind
         if (owner->b1 < until - min_width) return false;
         double lo = w->b0 > owner->b0 ? w->b0 : owner->b0,
                hi = owner->b1 < until ? owner->b1 : until;
-        struct gd__verdict verdict = gd__contest(w, owner, lo, hi);
-        if (verdict.switches || verdict.challenger_first) return false;
+        struct gd__contest_result result = gd__contest(w, owner, lo, hi);
+        if (result.switches || result.challenger_first) return false;
         until = owner->b0;
     }
     return w->b0 >= until - min_width;
 }
 
-/* The window is better than the last one in [from, to), which falls into two pieces; what reaches
- * beyond that one is left. There is room. */
+/* Handles a window that wins [from, to) of the list's last window, which becomes two pieces. The
+ * part beyond the last window remains in the window. There must be room. */
 static enum push split_last(struct gd__stack *list, struct gd__window *w, double from, double to,
                             double min_width)
 {
     struct gd__window whole = list->windows[--list->count];
-    put(list, &whole, whole.b0, from, min_width);
-    put(list, w, from, to, min_width);
-    put(list, &whole, to, whole.b1, min_width);
+    stack_put(list, &whole, whole.b0, from, min_width);
+    stack_put(list, w, from, to, min_width);
+    stack_put(list, &whole, to, whole.b1, min_width);
     w->b0 = whole.b1;
     return w->b1 > w->b0 ? PUSH_REST : PUSH_DONE;
 }
 
-/* Contests the window with the last one, which it overlaps; the frequent outcomes trim one of the
- * two in place. There is room for three more. */
+/* Contests the window with the list's last window, which it overlaps. The frequent results trim one
+ * of the two in place. There must be room for three more windows. */
 static enum push contest_last(struct gd__stack *list, struct gd__window *w, double min_width)
 {
     struct gd__window *last = &list->windows[list->count - 1];
     double lo = w->b0 > last->b0 ? w->b0 : last->b0, hi = w->b1 < last->b1 ? w->b1 : last->b1;
     if (hi - lo <= min_width) {
-        if (w->b1 <= last->b0 + min_width) /* its place is farther back */
+        if (w->b1 <= last->b0 + min_width) /* the window belongs farther back */
             return is_beaten_before(list, w, min_width) ? PUSH_DONE : PUSH_GENERAL;
         w->b0 = last->b1;
         return PUSH_REST;
     }
-    struct gd__verdict verdict = gd__contest(w, last, lo, hi);
-    if (verdict.switches > 1) return PUSH_GENERAL;
-    bool wins_first = verdict.challenger_first, wins_last = wins_first != (verdict.switches == 1);
+    struct gd__contest_result result = gd__contest(w, last, lo, hi);
+    if (result.switches > 1) return PUSH_GENERAL;
+    bool wins_first = result.challenger_first, wins_last = wins_first != (result.switches == 1);
     if (w->b0 < lo && !wins_first && is_beaten_before(list, w, min_width)) w->b0 = lo;
-    /* where it begins to be better */
-    double from = wins_first ? lo : wins_last ? verdict.at[0] : hi;
+    /* start of the part that the window wins */
+    double from = wins_first ? lo : wins_last ? result.at[0] : hi;
     if (hi == last->b1 && wins_last) {
         if (wins_first && lo <= last->b0 + min_width) {
             list->count--;
@@ -209,16 +211,16 @@ static enum push contest_last(struct gd__stack *list, struct gd__window *w, doub
     }
     if (w->b0 < lo) return PUSH_GENERAL;
     if (wins_first || wins_last)
-        return split_last(list, w, from, wins_last ? hi : verdict.at[0], min_width);
+        return split_last(list, w, from, wins_last ? hi : result.at[0], min_width);
     if (hi >= w->b1 - min_width) return PUSH_DONE;
     w->b0 = hi;
     return PUSH_REST;
 }
 
-/* gd__stack_push of a window that is used up. It is handled where it lies: copied from memory it
- * was just written to, it would be waited for. */
-static enum gd_status push(struct gd__stack *list, struct gd__window *w, double min_width,
-                           struct gd__stack *scratch)
+/* As gd__stack_push, but overwrites the window. The window is modified in place: a copy of memory
+ * just written would stall the load. */
+static enum gd_status stack_push(struct gd__stack *list, struct gd__window *w, double min_width,
+                                 struct gd__stack *scratch)
 {
     if (list->count && gd__window_joins(&list->windows[list->count - 1], w, min_width)) {
         struct gd__window *last = &list->windows[list->count - 1];
@@ -232,7 +234,7 @@ static enum gd_status push(struct gd__stack *list, struct gd__window *w, double 
            w->b0 < list->windows[list->count - 1].b1 - min_width)
         push = contest_last(list, w, min_width);
     if (push == PUSH_GENERAL) return merge_into_tail(list, w, min_width, scratch);
-    if (push != PUSH_DONE) put(list, w, w->b0, w->b1, min_width);
+    if (push != PUSH_DONE) stack_put(list, w, w->b0, w->b1, min_width);
     return GD_OK;
 }
 
@@ -240,5 +242,5 @@ enum gd_status gd__stack_push(struct gd__stack *list, const struct gd__window *w
                               double min_width, struct gd__stack *scratch)
 {
     struct gd__window w = *window;
-    return push(list, &w, min_width, scratch);
+    return stack_push(list, &w, min_width, scratch);
 }

@@ -2,16 +2,43 @@
 
 #include "gd/polygons.h"
 
-struct gd__window gd__wedge_window(struct gd__wedges wedges, uint32_t count, uint32_t i,
-                                   double length)
+static double wedge_pack(const struct gd__wedges *wedges, double coordinate, uint32_t bits)
 {
-    double unit = length * GD__WEDGE_UNIT, y = wedges.y[i];
-    struct gd__window w = {.b0 = gd__wedge_start(wedges.start[i]) * unit,
-                           .b1 =
-                               i + 1 < count ? gd__wedge_start(wedges.start[i + 1]) * unit : length,
-                           .x = wedges.x[i],
+    if (wedges->form == GD__WEDGE_WIDE) return coordinate;
+    double scaled = coordinate * GD__WEDGE_SCALE;
+    uint64_t packed = gd__wedge_bits(&scaled) | (uint64_t)(bits & GD__WEDGE_NIBBLE)
+                                                    << GD__WEDGE_SHIFT;
+    memcpy(&scaled, &packed, sizeof scaled);
+    return scaled;
+}
+
+void gd__wedge_put(const struct gd__wedges *wedges, uint32_t i, uint32_t start, double x, double y,
+                   uint32_t source)
+{
+    wedges->start[i] = start;
+    wedges->x[i] = wedge_pack(wedges, x, source);
+    wedges->y[i] = wedge_pack(wedges, y, source >> 4);
+    switch (wedges->form) {
+    case GD__WEDGE_16:
+        ((uint8_t *)wedges->high)[i] = (uint8_t)(source >> 8);
+        break;
+    case GD__WEDGE_24:
+        ((uint16_t *)wedges->high)[i] = (uint16_t)(source >> 8);
+        break;
+    case GD__WEDGE_WIDE:
+        ((uint32_t *)wedges->high)[i] = source;
+        break;
+    }
+}
+
+struct gd__window gd__wedge_window(const struct gd__wedges *wedges, uint32_t i, double length)
+{
+    double unit = length * GD__WEDGE_UNIT, y = gd__wedge_unpack(wedges, &wedges->y[i]);
+    struct gd__window w = {.b0 = wedges->start[i] * unit,
+                           .b1 = i + 1 < wedges->count ? wedges->start[i + 1] * unit : length,
+                           .x = gd__wedge_unpack(wedges, &wedges->x[i]),
                            .y = fabs(y),
-                           .source = gd__wedge_source(wedges.start[i]),
+                           .source = gd__wedge_source(wedges, i),
                            .tags = signbit(y) ? 0 : GD__WINDOW_FAR_SIDE};
     if (w.source == GD_NONE || !gd__window_is_linear(&w)) return w;
     double half = w.y, scale = 1 / (1 + half * half);
@@ -21,87 +48,100 @@ struct gd__window gd__wedge_window(struct gd__wedges wedges, uint32_t count, uin
     return w;
 }
 
-/* Where wedges go; without arrays they are counted only. */
+/* A writer of wedges. Without arrays it only counts the wedges. */
 struct writer {
-    struct gd__wedges to; /* x is NULL: count */
+    const struct gd__wedges *to; /* NULL: only counts */
     uint32_t count;
-    double length, units; /* of starts, in a unit of length */
-    double end;           /* where the last window ended */
-    bool linear;          /* it was one such */
+    double length, units; /* units: number of start units per length */
+    double end;           /* end of the last window */
+    bool linear;          /* the last window was linear */
 };
 
-/* To whole numbers, of numbers that are not negative but by rounding. */
-static double down(double number)
+/* Rounds down to a whole number. A negative number is zero up to rounding. */
+static double round_down(double number)
 {
     return number > 0 ? (double)(uint64_t)number : 0;
 }
 
-static double up(double number)
+static double round_up(double number)
 {
-    double below = down(number);
+    double below = round_down(number);
     return below + (number > below);
 }
 
-static void put(struct writer *writer, double b0, double x, double y, uint32_t source)
+static void writer_put(struct writer *writer, double b0, double x, double y, uint32_t source)
 {
-    if (writer->to.x) {
+    if (writer->to) {
         double start = b0 * writer->units;
-        if (source != GD_NONE && gd__source_is_linear(source)) start = up(start);
+        if (source != GD_NONE && gd__source_is_linear(source)) start = round_up(start);
         start = start > 0 ? start < GD__WEDGE_LATEST ? start : GD__WEDGE_LATEST : 0;
-        writer->to.x[writer->count] = x;
-        writer->to.y[writer->count] = y;
-        writer->to.start[writer->count] = (uint64_t)start | (uint64_t)source << 32;
+        gd__wedge_put(writer->to, writer->count, (uint32_t)start, x, y, source);
     }
     writer->count++;
 }
 
-/* A window reaches over what is hardly a gap, but not a linear one: between two such there is the
- * unit in which they meet. */
-static void put_gap(struct writer *writer, double until, bool linear)
+/* Writes the gap from the last window to `until`, unless it is no wider than rounding. Beside a
+ * linear window, whose ends are rounded inwards, any gap counts. Between two linear windows a gap
+ * is always written: they may meet within one unit. */
+static void writer_put_gap(struct writer *writer, double until, bool linear)
 {
     bool both = linear && writer->linear;
     double narrow = linear || writer->linear ? 0 : GD_TOL_ADJACENT * writer->length;
-    if (both || until > writer->end + narrow) put(writer, writer->end, 0, 0, GD_NONE);
+    if (both || until > writer->end + narrow) writer_put(writer, writer->end, 0, 0, GD_NONE);
     writer->linear = linear;
 }
 
-/* Tangent of half the angle of a unit vector, y > 0. */
+/* Returns the tangent of half the angle of a unit vector, y > 0. */
 static double half_tangent(double x, double y)
 {
     return x > 0 ? y / (1 + x) : (1 - x) / y;
 }
 
-/* Whether anything is left of a linear window when its ends are rounded inwards. */
-static bool has_inside(const struct writer *writer, const struct gd__window *w)
+/* Returns true if a linear window is not empty after its ends are rounded inwards. */
+static bool window_has_inside(const struct writer *writer, const struct gd__window *w)
 {
-    return up(w->b0 * writer->units) < down(w->b1 * writer->units);
+    return round_up(w->b0 * writer->units) < round_down(w->b1 * writer->units);
 }
 
-static void put_all(struct writer *writer, const struct gd__windows *windows, uint32_t count,
-                    bool mirrored)
+static void writer_put_all(struct writer *writer, const struct gd__windows *windows, uint32_t count,
+                           bool mirrored)
 {
     double length = writer->length;
     for (uint32_t i = 0; i < count; i++) {
         struct gd__window w = gd__windows_get(windows, mirrored ? count - 1 - i : i);
         if (mirrored) w = gd__window_mirrored(&w, length);
         bool linear = gd__window_is_linear(&w);
-        if (linear && !has_inside(writer, &w)) continue;
+        if (linear && !window_has_inside(writer, &w)) continue;
         double x = linear ? w.sigma : w.x, y = linear ? half_tangent(w.x, w.y) : w.y;
-        put_gap(writer, w.b0, linear);
-        put(writer, writer->count ? w.b0 : 0, x, mirrored ? y : -y, w.source);
+        writer_put_gap(writer, w.b0, linear);
+        writer_put(writer, writer->count ? w.b0 : 0, x, mirrored ? y : -y, w.source);
         writer->end = w.b1;
     }
-    put_gap(writer, length, false);
+    writer_put_gap(writer, length, false);
 }
 
-uint32_t gd__wedges_write(const struct gd__windows *windows, uint32_t count, double length,
-                          bool mirrored, double *data)
+static bool needs_wide_form(const struct gd__windows *windows, uint32_t count, double length)
+{
+    bool is_wide = false;
+    for (uint32_t i = 0; i < count; i++)
+        is_wide |= gd__source_is_linear(windows->source[i]) ||
+                   !(fabs(windows->x[i]) + length < GD__WEDGE_LIMIT) ||
+                   !(windows->y[i] < GD__WEDGE_LIMIT);
+    return is_wide;
+}
+
+void gd__chunk_write(const struct gd__windows *windows, uint32_t count, double length,
+                     bool mirrored, struct gd__chunk *out)
 {
     const double units = GD__WEDGE_UNITS / length;
     struct writer counter = {.length = length, .units = units};
-    put_all(&counter, windows, count, mirrored);
-    uint32_t total = counter.count;
-    struct writer writer = {.to = gd__wedges_at(data, total), .length = length, .units = units};
-    put_all(&writer, windows, count, mirrored);
-    return total;
+    writer_put_all(&counter, windows, count, mirrored);
+    if (needs_wide_form(windows, count, length)) out->form = GD__WEDGE_WIDE;
+    out->is_far = mirrored;
+    out->count = counter.count;
+    struct gd__wedges to = gd__chunk_wedges(out);
+    /* also zeroes the padding */
+    memset(out->data, 0, gd__wedge_heads_bytes(out->count, out->form));
+    struct writer writer = {.to = &to, .length = length, .units = units};
+    writer_put_all(&writer, windows, count, mirrored);
 }

@@ -1,77 +1,178 @@
-/* Wedges: the final form of windows, 24 bytes each, in chunks: the windows of one side that were
- * propagated together.
+/* Wedges: the final form of windows, stored in chunks. A chunk holds the windows of one side that
+ * were propagated together. Its wedges are in the frame of side 0 of the edge, sorted by start. A
+ * wedge ends where the next wedge of its chunk starts; the last one ends at the edge's end. A wedge
+ * without a source is a gap. In a linear wedge, `x` is the distance at the edge's origin and `y`
+ * the tangent of half the angle between the segment source's line and the edge. The ends of a
+ * linear wedge are rounded inwards, because its segment ends there.
  *
- * In the frame of side 0 of the edge, sorted by start. A wedge reaches to where the next one of its
- * chunk begins, the last one to the edge's end; a wedge without a source is a gap. Of a linear
- * wedge `x` is the distance at the edge's origin and `y` the tangent of half the angle under which
- * its line is seen along the edge; its ends are rounded inwards, since beyond them its line is no
- * segment. An edge has a chain of chunks, newest first; mostly one. Chunks of a chain may overlap:
- * each wedge is a path that exists, so the least over all of them is the distance. */
+ * An edge has a chain of chunks, newest first; most chains have one chunk. Chunks of a chain may
+ * overlap. Each wedge describes an existing path, so the distance is the minimum over all wedges.
+ *
+ * A wedge takes 21, 22 or 24 bytes, depending on the form of its chunk. Coordinates in the
+ * normalised unit are far below 2^63 and need at most 7 bits of a double's exponent. Scaled by a
+ * power of two, x and y have 4 unused bits each. These bits hold the lower 8 bits of the source's
+ * number, so x and y lose no precision (doc 030). */
 #ifndef GD_WINDOW_WEDGES_H
 #define GD_WINDOW_WEDGES_H
 
+#include <string.h>
+
 #include "window/windows.h"
 
-/* The wedges of a chunk as a structure of arrays. */
-struct gd__wedges {
-    double *x,
-        /* pseudo-source; the sign of y tells on which side of the edge it lies: negative, of side
-           0's windows */
-        *y;
-    /* low half: b0 / length in units of 2^-32; high half: the pseudo-source, GD_NONE for a gap */
-    uint64_t *start;
-};
+/* Forms of a chunk: it stores 16, 24 or (WIDE) 32 bits of a source's number. All bits set mean a
+ * gap. In the WIDE form x and y are not packed. */
+enum gd__wedge_form { GD__WEDGE_16, GD__WEDGE_24, GD__WEDGE_WIDE };
 
 struct gd__chunk {
-    uint32_t previous; /* of the same edge, always before this one; GD_NONE ends the chain */
-    uint32_t count;
-    double data[]; /* x, y, start of each wedge */
+    /* offset of the next older chunk of the same edge; always smaller; GD_NONE ends the chain */
+    uint32_t previous;
+    uint32_t count : 29;
+    /* the windows belong to side 1; all windows of a chunk belong to one side */
+    uint32_t is_far : 1;
+    uint32_t form : 2;
+    uint64_t data[]; /* the arrays of struct gd__wedges */
 };
 
-#define GD__CHUNK_UNIT   8            /* bytes: what offsets of chunks count */
-#define GD__WEDGE_BYTES  24           /* of one wedge */
-#define GD__WEDGE_UNITS  4294967296.0 /* of an edge's length, in which starts are kept */
-#define GD__WEDGE_UNIT   (1.0 / GD__WEDGE_UNITS)
-#define GD__WEDGE_LATEST 4294967295.0 /* the last start */
+/* The arrays of a chunk, in this order. x is 8-byte aligned. */
+struct gd__wedges {
+    uint32_t *start; /* b0 / length in units of 2^-32 */
+    /* the part of the source's number that x and y do not hold: 1, 2 or 4 bytes each */
+    void *high;
+    /* Packed. The sign of y is the side of the pseudo-source: negative for windows of side 0. */
+    double *x, *y;
+    uint32_t count;
+    enum gd__wedge_form form;
+};
 
-/* The arrays of so many wedges behind each other. */
-static inline struct gd__wedges gd__wedges_at(double *data, uint32_t count)
+#define GD__CHUNK_UNIT   8            /* unit of chunk offsets, in bytes */
+#define GD__WEDGE_LEAST  21           /* bytes of one wedge in the shortest form */
+#define GD__WEDGE_UNITS  4294967296.0 /* the number of units per edge in which starts are stored */
+#define GD__WEDGE_UNIT   (1.0 / GD__WEDGE_UNITS)
+#define GD__WEDGE_LATEST 4294967295.0 /* the largest start */
+
+/* Packing of x and y: a number below LIMIT, times SCALE, has zeros in the four bits from SHIFT
+ * upwards. */
+#define GD__WEDGE_LIMIT   0x1p63
+#define GD__WEDGE_SCALE   0x1p-959
+#define GD__WEDGE_UNSCALE 0x1p959
+#define GD__WEDGE_SHIFT   59
+#define GD__WEDGE_NIBBLE  15u
+#define GD__WEDGE_MASK    (~((uint64_t)GD__WEDGE_NIBBLE << GD__WEDGE_SHIFT))
+
+/* Returns the shortest form for that many sources (vertices and seeds). */
+static inline enum gd__wedge_form gd__wedge_form_of(uint64_t sources)
 {
-    return (struct gd__wedges){data, data + count, (uint64_t *)(data + 2 * (size_t)count)};
+    return sources < UINT16_MAX                ? GD__WEDGE_16
+           : sources < (UINT32_C(1) << 24) - 1 ? GD__WEDGE_24
+                                               : GD__WEDGE_WIDE;
+}
+
+/* Returns true if coordinates on a mesh can be packed. `shortest` and `longest` are edge lengths in
+ * the normalised unit. No path is longer than all edges together. */
+static inline bool gd__wedges_fit(double shortest, double longest, uint32_t edges)
+{
+    return shortest >= GD_TOL_PACKED && longest * edges < GD__WEDGE_LIMIT / 2;
+}
+
+/* Returns the bytes of the arrays of starts and of source numbers. */
+static inline size_t gd__wedge_heads_bytes(uint32_t count, enum gd__wedge_form form)
+{
+    size_t each = form == GD__WEDGE_WIDE ? 8 : 5 + (size_t)form;
+    return (each * count + 7) & ~(size_t)7;
+}
+
+static inline size_t gd__wedges_bytes(uint32_t count, enum gd__wedge_form form)
+{
+    return gd__wedge_heads_bytes(count, form) + 2 * sizeof(double) * (size_t)count;
+}
+
+static inline size_t gd__chunk_bytes(const struct gd__chunk *chunk)
+{
+    return sizeof *chunk + gd__wedges_bytes(chunk->count, chunk->form);
 }
 
 static inline struct gd__wedges gd__chunk_wedges(const struct gd__chunk *chunk)
 {
-    return gd__wedges_at((double *)chunk->data, chunk->count);
+    char *data = (char *)chunk->data;
+    uint32_t count = chunk->count;
+    double *x = (double *)(data + gd__wedge_heads_bytes(count, chunk->form));
+    return (struct gd__wedges){.start = (uint32_t *)data,
+                               .high = data + sizeof(uint32_t) * (size_t)count,
+                               .x = x,
+                               .y = x + count,
+                               .count = count,
+                               .form = chunk->form};
 }
 
-static inline uint32_t gd__wedge_start(uint64_t start)
+/* Returns the wedges from `first` on. */
+static inline struct gd__wedges gd__wedges_from(const struct gd__wedges *w, uint32_t first)
 {
-    return (uint32_t)start;
+    return (struct gd__wedges){.start = w->start + first,
+                               .high = (char *)w->high + ((size_t)first << w->form),
+                               .x = w->x + first,
+                               .y = w->y + first,
+                               .count = w->count - first,
+                               .form = w->form};
 }
 
-static inline uint32_t gd__wedge_source(uint64_t start)
+static inline uint64_t gd__wedge_bits(const double *packed)
 {
-    return (uint32_t)(start >> 32);
+    uint64_t bits;
+    memcpy(&bits, packed, sizeof bits);
+    return bits;
 }
 
-/* The window that wedge `i` of a chunk was, in the frame of side 0, y >= 0, without sigma but for a
- * linear one; tags are GD__WINDOW_FAR_SIDE where its source lies across side 1. A gap has source
+static inline double gd__wedge_unpack(const struct gd__wedges *wedges, const double *packed)
+{
+    if (wedges->form == GD__WEDGE_WIDE) return *packed;
+    uint64_t bits = gd__wedge_bits(packed) & GD__WEDGE_MASK;
+    double scaled;
+    memcpy(&scaled, &bits, sizeof scaled);
+    return scaled * GD__WEDGE_UNSCALE;
+}
+
+/* Returns the pseudo-source of wedge `i`; GD_NONE for a gap. */
+static inline uint32_t gd__wedge_source(const struct gd__wedges *wedges, uint32_t i)
+{
+    if (wedges->form == GD__WEDGE_WIDE) return ((const uint32_t *)wedges->high)[i];
+    bool is_short = wedges->form == GD__WEDGE_16;
+    uint32_t all = is_short ? UINT16_MAX : (UINT32_C(1) << 24) - 1,
+             high = is_short ? ((const uint8_t *)wedges->high)[i]
+                             : ((const uint16_t *)wedges->high)[i],
+             low = (gd__wedge_bits(&wedges->x[i]) >> GD__WEDGE_SHIFT & GD__WEDGE_NIBBLE) |
+                   (gd__wedge_bits(&wedges->y[i]) >> GD__WEDGE_SHIFT & GD__WEDGE_NIBBLE) << 4,
+             source = high << 8 | low;
+    return source == all ? GD_NONE : source;
+}
+
+/* Writes wedge `i`. x and y must be below GD__WEDGE_LIMIT unless the form is wide. */
+void gd__wedge_put(const struct gd__wedges *wedges, uint32_t i, uint32_t start, double x, double y,
+                   uint32_t source);
+
+/* Returns wedge `i` as a window in the frame of side 0, y >= 0. sigma is set for linear wedges
+ * only. The tag GD__WINDOW_FAR_SIDE is set if the source lies across side 1. A gap has source
  * GD_NONE. */
-struct gd__window gd__wedge_window(struct gd__wedges wedges, uint32_t count, uint32_t i,
-                                   double length);
+struct gd__window gd__wedge_window(const struct gd__wedges *wedges, uint32_t i, double length);
 
-/* Most wedges that so many windows of a list can give: each may have a gap before it, and the last
- * one behind it. */
+/* Returns an upper bound on the wedges of a list of windows: there may be a gap before each window
+ * and after the last. */
 static inline uint32_t gd__wedges_bound(uint32_t count)
 {
     return 2 * count + 1;
 }
 
-/* Writes sorted windows of a side as wedges with the gaps between them to arrays behind each other
- * at `data`; returns how many. `mirrored`: windows of side 1. The slow but general form of
- * gd__kernel.store. */
-uint32_t gd__wedges_write(const struct gd__windows *windows, uint32_t count, double length,
-                          bool mirrored, double *data);
+/* Returns an upper bound on the bytes of a chunk of that many windows in any form, and of a group
+ * that is written behind it. */
+static inline size_t gd__chunk_bound(uint32_t count)
+{
+    return sizeof(struct gd__chunk) + gd__wedges_bytes(gd__wedges_bound(count), GD__WEDGE_WIDE) +
+           GD__WINDOWS_GROUP * sizeof(double);
+}
+
+/* Writes sorted windows of a side to a chunk, as wedges with gaps between them. Uses the chunk's
+ * form, or WIDE if a window needs it. Sets the count and the side. `mirrored`: the windows belong
+ * to side 1. This is the general form of gd__kernel.store. */
+void gd__chunk_write(const struct gd__windows *windows, uint32_t count, double length,
+                     bool mirrored, struct gd__chunk *out);
 
 #endif

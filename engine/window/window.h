@@ -1,15 +1,15 @@
-/* Window: a wedge in flight, on one side of an edge (Definition 1 of the paper; "wedge" is kept for
- * the final stage).
+/* Window: an interval of an edge, on one of its sides, and the source whose paths reach it, during
+ * propagation (Definition 1 of the paper). A wedge is the final form of a window. In the frame of
+ * its side (mesh/topology.h) the window has its pseudo-source at (x, -y), y > 0. Straight lines
+ * from the source through [b0, b1] are shortest paths. The distance at parameter t of the edge is
+ * sigma + |(t, 0) - (x, -y)|. The window propagates into the side's face.
  *
- * In the frame of its side (mesh/topology.h) the window sees its pseudo-source at (x, -y), y > 0,
- * straight through [b0, b1]; the distance at parameter t of the edge is sigma + |(t, 0) - (x, -y)|.
- * It propagates into the side's face.
- *
- * A linear window is of a segment source (Bommes and Kobbelt 2007): it sees a line at right angles,
- * that is a source infinitely far away in the direction (x, -y), a unit vector, y > 0. The distance
- * at (t, h) of the frame is sigma - x t + y h: its sigma is the distance at the frame's origin,
- * which may lie outside the window, so that it may be negative, and changes from frame to frame. In
- * homogeneous coordinates both are one: the source (x, -y, 1) or (x, -y, 0). */
+ * A linear window belongs to a segment source (Bommes and Kobbelt 2007). Its rays are parallel, as
+ * if the source were infinitely far away in the direction (x, -y), a unit vector, y > 0. The
+ * distance at (t, h) of the frame is sigma - x t + y h. So sigma is the distance at the frame's
+ * origin. It differs from frame to frame, and may be negative because the origin may lie outside
+ * the window. In homogeneous coordinates the source of a window is (x, -y, 1), and that of a linear
+ * window (x, -y, 0). */
 #ifndef GD_WINDOW_WINDOW_H
 #define GD_WINDOW_WINDOW_H
 
@@ -19,23 +19,24 @@
 
 #include "base/tolerance.h"
 
-/* Tags of a window that is handled by itself. FAR_SIDE: of side 1 of an edge, in the frame of side
- * 0. Bits from SERIAL upwards number windows that must not be joined. */
+/* Tags of a window outside a list. FAR_SIDE: it belongs to side 1 of an edge and is in the frame of
+ * side 0. Windows that differ in the bits from SERIAL upwards must not be joined. */
 enum { GD__WINDOW_FAR_SIDE = 1, GD__WINDOW_SERIAL = 4 };
 
-/* Set in a source's number: the window is linear. The rest is vertex_count + number of the seed. */
+/* Bit of a source's number: the source is linear. The other bits are vertex_count + number of the
+ * seed. */
 #define GD__SOURCE_LINEAR (UINT32_C(1) << 31)
 
 struct gd__window {
     double b0, b1;
     double x, y;
-    /* distance of the pseudo-source; of a linear window that at the frame's origin */
+    /* distance of the pseudo-source; of a linear window, the distance at the frame's origin */
     double sigma;
-    uint32_t source; /* pseudo-source: a vertex, or vertex_count + number of the seed */
+    uint32_t source; /* the pseudo-source: a vertex, or vertex_count + number of the seed */
     uint32_t tags;
 };
 
-/* Of a source that is one: not of a gap's (GD_NONE). */
+/* Returns true for a linear source, false for GD_NONE (a gap). */
 static inline bool gd__source_is_linear(uint32_t source)
 {
     return (source & GD__SOURCE_LINEAR) != 0;
@@ -46,7 +47,7 @@ static inline bool gd__window_is_linear(const struct gd__window *w)
     return gd__source_is_linear(w->source);
 }
 
-/* Distance at (t, h) of the frame, straight through the edge's line, h >= 0. */
+/* Returns the distance at (t, h) of the frame, h >= 0, straight across the edge's line. */
 static inline double gd__window_distance_beyond(const struct gd__window *w, double t, double h)
 {
     if (gd__window_is_linear(w)) return w->sigma - w->x * t + w->y * h;
@@ -54,26 +55,26 @@ static inline double gd__window_distance_beyond(const struct gd__window *w, doub
     return w->sigma + sqrt(dx * dx + dy * dy);
 }
 
-/* Distance at parameter t of the edge, of a window that is not linear; */
+/* Returns the distance at parameter t of the edge, for a window that is not linear. */
 static inline double gd__window_distance_of_point(const struct gd__window *w, double t)
 {
     double d = t - w->x;
     return w->sigma + sqrt(d * d + w->y * w->y);
 }
 
-/* of any; */
+/* Returns the distance at parameter t of the edge, for any window. */
 static inline double gd__window_distance(const struct gd__window *w, double t)
 {
     return gd__window_is_linear(w) ? w->sigma - w->x * t : gd__window_distance_of_point(w, t);
 }
 
-/* in the middle of its interval. */
+/* Returns the distance in the middle of the window's interval. */
 static inline double gd__window_distance_in_middle(const struct gd__window *w)
 {
     return gd__window_distance(w, 0.5 * (w->b0 + w->b1));
 }
 
-/* Shortest distance that the window gives anywhere on its interval. */
+/* Returns the least distance on the window's interval. */
 static inline double gd__window_nearest(const struct gd__window *w)
 {
     if (gd__window_is_linear(w)) return gd__window_distance(w, w->x > 0 ? w->b1 : w->b0);
@@ -81,9 +82,9 @@ static inline double gd__window_nearest(const struct gd__window *w)
     return gd__window_distance(w, t);
 }
 
-/* The source sees an edge of that length end on: on its line, beyond its ends. No window is made;
- * the candidate through the end point covers what it would see. A source beside the edge itself
- * sees it at all angles, however small y is. */
+/* Returns true if the source lies on the line of an edge of that length, beyond its ends, up to
+ * rounding. Such a source makes no window: the path through the edge's end replaces it. A source on
+ * the edge itself sees the edge at all angles, however small y is. */
 static inline bool gd__window_grazes(double x, double y, double length)
 {
     if (y > GD_TOL_GRAZING * length) return false;
@@ -91,7 +92,8 @@ static inline bool gd__window_grazes(double x, double y, double length)
            (y == 0 && (x <= 0 || x >= length));
 }
 
-/* One source seen through two windows: they differ in their intervals only. */
+/* Returns true if two windows have the same unfolded source, so that they differ only in their
+ * intervals. */
 static inline bool gd__window_same_source(const struct gd__window *a, const struct gd__window *b)
 {
     if (a->source != b->source || a->tags != b->tags) return false;
@@ -101,7 +103,8 @@ static inline bool gd__window_same_source(const struct gd__window *a, const stru
     return fabs(a->x - b->x) <= tolerance && fabs(a->y - b->y) <= tolerance;
 }
 
-/* A window that goes on where the last one of its list ends, from the same source: both are one. */
+/* Returns true if the window starts where the last window of its list ends, and both have the same
+ * source: they can be joined. */
 static inline bool gd__window_joins(const struct gd__window *last, const struct gd__window *w,
                                     double min_width)
 {
@@ -109,8 +112,8 @@ static inline bool gd__window_joins(const struct gd__window *last, const struct 
            gd__window_same_source(last, w);
 }
 
-/* The same window seen from the other side of an edge of that length: used to compare, never to
- * propagate. */
+/* Returns the window in the frame of the edge's other side; `length` is the edge's. For comparisons
+ * only, never propagated. */
 static inline struct gd__window gd__window_mirrored(const struct gd__window *w, double length)
 {
     struct gd__window m = *w;

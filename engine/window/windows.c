@@ -2,7 +2,7 @@
 
 #include <stdlib.h>
 
-/* a group before the first window may be read */
+/* Kernels may read one group before the first window. */
 #define BEFORE ((size_t)GD__WINDOWS_GROUP * sizeof(double))
 
 enum gd_status gd__window_builder_reserve(struct gd__window_builder *builder, uint32_t count)

@@ -1,9 +1,7 @@
-/* Windows of one list as a structure of arrays: what the kernels read and write, several lanes at a
- * time.
- *
- * Arrays have room for whole groups of GD__WINDOWS_GROUP windows: kernels read and write whole
- * groups, so that what lies behind the last window, up to one group, is undefined and free to be
- * overwritten; up to one group before the first may be read. */
+/* Windows of one list as a structure of arrays. Kernels read and write them several lanes at a
+ * time. Arrays have room for whole groups of GD__WINDOWS_GROUP windows. Kernels read and write
+ * whole groups. They may overwrite up to one group behind the last window, whose content is
+ * undefined, and read up to one group before the first. */
 #ifndef GD_WINDOW_WINDOWS_H
 #define GD_WINDOW_WINDOWS_H
 
@@ -13,8 +11,8 @@
 #include "gd/status.h"
 #include "window/window.h"
 
-#define GD__WINDOWS_GROUP 8 /* the most lanes of a kernel */
-/* of one window: five doubles and the source, rounded up so that groups fill cache lines */
+#define GD__WINDOWS_GROUP 8 /* largest number of lanes of a kernel */
+/* bytes per window: five doubles and the source, rounded up so that groups fill cache lines */
 #define GD__WINDOWS_BYTES 48
 
 struct gd__windows {
@@ -22,8 +20,8 @@ struct gd__windows {
     uint32_t *source;
 };
 
-/* The arrays in a block of capacity * GD__WINDOWS_BYTES bytes, 64-byte aligned; capacity is a
- * multiple of the group. */
+/* Returns the arrays in a block of capacity * GD__WINDOWS_BYTES bytes, 64-byte aligned. `capacity`
+ * is a multiple of the group. */
 static inline struct gd__windows gd__windows_at(void *block, uint32_t capacity)
 {
     double *first = block;
@@ -51,15 +49,15 @@ static inline void gd__windows_put(const struct gd__windows *w, uint32_t i,
     w->source[i] = window->source;
 }
 
-/* The windows from place `first` on. */
+/* Returns the windows from index `first` on. */
 static inline struct gd__windows gd__windows_from(const struct gd__windows *w, uint32_t first)
 {
     return (struct gd__windows){w->b0 + first, w->b1 + first,    w->x + first,
                                 w->y + first,  w->sigma + first, w->source + first};
 }
 
-/* Copies `count` windows in whole groups: up to a group more is overwritten behind them. The places
- * must not overlap. */
+/* Copies `count` windows in whole groups, so it may overwrite up to one group behind them. The
+ * ranges must not overlap. */
 static inline void gd__windows_copy(const struct gd__windows *to, uint32_t at,
                                     const struct gd__windows *from, uint32_t first, uint32_t count)
 {
@@ -87,14 +85,15 @@ static inline void gd__windows_move(const struct gd__windows *w, uint32_t to, ui
     __builtin_memmove(w->source + to, w->source + from, count * sizeof(uint32_t));
 }
 
-/* Windows under construction: a block of its own that grows. All zero is empty. */
+/* Windows under construction, in a growing block of their own. A struct that is all zero is
+ * empty. */
 struct gd__window_builder {
     struct gd__windows at;
-    uint32_t capacity; /* windows, one group behind them not counted */
+    uint32_t capacity; /* in windows, without the group behind them */
     void *block;
 };
 
-/* Room for that many windows; what was in it is kept. GD_NO_MEMORY. */
+/* Makes room for that many windows. Keeps the content. GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__window_builder_reserve(struct gd__window_builder *builder,
                                                       uint32_t count);
 void gd__window_builder_destroy(struct gd__window_builder *builder);

@@ -5,7 +5,7 @@
 #include <string.h>
 #include <strings.h>
 
-/* A piece of the header. */
+/* Part of the header. */
 struct span {
     const char *text;
     size_t size;
@@ -18,8 +18,8 @@ static struct span trimmed(struct span span)
     return span;
 }
 
-/* Takes the part before the first `separator` off the front of `*rest`, and the separator with
- * it. */
+/* Removes the part before the first `separator`, and the separator, from the front of `*rest`.
+ * Returns the part. */
 static struct span next_part(struct span *rest, char separator)
 {
     const char *found = memchr(rest->text, separator, rest->size);
@@ -36,7 +36,8 @@ static bool is_text(struct span span, const char *text, size_t size)
     return span.size == size && strncasecmp(span.text, text, size) == 0;
 }
 
-/* How closely a range fits the type: 0 not at all, 1 for any type, 2 for any subtype, 3 exactly. */
+/* Returns how closely a range matches the type: 0 not at all, 1 for any type, 2 for any subtype, 3
+ * exactly. */
 static int closeness(struct span range, const char *media_type)
 {
     size_t slash = strcspn(media_type, "/");
@@ -47,7 +48,7 @@ static int closeness(struct span range, const char *media_type)
     return any_subtype && strncasecmp(range.text, media_type, slash) == 0 ? 2 : 0;
 }
 
-/* "0.5" -> 500. What is no weight counts as refusal. */
+/* Returns a weight in thousandths: "0.5" gives 500. Malformed text gives 0, a refusal. */
 static unsigned weight(struct span text)
 {
     unsigned value = 0, digit = 1000;

@@ -2,8 +2,8 @@
  * `generate.py assets`.
  *
  * "/" and "/openapi.json" are operations with handlers of their own, which serve the asset of that
- * path. The pages' other files are no operations: a GET that finds no route is looked up here
- * before it is not_found. */
+ * path. The pages' other files have no operations: a GET without a route is looked up here before
+ * it fails with not_found. */
 #ifndef PROTO_ASSET_H
 #define PROTO_ASSET_H
 
@@ -11,21 +11,21 @@
 
 struct proto_asset {
     const char *path;       /* "/docs/index.html"; an index has entries "/docs" and "/docs/", too */
-    const char *media_type; /* with charset where it is text */
-    /* value of the header, quotes included: from the SHA-256 of the bytes */
+    const char *media_type; /* with a charset if it is text */
+    /* value of the ETag header, with quotes: derived from the SHA-256 of the bytes */
     const char *etag;
-    /* value of Content-Security-Policy: what the file may load when it is shown as a page */
+    /* value of Content-Security-Policy when the file is shown as a page */
     const char *policy;
     const unsigned char *bytes;
     size_t size;
-    const unsigned char *gzip; /* the same compressed; NULL when that is no smaller */
+    const unsigned char *gzip; /* the compressed bytes; NULL if they are not fewer */
     size_t gzip_size;
 };
 
 extern const struct proto_asset proto_assets[];
 extern const size_t proto_asset_count;
 
-/* The asset of exactly that path among `count` assets; NULL: none. O(count). Thread-safe. */
+/* Returns the asset of exactly that path among `count` assets, or NULL. O(count). Thread-safe. */
 const struct proto_asset *proto_asset_find(const struct proto_asset *assets, size_t count,
                                            const char *path);
 

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "proto/json/member.h"
+#include "proto/json/writer.h"
 
 const char *proto_job_state_name(enum proto_job_state state)
 {
@@ -27,7 +27,7 @@ static void encode_headers(struct proto_writer *writer, const struct proto_job_a
     proto_write_object_end(writer);
 }
 
-/* The head of the answer, and where it can be had as it is. */
+/* Writes status, headers and link of the answer. */
 static void encode_response(struct proto_writer *writer, const struct proto_job *job)
 {
     const struct proto_job_answer *answer = job->answer;
@@ -39,7 +39,7 @@ static void encode_response(struct proto_writer *writer, const struct proto_job 
     proto_write_object_end(writer);
 }
 
-/* The media types of this API that can stand inside JSON. */
+/* Returns whether a body of this media type can be embedded in JSON. */
 static bool is_json(const char *media_type)
 {
     return media_type && (strcmp(media_type, "application/json") == 0 ||
@@ -72,7 +72,7 @@ static bool shows_body(const struct proto_job *job, enum proto_job_detail detail
     return detail == PROTO_JOB_FULL;
 }
 
-static void encode_told(struct proto_writer *writer, const struct proto_job *job)
+static void encode_state(struct proto_writer *writer, const struct proto_job *job)
 {
     proto_write_object_begin(writer);
     proto_member_string(writer, "id", job->id);
@@ -86,7 +86,7 @@ static void encode_told(struct proto_writer *writer, const struct proto_job *job
 bool proto_job_encode_head(struct proto_writer *writer, const struct proto_job *job)
 {
     if (!job->answer || !job->answer->size || !is_json(job->answer->media_type)) return false;
-    encode_told(writer, job);
+    encode_state(writer, job);
     proto_write_key(writer, job->state == PROTO_JOB_DONE ? "result" : "problem");
     return true;
 }
@@ -94,12 +94,12 @@ bool proto_job_encode_head(struct proto_writer *writer, const struct proto_job *
 void proto_job_encode(struct proto_writer *writer, const struct proto_job *job,
                       enum proto_job_detail detail)
 {
-    encode_told(writer, job);
+    encode_state(writer, job);
     if (job->answer && shows_body(job, detail)) encode_body(writer, job);
     proto_write_object_end(writer);
 }
 
-/* JSON as it is written here has no line breaks: so it is one line of data. */
+/* The JSON of this writer has no line breaks, so it is one `data` line. */
 void proto_job_encode_event(struct proto_writer *writer, const struct proto_job *job)
 {
     bool has_ended = proto_job_has_ended(job->state);

@@ -1,4 +1,4 @@
-/* Job: an operation whose answer is kept for a client that comes back for it, as it is told of. */
+/* Job: the description of an operation whose answer is kept until the client fetches it. */
 #ifndef PROTO_JOB_H
 #define PROTO_JOB_H
 
@@ -23,20 +23,20 @@ enum proto_job_state {
         PROTO_JOB_STATE_COUNT
 };
 
-/* "queued" and so on. Static string. */
+/* Returns "queued" and so on, a static string. */
 const char *proto_job_state_name(enum proto_job_state state);
 
-/* True when the state is the last. */
+/* Returns whether the state is final. */
 bool proto_job_has_ended(enum proto_job_state state);
 
 struct proto_job_header {
     const char *name, *value;
 };
 
-/* What the operation answered. */
+/* The operation's answer. */
 struct proto_job_answer {
     unsigned status;
-    const char *media_type; /* NULL: there is no body */
+    const char *media_type; /* NULL: no body */
     const char *body;
     size_t size;
     const struct proto_job_header *headers;
@@ -49,22 +49,23 @@ struct proto_job {
     enum proto_job_state state;
     double progress;                       /* [0,1] */
     int64_t created;                       /* seconds since 1970-01-01T00:00:00Z */
-    const struct proto_job_answer *answer; /* NULL: none, or not yet */
+    const struct proto_job_answer *answer; /* NULL: none, or none yet */
 };
 
-/* How much of a job is told: BRIEF leaves the body of its answer out, EVENT that of a result but
- * not that of a problem. */
+/* Detail of a job's description: BRIEF omits the body of its answer; EVENT includes the body of a
+ * result but not of a problem. */
 enum proto_job_detail { PROTO_JOB_BRIEF, PROTO_JOB_EVENT, PROTO_JOB_FULL };
 
 void proto_job_encode(struct proto_writer *writer, const struct proto_job *job,
                       enum proto_job_detail detail);
 
-/* The same as FULL up to where the body of its answer stands, then PROTO_JOB_TAIL follows. False,
- * with nothing written, when no body stands there as it is. */
+/* Writes the description with detail FULL up to the body of its answer; the caller appends the body
+ * and then PROTO_JOB_TAIL. Returns false, with nothing written, if the body can't be embedded
+ * unchanged. */
 bool proto_job_encode_head(struct proto_writer *writer, const struct proto_job *job);
 #define PROTO_JOB_TAIL "}"
 
-/* The job as a server-sent event: "done" when it has ended, however it did, else "progress". */
+/* Writes the job as a server-sent event: "done" once it has ended in any way, else "progress". */
 void proto_job_encode_event(struct proto_writer *writer, const struct proto_job *job);
 
 /* The id of the event "done", which a client that reconnects sends back as Last-Event-ID. */

@@ -6,9 +6,9 @@
 #include "proto/json/number.h"
 #include "proto/json/writer.h"
 
-#define MOST_NAMES 32 /* fields of an answer, or parameters of an operation: one bit each */
+#define MOST_NAMES 32 /* an answer's fields or an operation's parameters; each is one bit */
 
-/* Number of the name that is `size` bytes long, or MOST_NAMES when it is not among them. */
+/* Returns the index of the name of `size` bytes, or MOST_NAMES if it is not listed. */
 static unsigned find_name(const char *const *names, const char *name, size_t size)
 {
     for (unsigned i = 0; names && names[i]; i++) {
@@ -20,47 +20,46 @@ static unsigned find_name(const char *const *names, const char *name, size_t siz
 
 /* --- any query string ------------------------------------------------------------------------- */
 
-struct check {
-    const char *const *allowed;
-    uint32_t seen;
-    bool passed;
-    struct proto_problem *problem;
-};
-
-/* A name that the client made up may look like a JSON Pointer, so it does not go through
- * proto_problem_at. */
-static bool refuse_name(struct check *check, const char *name, const char *why)
+const char *proto_parameters_get(const struct proto_parameters *parameters, const char *name)
 {
-    struct proto_problem *problem = check->problem;
+    for (uint32_t i = 0; i < parameters->count; i++) {
+        const struct proto_parameter *parameter = &parameters->all[i];
+        if (*parameter->name == *name && strcmp(parameter->name, name) == 0)
+            return parameter->value;
+    }
+    return NULL;
+}
+
+/* Fills in a problem at a parameter. An unknown name may look like a JSON Pointer, which
+ * proto_problem_at would misread. */
+static bool refuse_name(struct proto_problem *problem, const char *name, const char *why)
+{
     proto_problem_set(problem, PROTO_PROBLEM_INVALID_REQUEST, "the parameter \"%.64s\" %s", name,
                       why);
     snprintf(problem->parameter, sizeof problem->parameter, "%s", name);
-    return check->passed = false;
-}
-
-static bool check_name(void *context, const char *name)
-{
-    struct check *check = context;
-    unsigned number = find_name(check->allowed, name, strlen(name));
-    if (number == MOST_NAMES)
-        return refuse_name(check, name, "is unknown here; check its spelling or leave it out");
-    if (check->seen >> number & 1) return refuse_name(check, name, "stands more than once");
-    check->seen |= UINT32_C(1) << number;
-    return true;
+    return false;
 }
 
 bool proto_parameters_check(const struct proto_parameters *parameters, const char *const *allowed,
                             struct proto_problem *problem)
 {
-    struct check check = {.allowed = allowed, .passed = true, .problem = problem};
-    parameters->each(parameters->user, check_name, &check);
-    return check.passed;
+    uint32_t seen = 0;
+    for (uint32_t i = 0; i < parameters->count; i++) {
+        const char *name = parameters->all[i].name;
+        unsigned number = find_name(allowed, name, strlen(name));
+        if (number == MOST_NAMES)
+            return refuse_name(problem, name,
+                               "is unknown here; check its spelling or leave it out");
+        if (seen >> number & 1) return refuse_name(problem, name, "stands more than once");
+        seen |= UINT32_C(1) << number;
+    }
+    return true;
 }
 
 const char *proto_parameters_require(const struct proto_parameters *parameters, const char *name,
                                      struct proto_problem *problem)
 {
-    const char *value = parameters->get(parameters->user, name);
+    const char *value = proto_parameters_get(parameters, name);
     if (value && *value) return value;
     proto_problem_refuse(problem, name, "the parameter \"%s\" is missing", name);
     return NULL;
@@ -70,7 +69,7 @@ bool proto_parameters_integer(const struct proto_parameters *parameters, const c
                               uint64_t least, uint64_t most, uint64_t *out,
                               struct proto_problem *problem)
 {
-    const char *text = parameters->get(parameters->user, name);
+    const char *text = proto_parameters_get(parameters, name);
     if (!text) return true;
     uint64_t value;
     size_t length = proto_integer_parse(text, &value);
@@ -87,11 +86,9 @@ static void append_words(struct proto_problem *problem, const char *const *words
         snprintf(problem->detail + at, sizeof problem->detail - at, " %s", *words);
 }
 
-bool proto_parameters_choice(const struct proto_parameters *parameters, const char *name,
-                             const char *const *words, unsigned *out, struct proto_problem *problem)
+static bool find_word(const char *text, const char *name, const char *const *words, unsigned *out,
+                      struct proto_problem *problem)
 {
-    const char *text = parameters->get(parameters->user, name);
-    if (!text) return true;
     unsigned word = find_name(words, text, strlen(text));
     if (word != MOST_NAMES) {
         *out = word;
@@ -102,9 +99,26 @@ bool proto_parameters_choice(const struct proto_parameters *parameters, const ch
     return false;
 }
 
+bool proto_parameters_choice(const struct proto_parameters *parameters, const char *name,
+                             const char *const *words, unsigned *out, struct proto_problem *problem)
+{
+    const char *text = proto_parameters_get(parameters, name);
+    return !text || find_word(text, name, words, out, problem);
+}
+
+bool proto_parameters_flag(const struct proto_parameters *parameters, const char *name, bool *out,
+                           struct proto_problem *problem)
+{
+    static const char *const words[] = {"false", "true", NULL};
+    unsigned word = *out;
+    if (!proto_parameters_choice(parameters, name, words, &word, problem)) return false;
+    *out = word;
+    return true;
+}
+
 /* --- the options of every query --------------------------------------------------------------- */
 
-/* a day: keeps the sum of clock and timeout far from overflow */
+/* one day, so that clock plus timeout can't overflow */
 #define MOST_TIMEOUT_MS UINT64_C(86400000)
 
 static bool refuse_member(struct proto_problem *problem, const char *name, int size,
@@ -116,11 +130,9 @@ static bool refuse_member(struct proto_problem *problem, const char *name, int s
     return false;
 }
 
-static bool parse_fields(const struct proto_parameters *parameters, const char *const *names,
-                         uint32_t *out, struct proto_problem *problem)
+static bool parse_fields(const char *text, const char *const *names, uint32_t *out,
+                         struct proto_problem *problem)
 {
-    const char *text = parameters->get(parameters->user, "select");
-    if (!text) return true;
     uint32_t fields = 0;
     for (bool more = true; more;) {
         size_t size = strcspn(text, ",");
@@ -142,23 +154,16 @@ bool proto_field(struct proto_writer *writer, const struct proto_options *option
     return true;
 }
 
-void proto_field_number(struct proto_writer *writer, const struct proto_options *options,
-                        uint32_t field, double value)
-{
-    if (proto_field(writer, options, field)) proto_write_number(writer, value);
-}
-
-void proto_field_uint(struct proto_writer *writer, const struct proto_options *options,
-                      uint32_t field, uint64_t value)
-{
-    if (proto_field(writer, options, field)) proto_write_uint(writer, value);
-}
-
-void proto_field_bool(struct proto_writer *writer, const struct proto_options *options,
-                      uint32_t field, bool value)
-{
-    if (proto_field(writer, options, field)) proto_write_bool(writer, value);
-}
+#define FIELD(kind, type)                                                                          \
+    void proto_field_##kind(struct proto_writer *writer, const struct proto_options *options,      \
+                            uint32_t field, type value)                                            \
+    {                                                                                              \
+        if (proto_field(writer, options, field)) proto_write_##kind(writer, value);                \
+    }
+FIELD(number, double)
+FIELD(uint, uint64_t)
+FIELD(bool, bool)
+#undef FIELD
 
 uint32_t proto_fields_within(uint32_t fields, uint32_t whole, uint32_t members)
 {
@@ -173,28 +178,51 @@ struct proto_options proto_options_within(const struct proto_options *options, u
     return within;
 }
 
-static bool parse_geometry(const struct proto_parameters *parameters, enum proto_geometry *out,
-                           struct proto_problem *problem)
+bool proto_options_select(struct proto_options *options, const char *select, const char *geometry,
+                          struct proto_problem *problem)
 {
     unsigned word = PROTO_GEOMETRY_FULL;
-    if (!proto_parameters_choice(parameters, "geometry", proto_geometry_words, &word, problem))
+    if (select && options->names &&
+        !parse_fields(select, options->names, &options->fields, problem))
         return false;
-    *out = (enum proto_geometry)word;
+    if (geometry && !find_word(geometry, "geometry", proto_geometry_words, &word, problem))
+        return false;
+    options->geometry = (enum proto_geometry)word;
     return true;
+}
+
+struct proto_options proto_options_of(const char *const *fields)
+{
+    struct proto_options options = {.names = fields};
+    for (unsigned i = 0; fields && fields[i]; i++) options.fields |= UINT32_C(1) << i;
+    return options;
+}
+
+bool proto_options_timeout(const struct proto_parameters *parameters, struct proto_options *out,
+                           struct proto_problem *problem)
+{
+    return proto_parameters_integer(parameters, "timeout_ms", 1, MOST_TIMEOUT_MS, &out->timeout_ms,
+                                    problem);
 }
 
 bool proto_options_parse(const struct proto_parameters *parameters, const char *const *fields,
                          const char *const *allowed, struct proto_options *out,
                          struct proto_problem *problem)
 {
-    struct proto_options options = {.geometry = PROTO_GEOMETRY_FULL, .names = fields};
-    for (unsigned i = 0; fields && fields[i]; i++) options.fields |= UINT32_C(1) << i;
-    if (!proto_parameters_check(parameters, allowed, problem)) return false;
-    if (fields && !parse_fields(parameters, fields, &options.fields, problem)) return false;
-    if (!parse_geometry(parameters, &options.geometry, problem)) return false;
-    if (!proto_parameters_integer(parameters, "timeout_ms", 1, MOST_TIMEOUT_MS, &options.timeout_ms,
-                                  problem))
+    struct proto_options options = proto_options_of(fields);
+    const char *select = proto_parameters_get(parameters, "select"),
+               *geometry = proto_parameters_get(parameters, "geometry");
+    if (!proto_parameters_check(parameters, allowed, problem) ||
+        !proto_options_select(&options, select, geometry, problem) ||
+        !proto_options_timeout(parameters, &options, problem))
         return false;
     *out = options;
     return true;
+}
+
+bool proto_options_refuse_geometry(struct proto_problem *problem, const char *place)
+{
+    return proto_problem_refuse(problem, place,
+                                "the answer has no lines whose points could be left out or be "
+                                "bare coordinates; leave geometry out, or send full");
 }

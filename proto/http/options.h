@@ -1,4 +1,5 @@
-/* Options: the query string, and what every query takes from it: select, geometry, timeout_ms. */
+/* Options: the query string and the parameters that all queries share: select, geometry,
+ * timeout_ms. */
 #ifndef PROTO_OPTIONS_H
 #define PROTO_OPTIONS_H
 
@@ -9,52 +10,56 @@
 #include "generated/parameters.h"
 #include "proto/json/problem.h"
 
-/* A view of a decoded query string; its owner lends it for a call. Names and values are
- * NUL-terminated and percent-decoded. */
+/* The parameters of a decoded query string; borrowed. */
 struct proto_parameters {
-    /* Value of the first parameter of that name; "" for a parameter without a value; NULL when
-     * there is none. */
-    const char *(*get)(void *user, const char *name);
-    /* Calls visit(context, name) once for each parameter, repeated ones included, until it returns
-     * false. */
-    void (*each)(void *user, bool (*visit)(void *context, const char *name), void *context);
-    void *user;
+    const struct proto_parameter {
+        const char *name, *value; /* "": a parameter without a value */
+    } * all;
+    uint32_t count;
 };
 
-/* Each parameter's name is one of `allowed` (NULL-terminated, at most 32 of them; NULL: none is)
- * and stands once; else invalid_request with the parameter. */
+/* Returns the value of the first parameter of that name, or NULL. */
+const char *proto_parameters_get(const struct proto_parameters *parameters, const char *name);
+
+/* Checks that each parameter's name is one of `allowed` (NULL-terminated, at most 32; NULL: none is
+ * allowed) and occurs once; else invalid_request at the parameter. */
 bool proto_parameters_check(const struct proto_parameters *parameters, const char *const *allowed,
                             struct proto_problem *problem);
 
-/* Value of a parameter that must be there and not be empty; else NULL and invalid_request. Lives as
- * long as the query string. */
+/* Returns the value of a required parameter. Fails with NULL and invalid_request if it is missing
+ * or empty. The value lives as long as the query string. */
 const char *proto_parameters_require(const struct proto_parameters *parameters, const char *name,
                                      struct proto_problem *problem);
 
-/* A decimal integer in [least, most]; `*out` is untouched when the parameter is absent. */
+/* Reads a decimal integer in [least, most]; `*out` is untouched when the parameter is absent. */
 bool proto_parameters_integer(const struct proto_parameters *parameters, const char *name,
                               uint64_t least, uint64_t most, uint64_t *out,
                               struct proto_problem *problem);
 
-/* One word of `words` (NULL-terminated): `*out` is its number; untouched when the parameter is
+/* Reads one of `words` (NULL-terminated) as its index; `*out` is untouched when the parameter is
  * absent. */
 bool proto_parameters_choice(const struct proto_parameters *parameters, const char *name,
                              const char *const *words, unsigned *out,
                              struct proto_problem *problem);
 
+/* Reads "true" or "false"; `*out` is untouched when the parameter is absent. */
+bool proto_parameters_flag(const struct proto_parameters *parameters, const char *name, bool *out,
+                           struct proto_problem *problem);
+
 struct proto_options {
     uint32_t fields; /* bit i: the i-th field of the answer is wanted; all of them by default */
-    const char *const *names; /* of the fields */
+    const char *const *names; /* names of the fields */
     enum proto_geometry geometry;
-    uint64_t timeout_ms; /* 0: not said; not yet capped */
+    uint64_t timeout_ms; /* 0: not given; not yet capped */
 };
 
 struct proto_writer;
 
-/* True if the field, one bit, is wanted: then its key is written, and the value is to follow. */
+/* Returns whether the field (one bit) is selected. If so, its key has been written and the caller
+ * writes the value. */
 bool proto_field(struct proto_writer *writer, const struct proto_options *options, uint32_t field);
 
-/* The same with a value. A number that is not finite is null. */
+/* Writes the field with its value if it is selected. A number that is not finite becomes null. */
 void proto_field_number(struct proto_writer *writer, const struct proto_options *options,
                         uint32_t field, double value);
 void proto_field_uint(struct proto_writer *writer, const struct proto_options *options,
@@ -62,19 +67,33 @@ void proto_field_uint(struct proto_writer *writer, const struct proto_options *o
 void proto_field_bool(struct proto_writer *writer, const struct proto_options *options,
                       uint32_t field, bool value);
 
-/* Of the fields that are wanted, those of `members`, which are parts of the field `whole`: all of
- * them where it alone is named; 0: none is wanted. */
+/* Returns the selected bits among `members`, which are the parts of the field `whole`: all of them
+ * if only `whole` is selected; 0 if none is. */
 uint32_t proto_fields_within(uint32_t fields, uint32_t whole, uint32_t members);
 
-/* The options for a part of the answer: all fields but `whole` are its members. */
+/* Returns the options for a part of the answer, the field `whole`, whose members are all other
+ * fields. */
 struct proto_options proto_options_within(const struct proto_options *options, uint32_t whole);
 
-/* Reads the options that all queries have in common: fields, geometry and timeout_ms. `allowed`: the
- * names of the operation's parameters. `fields`: those of the answer's top-level fields; NULL: there
- * is no projection. Both are NULL-terminated, with at most 32 names. invalid_request with the
+/* Reads the options that all queries share: select, geometry and timeout_ms. `allowed`: names of
+ * the operation's parameters. `fields`: names of the answer's top-level fields; NULL: no
+ * projection. Both are NULL-terminated, with at most 32 names. Fails with invalid_request at the
  * parameter. */
 bool proto_options_parse(const struct proto_parameters *parameters, const char *const *fields,
                          const char *const *allowed, struct proto_options *out,
                          struct proto_problem *problem);
+
+/* Steps of proto_options_parse. proto_options_of returns the default options, which select all
+ * fields. proto_options_select reads the texts of select and geometry (NULL: not given), with
+ * problems at the parameters of these names. proto_options_timeout reads timeout_ms. */
+struct proto_options proto_options_of(const char *const *fields);
+bool proto_options_select(struct proto_options *options, const char *select, const char *geometry,
+                          struct proto_problem *problem);
+bool proto_options_timeout(const struct proto_parameters *parameters, struct proto_options *out,
+                           struct proto_problem *problem);
+
+/* Fills in the problem of an answer without lines for which a geometry other than full is
+ * requested. Returns false. */
+bool proto_options_refuse_geometry(struct proto_problem *problem, const char *place);
 
 #endif

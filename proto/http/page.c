@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "proto/json/member.h"
+#include "proto/json/writer.h"
 #include "proto/json/problem.h"
 
 static bool page_parse(const struct proto_parameters *parameters, const char *const *names,
@@ -14,7 +14,7 @@ static bool page_parse(const struct proto_parameters *parameters, const char *co
     if (!proto_parameters_integer(parameters, "limit", 1, PROTO_PAGE_MOST, &limit, problem))
         return false;
     *out = (struct proto_page){.limit = (uint32_t)limit,
-                               .after = parameters->get(parameters->user, "after")};
+                               .after = proto_parameters_get(parameters, "after")};
     return true;
 }
 
@@ -28,7 +28,7 @@ bool proto_page_parse_names(const struct proto_parameters *parameters, struct pr
                             struct proto_problem *problem)
 {
     if (!page_parse(parameters, proto_list_meshes_parameters, out, problem)) return false;
-    out->prefix = parameters->get(parameters->user, "prefix");
+    out->prefix = proto_parameters_get(parameters, "prefix");
     return true;
 }
 

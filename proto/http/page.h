@@ -8,34 +8,34 @@
 
 #define PROTO_PAGE_DEFAULT 100
 #define PROTO_PAGE_MOST    1000
-/* after which a page ends, however many items it may have */
+/* a page ends beyond this size, even below `limit` items */
 #define PROTO_PAGE_BYTES  ((size_t)1 << 20)
 #define PROTO_PAGE_NUMBER 24 /* bytes of a number's text */
 
 struct proto_page {
     uint32_t limit; /* 1 to PROTO_PAGE_MOST */
-    /* items that follow this one; NULL: from the first. Lives as long as the query string */
+    /* the page starts after this item; NULL: from the first. Lives as long as the query string */
     const char *after;
-    /* begin of the names of all items; NULL: any name. Lives as long as the query string */
+    /* prefix of the names of all items; NULL: any name. Lives as long as the query string */
     const char *prefix;
 };
 
-/* Reads limit and after, and refuses any other parameter. invalid_request. */
+/* Reads limit and after, and rejects any other parameter with invalid_request. */
 bool proto_page_parse(const struct proto_parameters *parameters, struct proto_page *out,
                       struct proto_problem *problem);
 
-/* The same for a list of names, which has `prefix`, too. */
+/* As proto_page_parse, for a list of names, which also accepts `prefix`. */
 bool proto_page_parse_names(const struct proto_parameters *parameters, struct proto_page *out,
                             struct proto_problem *problem);
 
-/* The cursor `after` of a list that is numbered: -1 for none. invalid_request. */
+/* Reads the cursor `after` of a numbered list; -1: none. Problem: invalid_request. */
 bool proto_page_number(const struct proto_page *page, int64_t *out, struct proto_problem *problem);
 
-/* Such a cursor's text, in `text`. */
+/* Writes the cursor of a numbered list into `text` and returns it. */
 const char *proto_page_write_number(int64_t number, char text[PROTO_PAGE_NUMBER]);
 
-/* Writes a list: its begin, each item, its end. `name` of the list ("meshes"); `next`: the cursor
- * of the next page; NULL: this is the last. */
+/* Begin and end a page; the caller writes the items in between. `name`: of the list ("meshes").
+ * `next`: cursor of the next page; NULL: this is the last. */
 void proto_page_begin(struct proto_writer *writer, const char *name);
 void proto_page_end(struct proto_writer *writer, const char *next);
 

@@ -10,8 +10,8 @@ struct split_path {
     struct proto_capture segments[PROTO_ROUTE_SEGMENTS];
 };
 
-/* "/" has no segments, "/a/" has two, the second one empty. False: more segments than any route
- * has, or no path at all. */
+/* Splits a path. "/" has no segments; "/a/" has two, the second one empty. Returns false for more
+ * segments than any route has and for text that is not a path. */
 static bool split(const char *path, struct split_path *out)
 {
     out->count = 0;
@@ -32,7 +32,7 @@ static bool is_literal(struct proto_capture segment, const char *text)
            text[segment.length] == '\0';
 }
 
-/* Most routes differ in the last segment. */
+/* Compares last segments first: most routes differ there. */
 static bool may_match(const struct proto_route *route, const struct split_path *path)
 {
     if (route->segment_count != path->count) return false;
@@ -61,13 +61,13 @@ static bool match(const struct proto_route *route, const struct split_path *path
 
 /* --- the method ------------------------------------------------------------------------------- */
 
-/* As Allow lists them. */
+/* In the order of the Allow header. */
 static const struct {
     const char *name;
     enum proto_method method;
 } methods[] = {
-    {"GET", PROTO_METHOD_GET},   {"HEAD", PROTO_METHOD_GET},      {"PUT", PROTO_METHOD_PUT},
-    {"POST", PROTO_METHOD_POST}, {"DELETE", PROTO_METHOD_DELETE},
+    {"GET", PROTO_METHOD_GET},   {"HEAD", PROTO_METHOD_GET},    {"PUT", PROTO_METHOD_PUT},
+    {"POST", PROTO_METHOD_POST}, {"PATCH", PROTO_METHOD_PATCH}, {"DELETE", PROTO_METHOD_DELETE},
 };
 #define METHODS (sizeof methods / sizeof methods[0])
 

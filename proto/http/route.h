@@ -1,11 +1,11 @@
-/* Route: the table of operations, generated from openapi.yaml (`generate.py routes`), and how a
- * request finds its row.
+/* Route: the table of operations, generated from openapi.yaml (`generate.py sources`), and the
+ * search for a request's row.
  *
  * The generated source defines proto_routes and proto_route_count. A row's handler is
  * server_handle_<name>, where <name> is the operation's x-handler or else its operationId. Queries
- * about meshes share the handler server_handle_query; their kind is server_query_<name>, the same
- * for the GET and POST forms of one query. Rows with literal segments stand before rows that
- * capture in the same place. */
+ * about meshes share the handler server_handle_query; their kind is server_query_<name>, which the
+ * GET and POST forms of a query share. Rows with literal segments stand before rows that capture in
+ * the same place. */
 #ifndef PROTO_ROUTE_H
 #define PROTO_ROUTE_H
 
@@ -15,22 +15,28 @@
 
 #include "proto/json/problem.h"
 
-/* the server's own; only their addresses pass through here */
+/* defined by the server; this folder only passes their addresses */
 struct server_exchange;
 struct server_query_kind;
 
-/* Which key an operation needs, where keys are needed. */
+/* The key that an operation needs, if the daemon has keys. */
 enum proto_access { PROTO_ACCESS_READ, PROTO_ACCESS_WRITE, PROTO_ACCESS_PUBLIC };
 
-enum proto_method { PROTO_METHOD_GET, PROTO_METHOD_PUT, PROTO_METHOD_POST, PROTO_METHOD_DELETE };
+enum proto_method {
+    PROTO_METHOD_GET,
+    PROTO_METHOD_PUT,
+    PROTO_METHOD_POST,
+    PROTO_METHOD_PATCH,
+    PROTO_METHOD_DELETE
+};
 
 #define PROTO_ROUTE_SEGMENTS 6
 #define PROTO_ROUTE_CAPTURES 2
 
-/* A former name of a path or of a query parameter. It works as its replacement does, and the answer
- * says so. */
+/* A former name of a path or of a query parameter. It works like its replacement, and the answer
+ * carries a Deprecation header. */
 struct proto_deprecation {
-    const char *name, *replacement; /* of paths: templates */
+    const char *name, *replacement; /* for a path: templates */
     int64_t since;                  /* Unix time */
 };
 
@@ -38,20 +44,22 @@ struct proto_route {
     enum proto_method method;
     enum proto_access access;
     bool has_body;         /* the operation takes a request body */
-    bool is_async;         /* it takes the header Prefer: respond-async */
+    bool is_async;         /* it accepts the header Prefer: respond-async */
     const char *operation; /* operationId */
     const char *path;      /* template, "/v1/meshes/{name}": a label for logs and metrics */
-    /* the query's name ("distance"), listed among the capabilities; NULL: no query */
+    /* the query's name ("distance"), listed among the capabilities; NULL: not a query */
     const char *query;
-    const char *const *fields;                  /* of its answer; NULL: there is no projection */
-    const char *const *parameters;              /* of the query string; NULL: none */
-    uint32_t segment_count;                     /* "/" has none */
-    const char *segments[PROTO_ROUTE_SEGMENTS]; /* literal text, or NULL: captures */
+    const char *const *fields;     /* fields of the query's answer; NULL: no projection */
+    const char *const *parameters; /* parameters of the query string; NULL: none */
+    bool has_lines;                /* its answer has lines, whose points `geometry` selects */
+    uint32_t segment_count;        /* "/" has none */
+    const char *segments[PROTO_ROUTE_SEGMENTS]; /* literal text; NULL: captures */
     void (*handle)(struct server_exchange *exchange);
-    const struct server_query_kind *kind;                  /* of a query about a mesh; else NULL */
-    const struct proto_deprecation *deprecation;           /* of this path; NULL: it is current */
+    const struct server_query_kind *kind; /* NULL unless it is a query about a mesh */
+    /* deprecation of this path; NULL: the path is current */
+    const struct proto_deprecation *deprecation;
     const struct proto_deprecation *deprecated_parameters; /* ends with name NULL; NULL: none */
-    /* path of the page about the current operation; set if any of the two above is */
+    /* path of the page about the current operation; set if either of the two above is */
     const char *documentation;
 };
 
@@ -62,14 +70,14 @@ struct proto_route_match {
     const struct proto_route *route;
     uint32_t capture_count;
     struct proto_capture {
-        const char *text; /* within the path that was given; not NUL-terminated, never empty */
+        const char *text; /* within the given path; not NULL-terminated, never empty */
         size_t length;
-    } captures[PROTO_ROUTE_CAPTURES]; /* in the order of the path */
+    } captures[PROTO_ROUTE_CAPTURES]; /* in path order */
 };
 
 /* Finds the row of a request. `method` as in the request line; HEAD finds the row of GET. `path`:
- * without query string, percent-decoded, borrowed by the captures. not_found; method_not_allowed
- * with `allow` set. O(count) comparisons of short strings; thread-safe. */
+ * without query string, percent-decoded, borrowed by the captures. Problems: not_found;
+ * method_not_allowed, with `allow` set. O(count) comparisons of short strings; thread-safe. */
 bool proto_route_find(const struct proto_route *routes, size_t count, const char *method,
                       const char *path, struct proto_route_match *out,
                       struct proto_problem *problem);

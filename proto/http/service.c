@@ -2,22 +2,17 @@
 
 #include "gd/io.h"
 
-#include "proto/json/member.h"
-
-static void encode_limit(struct proto_writer *writer, const char *key, uint64_t limit)
-{
-    proto_member_uint(writer, key, limit);
-}
+#include "proto/json/writer.h"
 
 static void encode_limits(struct proto_writer *writer, const struct proto_service *service)
 {
     proto_member_object(writer, "limits");
-    encode_limit(writer, "max_body_bytes", service->limits.max_body_bytes);
-    encode_limit(writer, "max_faces", service->limits.max_faces);
-    encode_limit(writer, "timeout_ms", service->limits.timeout_ms);
-    encode_limit(writer, "memory_budget_bytes", service->limits.memory_budget_bytes);
-    encode_limit(writer, "max_answer_bytes", service->limits.max_answer_bytes);
-    encode_limit(writer, "workers", service->limits.workers);
+    proto_member_uint(writer, "max_body_bytes", service->limits.max_body_bytes);
+    proto_member_uint(writer, "max_faces", service->limits.max_faces);
+    proto_member_uint(writer, "timeout_ms", service->limits.timeout_ms);
+    proto_member_uint(writer, "memory_budget_bytes", service->limits.memory_budget_bytes);
+    proto_member_uint(writer, "max_answer_bytes", service->limits.max_answer_bytes);
+    proto_member_uint(writer, "workers", service->limits.workers);
     proto_write_object_end(writer);
 }
 

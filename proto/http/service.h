@@ -1,4 +1,4 @@
-/* Service: what the daemon says about itself: GET /v1, /livez, /readyz. */
+/* Service: the daemon's description of itself: GET /v1, /livez, /readyz. */
 #ifndef PROTO_SERVICE_H
 #define PROTO_SERVICE_H
 
@@ -18,7 +18,6 @@ struct proto_service {
     size_t route_count;
 };
 
-/* Writes {"version", "limits", "capabilities"}. */
 void proto_service_encode(struct proto_writer *writer, const struct proto_service *service);
 
 enum proto_health {
@@ -29,8 +28,7 @@ enum proto_health {
     PROTO_HEALTH_DEGRADED
 };
 
-/* Writes {"status": "ok"|"starting"|"draining"|"read_only"|"degraded", "reason"}; without a reason
- * when that is NULL. */
+/* Writes the state and, unless it is NULL, the reason. */
 void proto_health_encode(struct proto_writer *writer, enum proto_health health, const char *reason);
 
 #endif

@@ -4,13 +4,11 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "proto/json/parse.h"
-
 /* --- the document ----------------------------------------------------------------------------- */
 
 static void refuse_text(const struct proto_parse_end *end, struct proto_problem *problem)
 {
-    char line[24] = ""; /* the first one goes without saying: it may be a line of a batch */
+    char line[24] = ""; /* line 1 is not named: the text may be a line of a batch */
     if (end->deep_at) {
         proto_problem_refuse(problem, "", "the JSON is nested deeper than %d levels at byte %zu",
                              PROTO_DECODE_DEPTH, end->deep_at - 1);
@@ -23,13 +21,13 @@ static void refuse_text(const struct proto_parse_end *end, struct proto_problem 
                          end->error.column, end->error.position, end->error.text);
 }
 
-/* Bytes of jansson's for an empty object and an empty array, a value in one and where it is decoded
- * to, a member's name and value. */
+/* Memory that jansson uses: for an empty object; for an empty array; for a value in an array and
+ * the memory it is decoded into; for a member's name and value. */
 #define OBJECT_BYTES 256
 #define ARRAY_BYTES  160
 #define VALUE_BYTES  80
 #define MEMBER_BYTES 136
-#define COST_STEP    ((size_t)1 << 20) /* bytes of text between two looks at the control */
+#define COST_STEP    ((size_t)1 << 20) /* bytes of text between two checks of the control */
 
 size_t proto_decode_cost(const void *bytes, size_t size, const struct gd_control *control)
 {
@@ -113,15 +111,14 @@ bool proto_decode_object(const json_t *value, const char *place, const char *con
     json_object_foreach((json_t *)value, name, member)
     {
         if (is_among(name, members)) continue;
-        proto_problem_refuse(
-            problem, place,
+        return proto_problem_refuse_member(
+            problem, place, name,
             "the member \"%.64s\" is unknown here; check its spelling or leave it out", name);
-        return proto_problem_descend(problem, name);
     }
     return true;
 }
 
-/* Cut: a problem's pointer has no more room. */
+/* Truncates the place, since a problem's pointer has no more room. */
 void proto_place_of_member(char out[PROTO_PLACE], const char *place, const char *member)
 {
     snprintf(out, PROTO_PLACE, "%.*s/%.64s", PROTO_PLACE - 66, place, member);
@@ -144,7 +141,7 @@ const json_t *proto_decode_member(const json_t *object, const char *place, const
 
 enum scalar { SCALAR_NUMBER, SCALAR_INDEX };
 
-/* False, with a problem that does not say yet where. */
+/* Returns false with a problem that has no place yet. */
 static bool check_scalar(const json_t *value, enum scalar scalar, struct proto_problem *problem)
 {
     const char *expected =
@@ -190,10 +187,8 @@ bool proto_decode_flag(const json_t *object, const char *place, const char *memb
                        struct proto_problem *problem)
 {
     const json_t *value = json_object_get(object, member);
-    if (value && !json_is_boolean(value)) {
-        proto_problem_refuse(problem, place, "expected true or false");
-        return proto_problem_descend(problem, member);
-    }
+    if (value && !json_is_boolean(value))
+        return proto_problem_refuse_member(problem, place, member, "expected true or false");
     *out = json_is_true(value);
     return true;
 }
@@ -213,7 +208,7 @@ bool proto_decode_max_distance(const json_t *document, double *out, struct proto
 
 /* --- arrays ----------------------------------------------------------------------------------- */
 
-/* The member when it is an array of `count` such scalars, else NULL. */
+/* Returns the member if it is an array of `count` such scalars, else NULL. */
 static const json_t *decode_array(const json_t *object, const char *place, const char *member,
                                   size_t count, enum scalar scalar, struct proto_problem *problem)
 {
@@ -253,4 +248,14 @@ bool proto_decode_indices(const json_t *object, const char *place, const char *m
     for (size_t i = 0; i < count; i++)
         out[i] = (uint32_t)json_number_value(json_array_get(array, i));
     return true;
+}
+
+bool proto_read_numbers(const json_t *array, size_t count, double *out)
+{
+    for (size_t i = 0; i < count; i++) {
+        const json_t *number = json_array_get(array, i);
+        if (!json_is_number(number)) return false;
+        out[i] = json_number_value(number);
+    }
+    return json_array_size(array) == count;
 }

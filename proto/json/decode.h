@@ -1,8 +1,8 @@
-/* Decode: hostile JSON in, a checked document out, and typed access to its members.
+/* Decode: parses untrusted JSON into a checked document and gives typed access to its members.
  *
  * Each accessor returns true, or false with an invalid_request problem that points at the fault.
- * `place` is the JSON Pointer of the object that `member` is looked up in; text for it is made only
- * when something is wrong. All are thread-safe. */
+ * `place` is the JSON Pointer of the object that contains `member`; its text is built only for a
+ * problem. All functions are thread-safe. */
 #ifndef PROTO_DECODE_H
 #define PROTO_DECODE_H
 
@@ -12,58 +12,79 @@
 
 #include <jansson.h>
 
-#include "proto/json/parse.h"
+#include "gd/control.h"
 #include "proto/json/problem.h"
 
-#define PROTO_DECODE_DEPTH PROTO_PARSE_DEPTH
+/* --- text to a document (parse.c) --- */
 
-/* Upper bound of the memory that a document takes which is parsed from this text: up to a hundred
- * times its size. O(size). Stops early once `control` (NULL: none) ends the work: then parsing
- * ends, too. */
+#define PROTO_DECODE_DEPTH 32 /* deepest nesting of arrays and objects */
+
+/* Why parsing failed. */
+struct proto_parse_end {
+    /* GD_NO_MEMORY, GD_DEADLINE, GD_CANCELLED; GD_OK: the text is wrong */
+    enum gd_status status;
+    size_t deep_at;     /* 1 + offset of the bracket that nests too deep; 0: none does */
+    json_error_t error; /* any other error */
+};
+
+/* Returns the document, owned by the caller: no duplicate members, all numbers are json_real. NULL
+ * on failure. `control` may be NULL. */
+json_t *proto_parse(const char *text, size_t size, const struct gd_control *control,
+                    struct proto_parse_end *end);
+
+/* --- checked documents --- */
+
+/* Returns an upper bound of the memory of the document parsed from this text: up to a hundred times
+ * the size of the text. O(size). Stops early once `control` (NULL: none) ends the work, because
+ * parsing stops then, too. */
 size_t proto_decode_cost(const void *bytes, size_t size, const struct gd_control *control);
 
 /* Parses a body: UTF-8 JSON, at most PROTO_DECODE_DEPTH deep, no duplicate members, no NUL, no
  * number beyond the doubles. All numbers become json_real. `bytes` are borrowed for the call. The
- * caller owns the document (json_decref); NULL with a problem that names line (if there are
- * several), column and byte. Memory: about 60 bytes a number. */
+ * caller owns the document (json_decref). On failure returns NULL, and the problem names line (if
+ * there are several), column and byte. Memory: about 60 bytes a number. */
 json_t *proto_decode_document(const void *bytes, size_t size, struct proto_problem *problem);
 
-/* The same, until a deadline or a cancel. */
+/* As proto_decode_document, with a deadline and cancellation. */
 json_t *proto_decode_document_within(const void *bytes, size_t size,
                                      const struct gd_control *control,
                                      struct proto_problem *problem);
 
-/* The place of a member, or of an element, of what is at `place`: cut at the size of its buffer. */
+/* Writes the place of a member or an element of the value at `place`, truncated at the size of its
+ * buffer. */
 #define PROTO_PLACE PROTO_PROBLEM_POINTER
 void proto_place_of_member(char out[PROTO_PLACE], const char *place, const char *member);
 void proto_place_of_element(char out[PROTO_PLACE], const char *place, size_t index);
 
-/* `value` is an object and has no members but `members` (NULL-terminated). */
+/* Checks that `value` is an object without members other than `members` (NULL-terminated). */
 bool proto_decode_object(const json_t *value, const char *place, const char *const *members,
                          struct proto_problem *problem);
 
-/* The member, borrowed from its object; it must be there: else NULL and the problem. */
+/* Returns the required member, borrowed from its object; NULL with the problem if it is missing. */
 const json_t *proto_decode_member(const json_t *object, const char *place, const char *member,
                                   struct proto_problem *problem);
 
-/* The member must be there and be a number (an index: integral, 0 to 2^32 - 2). */
+/* Reads a required number (an index: integral, 0 to 2^32 - 2). */
 bool proto_decode_number(const json_t *object, const char *place, const char *member, double *out,
                          struct proto_problem *problem);
 bool proto_decode_index(const json_t *object, const char *place, const char *member, uint32_t *out,
                         struct proto_problem *problem);
 
-/* A member that may be left out, for false. */
+/* Reads an optional boolean, by default false. */
 bool proto_decode_flag(const json_t *object, const char *place, const char *member, bool *out,
                        struct proto_problem *problem);
 
-/* A limit of distances, "max_distance" of a request's document: more than 0; 0 when it is left
- * out. */
+/* Reads the optional limit of distances, "max_distance", which must be positive; 0 if it is
+ * missing. */
 bool proto_decode_max_distance(const json_t *document, double *out, struct proto_problem *problem);
 
-/* The member must be there and be an array of exactly `count` of them. */
+/* Reads a required array of exactly `count` numbers or indices. */
 bool proto_decode_numbers(const json_t *object, const char *place, const char *member, size_t count,
                           double *out, struct proto_problem *problem);
 bool proto_decode_indices(const json_t *object, const char *place, const char *member, size_t count,
                           uint32_t *out, struct proto_problem *problem);
+
+/* Returns whether the array has exactly `count` numbers; fills in no problem. */
+bool proto_read_numbers(const json_t *array, size_t count, double *out);
 
 #endif

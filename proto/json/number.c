@@ -32,7 +32,7 @@ static size_t digits_at(const char *text)
     return count;
 }
 
-/* Length of a JSON number (RFC 8259, 6) at the start of the text; 0: none. */
+/* Returns the length of a JSON number (RFC 8259, 6) at the start of the text, or 0. */
 static size_t number_length(const char *text)
 {
     const char *at = text;
@@ -52,7 +52,7 @@ static size_t number_length(const char *text)
         if (exponent == 0) return 0;
         at += exponent;
     }
-    /* "0x10" is not the number 0 with something behind it */
+    /* "0x10" is not 0 followed by other text */
     if (*at == 'x' || *at == 'X') return 0;
     return (size_t)(at - text);
 }

@@ -32,9 +32,7 @@ bool proto_rule_check(const struct proto_rule *rule, double value, const char *p
     if (is_enough && value <= rule->most) return true;
     if (!is_enough || !rule->too_large)
         return proto_problem_refuse(problem, place, "%s", rule->refusal);
-    proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE, "%s", rule->too_large);
-    proto_problem_at(problem, place);
-    return proto_problem_limit(problem, (uint64_t)rule->most);
+    return proto_problem_exceed(problem, place, (uint64_t)rule->most, "%s", rule->too_large);
 }
 
 const json_t *proto_object_list(const struct proto_object *object, const struct proto_rule *rule,

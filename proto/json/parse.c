@@ -1,14 +1,17 @@
-#include "proto/json/parse.h"
+/* Parses JSON by jansson, whose parser does not check whether its buffer could grow: without memory
+ * it loses characters silently or fails an assertion. Here the first failed allocation leaves the
+ * parser by longjmp, and its blocks are freed. */
+#include "proto/json/decode.h"
 
 #include <setjmp.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* A block of jansson's; the listed ones are those that a parser which runs in this thread has taken
- * and not given back. */
+/* A block allocated by jansson. The list has the blocks that this thread's running parser has
+ * allocated and not freed. */
 struct block {
-    /* NULL: the first; both unused when it is not listed */
+    /* NULL: the first block; both are unused if the block is not listed */
     _Alignas(max_align_t) struct block *previous;
     struct block *next;
 };
@@ -16,7 +19,7 @@ struct block {
 static _Thread_local struct {
     bool is_on;
     struct block *first;
-    jmp_buf escape; /* out of the parser */
+    jmp_buf escape; /* leaves the parser */
 } parser;
 
 static void *take(size_t size)
@@ -30,7 +33,7 @@ static void *take(size_t size)
     return block + 1;
 }
 
-/* While a parser runs, it gives back nothing but its own. */
+/* Frees a block. A running parser frees only its own blocks. */
 static void give_back(void *bytes)
 {
     if (!bytes) return;
@@ -42,7 +45,7 @@ static void give_back(void *bytes)
     free(block);
 }
 
-/* Before jansson takes anything. */
+/* Runs before jansson allocates. */
 __attribute__((constructor)) static void register_memory(void)
 {
     json_set_alloc_funcs(take, give_back);
@@ -58,7 +61,7 @@ static void give_all_back(void)
 
 /* --- the text, piece by piece ----------------------------------------------------------------- */
 
-#define LOOK_BYTES 65536 /* between two looks at the control */
+#define LOOK_BYTES 65536 /* bytes between two checks of the control */
 
 struct source {
     const char *text;
@@ -69,8 +72,8 @@ struct source {
     struct proto_parse_end *end;
 };
 
-/* Offset of the first bracket of the next piece that nests too deep, or of the piece's end. Whether
- * the brackets match is the parser's concern. */
+/* Returns the offset of the first bracket of the next piece that nests too deep, or of the piece's
+ * end. The parser checks that brackets match. */
 static size_t first_too_deep(struct source *source, size_t end)
 {
     size_t i = source->at;
@@ -84,7 +87,7 @@ static size_t first_too_deep(struct source *source, size_t end)
         } else if (character == '"') {
             source->in_string = true;
         } else if (character == '[' || character == '{') {
-            if (++source->depth > PROTO_PARSE_DEPTH) return i;
+            if (++source->depth > PROTO_DECODE_DEPTH) return i;
         } else if (character == ']' || character == '}') {
             source->depth--;
         }
@@ -92,7 +95,7 @@ static size_t first_too_deep(struct source *source, size_t end)
     return i;
 }
 
-/* A json_load_callback_t: 0 is the end, (size_t)-1 ends the parser. */
+/* A json_load_callback_t: 0 means the end; (size_t)-1 stops the parser. */
 static size_t give_piece(void *buffer, size_t room, void *user)
 {
     struct source *source = user;

@@ -4,51 +4,23 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "proto/json/member.h"
 #include "proto/json/writer.h"
 
 /* --- the list --------------------------------------------------------------------------------- */
 
-static unsigned http_status(enum proto_problem_code code)
-{
-    switch (code) {
-    case PROTO_PROBLEM_NONE:
-        break;
-#define PROTO_PROBLEM_STATUS(status, NAME, name, title)                                            \
-    case PROTO_PROBLEM_##NAME:                                                                     \
-        return status;
-        PROTO_PROBLEM_MAP(PROTO_PROBLEM_STATUS)
-#undef PROTO_PROBLEM_STATUS
-    }
-    return 200;
-}
+static const struct {
+    unsigned status; /* HTTP status */
+    const char *name, *title;
+} codes[] = {[PROTO_PROBLEM_NONE] = {200, "none", "No problem"},
+#define PROTO_PROBLEM_ROW(status, NAME, name, title)                                               \
+    [PROTO_PROBLEM_##NAME] = {status, #name, title},
+             PROTO_PROBLEM_MAP(PROTO_PROBLEM_ROW)
+#undef PROTO_PROBLEM_ROW
+};
 
 const char *proto_problem_name(enum proto_problem_code code)
 {
-    switch (code) {
-    case PROTO_PROBLEM_NONE:
-        break;
-#define PROTO_PROBLEM_NAME(status, NAME, name, title)                                              \
-    case PROTO_PROBLEM_##NAME:                                                                     \
-        return #name;
-        PROTO_PROBLEM_MAP(PROTO_PROBLEM_NAME)
-#undef PROTO_PROBLEM_NAME
-    }
-    return "none";
-}
-
-static const char *title_of(enum proto_problem_code code)
-{
-    switch (code) {
-    case PROTO_PROBLEM_NONE:
-        break;
-#define PROTO_PROBLEM_TITLE(status, NAME, name, title)                                             \
-    case PROTO_PROBLEM_##NAME:                                                                     \
-        return title;
-        PROTO_PROBLEM_MAP(PROTO_PROBLEM_TITLE)
-#undef PROTO_PROBLEM_TITLE
-    }
-    return "No problem";
+    return codes[code].name;
 }
 
 /* --- making one ------------------------------------------------------------------------------- */
@@ -58,7 +30,7 @@ static void start(struct proto_problem *problem, enum proto_problem_code code, c
 {
     memset(problem, 0, sizeof *problem);
     problem->code = code;
-    problem->status = http_status(code);
+    problem->status = codes[code].status;
     vsnprintf(problem->detail, sizeof problem->detail, format, arguments);
 }
 
@@ -79,6 +51,28 @@ bool proto_problem_refuse(struct proto_problem *problem, const char *place, cons
     start(problem, PROTO_PROBLEM_INVALID_REQUEST, format, arguments);
     va_end(arguments);
     return proto_problem_at(problem, place);
+}
+
+bool proto_problem_refuse_member(struct proto_problem *problem, const char *place,
+                                 const char *member, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    start(problem, PROTO_PROBLEM_INVALID_REQUEST, format, arguments);
+    va_end(arguments);
+    proto_problem_at(problem, place);
+    return proto_problem_descend(problem, member);
+}
+
+bool proto_problem_exceed(struct proto_problem *problem, const char *place, uint64_t limit,
+                          const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    start(problem, PROTO_PROBLEM_TOO_LARGE, format, arguments);
+    va_end(arguments);
+    if (place) proto_problem_at(problem, place);
+    return proto_problem_limit(problem, limit);
 }
 
 static bool is_pointer(const char *place)
@@ -194,38 +188,19 @@ bool proto_problem_from_status(struct proto_problem *problem, enum gd_status sta
 
 /* --- telling it ------------------------------------------------------------------------------- */
 
-static const char *element_name(enum gd_element element)
-{
-    switch (element) {
-    case GD_ELEMENT_NONE:
-        break;
-    case GD_ELEMENT_VERTEX:
-        return "vertex";
-    case GD_ELEMENT_EDGE:
-        return "edge";
-    case GD_ELEMENT_FACE:
-        return "face";
-    case GD_ELEMENT_LINE:
-        return "line";
-    case GD_ELEMENT_BYTE:
-        return "byte";
-    }
-    return "element";
-}
+static const char *const element_names[] = {
+    [GD_ELEMENT_NONE] = "element", [GD_ELEMENT_VERTEX] = "vertex", [GD_ELEMENT_EDGE] = "edge",
+    [GD_ELEMENT_FACE] = "face",    [GD_ELEMENT_LINE] = "line",     [GD_ELEMENT_BYTE] = "byte"};
 
 static void encode_element(struct proto_writer *writer, enum gd_element element,
                            const uint64_t id[2])
 {
     proto_write_object_begin(writer);
-    proto_write_key(writer, element_name(element));
-    if (element == GD_ELEMENT_EDGE) {
-        proto_write_array_begin(writer);
+    proto_write_key(writer, element_names[element]);
+    if (element == GD_ELEMENT_EDGE)
+        proto_write_indices(writer, (const uint32_t[]){(uint32_t)id[0], (uint32_t)id[1]}, 2);
+    else
         proto_write_uint(writer, id[0]);
-        proto_write_uint(writer, id[1]);
-        proto_write_array_end(writer);
-    } else {
-        proto_write_uint(writer, id[0]);
-    }
     proto_write_object_end(writer);
 }
 
@@ -240,13 +215,13 @@ static void encode_elements(struct proto_writer *writer, const struct proto_prob
 void proto_problem_encode(struct proto_writer *writer, const struct proto_problem *problem)
 {
     char type[64];
-    snprintf(type, sizeof type, "urn:geodesicd:problem:%s", proto_problem_name(problem->code));
+    snprintf(type, sizeof type, "urn:geodesicd:problem:%s", codes[problem->code].name);
     proto_write_object_begin(writer);
     proto_member_string(writer, "type", type);
-    proto_member_string(writer, "title", title_of(problem->code));
+    proto_member_string(writer, "title", codes[problem->code].title);
     proto_member_uint(writer, "status", problem->status);
     proto_member_string(writer, "detail", problem->detail);
-    proto_member_string(writer, "code", proto_problem_name(problem->code));
+    proto_member_string(writer, "code", codes[problem->code].name);
     if (problem->has_pointer) proto_member_string(writer, "pointer", problem->pointer);
     if (problem->parameter[0]) proto_member_string(writer, "parameter", problem->parameter);
     if (problem->reason) proto_member_string(writer, "reason", problem->reason);

@@ -1,15 +1,15 @@
-/* Problem: why a request failed, as RFC 9457 tells it. One list, so that code, HTTP status and
- * title can't drift apart.
+/* Problem: why a request failed, in the form of RFC 9457. One list defines code, HTTP status and
+ * title.
  *
  * Every fallible function of this folder returns true, or false with a problem filled in; its other
- * outputs are untouched then. proto_problem_set and its kin return false, so that they can stand in
- * a return:
+ * outputs are then untouched. proto_problem_set and its variants return false, so that a caller can
+ * return their result:
  *
  *     if (count == 0) return proto_problem_refuse(problem, "/points", "name at least one point");
  *
- * A place says where in the request the fault is: a JSON Pointer ("" or "/from/vertex") into the
- * body, or the name of a query-string parameter ("from"). One string serves for both, since a
- * pointer that is not empty begins with a slash and a parameter's name does not. */
+ * A place locates the fault in the request: a JSON Pointer ("" or "/from/vertex") into the body, or
+ * the name of a query-string parameter ("from"). A pointer is empty or begins with a slash; a
+ * parameter's name does neither. */
 #ifndef PROTO_PROBLEM_H
 #define PROTO_PROBLEM_H
 
@@ -60,52 +60,62 @@ struct proto_problem {
     enum proto_problem_code code; /* PROTO_PROBLEM_NONE: no problem */
     unsigned status;              /* HTTP status of the code */
     char detail[PROTO_PROBLEM_DETAIL];
-    bool has_pointer; /* "" is a pointer too: the whole body */
+    bool has_pointer; /* "" is a pointer, too: the whole body */
     char pointer[PROTO_PROBLEM_POINTER];
     char parameter[PROTO_PROBLEM_PARAMETER]; /* empty: none */
     const char *reason;                      /* static string, e.g. a gd_status_name; NULL: none */
     bool has_limit;
-    uint64_t limit;                           /* the configured maximum that was passed */
-    enum gd_element element;                  /* what the elements are; GD_ELEMENT_NONE: none */
+    uint64_t limit;                           /* the configured maximum that was exceeded */
+    enum gd_element element;                  /* kind of the elements; GD_ELEMENT_NONE: none */
     uint32_t element_count;                   /* how many are listed */
-    uint64_t elements[GD_DETAIL_ELEMENTS][2]; /* [1] is used by edges only */
-    /* value of the Allow header; empty: none. Not part of the body */
+    uint64_t elements[GD_DETAIL_ELEMENTS][2]; /* only edges use [1] */
+    /* value of the Allow header; empty: none. Not in the body */
     char allow[PROTO_PROBLEM_ALLOW];
-    /* seconds, for the Retry-After header; 0: none. Not part of the body */
+    /* seconds, for the Retry-After header; 0: none. Not in the body */
     unsigned retry_after;
-    /* static value of the WWW-Authenticate header; NULL: none. Not part of the body */
+    /* static value of the WWW-Authenticate header; NULL: none. Not in the body */
     const char *challenge;
 };
 
-/* Makes `problem` a fresh one of that code with a sentence that tells the person what to change
- * (cut at PROTO_PROBLEM_DETAIL). False. */
+/* Overwrites `problem` with one of that code. Its sentence tells the client what to change and is
+ * truncated at PROTO_PROBLEM_DETAIL. Returns false. */
 bool proto_problem_set(struct proto_problem *problem, enum proto_problem_code code,
                        const char *format, ...) __attribute__((format(printf, 3, 4)));
 
-/* proto_problem_set with INVALID_REQUEST, at a place (copied; see above). False. */
+/* As proto_problem_set with INVALID_REQUEST, at a place (copied; see above). Returns false. */
 bool proto_problem_refuse(struct proto_problem *problem, const char *place, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* Says where: a JSON Pointer or a parameter's name (see above), copied and cut at the size of its
- * buffer. False. */
+/* As proto_problem_refuse, at a member of the object at `place`. */
+bool proto_problem_refuse_member(struct proto_problem *problem, const char *place,
+                                 const char *member, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
+
+/* As proto_problem_set with TOO_LARGE, the exceeded maximum and a place (NULL: none). Returns
+ * false. */
+bool proto_problem_exceed(struct proto_problem *problem, const char *place, uint64_t limit,
+                          const char *format, ...) __attribute__((format(printf, 4, 5)));
+
+/* Sets the place: a JSON Pointer or a parameter's name (see above), copied and truncated at the
+ * size of its buffer. Returns false. */
 bool proto_problem_at(struct proto_problem *problem, const char *place);
 
-/* Extends the pointer by a member of the value that it points at; `member` is escaped (RFC 6901),
- * cut when the buffer is full. A parameter has no members: nothing happens then. False. */
+/* Extends the pointer by a member of the value that it points at. `member` is escaped (RFC 6901)
+ * and truncated when the buffer is full. A parameter's place stays unchanged. Returns false. */
 bool proto_problem_descend(struct proto_problem *problem, const char *member);
 
-/* Adds the configured maximum that was passed. False. */
+/* Adds the configured maximum that was exceeded. Returns false. */
 bool proto_problem_limit(struct proto_problem *problem, uint64_t limit);
 
-/* The problem that an engine's failure is: `detail` (may be NULL) gives sentence and elements. Data
- * statuses become invalid_mesh with the status' name as reason. GD_CANCELLED becomes draining, the
- * only reason for which the daemon cancels a client's work unasked; a caller that cancelled for
- * another reason sets its own problem. What a failed self-check said is not given out. `status` is
- * not GD_OK. False. */
+/* Converts an engine failure into a problem; `detail` (may be NULL) gives sentence and elements.
+ * Data statuses become invalid_mesh with the status' name as reason. GD_CANCELLED becomes draining,
+ * the only reason why the daemon itself cancels a client's work; a caller that cancels for another
+ * reason sets its own problem. The text of a failed self-check is withheld. `status` is not GD_OK.
+ * Returns false. */
 bool proto_problem_from_status(struct proto_problem *problem, enum gd_status status,
                                const struct gd_detail *detail);
 
-/* "invalid_request" and so on; "none" for PROTO_PROBLEM_NONE. Static string. */
+/* Returns "invalid_request" and so on, "none" for PROTO_PROBLEM_NONE; a static string. */
 const char *proto_problem_name(enum proto_problem_code code);
 
 struct proto_writer;
@@ -113,9 +123,9 @@ struct proto_writer;
 /* Writes the problem as one JSON value (media type application/problem+json). */
 void proto_problem_encode(struct proto_writer *writer, const struct proto_problem *problem);
 
-/* True, or false with the problem. insufficient_memory: out of memory, no room in the account
- * (retry_after is set), or over the maximum, which is the problem's limit then; cancelled: the sink
- * stopped it. */
+/* Returns true, or false with the problem. insufficient_memory: out of memory, no room in the
+ * account (retry_after is set), or over the maximum, which becomes the problem's limit. cancelled:
+ * the sink stopped the writer. */
 bool proto_writer_check(const struct proto_writer *writer, struct proto_problem *problem);
 
 #endif

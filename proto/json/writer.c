@@ -12,7 +12,7 @@
 #include "proto/json/utf8.h"
 
 #define FIRST_CAPACITY 1024
-/* bytes: larger buffers grow by a quarter, others are doubled */
+/* bytes; larger buffers grow by a quarter, smaller ones double */
 #define GROWN_SLOWLY ((size_t)1 << 20)
 
 /* --- the buffer ------------------------------------------------------------------------------- */
@@ -36,12 +36,12 @@ size_t proto_writer_counted(size_t capacity)
     return capacity > PROTO_WRITER_SMALL ? capacity : 0;
 }
 
-/* Gives back what the buffer has beyond the text. */
+/* Shrinks the buffer to the text and returns the difference to the account. */
 static void cut(struct proto_writer *writer)
 {
     size_t counted = proto_writer_counted(writer->size);
     char *data = realloc(writer->data, writer->size);
-    /* else it is as large as it was: no allocator refuses to shrink */
+    /* on failure the buffer keeps its size; no known allocator fails to shrink */
     if (data) writer->data = data;
     writer->account->give(writer->account->user, writer->counted - counted);
 }
@@ -64,7 +64,7 @@ static bool fail(struct proto_writer *writer, enum proto_writer_failure failure)
     return false;
 }
 
-/* The capacity that holds `more` bytes more, which are within the maximum, and some to come. */
+/* Returns a capacity for `more` further bytes, which are within the maximum, and some reserve. */
 static size_t next_capacity(const struct proto_writer *writer, size_t more)
 {
     size_t step = writer->capacity < GROWN_SLOWLY ? writer->capacity : writer->capacity / 4;
@@ -115,7 +115,7 @@ static bool grow(struct proto_writer *writer, size_t more)
     return true;
 }
 
-/* Room for `more` bytes at the end, or false for ever after. */
+/* Makes room for `more` bytes at the end; false once the writer has failed. */
 static inline bool reserve(struct proto_writer *writer, size_t more)
 {
     if (writer->failure == PROTO_WRITER_FINE && more <= writer->capacity - writer->size)
@@ -125,7 +125,8 @@ static inline bool reserve(struct proto_writer *writer, size_t more)
 
 void proto_writer_expect(struct proto_writer *writer, size_t more)
 {
-    if (more <= writer->maximum - writer->size) (void)reserve(writer, more);
+    if (writer->sink && more > writer->sink->block) more = writer->sink->block;
+    if (more <= writer->maximum - writer->flushed - writer->size) (void)reserve(writer, more);
 }
 
 void proto_append(struct proto_writer *writer, const char *text, size_t size)
@@ -230,7 +231,7 @@ void proto_write_bool(struct proto_writer *writer, bool value)
 
 static void append_escape(struct proto_writer *writer, char character)
 {
-    /* the character, then its letter */
+    /* pairs: the character and the letter of its escape */
     static const char short_forms[] = "\"\"\\\\\bb\ff\nn\rr\tt";
     for (const char *form = short_forms; *form; form += 2) {
         if (*form != character) continue;
@@ -245,7 +246,7 @@ static bool needs_escape(char character)
     return (unsigned char)character < 0x20 || character == '"' || character == '\\';
 }
 
-/* Bytes from the start of `text` that can be written as they are. */
+/* Returns the number of leading bytes of `text` that need no escape. */
 static size_t plain_run(const char *text, size_t size)
 {
     size_t run = 0;
@@ -283,7 +284,7 @@ void proto_write_string(struct proto_writer *writer, const char *text)
 
 /* --- numbers ---------------------------------------------------------------------------------- */
 
-/* Writes the number or null where there is room for the longest; returns its end. */
+/* Writes the number or null; there must be room for the longest number. Returns its end. */
 static inline char *put_number(char *at, double value)
 {
     if (isfinite(value)) return gd_number_format(at, value);
@@ -300,9 +301,9 @@ void proto_write_number(struct proto_writer *writer, double value)
     writer->comma = true;
 }
 
-#define RUN 96 /* numbers, or triples, that room is made for at a time */
+#define RUN 96 /* numbers, or triples, for which room is made at a time */
 
-/* Each with a comma behind it. */
+/* Writes each number with a comma after it. */
 static void append_numbers(struct proto_writer *writer, const double *values, size_t count)
 {
     if (!reserve(writer, GD_NUMBERS_SIZE(count))) return;
@@ -335,6 +336,18 @@ void proto_write_triples(struct proto_writer *writer, const double (*values)[3],
     if (writer->failure == PROTO_WRITER_FINE) writer->size--; /* the last comma */
 }
 
+void proto_write_indices(struct proto_writer *writer, const uint32_t *values, size_t count)
+{
+    proto_write_array_begin(writer);
+    for (size_t i = 0; i < count; i++) {
+        if (values[i] == UINT32_MAX)
+            proto_write_null(writer);
+        else
+            proto_write_uint(writer, values[i]);
+    }
+    proto_write_array_end(writer);
+}
+
 void proto_write_uint(struct proto_writer *writer, uint64_t value)
 {
     char text[PROTO_INTEGER_SIZE];
@@ -357,4 +370,49 @@ void proto_write_time(struct proto_writer *writer, int64_t seconds)
     time_t time = (time_t)seconds;
     size_t size = gmtime_r(&time, &tm) ? strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &tm) : 0;
     proto_write_string(writer, size ? text : NULL);
+}
+
+/* --- members ---------------------------------------------------------------------------------- */
+
+#define MEMBER(kind, type)                                                                         \
+    void proto_member_##kind(struct proto_writer *writer, const char *key, type value)             \
+    {                                                                                              \
+        proto_write_key(writer, key);                                                              \
+        proto_write_##kind(writer, value);                                                         \
+    }
+MEMBER(string, const char *)
+MEMBER(number, double)
+MEMBER(uint, uint64_t)
+MEMBER(int, int64_t)
+MEMBER(bool, bool)
+MEMBER(time, int64_t)
+#undef MEMBER
+
+#define MEMBER(kind, type)                                                                         \
+    void proto_member_##kind(struct proto_writer *writer, const char *key, const type *values,     \
+                             size_t count)                                                         \
+    {                                                                                              \
+        proto_write_key(writer, key);                                                              \
+        proto_write_##kind(writer, values, count);                                                 \
+    }
+MEMBER(numbers, double)
+MEMBER(indices, uint32_t)
+#undef MEMBER
+
+void proto_member_array(struct proto_writer *writer, const char *key)
+{
+    proto_write_key(writer, key);
+    proto_write_array_begin(writer);
+}
+
+void proto_member_object(struct proto_writer *writer, const char *key)
+{
+    proto_write_key(writer, key);
+    proto_write_object_begin(writer);
+}
+
+void proto_member_null(struct proto_writer *writer, const char *key)
+{
+    proto_write_key(writer, key);
+    proto_write_null(writer);
 }

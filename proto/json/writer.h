@@ -1,4 +1,4 @@
-/* Writer: a bounded, growable text buffer that writes JSON as it goes.
+/* Writer: a bounded, growable text buffer that JSON is written into.
  *
  *     struct proto_writer writer;
  *     proto_writer_init(&writer, 64 << 20);
@@ -9,15 +9,16 @@
  *     if (!proto_writer_check(&writer, problem)) …
  *     proto_writer_free(&writer);
  *
- * Commas are the writer's business, matching begins with ends and keys with values the caller's.
- * Failure is sticky: after the first one nothing more is written, so that it is checked once, at
- * the end. One writer belongs to one thread at a time.
+ * The writer adds commas. The caller matches begins with ends and keys with values. Failure is
+ * sticky: a failed writer writes nothing more, so one check at the end suffices. One writer belongs
+ * to one thread at a time.
  *
- * A writer with a sink keeps a bounded buffer: it hands the buffer to the sink when more text would
- * not fit into `block` bytes. Text of more than a block at once still grows the buffer.
+ * A writer with a sink keeps a bounded buffer: it passes the buffer to the sink when more text
+ * would not fit into `block` bytes. Only a single piece of text larger than a block grows the
+ * buffer further.
  *
- * A writer with an account takes the bytes of its buffer from it before the buffer grows, and gives
- * them back when the text is freed. Buffers up to PROTO_WRITER_SMALL bytes are not counted. */
+ * A writer with an account takes bytes from the account before its buffer grows, and returns them
+ * when the text is freed. Buffers up to PROTO_WRITER_SMALL bytes are not counted. */
 #ifndef PROTO_WRITER_H
 #define PROTO_WRITER_H
 
@@ -27,14 +28,14 @@
 
 #define PROTO_WRITER_SMALL 8192
 
-/* Counts the memory of texts. Thread-safe. */
+/* Limits the memory of all writers that share it. Thread-safe. */
 struct proto_writer_account {
-    bool (*take)(void *user, size_t bytes); /* false: there is no room for so many more */
+    bool (*take)(void *user, size_t bytes); /* false: too little room for `bytes` more */
     void (*give)(void *user, size_t bytes);
     void *user;
 };
 
-/* Receives the text of a writer, block by block. */
+/* Receives a writer's text, block by block. */
 struct proto_writer_sink {
     bool (*write)(void *user, const char *text, size_t size); /* false: the writer fails */
     void *user;
@@ -43,41 +44,42 @@ struct proto_writer_sink {
 
 enum proto_writer_failure {
     PROTO_WRITER_FINE,
-    PROTO_WRITER_NO_MEMORY, /* of the system */
-    PROTO_WRITER_NO_ROOM,   /* in the account, for now */
-    PROTO_WRITER_TOO_LARGE, /* over the maximum */
-    PROTO_WRITER_STOPPED    /* by the sink */
+    PROTO_WRITER_NO_MEMORY, /* the system has none */
+    PROTO_WRITER_NO_ROOM,   /* the account is full, for now */
+    PROTO_WRITER_TOO_LARGE, /* the text exceeds the maximum */
+    PROTO_WRITER_STOPPED    /* the sink stopped the writer */
 };
 
 struct proto_writer {
     char *data;      /* the text so far, not NUL-terminated; NULL while empty */
-    size_t size;     /* bytes of it */
+    size_t size;     /* bytes of the text */
     size_t capacity; /* <= maximum */
-    size_t maximum;  /* of size + flushed */
-    const struct proto_writer_account *account; /* borrowed; NULL: nothing is counted */
-    size_t counted;                             /* bytes taken from it: 0 or the capacity */
-    const struct proto_writer_sink *sink;       /* borrowed; NULL: `data` is all of the text */
-    size_t flushed;                             /* bytes that the sink has received */
+    size_t maximum;  /* limit of size + flushed */
+    const struct proto_writer_account *account; /* borrowed; NULL: memory is not counted */
+    size_t counted;                       /* bytes taken from the account: 0 or the capacity */
+    const struct proto_writer_sink *sink; /* borrowed; NULL: `data` holds the whole text */
+    size_t flushed;                       /* bytes that the sink has received */
     enum proto_writer_failure failure;
-    bool comma; /* a value stands before: the next one needs a comma */
+    bool comma; /* a value was just written: the next one needs a comma */
 };
 
-/* An empty writer that will hold at most `maximum` bytes. Allocates nothing. */
+/* Initializes an empty writer for at most `maximum` bytes. Allocates nothing. */
 void proto_writer_init(struct proto_writer *writer, size_t maximum);
-void proto_writer_free(struct proto_writer *writer); /* a second time is harmless */
+void proto_writer_free(struct proto_writer *writer); /* may be called again */
 
-/* Makes room at once for about so many bytes that are to come, instead of now and then. */
+/* Reserves room for about `more` bytes at once, instead of growing step by step. */
 void proto_writer_expect(struct proto_writer *writer, size_t more);
 
-/* Hands what the buffer holds to the sink: the text is within the maximum only if that succeeds. */
+/* Passes the buffer to the sink. Fails the writer (proto_writer_check) if the text exceeds the
+ * maximum or the sink stops. */
 void proto_writer_flush(struct proto_writer *writer);
 
-/* Gives the text to the caller, who frees it by free(); *size bytes. Leaves the writer empty. NULL
- * if the writer failed or is empty. Of a writer with an account the buffer is cut to the text, and
- * the caller gives back proto_writer_counted(*size) bytes when it frees it. */
+/* Moves the text, of *size bytes, to the caller, who frees it by free(). Leaves the writer empty.
+ * NULL if the writer failed or is empty. With an account the buffer is shrunk to the text, and the
+ * caller returns proto_writer_counted(*size) bytes to the account on free. */
 char *proto_writer_take(struct proto_writer *writer, size_t *size);
 
-/* Bytes that an account counts for a buffer of that capacity. */
+/* Returns the bytes that an account counts for a buffer of that capacity. */
 size_t proto_writer_counted(size_t capacity);
 
 void proto_write_object_begin(struct proto_writer *writer);
@@ -85,30 +87,51 @@ void proto_write_object_end(struct proto_writer *writer);
 void proto_write_array_begin(struct proto_writer *writer);
 void proto_write_array_end(struct proto_writer *writer);
 
-/* `key` is written as it is: it holds nothing that needs escaping. */
+/* `key` is written unescaped. */
 void proto_write_key(struct proto_writer *writer, const char *key);
 
-/* Escaped; bytes that are not UTF-8 become U+FFFD. NULL: null. */
+/* Writes an escaped string; bytes that are not UTF-8 become U+FFFD. NULL: null. */
 void proto_write_string(struct proto_writer *writer, const char *text);
 
-/* Shortest text that reads back as the same double; NaN and infinities: null. */
+/* Writes the shortest text that reads back as the same double; null for NaN and infinities. */
 void proto_write_number(struct proto_writer *writer, double value);
-/* an array of them */
+/* writes an array of numbers */
 void proto_write_numbers(struct proto_writer *writer, const double *values, size_t count);
 void proto_write_triples(struct proto_writer *writer, const double (*values)[3],
-                         size_t count); /* an array of each three */
+                         size_t count); /* an array of arrays of 3 */
 void proto_write_uint(struct proto_writer *writer, uint64_t value);
 void proto_write_int(struct proto_writer *writer, int64_t value);
 void proto_write_bool(struct proto_writer *writer, bool value);
 void proto_write_null(struct proto_writer *writer);
 
-/* A time in seconds since 1970 as "2026-01-01T00:00:00Z"; null beyond what a calendar holds. */
+/* Writes an array of indices; UINT32_MAX becomes null. */
+void proto_write_indices(struct proto_writer *writer, const uint32_t *values, size_t count);
+
+/* Writes a time in seconds since 1970 as "2026-01-01T00:00:00Z"; null if no calendar date can hold
+ * it. */
 void proto_write_time(struct proto_writer *writer, int64_t seconds);
 
-/* A value that is JSON already. */
+/* Writes a value that is already JSON. */
 void proto_write_raw(struct proto_writer *writer, const char *json, size_t size);
 
-/* Text of any kind (metrics, newlines between records): no commas, no escapes. */
+/* Write a member of an object: a key and its value. */
+void proto_member_string(struct proto_writer *writer, const char *key, const char *text);
+/* a value that is not finite becomes null */
+void proto_member_number(struct proto_writer *writer, const char *key, double value);
+void proto_member_uint(struct proto_writer *writer, const char *key, uint64_t value);
+void proto_member_int(struct proto_writer *writer, const char *key, int64_t value);
+void proto_member_bool(struct proto_writer *writer, const char *key, bool value);
+void proto_member_time(struct proto_writer *writer, const char *key, int64_t seconds);
+void proto_member_numbers(struct proto_writer *writer, const char *key, const double *values,
+                          size_t count);
+void proto_member_indices(struct proto_writer *writer, const char *key, const uint32_t *values,
+                          size_t count);
+/* Write a key and begin an array or an object. */
+void proto_member_array(struct proto_writer *writer, const char *key);
+void proto_member_object(struct proto_writer *writer, const char *key);
+void proto_member_null(struct proto_writer *writer, const char *key);
+
+/* Appends text of any kind (metrics, newlines between records) without commas and escapes. */
 void proto_append(struct proto_writer *writer, const char *text, size_t size);
 void proto_append_format(struct proto_writer *writer, const char *format, ...)
     __attribute__((format(printf, 2, 3)));

@@ -37,11 +37,10 @@ bool proto_batch_next(const char *text, size_t size, struct proto_batch_line *li
 
 static bool refuse_member(struct proto_problem *problem, const char *member, const char *expected)
 {
-    proto_problem_refuse(problem, "", "expected %s", expected);
-    return proto_problem_descend(problem, member);
+    return proto_problem_refuse_member(problem, "", member, "expected %s", expected);
 }
 
-/* Copies a string to the end of `out`. */
+/* Appends a string to `out`. */
 static bool append_string(const json_t *value, char *out, size_t size)
 {
     size_t at = strlen(out), length = json_string_length(value);
@@ -60,7 +59,7 @@ static bool append_names(const json_t *names, char *out, size_t size)
     return json_array_size(names) > 0;
 }
 
-/* Takes the member out of the document, as text; `*found`: it was there. */
+/* Removes the member from the document and copies its text to `out`. `*found`: it was present. */
 static bool take_member(json_t *document, const char *member, const char *expected, char *out,
                         size_t size, bool *found, struct proto_problem *problem)
 {
@@ -76,7 +75,7 @@ static bool take_member(json_t *document, const char *member, const char *expect
     return true;
 }
 
-/* Takes the names of members, under either name. */
+/* Reads the selected members, under either name. */
 static bool take_select(struct proto_batch_query *query, struct proto_problem *problem)
 {
     json_t *document = query->document;
@@ -107,14 +106,13 @@ static bool take_members(struct proto_batch_query *query, struct proto_problem *
 bool proto_batch_decode(const struct proto_batch_line *line, struct proto_batch_query *out,
                         struct proto_problem *problem)
 {
-    if (line->size > PROTO_BATCH_LINE) {
-        proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE,
-                          "the line is longer than the %d bytes that a line of a batch may have; "
-                          "send it as a query of "
-                          "its own",
-                          PROTO_BATCH_LINE);
-        return proto_problem_limit(problem, PROTO_BATCH_LINE);
-    }
+    if (line->size > PROTO_BATCH_LINE)
+        return proto_problem_exceed(
+            problem, NULL, PROTO_BATCH_LINE,
+            "the line is longer than the %d bytes that a line of a batch may have; "
+            "send it as a query of "
+            "its own",
+            PROTO_BATCH_LINE);
     struct proto_batch_query query = {.document =
                                           proto_decode_document(line->text, line->size, problem)};
     if (!query.document) return false;
@@ -134,48 +132,7 @@ void proto_batch_query_free(struct proto_batch_query *query)
 
 /* --- options ---------------------------------------------------------------------------------- */
 
-struct view {
-    const struct proto_batch_query *query; /* NULL: of the batch as a whole */
-    const struct proto_parameters *defaults;
-};
-
-static const char *get_of_batch(void *user, const char *name)
-{
-    const struct view *view = user;
-    return strcmp(name, SELECT) == 0 ? NULL : view->defaults->get(view->defaults->user, name);
-}
-
-static void visit_of_batch(void *user, bool (*visit)(void *context, const char *name),
-                           void *context)
-{
-    const struct view *view = user;
-    view->defaults->each(view->defaults->user, visit, context);
-}
-
-bool proto_batch_parse(const struct proto_parameters *parameters, struct proto_options *out,
-                       struct proto_problem *problem)
-{
-    struct view view = {.defaults = parameters};
-    const struct proto_parameters seen = {
-        .get = get_of_batch, .each = visit_of_batch, .user = &view};
-    return proto_options_parse(&seen, NULL, proto_post_batch_parameters, out, problem);
-}
-
-static const char *get_of_line(void *user, const char *name)
-{
-    const struct view *view = user;
-    if (view->query->has_select && strcmp(name, SELECT) == 0) return view->query->select;
-    if (view->query->has_geometry && strcmp(name, "geometry") == 0) return view->query->geometry;
-    return view->defaults->get(view->defaults->user, name);
-}
-
-/* The names in the query string were looked at before. */
-static void visit_of_line(void *user, bool (*visit)(void *context, const char *name), void *context)
-{
-    (void)user, (void)visit, (void)context;
-}
-
-/* A parameter that the line itself said is a member of it. */
+/* Turns a problem at a parameter that the line gave into one at the line's member. */
 static bool put_in_line(const struct proto_batch_query *query, struct proto_problem *problem)
 {
     bool is_select = query->has_select && strcmp(problem->parameter, SELECT) == 0;
@@ -187,12 +144,20 @@ static bool put_in_line(const struct proto_batch_query *query, struct proto_prob
 }
 
 bool proto_batch_options(const struct proto_batch_query *query,
-                         const struct proto_parameters *defaults, const char *const *fields,
+                         const struct proto_parameters *defaults, const struct proto_route *route,
                          struct proto_options *out, struct proto_problem *problem)
 {
-    struct view view = {query, defaults};
-    const struct proto_parameters seen = {.get = get_of_line, .each = visit_of_line, .user = &view};
-    return proto_options_parse(&seen, fields, NULL, out, problem) || put_in_line(query, problem);
+    const char *select = query->has_select ? query->select : proto_parameters_get(defaults, SELECT);
+    const char *geometry =
+        query->has_geometry ? query->geometry : proto_parameters_get(defaults, "geometry");
+    struct proto_options options = proto_options_of(route->fields);
+    if (!proto_options_select(&options, select, geometry, problem))
+        return put_in_line(query, problem);
+    if (!route->has_lines && query->has_geometry && options.geometry != PROTO_GEOMETRY_FULL)
+        return proto_options_refuse_geometry(problem, "/geometry");
+    if (!proto_options_timeout(defaults, &options, problem)) return false;
+    *out = options;
+    return true;
 }
 
 /* --- the answer ------------------------------------------------------------------------------- */
@@ -207,8 +172,8 @@ size_t proto_batch_begin(struct proto_writer *writer)
     return begin;
 }
 
-/* The answer's opening brace becomes the comma behind the status, or the closing one if the answer
- * has nothing. */
+/* Joins the answer to the status: the answer's opening brace becomes a comma, or its empty object
+ * the closing brace. */
 void proto_batch_end(struct proto_writer *writer, size_t begin)
 {
     if (writer->failure) return;

@@ -1,76 +1,66 @@
-/* Batch: queries as lines of NDJSON, and their answers as lines of NDJSON.
+/* Batch: queries and their answers as lines of NDJSON.
  *
- *     struct proto_batch_line line = {0};
- *     while (proto_batch_next(text, size, &line)) {
- *         struct proto_batch_query query;
- *         size_t begin = proto_batch_begin(&writer);
- *         if (!proto_batch_decode(&line, &query, &problem)) {
- *             proto_batch_refuse(&writer, begin, &line, &problem);
- *             continue;
- *         }
- *         ... solve; write the answer, an object; proto_batch_query_free(&query) ...
- *         proto_batch_end(&writer, begin);
- *     }
+ *     size_t begin = proto_batch_begin(&writer);
+ *     if (proto_batch_decode(&line, &query, &problem))
+ *         ... solve; write the answer, an object; proto_batch_end(&writer, begin) ...
+ *     else
+ *         proto_batch_refuse(&writer, begin, &line, &problem);
  *
- * A line is the body of a query with its name, {"query": "distance", …}, and perhaps "select" (a
- * string as in the query string, or an array of names; formerly "fields") and "geometry". Its answer is {"status":
- * 200, …the answer} or {"status": 4xx, …the problem}, which names the line. */
+ * A line is the body of a query, with the query's name as "query", and optionally "select"
+ * (formerly "fields") and "geometry". An answer's line has "status" and the members of the query's
+ * answer or problem. */
 #ifndef PROTO_BATCH_H
 #define PROTO_BATCH_H
 
 #include <jansson.h>
 
 #include "proto/http/options.h"
+#include "proto/http/route.h"
 #include "proto/json/writer.h"
 
 #define PROTO_BATCH_LINE   (256 << 10) /* most bytes of a line */
 #define PROTO_BATCH_SELECT 256         /* most bytes of "select", its NUL included */
 
-struct proto_batch_line { /* all zero stands before the first line */
-    const char *text;     /* within the batch; without its end of line */
+struct proto_batch_line { /* all zero: before the first line */
+    const char *text;     /* within the batch, without its line end */
     size_t size;
     size_t end;      /* where the next line begins in the batch */
-    uint32_t number; /* from 1; blank lines count */
+    uint32_t number; /* number of the line, from 1; blank lines count */
 };
 
-/* Goes to the next line that is not blank; false when there is none. */
+/* Advances to the next line that is not blank. Returns false at the end. */
 bool proto_batch_next(const char *text, size_t size, struct proto_batch_line *line);
 
-#define PROTO_BATCH_NAME 64 /* with its NUL */
+#define PROTO_BATCH_NAME 64 /* including the NUL */
 
-struct proto_batch_query { /* all zero is an empty one */
-    json_t *document;      /* the query's own body: what was not the line's */
+struct proto_batch_query { /* all zero: empty */
+    json_t *document;      /* the query's own body, without the line's members */
     char name[PROTO_BATCH_NAME];
-    char select[PROTO_BATCH_SELECT]; /* as in the query string */
+    char select[PROTO_BATCH_SELECT]; /* as in a query string */
     char geometry[PROTO_BATCH_NAME];
     bool has_select, has_geometry;
-    bool is_former; /* the line says "fields" instead of "select" */
+    bool is_former; /* the line has "fields" instead of "select" */
 };
 
-/* invalid_request, with pointers into the line; too_large. Freed by proto_batch_query_free. */
+/* Problems: invalid_request, with pointers into the line; too_large. Freed by
+ * proto_batch_query_free. */
 bool proto_batch_decode(const struct proto_batch_line *line, struct proto_batch_query *out,
                         struct proto_problem *problem);
-void proto_batch_query_free(struct proto_batch_query *query); /* a second time is harmless */
+void proto_batch_query_free(struct proto_batch_query *query); /* may be called again */
 
-/* The options of the batch's query string, but for the fields: what fields there are is known by
- * line. invalid_request. */
-bool proto_batch_parse(const struct proto_parameters *parameters, struct proto_options *out,
-                       struct proto_problem *problem);
-
-/* The options of a line: its own, and those of the batch's query string for what it does not say.
- * `fields`: the names of its answer's fields. invalid_request. */
+/* Reads the options of a line. The batch's query string, which is already checked, gives the
+ * defaults. `route`: of the line's query by itself. Problem: invalid_request. */
 bool proto_batch_options(const struct proto_batch_query *query,
-                         const struct proto_parameters *defaults, const char *const *fields,
+                         const struct proto_parameters *defaults, const struct proto_route *route,
                          struct proto_options *out, struct proto_problem *problem);
 
-/* Begins a line of the answer, whose status is 200; returns where. */
+/* Begins an answer line of status 200; returns its offset. */
 size_t proto_batch_begin(struct proto_writer *writer);
 
-/* Ends the line that began there, behind which an answer was written: one object. */
+/* Ends the line that began at `begin`, after the caller wrote the answer: one object. */
 void proto_batch_end(struct proto_writer *writer, size_t begin);
 
-/* Makes the line that began there a problem, whatever was written behind, even if the writer failed
- * by it. */
+/* Replaces all text since `begin` by a problem's line, even if the writer failed in that text. */
 void proto_batch_refuse(struct proto_writer *writer, size_t begin,
                         const struct proto_batch_line *line, struct proto_problem *problem);
 

@@ -3,7 +3,7 @@
 #include <math.h>
 
 #include "generated/requests.h"
-#include "proto/json/member.h"
+#include "proto/json/writer.h"
 #include "proto/queries/evaluation.h"
 #include "proto/values/path.h"
 
@@ -43,7 +43,7 @@ static void encode_place(struct proto_writer *writer, const char *key, const str
     proto_write_object_end(writer);
 }
 
-/* Without a path the places are null. */
+/* Writes both ends; null without a path. */
 static void encode_places(struct proto_writer *writer, const struct gd_mesh *mesh, double distance,
                           const struct gd_curve_place *a, const struct gd_curve_place *b)
 {
@@ -57,12 +57,10 @@ static void encode_places(struct proto_writer *writer, const struct gd_mesh *mes
     proto_write_object_end(writer);
 }
 
-static void encode_distance(struct proto_writer *writer, double distance,
-                            const struct proto_options *options)
+static void encode_distance(struct proto_writer *writer, double distance, uint32_t fields)
 {
-    proto_field_number(writer, options, PROTO_CURVE_DISTANCE_FIELD_DISTANCE, distance);
-    if (options->fields & (PROTO_CURVE_DISTANCE_FIELD_DISTANCE | PROTO_CURVE_DISTANCE_FIELD_REASON))
-        proto_reason_encode(writer, distance);
+    proto_distance_encode(writer, distance, fields & PROTO_CURVE_DISTANCE_FIELD_DISTANCE,
+                          fields & PROTO_CURVE_DISTANCE_FIELD_REASON);
 }
 
 static void encode_path(struct proto_writer *writer, const struct gd_mesh *mesh,
@@ -81,7 +79,7 @@ void proto_curve_distance_encode(struct proto_writer *writer, const struct gd_me
                                  const struct proto_options *options)
 {
     proto_write_object_begin(writer);
-    encode_distance(writer, least->distance, options);
+    encode_distance(writer, least->distance, options->fields);
     if (proto_field(writer, options, PROTO_CURVE_DISTANCE_FIELD_CLOSEST))
         encode_places(writer, mesh, least->distance, &least->a, &least->b);
     encode_path(writer, mesh, least, options);
@@ -96,7 +94,7 @@ void proto_hausdorff_encode(struct proto_writer *writer, const struct gd_mesh *m
     const struct gd_curve_distance *greatest =
         from_a->distance > from_b->distance ? from_a : from_b;
     proto_write_object_begin(writer);
-    encode_distance(writer, greatest->distance, options);
+    encode_distance(writer, greatest->distance, options->fields);
     proto_field_number(writer, options, PROTO_CURVE_DISTANCE_FIELD_A_TO_B, from_a->distance);
     proto_field_number(writer, options, PROTO_CURVE_DISTANCE_FIELD_B_TO_A, from_b->distance);
     if (proto_field(writer, options, PROTO_CURVE_DISTANCE_FIELD_FARTHEST)) {

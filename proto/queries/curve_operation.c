@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "proto/json/member.h"
+#include "proto/json/writer.h"
 #include "proto/values/path.h"
 
 void proto_curve_result_free(struct proto_curve_result *result)
@@ -18,7 +18,7 @@ void proto_curve_result_free(struct proto_curve_result *result)
 
 /* --- the request ------------------------------------------------------------------------------ */
 
-/* The members of each operation's request. */
+/* Members of each operation's request. */
 static const char *const members[][5] = {
     [PROTO_OPERATION_LENGTH] = {"curve", "operation", NULL},
     [PROTO_OPERATION_RESAMPLE] = {"curve", "operation", "count", NULL},
@@ -26,7 +26,7 @@ static const char *const members[][5] = {
     [PROTO_OPERATION_CLOSED_GEODESIC] = {"curve", "operation", NULL},
     [PROTO_OPERATION_OFFSET] = {"curve", "operation", "distance", "tolerance", NULL}};
 
-/* What the operation takes, and what it needs. */
+/* Checks which members the operation allows and requires. */
 static bool check_members(const json_t *document, struct proto_curve_operation_request *request,
                           struct proto_problem *problem)
 {

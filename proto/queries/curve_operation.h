@@ -1,9 +1,4 @@
-/* Curve operation: what is done to a curve. The operations and their answers:
- *
- *     length                    {"path"}
- *     resample                  {"path", "points"}
- *     shorten, closed-geodesic  {"path", "turn", "rounds", "geodesic"}
- *     offset                    {"paths"} */
+/* Curve operation: length, resample, shorten, closed-geodesic and offset of a curve. */
 #ifndef PROTO_CURVE_OPERATION_H
 #define PROTO_CURVE_OPERATION_H
 
@@ -14,15 +9,14 @@
 #include "proto/http/options.h"
 
 #define PROTO_CURVE_OPERATION_FLAT                                                                 \
-    1e-3 /* tolerance of an offset's path when none is given, as a part of the distance */
+    1e-3 /* default tolerance of an offset's path, relative to the distance */
 
-/* Its request, whose tolerance is set. invalid_request, too_large, insufficient_memory. Freed by
- * proto_curve_operation_request_free. */
+/* Decodes the request and sets its tolerance. Problems: invalid_request, too_large,
+ * insufficient_memory. Freed by proto_curve_operation_request_free. */
 bool proto_curve_operation_decode(const json_t *document, struct proto_curve_operation_request *out,
                                   struct proto_problem *problem);
 
-/* What has come out of an operation: what does not belong to it is all zero. The curve is the
- * path. */
+/* Result of an operation: fields of other operations are zero. `curve` is the answer's path. */
 struct proto_curve_result {
     unsigned operation; /* PROTO_OPERATION_… */
     struct gd_curve curve;
@@ -31,14 +25,14 @@ struct proto_curve_result {
     double turn;
     uint32_t rounds;
     bool is_geodesic;
-    struct gd_path *paths; /* path_count of them */
-    bool *is_closed;       /* of each */
+    struct gd_path *paths; /* path_count items */
+    bool *is_closed;       /* for each path */
     uint32_t path_count;
 };
 
-void proto_curve_result_free(struct proto_curve_result *result); /* a second time is harmless */
+void proto_curve_result_free(struct proto_curve_result *result); /* may be called again */
 
-/* Writes the members above, of these the wanted ones. */
+/* Writes those of the members above that are selected. */
 void proto_curve_result_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
                                const struct proto_curve_result *result,
                                const struct proto_options *options);

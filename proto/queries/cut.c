@@ -1,6 +1,6 @@
 #include "proto/queries/cut.h"
 
-#include "proto/json/member.h"
+#include "proto/json/writer.h"
 
 bool proto_cut_decode(const json_t *document, struct proto_cut_request *out,
                       struct proto_problem *problem)
@@ -21,7 +21,7 @@ bool proto_cut_decode(const json_t *document, struct proto_cut_request *out,
     (PROTO_CUT_FIELD_NAME | PROTO_CUT_FIELD_VERTICES | PROTO_CUT_FIELD_FACES |                     \
      PROTO_CUT_FIELD_AREA | PROTO_CUT_FIELD_VERTEX_MAP | PROTO_CUT_FIELD_FACE_MAP)
 
-/* Of a piece; 0: no pieces are wanted. */
+/* Returns the selected fields of a piece; 0: no pieces. */
 static uint32_t piece_fields(uint32_t fields)
 {
     return proto_fields_within(fields, PROTO_CUT_FIELD_PIECES, PIECE_FIELDS);
@@ -43,18 +43,6 @@ void proto_cut_end(struct proto_writer *writer, const struct gd_cut *cut, uint32
     proto_write_object_end(writer);
 }
 
-static void encode_map(struct proto_writer *writer, const uint32_t *map, uint32_t count)
-{
-    proto_write_array_begin(writer);
-    for (uint32_t i = 0; i < count; i++) {
-        if (map[i] == GD_NONE)
-            proto_write_null(writer);
-        else
-            proto_write_uint(writer, map[i]);
-    }
-    proto_write_array_end(writer);
-}
-
 void proto_cut_piece_encode(struct proto_writer *writer, const struct gd_cut_piece *piece,
                             const char *name, uint32_t fields)
 {
@@ -71,8 +59,8 @@ void proto_cut_piece_encode(struct proto_writer *writer, const struct gd_cut_pie
     proto_field_uint(writer, &options, PROTO_CUT_FIELD_FACES, piece->face_count);
     proto_field_number(writer, &options, PROTO_CUT_FIELD_AREA, piece->area);
     if (proto_field(writer, &options, PROTO_CUT_FIELD_VERTEX_MAP))
-        encode_map(writer, piece->vertex_map, vertices);
+        proto_write_indices(writer, piece->vertex_map, vertices);
     if (proto_field(writer, &options, PROTO_CUT_FIELD_FACE_MAP))
-        encode_map(writer, piece->face_map, piece->face_count);
+        proto_write_indices(writer, piece->face_map, piece->face_count);
     proto_write_object_end(writer);
 }

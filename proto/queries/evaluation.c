@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "proto/json/member.h"
+#include "proto/json/writer.h"
 #include "proto/values/direction.h"
 #include "proto/values/path.h"
 
@@ -37,14 +37,14 @@ void proto_reason_encode(struct proto_writer *writer, double distance)
     proto_member_string(writer, "reason", proto_reason(distance));
 }
 
-static void encode_distance(struct proto_writer *writer, double distance, uint32_t wanted)
+void proto_distance_encode(struct proto_writer *writer, double distance, uint32_t has_distance,
+                           uint32_t has_reason)
 {
-    if (wanted & PROTO_EVALUATION_FIELD_DISTANCE) proto_member_number(writer, "distance", distance);
-    if (wanted & (PROTO_EVALUATION_FIELD_DISTANCE | PROTO_EVALUATION_FIELD_REASON))
-        proto_reason_encode(writer, distance);
+    if (has_distance) proto_member_number(writer, "distance", distance);
+    if (has_distance || has_reason) proto_reason_encode(writer, distance);
 }
 
-/* The value of a key is null unless it `is_there`. */
+/* Writes a key, with the value null unless `is_there`. */
 static bool encode_key(struct proto_writer *writer, const char *key, bool is_there)
 {
     proto_write_key(writer, key);
@@ -57,7 +57,8 @@ void proto_result_encode(struct proto_writer *writer, const struct gd_mesh *mesh
                          uint32_t wanted, enum proto_geometry geometry)
 {
     proto_write_object_begin(writer);
-    encode_distance(writer, result->distance, wanted);
+    proto_distance_encode(writer, result->distance, wanted & PROTO_EVALUATION_FIELD_DISTANCE,
+                          wanted & PROTO_EVALUATION_FIELD_REASON);
     if (wanted & PROTO_EVALUATION_FIELD_NEAREST &&
         encode_key(writer, "nearest", isfinite(result->distance)))
         encode_nearest(writer, mesh, set, result);

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "proto/json/decode.h"
-#include "proto/json/member.h"
+#include "proto/json/writer.h"
 #include "proto/json/number.h"
 #include "proto/queries/evaluation.h"
 
@@ -75,7 +75,7 @@ void proto_values_encode(struct proto_writer *writer, const double *values, size
     proto_write_object_end(writer);
 }
 
-/* An index at the start of `*text`, which moves past it. */
+/* Reads an index at the start of `*text` and advances `*text` past it. */
 static bool take_index(const char **text, uint32_t *out)
 {
     uint64_t value;
@@ -115,19 +115,11 @@ static void encode_wedge(struct proto_writer *writer, const struct gd_wedge *wed
     proto_write_object_end(writer);
 }
 
-static void encode_edge(struct proto_writer *writer, const struct gd_vertex ends[2])
-{
-    proto_member_array(writer, "edge");
-    proto_write_uint(writer, ends[0].index);
-    proto_write_uint(writer, ends[1].index);
-    proto_write_array_end(writer);
-}
-
 void proto_wedges_encode(struct proto_writer *writer, const struct gd_vertex ends[2],
                          const struct gd_wedge *wedges, uint32_t count, uint32_t wanted)
 {
     proto_write_object_begin(writer);
-    if (wanted & PROTO_WEDGES_FIELD_EDGE) encode_edge(writer, ends);
+    if (wanted & PROTO_WEDGES_FIELD_EDGE) proto_member_indices(writer, "edge", &ends->index, 2);
     if (wanted & PROTO_WEDGES_FIELD_WEDGES) {
         proto_member_array(writer, "wedges");
         for (uint32_t i = 0; i < count; i++) encode_wedge(writer, &wedges[i]);

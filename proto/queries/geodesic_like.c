@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "proto/json/member.h"
+#include "proto/json/writer.h"
 #include "proto/values/point.h"
 
 static_assert(PROTO_GEODESIC_REQUEST_DEGREE_MOST == GD_GEODESIC_DEGREE_MOST,
@@ -79,7 +79,7 @@ static bool is_same_place(const double a[2], const double b[2])
     return a[0] == b[0] && a[1] == b[1];
 }
 
-/* Does the piece go on where the one before ends? At a pole it need not. */
+/* Returns whether the piece begins where the preceding one ends. At a pole it need not. */
 static bool continues(const struct gd_geodesic *path, uint32_t piece)
 {
     if (piece == 0) return false;
@@ -87,30 +87,59 @@ static bool continues(const struct gd_geodesic *path, uint32_t piece)
     return is_same_place(before->points[before->count - 1], path->pieces[piece].points[0]);
 }
 
-static void encode_control_points(struct proto_writer *writer, const struct gd_geodesic *path)
+uint32_t proto_geodesic_control_points(const struct gd_geodesic *path, double (*out)[2])
 {
-    proto_member_array(writer, "control_points");
-    for (uint32_t i = 0; i < path->piece_count; i++)
-        for (uint32_t k = continues(path, i); k < path->pieces[i].count; k++)
-            proto_write_numbers(writer, path->pieces[i].points[k], 2);
-    proto_write_array_end(writer);
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < path->piece_count; i++) {
+        const struct gd_geodesic_piece *piece = &path->pieces[i];
+        uint32_t shared = continues(path, i), more = piece->count - shared;
+        if (out) memcpy(out[count], piece->points[shared], more * sizeof *out);
+        count += more;
+    }
+    return count;
 }
 
-/* Piece i on [i, i + 1]. Where two of them share a control point its knot has the multiplicity of
- * the degree, else one more. */
-static void encode_knots(struct proto_writer *writer, const struct gd_geodesic *path)
+/* Writes the knots. Piece i has the parameters [i, i + 1]. A knot between pieces that share a
+ * control point has the degree as multiplicity, else one more. */
+uint32_t proto_geodesic_knots(const struct gd_geodesic *path, double *out)
 {
-    proto_member_array(writer, "knots");
+    uint32_t count = 0;
     for (uint32_t i = 0; i < path->piece_count; i++) {
         const struct gd_geodesic_piece *piece = &path->pieces[i];
         bool is_last = i + 1 == path->piece_count;
-        if (i == 0) proto_write_number(writer, 0);
         uint32_t shared = is_last || !continues(path, i + 1) ? 0 : 1;
-        for (uint32_t k = i == 0 ? 1 : piece->degree + 1;
-             k < piece->count + piece->degree + 1 - shared; k++)
-            proto_write_number(writer, piece->knots[k] + i);
+        for (uint32_t k = i == 0 ? 0 : piece->degree + 1;
+             k < piece->count + piece->degree + 1 - shared; k++) {
+            if (out) out[count] = piece->knots[k] + i;
+            count++;
+        }
     }
+    return count;
+}
+
+static enum gd_status encode_knots(struct proto_writer *writer, const struct gd_geodesic *path)
+{
+    uint32_t count = proto_geodesic_knots(path, NULL);
+    double *knots = malloc((count + (size_t)1) * sizeof *knots);
+    if (!knots) return GD_NO_MEMORY;
+    proto_geodesic_knots(path, knots);
+    proto_member_numbers(writer, "knots", knots, count);
+    free(knots);
+    return GD_OK;
+}
+
+static enum gd_status encode_control_points(struct proto_writer *writer,
+                                            const struct gd_geodesic *path)
+{
+    uint32_t count = proto_geodesic_control_points(path, NULL);
+    double(*points)[2] = malloc((count + (size_t)1) * sizeof *points);
+    if (!points) return GD_NO_MEMORY;
+    proto_geodesic_control_points(path, points);
+    proto_member_array(writer, "control_points");
+    for (uint32_t i = 0; i < count; i++) proto_write_numbers(writer, points[i], 2);
     proto_write_array_end(writer);
+    free(points);
+    return GD_OK;
 }
 
 static void encode_sample(struct proto_writer *writer, const double uv[2], struct gd_vec3 xyz,
@@ -131,7 +160,7 @@ static double clamp(const struct gd_axis *axis, double t)
     return axis->closed ? t : fmin(fmax(t, axis->low), axis->high);
 }
 
-/* Of a place that may have left the domain by rounding. */
+/* Returns the position of parameters that may have left the domain by rounding. */
 static struct gd_vec3 position(const struct gd_parametric *surface, const double uv[2])
 {
     struct gd_jet jet = {.x = {NAN, NAN, NAN}};
@@ -141,46 +170,45 @@ static struct gd_vec3 position(const struct gd_parametric *surface, const double
     return jet.x;
 }
 
-struct samples { /* all zero is an empty list */
-    double (*uv)[2];
-    struct gd_vec3 *xyz;
-    uint32_t count;
-};
-
-static enum gd_status sample(const struct gd_parametric *surface, const struct gd_geodesic *path,
-                             uint32_t count, struct samples *out)
+uint32_t proto_geodesic_sample_count(const struct proto_geodesic *request,
+                                     const struct gd_geodesic *path)
 {
-    out->count = path->piece_count ? count : 1;
-    out->uv = malloc(out->count * sizeof *out->uv);
-    out->xyz = malloc(out->count * sizeof *out->xyz);
-    if (!out->uv || !out->xyz) return GD_NO_MEMORY;
-    if (path->piece_count) return gd_geodesic_sample(surface, path, count, out->uv, out->xyz);
-    memcpy(out->uv[0], path->meeting, sizeof path->meeting);
-    out->xyz[0] = position(surface, path->meeting);
+    return path->piece_count ? request->samples : 1;
+}
+
+enum gd_status proto_geodesic_sample(const struct proto_geodesic_answer *answer,
+                                     const struct gd_geodesic *path, double (*uv)[2],
+                                     struct gd_vec3 *xyz)
+{
+    const struct gd_parametric *surface = gd_domain_curve_surface(answer->ends[0]);
+    if (path->piece_count)
+        return gd_geodesic_sample(surface, path, answer->request->samples, uv, xyz);
+    memcpy(uv, path->meeting, sizeof path->meeting);
+    *xyz = position(surface, path->meeting);
     return GD_OK;
 }
 
 static enum gd_status encode_points(struct proto_writer *writer,
-                                    const struct gd_parametric *surface,
-                                    const struct gd_geodesic *path, uint32_t count,
-                                    enum proto_geometry geometry)
+                                    const struct proto_geodesic_answer *answer,
+                                    const struct gd_geodesic *path, enum proto_geometry geometry)
 {
-    struct samples samples = {0};
-    enum gd_status status = sample(surface, path, count, &samples);
+    uint32_t count = proto_geodesic_sample_count(answer->request, path);
+    double(*uv)[2] = malloc(count * sizeof *uv);
+    struct gd_vec3 *xyz = malloc(count * sizeof *xyz);
+    enum gd_status status = uv && xyz ? proto_geodesic_sample(answer, path, uv, xyz) : GD_NO_MEMORY;
     if (!status) {
         proto_member_array(writer, "points");
-        for (uint32_t i = 0; i < samples.count; i++)
-            encode_sample(writer, samples.uv[i], samples.xyz[i], geometry);
+        for (uint32_t i = 0; i < count; i++) encode_sample(writer, uv[i], xyz[i], geometry);
         proto_write_array_end(writer);
     }
-    free(samples.uv);
-    free(samples.xyz);
+    free(uv);
+    free(xyz);
     return status;
 }
 
 /* --- the ends --------------------------------------------------------------------------------- */
 
-/* Where the path has no direction, its length being 0, there is no angle. */
+/* Writes an end. A path of length 0 has no direction and so no angle. */
 static void encode_end(struct proto_writer *writer, const struct gd_domain_curve *curve,
                        double parameter, double angle)
 {
@@ -202,7 +230,7 @@ static void encode_ends(struct proto_writer *writer, const struct proto_geodesic
                  angles[2] = {path->from_angle, path->to_angle};
     proto_member_object(writer, "ends");
     for (int k = 0; k < 2; k++) {
-        if (!form->is_told[k]) continue;
+        if (!form->is_answered[k]) continue;
         proto_write_key(writer, form->ends[k]);
         encode_end(writer, answer->ends[k], parameters[k], path->piece_count ? angles[k] : NAN);
     }
@@ -244,7 +272,7 @@ static void encode_verdict(struct proto_writer *writer, const struct gd_geodesic
         encode_warnings(writer, path->warnings);
 }
 
-/* The members of one path's object. */
+/* Writes the members of one path's object. */
 static enum gd_status encode_path(struct proto_writer *writer,
                                   const struct proto_geodesic_answer *answer,
                                   const struct gd_geodesic *path,
@@ -255,11 +283,11 @@ static enum gd_status encode_path(struct proto_writer *writer,
     proto_field_number(writer, options, PROTO_GEODESIC_FIELD_LENGTH, path->length);
     if (path->piece_count)
         proto_field_uint(writer, options, PROTO_GEODESIC_FIELD_DEGREE, path->pieces[0].degree);
-    if (fields & PROTO_GEODESIC_FIELD_KNOTS) encode_knots(writer, path);
-    if (fields & PROTO_GEODESIC_FIELD_CONTROL_POINTS) encode_control_points(writer, path);
-    if (fields & PROTO_GEODESIC_FIELD_POINTS && options->geometry != PROTO_GEOMETRY_NONE)
-        status = encode_points(writer, gd_domain_curve_surface(answer->ends[0]), path,
-                               answer->request->samples, options->geometry);
+    if (fields & PROTO_GEODESIC_FIELD_KNOTS) status = encode_knots(writer, path);
+    if (!status && fields & PROTO_GEODESIC_FIELD_CONTROL_POINTS)
+        status = encode_control_points(writer, path);
+    if (!status && fields & PROTO_GEODESIC_FIELD_POINTS && options->geometry != PROTO_GEOMETRY_NONE)
+        status = encode_points(writer, answer, path, options->geometry);
     if (fields & PROTO_GEODESIC_FIELD_ENDS) encode_ends(writer, answer, path);
     encode_verdict(writer, path, options);
     return status;

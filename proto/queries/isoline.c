@@ -6,7 +6,7 @@
 
 #include "gd/direction.h"
 #include "generated/requests.h"
-#include "proto/json/member.h"
+#include "proto/json/writer.h"
 #include "proto/json/number.h"
 #include "proto/values/point.h"
 
@@ -30,10 +30,9 @@ static bool check_count(const char *place, uint64_t count, struct proto_problem 
 {
     if (count == 0) return proto_problem_refuse(problem, place, "ask for at least one level");
     if (count <= PROTO_ISOLINES_LEVELS) return true;
-    proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE,
-                      "at most %d levels are taken here; ask for fewer", PROTO_ISOLINES_LEVELS);
-    proto_problem_at(problem, place);
-    return proto_problem_limit(problem, PROTO_ISOLINES_LEVELS);
+    return proto_problem_exceed(problem, place, PROTO_ISOLINES_LEVELS,
+                                "at most %d levels are taken here; ask for fewer",
+                                PROTO_ISOLINES_LEVELS);
 }
 
 static bool check_levels(const struct proto_isolines *isolines, struct proto_problem *problem)
@@ -127,7 +126,7 @@ static bool parse_count(const struct proto_parameters *parameters, struct proto_
 static bool parse_tolerance(const struct proto_parameters *parameters, double *out,
                             struct proto_problem *problem)
 {
-    const char *text = parameters->get(parameters->user, "tolerance");
+    const char *text = proto_parameters_get(parameters, "tolerance");
     double tolerance = 0;
     if (!text) return true;
     size_t length = proto_number_parse(text, &tolerance);
@@ -136,26 +135,16 @@ static bool parse_tolerance(const struct proto_parameters *parameters, double *o
     return check_tolerance("tolerance", tolerance, problem);
 }
 
-static bool parse_arcs(const struct proto_parameters *parameters, bool *out,
-                       struct proto_problem *problem)
-{
-    static const char *const words[] = {"false", "true", NULL};
-    unsigned word = 0;
-    if (!proto_parameters_choice(parameters, "arcs", words, &word, problem)) return false;
-    *out = word == 1;
-    return true;
-}
-
 static bool parse(const struct proto_parameters *parameters, struct proto_isolines *out,
                   struct proto_problem *problem)
 {
-    const char *levels = parameters->get(parameters->user, "levels");
-    bool has_count = parameters->get(parameters->user, "count") != NULL;
+    const char *levels = proto_parameters_get(parameters, "levels");
+    bool has_count = proto_parameters_get(parameters, "count") != NULL;
     if ((levels != NULL) == has_count)
         return proto_problem_refuse(problem, "levels",
                                     "say which levels, or count, how many of them: one of both");
     if (!parse_tolerance(parameters, &out->tolerance, problem)) return false;
-    if (!parse_arcs(parameters, &out->wants_arcs, problem)) return false;
+    if (!proto_parameters_flag(parameters, "arcs", &out->wants_arcs, problem)) return false;
     return levels ? parse_levels(levels, out, problem) : parse_count(parameters, out, problem);
 }
 
@@ -209,7 +198,8 @@ double proto_isolines_tolerance(double tolerance, const struct gd_mesh *mesh)
 
 /* --- the answer ------------------------------------------------------------------------------- */
 
-/* From the arc's own axes to those that directions are counted from; in [0, 2 pi), and never -0. */
+/* Converts the arc's start angle from the arc's own axes to those of directions; in [0, 2 pi), and
+ * never -0. */
 static double start_of(const struct gd_mesh *mesh, const struct gd_isoline_arc *arc)
 {
     struct gd_vec3 zero, quarter, x, y;

@@ -1,4 +1,4 @@
-/* Isolines: the lines of a field at given levels, and arcs in an answer. */
+/* Isolines: a field's lines at given levels, and the arcs of an answer. */
 #ifndef PROTO_ISOLINE_H
 #define PROTO_ISOLINE_H
 
@@ -12,37 +12,37 @@
 #define PROTO_ISOLINES_LEVELS 1000   /* most levels of a request */
 #define PROTO_ISOLINES_POINTS 500000 /* most points, and most arcs, of an answer */
 
-/* All zero is an empty one. */
+/* All zero: empty. */
 struct proto_isolines {
-    /* owned; NULL until proto_isolines_settle, if their number was asked for */
+    /* owned; NULL until proto_isolines_settle if the request gives only a count */
     double *levels;
     uint32_t level_count; /* at least 1 */
-    double tolerance;     /* 0: not said */
+    double tolerance;     /* 0: not given */
     bool wants_arcs;
-    const char *place; /* of levels or count in the request, static */
+    const char *place; /* place of levels or count in the request, static */
 };
 
-/* From the body of POST, and from the query string of GET. invalid_request, too_large (with the
- * limit), insufficient_memory. Freed by proto_isolines_free. */
+/* Decode the body of POST and the query string of GET. Problems: invalid_request, too_large (with
+ * the limit), insufficient_memory. Freed by proto_isolines_free. */
 bool proto_isolines_decode(const json_t *document, struct proto_isolines *out,
                            struct proto_problem *problem);
 bool proto_isolines_parse(const struct proto_parameters *parameters, struct proto_isolines *out,
                           struct proto_problem *problem);
-void proto_isolines_free(struct proto_isolines *isolines); /* a second time is harmless */
+void proto_isolines_free(struct proto_isolines *isolines); /* may be called again */
 
-/* Fits the request to its field: n levels lie evenly between 0 and the field's maximum, both left
- * out (if that is not known: its max_distance); none is beyond its max_distance. invalid_request,
- * insufficient_memory. */
+/* Completes the request for its field. A count n becomes n levels evenly between 0 and the field's
+ * maximum (its max_distance if that is unknown), both excluded. No level may exceed max_distance.
+ * Problems: invalid_request, insufficient_memory. */
 bool proto_isolines_settle(struct proto_isolines *isolines,
                            const struct proto_field_description *field,
                            struct proto_problem *problem);
 
-/* The tolerance that was asked for (0: none was), or 1/2000 of the diagonal of the mesh's bounding box: half a
- * pixel in a picture of 1,000. */
+/* Returns the tolerance of the request or, if it is 0, 1/2000 of the diagonal of the mesh's
+ * bounding box: half a pixel in a picture of 1,000. */
 double proto_isolines_tolerance(double tolerance, const struct gd_mesh *mesh);
 
-/* Angles of an arc are counted as directions in its face are (gd/direction.h), its start in
- * [0, 2 pi); a straight one is {"face", "straight": true}. */
+/* Writes an arc. Its angles are measured like directions in its face (gd/direction.h), its start in
+ * [0, 2 pi). A straight arc is {"face", "straight": true}. */
 void proto_arc_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
                       const struct gd_isoline_arc *arc);
 

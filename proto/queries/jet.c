@@ -94,24 +94,46 @@ void proto_limit_jet_encode(struct proto_writer *writer, const struct gd_limit_j
     proto_write_object_end(writer);
 }
 
-bool proto_foot_decode(const json_t *document, struct proto_foot_request *out,
+static bool foot_check_form(const struct proto_point *point, struct proto_problem *problem)
+{
+    return point->form == PROTO_POINT_XYZ ||
+           proto_problem_refuse(problem, point->place,
+                                "write a point of space: {\"xyz\": [1, 2, 3]} or p:1,2,3");
+}
+
+bool proto_foot_decode(const json_t *document, struct proto_point *out,
                        struct proto_problem *problem)
 {
-    static const char *const members[] = {"point", NULL};
-    const json_t *value = json_object_get(document, "point");
-    struct proto_point point;
-    if (!value) return proto_foot_request_decode(document, out, problem);
-    if (!proto_decode_object(document, "", members, problem) ||
-        !proto_point_decode(value, "/point", &point, problem))
+    struct proto_nearest_request request;
+    bool is_bare = json_object_get(document, "xyz") && !json_object_get(document, "point");
+    if (is_bare) return proto_point_decode(document, "", out, problem);
+    if (!proto_nearest_request_decode(document, &request, problem) ||
+        !foot_check_form(&request.point, problem))
         return false;
-    if (point.form != PROTO_POINT_XYZ || point.xyz.max_snap >= 0)
-        return proto_problem_refuse(problem, "/point",
-                                    "write a point of space: {\"xyz\": [1, 2, 3]} or p:1,2,3");
-    *out = (struct proto_foot_request){.xyz = {point.xyz.xyz.x, point.xyz.xyz.y, point.xyz.xyz.z}};
+    *out = request.point;
     return true;
 }
 
-void proto_foot_encode(struct proto_writer *writer, const struct gd_parametric_foot *foot,
+bool proto_foot_parse(const struct proto_parameters *parameters, struct proto_point *out,
+                      struct proto_problem *problem)
+{
+    const char *text = proto_parameters_require(parameters, "point", problem);
+    return text && proto_point_parse(text, "point", out, problem) && foot_check_form(out, problem);
+}
+
+bool proto_foot_check(const struct proto_point *wanted, double distance,
+                      struct proto_problem *problem)
+{
+    double most = wanted->xyz.max_snap;
+    if (most < 0 || distance <= most) return true;
+    proto_problem_set(problem, PROTO_PROBLEM_POINT_NOT_ON_SURFACE,
+                      "the nearest point of the surface is %.17g away, farther than max_snap = "
+                      "%.17g",
+                      distance, most);
+    return proto_problem_at(problem, wanted->place);
+}
+
+void proto_foot_encode(struct proto_writer *writer, const struct gd_parametric_closest *foot,
                        const struct proto_options *options)
 {
     proto_write_object_begin(writer);
@@ -122,7 +144,7 @@ void proto_foot_encode(struct proto_writer *writer, const struct gd_parametric_f
     proto_write_object_end(writer);
 }
 
-void proto_limit_foot_encode(struct proto_writer *writer, const struct gd_limit_foot *foot,
+void proto_limit_foot_encode(struct proto_writer *writer, const struct gd_limit_closest *foot,
                              const struct proto_options *options)
 {
     const struct gd_limit_point *place = &foot->place;

@@ -1,4 +1,5 @@
-/* Jet: places of a smooth surface, evaluated, and the place nearest to a point of space. */
+/* Jet: evaluates points of a smooth surface, and finds the surface point nearest to a point of
+ * space. */
 #ifndef PROTO_JET_H
 #define PROTO_JET_H
 
@@ -7,30 +8,36 @@
 #include "proto/values/limit_place.h"
 #include "proto/values/uv.h"
 
-/* Places of a parametric surface, each in its domain, and of a subdivision surface.
- * invalid_request, too_large, point_not_on_surface, insufficient_memory. Freed by proto_uvs_free,
- * and by proto_limit_places_free. */
+/* Decode points of a parametric surface, each within its domain, or of a subdivision surface.
+ * Problems: invalid_request, too_large, point_not_on_surface, insufficient_memory. Freed by
+ * proto_uvs_free and proto_limit_places_free. */
 bool proto_jets_decode(const json_t *document, const struct gd_parametric *surface,
                        struct proto_uvs *out, struct proto_problem *problem);
 bool proto_limit_jets_decode(const json_t *document, const struct gd_subdivision *surface,
                              struct proto_limit_places *out, struct proto_problem *problem);
 
-/* A point of space, as {"xyz"} or as {"point"} that `nearest` of meshes takes. invalid_request. */
-struct proto_foot_request;
-bool proto_foot_decode(const json_t *document, struct proto_foot_request *out,
+/* Decodes a point of space: {"xyz"}, or {"point"} as in the query `nearest` of meshes. Problem:
+ * invalid_request. */
+bool proto_foot_decode(const json_t *document, struct proto_point *out,
                        struct proto_problem *problem);
+bool proto_foot_parse(const struct proto_parameters *parameters, struct proto_point *out,
+                      struct proto_problem *problem);
 
-/* Writes one point, of its fields the wanted ones. Normal and curvatures are null where the
- * derivatives are parallel. Where a limit jet is singular, du and dv are unit vectors, second
- * derivatives and curvatures are null, and "singular" says so; at spikes there is no normal. */
+/* Checks that the distance is at most the point's max_snap; else point_not_on_surface. */
+bool proto_foot_check(const struct proto_point *wanted, double distance,
+                      struct proto_problem *problem);
+
+/* Writes the selected fields of one point. Normal and curvatures are null where the derivatives are
+ * parallel. Where a limit jet is singular, du and dv are unit vectors, second derivatives and
+ * curvatures are null, and "singular" is true; a spike has no normal. */
 void proto_jet_encode(struct proto_writer *writer, const struct gd_jet *jet,
                       const struct proto_options *options);
 void proto_limit_jet_encode(struct proto_writer *writer, const struct gd_limit_jet *jet,
                             const struct proto_options *options);
 
-void proto_foot_encode(struct proto_writer *writer, const struct gd_parametric_foot *foot,
+void proto_foot_encode(struct proto_writer *writer, const struct gd_parametric_closest *foot,
                        const struct proto_options *options);
-void proto_limit_foot_encode(struct proto_writer *writer, const struct gd_limit_foot *foot,
+void proto_limit_foot_encode(struct proto_writer *writer, const struct gd_limit_closest *foot,
                              const struct proto_options *options);
 
 #endif

@@ -2,12 +2,7 @@
 
 #include <math.h>
 
-#include "proto/json/member.h"
-
-void proto_limit_trace_free(struct proto_limit_trace *trace)
-{
-    proto_limit_trace_request_free(&trace->request);
-}
+#include "proto/json/writer.h"
 
 /* --- the request ------------------------------------------------------------------------------ */
 
@@ -37,7 +32,7 @@ bool proto_limit_trace_decode(const json_t *document, const struct gd_subdivisio
         *out = trace;
         return true;
     }
-    proto_limit_trace_free(&trace);
+    proto_limit_trace_request_free(request);
     return false;
 }
 

@@ -1,6 +1,6 @@
 #include "proto/queries/made_mesh.h"
 
-#include "proto/json/member.h"
+#include "proto/json/writer.h"
 #include "proto/queries/limit_paths.h"
 
 bool proto_discretization_decode(const json_t *document, const struct gd_subdivision *surface,
@@ -43,11 +43,9 @@ static bool check_resolution(const uint32_t steps[2], uint32_t max_faces,
 {
     uint32_t most = max_faces < GD_TESSELLATION_FACES_MAX ? max_faces : GD_TESSELLATION_FACES_MAX;
     if (2.0 * steps[0] * steps[1] <= most) return true;
-    proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE,
-                      "%u x %u cells are %.0f triangles, and at most %u can be made", steps[0],
-                      steps[1], 2.0 * steps[0] * steps[1], most);
-    proto_problem_at(problem, "/resolution");
-    return proto_problem_limit(problem, most);
+    return proto_problem_exceed(problem, "/resolution", most,
+                                "%u x %u cells are %.0f triangles, and at most %u can be made",
+                                steps[0], steps[1], 2.0 * steps[0] * steps[1], most);
 }
 
 bool proto_tessellation_decode(const json_t *document, uint32_t max_faces,
@@ -60,7 +58,7 @@ bool proto_tessellation_decode(const json_t *document, uint32_t max_faces,
     *out = (struct proto_tessellation){
         request.mesh,
         {.deviation = request.tolerance,
-         .faces = request.has_tolerance, /* as few as the tolerance allows */
+         .faces = request.has_tolerance, /* with a tolerance: as few faces as it allows */
          .steps = {request.resolution[0], request.resolution[1]}}};
     return true;
 }

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "proto/json/decode.h"
-#include "proto/json/member.h"
+#include "proto/json/writer.h"
 #include "proto/http/page.h"
 
 static const char *const queries[] = {
@@ -38,7 +38,7 @@ static bool check_name(const json_t *value, const char *place, struct proto_prob
     return proto_problem_at(problem, place);
 }
 
-/* The array of that name, which has 1 to PROTO_MANY_ITEMS members; else NULL with the problem. */
+/* Returns the array of that name, of 1 to PROTO_MANY_ITEMS members; else NULL with the problem. */
 static const json_t *read_list(const json_t *document, const char *member,
                                struct proto_problem *problem)
 {
@@ -187,9 +187,9 @@ bool proto_many_parse_page(const struct proto_parameters *parameters, struct pro
                            struct proto_problem *problem)
 {
     static const char *const names[] = {"limit", "after", "cursor", "wait", NULL};
-    const struct proto_page page = {.after = parameters->get(parameters->user, "after")};
-    bool has_cursor = parameters->get(parameters->user, "cursor") != NULL,
-         waits = parameters->get(parameters->user, "wait") != NULL;
+    const struct proto_page page = {.after = proto_parameters_get(parameters, "after")};
+    bool has_cursor = proto_parameters_get(parameters, "cursor") != NULL,
+         waits = proto_parameters_get(parameters, "wait") != NULL;
     uint64_t limit = PROTO_PAGE_DEFAULT, cursor = 0, wait_s = 0;
     int64_t after;
     if (!proto_parameters_check(parameters, names, problem) ||

@@ -1,10 +1,6 @@
-/* Many: a batch that is worked on item by item, by whichever daemon has time: POST /v1/batches. An
- * item is a question of its own, as a client could ask it.
- *
- *     {"query": "all-pairs", "mesh": "bunny", "vertices": [0, 17, 2040]}
- *         an item a source: its distances to all of them
- *     {"query": "fields", "meshes": ["a", "b"], "set": {…}, "max_distance"?}
- *         an item a mesh: the field of that set */
+/* Many: a batch of POST /v1/batches, whose items any daemon may process. Each item is a query of
+ * its own: for "all-pairs" the distances from one vertex to all, for "fields" the field on one
+ * mesh. */
 #ifndef PROTO_MANY_H
 #define PROTO_MANY_H
 
@@ -12,9 +8,9 @@
 #include "proto/json/writer.h"
 #include "proto/values/mesh.h"
 
-struct json_t; /* of jansson */
+struct json_t; /* declared by jansson */
 
-/* most of a batch: as many vertices as the question of an item can hold */
+/* most items of a batch; also the most vertices in an item's request */
 #define PROTO_MANY_ITEMS 20000
 
 enum proto_many_query { PROTO_MANY_ALL_PAIRS, PROTO_MANY_FIELDS };
@@ -25,42 +21,42 @@ struct proto_many {
     struct json_t *document; /* checked, owned */
 };
 
-/* Takes over a reference of the document, which is checked as far as it can be without the meshes.
- * False with the problem: the document is the caller's still. */
+/* Takes over a reference of the document and checks it as far as possible without the meshes. On
+ * failure returns false with the problem, and the caller keeps the reference. */
 bool proto_many_decode(struct json_t *document, struct proto_many *out,
                        struct proto_problem *problem);
 
-/* The same of a text. */
+/* As proto_many_decode, from text. */
 bool proto_many_read(const void *text, size_t size, struct proto_many *out,
                      struct proto_problem *problem);
-void proto_many_free(struct proto_many *many); /* all zero is harmless */
+void proto_many_free(struct proto_many *many); /* accepts all zero */
 
-/* The mesh of an item; borrowed. */
+/* Returns the name of an item's mesh, borrowed. */
 const char *proto_many_mesh(const struct proto_many *many, uint32_t item);
 
-/* "all-pairs" or "fields". Static string. */
+/* Returns the query's name as in the request, static. */
 const char *proto_many_query_name(enum proto_many_query query);
 
-/* The item's question: what follows "/v1/meshes/{name}/", a static string, and its body, written to
- * a writer that was initialized. */
+/* Returns the item's request path after "/v1/meshes/{name}/", a static string, and writes its body
+ * to an initialized writer. */
 const char *proto_many_ask(const struct proto_many *many, uint32_t item, struct proto_writer *body);
 
 /* --- a page of answers ------------------------------------------------------------------------ */
 
-#define PROTO_MANY_WAIT 60 /* seconds; the most that a request waits for news */
+#define PROTO_MANY_WAIT 60 /* seconds; a request waits at most so long for news */
 
 struct proto_many_page {
     uint32_t limit;
-    bool is_by_number; /* `cursor` was sent: in the order in which the items were answered */
-    int64_t after;     /* an item (-1: from the first), or the number of an answer */
+    bool is_by_number; /* `cursor` was sent: items in the order of their answers */
+    int64_t after;     /* an item (-1: from the first), or an answer's number */
     uint64_t wait_s;
 };
 
-/* Reads limit, after or cursor, and wait, and refuses any other parameter. invalid_request. */
+/* Reads limit, after or cursor, and wait; rejects any other parameter. Problem: invalid_request. */
 bool proto_many_parse_page(const struct proto_parameters *parameters, struct proto_many_page *out,
                            struct proto_problem *problem);
 
-/* Reads wait, and refuses any other parameter. invalid_request. */
+/* Reads wait; rejects any other parameter. Problem: invalid_request. */
 bool proto_many_parse_wait(const struct proto_parameters *parameters, uint64_t *wait_s,
                            struct proto_problem *problem);
 
@@ -72,19 +68,17 @@ struct proto_many_state {
     bool is_cancelled;
 };
 
-/* Done or cancelled. */
+/* Returns whether the batch is done or cancelled. */
 bool proto_many_has_ended(const struct proto_many_state *state);
 
-/* Writes {"id", "state": "running"|"done"|"cancelled", "items", "done", "failed", "progress",
- * "created"}. */
 void proto_many_encode(struct proto_writer *writer, const struct proto_many_state *state);
 
-/* Writes {"item", "status", "mesh", "vertex"?, "answer"|"problem"}; `answer` is JSON. */
+/* Writes an item's answer. `answer`: JSON. */
 void proto_many_encode_answer(struct proto_writer *writer, const struct proto_many *many,
                               uint32_t item, unsigned status, const char *answer, size_t size);
 
-/* Ends a page of answers, with the state of the batch. `next`: the `after` or `cursor` of the next
- * page; -1: none. */
+/* Ends a page of answers with the batch's state. `next`: the `after` or `cursor` of the next page;
+ * -1: none. */
 void proto_many_end_page(struct proto_writer *writer, const struct proto_many_state *state,
                          int64_t next);
 

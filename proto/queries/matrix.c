@@ -1,9 +1,7 @@
-#include "proto/json/member.h"
+#include "proto/json/writer.h"
 #include "proto/queries/matrix.h"
 
-#include <endian.h>
 #include <math.h>
-#include <string.h>
 
 #include "proto/queries/evaluation.h"
 
@@ -11,13 +9,11 @@ bool proto_matrix_check(const struct proto_matrix_request *request, struct proto
 {
     uint64_t entries = (uint64_t)request->sources.count * request->targets.count;
     if (entries <= PROTO_MATRIX_ENTRIES) return true;
-    proto_problem_set(
-        problem, PROTO_PROBLEM_TOO_LARGE,
+    return proto_problem_exceed(
+        problem, "", PROTO_MATRIX_ENTRIES,
         "%u sources and %u targets make %llu distances, more than %d; ask for the matrix in parts",
         request->sources.count, request->targets.count, (unsigned long long)entries,
         PROTO_MATRIX_ENTRIES);
-    proto_problem_at(problem, "");
-    return proto_problem_limit(problem, PROTO_MATRIX_ENTRIES);
 }
 
 /* --- the answer ------------------------------------------------------------------------------- */
@@ -59,17 +55,4 @@ void proto_matrix_encode(struct proto_writer *writer, const struct proto_matrix_
         write_rows(writer, "distances", answer, proto_write_numbers);
     if (options->fields && has_nulls(answer)) write_rows(writer, "reasons", answer, write_reasons);
     proto_write_object_end(writer);
-}
-
-size_t proto_matrix_bytes(const struct proto_matrix_answer *answer, void *out)
-{
-    size_t count = (size_t)answer->rows * answer->columns;
-    uint64_t *bytes = out;
-    for (size_t i = 0; i < count && bytes; i++) {
-        double value = isfinite(answer->distances[i]) ? answer->distances[i] : NAN;
-        uint64_t bits;
-        memcpy(&bits, &value, sizeof bits);
-        bytes[i] = htole64(bits);
-    }
-    return count * sizeof *bytes;
 }

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "proto/json/decode.h"
-#include "proto/json/member.h"
+#include "proto/json/writer.h"
 #include "proto/values/parametric.h"
 #include "proto/values/uv.h"
 
@@ -20,14 +20,14 @@ bool proto_nurbs_options_parse(const struct proto_parameters *parameters,
         !proto_parameters_choice(parameters, "convention", proto_convention_words,
                                  &options.convention, problem))
         return false;
-    options.has_convention = parameters->get(parameters->user, "convention") != NULL;
+    options.has_convention = proto_parameters_get(parameters, "convention") != NULL;
     *out = options;
     return true;
 }
 
 /* --- the file --------------------------------------------------------------------------------- */
 
-struct file { /* all zero is an empty one */
+struct file { /* all zero: empty */
     struct gd_nurbs_data data;
     double *knots[2], (*points)[3], *weights;
 };
@@ -82,7 +82,7 @@ static bool decode_knots(const json_t *document, struct file *file, struct proto
     return true;
 }
 
-/* The element (i, j) of a member; the row when j is SIZE_MAX. */
+/* Refuses the element (i, j) of a member, or the row i when j is SIZE_MAX. */
 static bool refuse_at(const char *member, size_t i, size_t j, const char *expected,
                       struct proto_problem *problem)
 {
@@ -96,7 +96,7 @@ static bool refuse_at(const char *member, size_t i, size_t j, const char *expect
     return proto_problem_descend(problem, index);
 }
 
-/* The member is rows of equal length, none of them empty. */
+/* Returns the member if it consists of non-empty rows of equal length. */
 static const json_t *find_rows(const json_t *document, const char *member, uint32_t *rows,
                                uint32_t *columns, struct proto_problem *problem)
 {
@@ -121,17 +121,7 @@ static const json_t *find_rows(const json_t *document, const char *member, uint3
     return value;
 }
 
-static bool read_numbers(const json_t *value, size_t count, double *out)
-{
-    for (size_t i = 0; i < count; i++) {
-        const json_t *number = json_array_get(value, i);
-        if (!json_is_number(number)) return false;
-        out[i] = json_number_value(number);
-    }
-    return json_array_size(value) == count;
-}
-
-/* Points [x, y, z], or [x, y, z, weight] all of them. */
+/* Decodes points, all of them [x, y, z] or all [x, y, z, weight]. */
 static bool decode_points(const json_t *document, struct file *file, struct proto_problem *problem)
 {
     struct gd_nurbs_data *data = &file->data;
@@ -148,7 +138,7 @@ static bool decode_points(const json_t *document, struct file *file, struct prot
         double point[4];
         const json_t *value =
             json_array_get(json_array_get(rows, i / data->count_v), i % data->count_v);
-        if (!read_numbers(value, is_weighted ? 4 : 3, point))
+        if (!proto_read_numbers(value, is_weighted ? 4 : 3, point))
             return refuse_at("controlPoints", i / data->count_v, i % data->count_v,
                              is_weighted ? "[x, y, z, weight], as the first one" : "[x, y, z]",
                              problem);
@@ -178,7 +168,8 @@ static bool decode_weights(const json_t *document, struct file *file, struct pro
     file->weights = malloc((size_t)rows * columns * sizeof *file->weights);
     if (!file->weights) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
     for (uint32_t i = 0; i < rows; i++)
-        if (!read_numbers(json_array_get(weights, i), columns, file->weights + (size_t)i * columns))
+        if (!proto_read_numbers(json_array_get(weights, i), columns,
+                                file->weights + (size_t)i * columns))
             return refuse_at("weights", i, SIZE_MAX, "a row of numbers", problem);
     data->weights = file->weights;
     return true;
@@ -225,10 +216,8 @@ static bool make_nurbs(const struct gd_nurbs_data *data, struct gd_parametric **
     if (status) return proto_problem_from_status(problem, status, &detail);
     *form = (struct proto_nurbs_form){.shape = "nurbs",
                                       .convention = proto_convention_words[data->convention],
-                                      .degree_u = data->degree_u,
-                                      .degree_v = data->degree_v,
-                                      .count_u = data->count_u,
-                                      .count_v = data->count_v,
+                                      .degree = {data->degree_u, data->degree_v},
+                                      .count = {data->count_u, data->count_v},
                                       .is_rational = is_rational(data)};
     return true;
 }
@@ -276,25 +265,17 @@ bool proto_nurbs_read(const void *bytes, size_t size, const struct proto_nurbs_o
 
 /* --- the description -------------------------------------------------------------------------- */
 
-static void encode_pair(struct proto_writer *writer, const char *key, uint32_t a, uint32_t b)
-{
-    proto_member_array(writer, key);
-    proto_write_uint(writer, a);
-    proto_write_uint(writer, b);
-    proto_write_array_end(writer);
-}
-
 static void encode_form(struct proto_writer *writer, const struct proto_nurbs_form *form)
 {
     proto_member_string(writer, "shape", form->shape);
     if (!form->convention) return;
     proto_member_string(writer, "convention", form->convention);
-    encode_pair(writer, "degree", form->degree_u, form->degree_v);
-    encode_pair(writer, "control_points", form->count_u, form->count_v);
+    proto_member_indices(writer, "degree", form->degree, 2);
+    proto_member_indices(writer, "control_points", form->count, 2);
     proto_member_bool(writer, "rational", form->is_rational);
 }
 
-/* Without seeds there are no geodesics: then it says why. */
+/* Writes the seeding, or the reason why there is none and hence no geodesics. */
 static void encode_seeding(struct proto_writer *writer,
                            const struct proto_nurbs_description *description)
 {

@@ -1,9 +1,5 @@
-/* NURBS: the resource. Its file, which is JSON,
- *
- *     {"degreeU", "degreeV", "knotsU", "knotsV", "controlPoints", "weights"?, "convention"?}
- *     {"parametric": {…}}     a surface of known shape (parametric.h)
- *
- * the options of an upload, and its description. No JSON library shows here. */
+/* NURBS: a parametric surface as a resource. Options of an upload, its file (schema NurbsFile), its
+ * description. This header does not expose the JSON library. */
 #ifndef PROTO_NURBS_H
 #define PROTO_NURBS_H
 
@@ -12,26 +8,26 @@
 #include "proto/json/writer.h"
 
 struct proto_nurbs_options {
-    bool has_convention;              /* of a file that names none */
+    bool has_convention;              /* convention for a file that names none */
     unsigned convention;              /* enum gd_nurbs_convention */
-    const struct gd_control *control; /* of the reading, borrowed for it; NULL: none */
+    const struct gd_control *control; /* limits the reading; borrowed; NULL: none */
 };
 
-/* Reads convention, and format, which can only be json, and refuses any other parameter. */
+/* Reads convention, and format, which can only be json; rejects any other parameter. */
 bool proto_nurbs_options_parse(const struct proto_parameters *parameters,
                                struct proto_nurbs_options *out, struct proto_problem *problem);
 
-/* What a file says of its surface. */
+/* Form of a file's surface. */
 struct proto_nurbs_form {
-    const char *shape;                             /* static: "nurbs", or one of known shape */
-    const char *convention;                        /* static; of NURBS only, and so are these: */
-    uint32_t degree_u, degree_v, count_u, count_v; /* control points */
-    bool is_rational;                              /* the weights differ */
+    const char *shape;            /* static: "nurbs", or the name of a known shape */
+    const char *convention;       /* static; this and the following fields only for NURBS */
+    uint32_t degree[2], count[2]; /* in u, v; count: control points */
+    bool is_rational;             /* the weights differ */
 };
 
-/* The surface of a file. invalid_request: it is not JSON of this form; invalid_mesh with the flaw's
- * name as reason: its numbers are no surface; too_large, insufficient_memory. The caller releases
- * `*out`. Memory: about 70 bytes a number. */
+/* Reads the surface of a file. Problems: invalid_request (not JSON of this form), invalid_mesh with
+ * the flaw's name as reason (the numbers are not a surface), too_large, insufficient_memory. The
+ * caller releases `*out`. Memory: about 70 bytes a number. */
 bool proto_nurbs_read(const void *bytes, size_t size, const struct proto_nurbs_options *options,
                       struct gd_parametric **out, struct proto_nurbs_form *form,
                       struct proto_problem *problem);
@@ -39,15 +35,15 @@ bool proto_nurbs_read(const void *bytes, size_t size, const struct proto_nurbs_o
 /* All strings are borrowed. */
 struct proto_nurbs_description {
     const char *name;
-    const char *sha256; /* of the uploaded bytes, lower-case hexadecimal */
+    const char *sha256; /* SHA-256 of the uploaded bytes, lower-case hexadecimal */
     int64_t created;    /* seconds since 1970-01-01T00:00:00Z */
     const char *etag;
     uint64_t memory_bytes;
     struct proto_nurbs_form form;
     const struct gd_parametric *surface;
-    /* of the tessellation that shortest paths are first looked for on; 0: it has none, */
+    /* faces of the tessellation that seeds shortest paths; 0: there is none, and */
     uint64_t seeding_faces;
-    const char *obstacle; /* and why */
+    const char *obstacle; /* this is why */
 };
 
 void proto_nurbs_encode(struct proto_writer *writer,

@@ -3,28 +3,22 @@
 #include <math.h>
 
 #include "generated/requests.h"
+#include "proto/json/writer.h"
+#include "proto/queries/evaluation.h"
 #include "proto/values/path.h"
 
-#define ENDS_BYTES 800 /* about: of an answer but for the path */
+#define ENDS_BYTES 800 /* approximate bytes of an answer without the path */
 
 /* --- the request ------------------------------------------------------------------------------ */
-
-static bool decode_end(struct proto_points *stops, const json_t *document, const char *pointer,
-                       struct proto_problem *problem)
-{
-    const json_t *value = proto_decode_member(document, "", pointer + 1, problem);
-    struct proto_point *end = value ? proto_points_add(stops, problem) : NULL;
-    return end && proto_point_decode(value, pointer, end, problem);
-}
 
 static bool decode_stops(const json_t *document, struct proto_points *stops,
                          struct proto_problem *problem)
 {
     if (!proto_decode_object(document, "", proto_pair_request_members, problem)) return false;
-    if (!decode_end(stops, document, "/from", problem)) return false;
+    if (!proto_points_decode_member(stops, document, "/from", problem)) return false;
     const json_t *via = json_object_get(document, "via");
     if (via && !proto_points_decode(stops, via, "/via", PROTO_PAIR_VIA, problem)) return false;
-    return decode_end(stops, document, "/to", problem);
+    return proto_points_decode_member(stops, document, "/to", problem);
 }
 
 static bool parse_end(struct proto_points *stops, const struct proto_parameters *parameters,
@@ -39,12 +33,12 @@ static bool parse_stops(const struct proto_parameters *parameters, struct proto_
                         struct proto_problem *problem)
 {
     if (!parse_end(stops, parameters, "from", problem)) return false;
-    const char *via = parameters->get(parameters->user, "via");
+    const char *via = proto_parameters_get(parameters, "via");
     if (via && !proto_points_parse(stops, via, "via", PROTO_PAIR_VIA, problem)) return false;
     return parse_end(stops, parameters, "to", problem);
 }
 
-/* Gives the stops to the caller if they were read. */
+/* Moves the stops to the caller if they were read, else frees them. */
 static bool hand_over(struct proto_points *stops, bool was_read, struct proto_points *out)
 {
     if (was_read)
@@ -80,37 +74,22 @@ static void encode_path(struct proto_writer *writer, const struct gd_mesh *mesh,
         proto_write_null(writer);
 }
 
-static void encode_distance(struct proto_writer *writer, double distance, uint32_t fields)
-{
-    if (fields & PROTO_PATH_FIELD_DISTANCE) {
-        proto_write_key(writer, "distance");
-        proto_write_number(writer, distance);
-    }
-    if ((fields & (PROTO_PATH_FIELD_DISTANCE | PROTO_PATH_FIELD_REASON)) && !isfinite(distance)) {
-        proto_write_key(writer, "reason");
-        proto_write_string(writer, "no_path");
-    }
-}
-
-static void encode_end(struct proto_writer *writer, const char *key,
-                       const struct proto_located_points *stops, uint32_t stop)
-{
-    proto_write_key(writer, key);
-    proto_point_encode(writer, stops->mesh, &stops->points[stop], stops->snaps[stop]);
-}
-
 void proto_pair_encode(struct proto_writer *writer, const struct proto_located_points *stops,
                        const struct gd_pair_answer *answer, const struct proto_options *options)
 {
     uint32_t fields = options->fields, last = stops->count - 1;
-    size_t path_bytes =
-        fields & PROTO_PATH_FIELD_PATH ? proto_path_bytes(&answer->path, options->geometry) : 0;
-    /* at once: it is most of what an answer's memory costs */
+    size_t path_bytes = fields & PROTO_PATH_FIELD_PATH
+                            ? proto_path_bytes(answer->path.count, options->geometry)
+                            : 0;
+    /* reserved at once, because the path is most of the answer's memory */
     proto_writer_expect(writer, ENDS_BYTES + path_bytes);
     proto_write_object_begin(writer);
-    encode_distance(writer, answer->distance, fields);
-    if (fields & PROTO_PATH_FIELD_FROM) encode_end(writer, "from", stops, 0);
-    if (fields & PROTO_PATH_FIELD_TO) encode_end(writer, "to", stops, last);
+    proto_distance_encode(writer, answer->distance, fields & PROTO_PATH_FIELD_DISTANCE,
+                          fields & PROTO_PATH_FIELD_REASON);
+    if (fields & PROTO_PATH_FIELD_FROM)
+        proto_member_point(writer, "from", stops->mesh, stops->points, stops->snaps[0]);
+    if (fields & PROTO_PATH_FIELD_TO)
+        proto_member_point(writer, "to", stops->mesh, &stops->points[last], stops->snaps[last]);
     if (fields & PROTO_PATH_FIELD_VIA && last > 1) {
         proto_write_key(writer, "via");
         proto_located_points_encode(writer, stops, 1, last - 1);

@@ -17,12 +17,12 @@ void proto_picture_free(struct proto_picture *picture)
 
 static const char *value_of(const struct proto_parameters *parameters, const char *name)
 {
-    return parameters->get(parameters->user, name);
+    return proto_parameters_get(parameters, name);
 }
 
 /* --- how it is seen --------------------------------------------------------------------------- */
 
-/* True if the text is three numbers with commas between them, not all zero. */
+/* Returns whether the text is three numbers separated by commas, not all zero. */
 static bool read_vector(const char *text, struct gd_vec3 *out)
 {
     double number[3];
@@ -75,10 +75,9 @@ static bool parse_up(const struct proto_parameters *parameters, struct gd_pictur
 
 static bool refuse_pixels(struct proto_problem *problem)
 {
-    proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE,
-                      "a picture has at most %u pixels; ask for a smaller size", GD_PICTURE_PIXELS);
-    proto_problem_at(problem, "size");
-    return proto_problem_limit(problem, GD_PICTURE_PIXELS);
+    return proto_problem_exceed(problem, "size", GD_PICTURE_PIXELS,
+                                "a picture has at most %u pixels; ask for a smaller size",
+                                GD_PICTURE_PIXELS);
 }
 
 static bool is_side(uint64_t pixels)
@@ -104,16 +103,6 @@ static bool parse_size(const struct proto_parameters *parameters, struct gd_pict
     return true;
 }
 
-static bool parse_flag(const struct proto_parameters *parameters, const char *name, bool *out,
-                       struct proto_problem *problem)
-{
-    static const char *const words[] = {"false", "true", NULL};
-    unsigned word = *out;
-    if (!proto_parameters_choice(parameters, name, words, &word, problem)) return false;
-    *out = word == 1;
-    return true;
-}
-
 static bool parse_looks(const struct proto_parameters *parameters, bool has_field,
                         struct gd_picture *out, struct proto_problem *problem)
 {
@@ -128,8 +117,8 @@ static bool parse_looks(const struct proto_parameters *parameters, bool has_fiel
         return false;
     out->isolines = (uint32_t)isolines;
     out->background = (enum gd_background)ground;
-    return parse_flag(parameters, "edges", &out->edges, problem) &&
-           parse_flag(parameters, "legend", &out->legend, problem);
+    return proto_parameters_flag(parameters, "edges", &out->edges, problem) &&
+           proto_parameters_flag(parameters, "legend", &out->legend, problem);
 }
 
 /* --- what is seen ----------------------------------------------------------------------------- */

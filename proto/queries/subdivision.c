@@ -2,7 +2,7 @@
 
 #include "gd/limit_mesh.h"
 #include "proto/json/decode.h"
-#include "proto/json/member.h"
+#include "proto/json/writer.h"
 #include "proto/values/usd.h"
 
 bool proto_subdivision_options_parse(const struct proto_parameters *parameters,
@@ -15,10 +15,10 @@ bool proto_subdivision_options_parse(const struct proto_parameters *parameters,
                                  problem) ||
         !proto_parameters_choice(parameters, "scheme", proto_scheme_words, &scheme, problem))
         return false;
-    bool has_format = parameters->get(parameters->user, "format") != NULL;
+    bool has_format = proto_parameters_get(parameters, "format") != NULL;
     *out = (struct proto_subdivision_options){
         .format = has_format ? gd_format_by_name(proto_upload_format_words[format]) : GD_FORMAT_ANY,
-        .has_scheme = parameters->get(parameters->user, "scheme") != NULL,
+        .has_scheme = proto_parameters_get(parameters, "scheme") != NULL,
         .scheme = (enum gd_scheme)scheme};
     return true;
 }
@@ -33,7 +33,7 @@ bool proto_subdivision_refuse(enum gd_status status, const struct gd_detail *det
     proto_problem_from_status(problem, status, detail);
     if (!is_flaw) return false;
     struct proto_problem flaw;
-    proto_problem_from_status(&flaw, GD_INDEX, detail); /* with the elements, as of any file */
+    proto_problem_from_status(&flaw, GD_INDEX, detail); /* with the elements, as for any file */
     flaw.reason = gd_status_name(status);
     *problem = flaw;
     return false;

@@ -7,14 +7,13 @@
 #include "proto/values/direction.h"
 #include "proto/values/point.h"
 
-/* points of a path when no limit is asked for; the most that can be is GD_TRACE_STEPS */
+/* default of the most points of a path; GD_TRACE_STEPS is the maximum */
 #define PROTO_TRACE_STEPS 100000
 
-/* "length" and so on. Static string. */
+/* Returns a static string. */
 const char *proto_trace_end_name(enum gd_trace_end end);
 
-/* Writes {"length", "points", "end_direction", "end_reason"}; points by the geometry as in a path
- * (path.h). */
+/* Writes a trace; points by the geometry as in path.h. */
 void proto_trace_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
                         const struct gd_trace *trace, enum proto_geometry geometry);
 

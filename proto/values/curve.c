@@ -26,12 +26,6 @@ void proto_located_curve_free(struct proto_located_curve *located)
 
 /* --- from the request ------------------------------------------------------------------------- */
 
-static bool refuse_at(struct proto_problem *problem, const char *pointer, const char *member)
-{
-    proto_problem_at(problem, pointer);
-    return proto_problem_descend(problem, member);
-}
-
 static bool decode_points(const json_t *value, struct proto_curve *curve,
                           struct proto_problem *problem)
 {
@@ -47,16 +41,15 @@ static bool decode_points(const json_t *value, struct proto_curve *curve,
 
 static bool check_vertices(const json_t *vertices, const char *place, struct proto_problem *problem)
 {
-    size_t count = json_array_size(vertices); /* 0 when it is no array */
-    if (count > 0 && count <= PROTO_CURVE_VERTICES) return true;
-    if (count == 0) {
-        proto_problem_refuse(problem, place, "expected an array of vertex indices, one at least");
-    } else {
-        proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE, "a curve may have %d vertices at most",
-                          PROTO_CURVE_VERTICES);
-        proto_problem_limit(problem, PROTO_CURVE_VERTICES);
-    }
-    return refuse_at(problem, place, "vertices");
+    char list[PROTO_PLACE];
+    size_t count = json_array_size(vertices); /* 0 if it is not an array */
+    proto_place_of_member(list, place, "vertices");
+    if (count == 0)
+        return proto_problem_refuse(problem, list,
+                                    "expected an array of vertex indices, one at least");
+    return count <= PROTO_CURVE_VERTICES ||
+           proto_problem_exceed(problem, list, PROTO_CURVE_VERTICES,
+                                "a curve may have %d vertices at most", PROTO_CURVE_VERTICES);
 }
 
 static bool decode_vertices(const json_t *value, struct proto_curve *curve,
@@ -78,10 +71,9 @@ static bool decode_boundary(const json_t *value, struct proto_curve *curve,
 {
     curve->kind = GD_CURVE_BOUNDARY;
     curve->closed = true;
-    if (json_object_get(value, "closed")) {
-        proto_problem_refuse(problem, curve->place, "a boundary is closed; leave \"closed\" out");
-        return proto_problem_descend(problem, "closed");
-    }
+    if (json_object_get(value, "closed"))
+        return proto_problem_refuse_member(problem, curve->place, "closed",
+                                           "a boundary is closed; leave \"closed\" out");
     return proto_decode_index(value, curve->place, "boundary", &curve->boundary, problem);
 }
 
@@ -90,40 +82,38 @@ static bool decode_spline(const json_t *value, struct proto_curve *curve,
 {
     char place[PROTO_POINT_PLACE];
     snprintf(place, sizeof place, "%.*s/spline", PROTO_POINT_PLACE - 8, curve->place);
-    if (json_object_get(value, "closed")) {
-        proto_problem_refuse(problem, curve->place,
-                             "whether it is closed is said in the spline itself");
-        return proto_problem_descend(problem, "closed");
-    }
+    if (json_object_get(value, "closed"))
+        return proto_problem_refuse_member(problem, curve->place, "closed",
+                                           "whether it is closed is said in the spline itself");
     curve->spline = calloc(1, sizeof *curve->spline);
     if (!curve->spline) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
     return proto_spline_decode(json_object_get(value, "spline"), place, true, curve->spline,
                                problem);
 }
 
-/* One of the ways to say where a curve runs, and `decode` for it. */
-static const struct way {
+/* A form in which a request gives a curve, and its decode function. */
+static const struct form {
     const char *member;
     bool (*decode)(const json_t *value, struct proto_curve *curve, struct proto_problem *problem);
-} ways[] = {{"points", decode_points},
-            {"vertices", decode_vertices},
-            {"boundary", decode_boundary},
-            {"spline", decode_spline}};
+} forms[] = {{"points", decode_points},
+             {"vertices", decode_vertices},
+             {"boundary", decode_boundary},
+             {"spline", decode_spline}};
 
-#define WAYS (sizeof ways / sizeof *ways)
+#define FORMS (sizeof forms / sizeof *forms)
 
-/* The single way that the value takes, or NULL with the problem. */
-static const struct way *find_way(const json_t *value, const char *pointer,
-                                  struct proto_problem *problem)
+/* Returns the form of the value, which must be unique; else NULL with the problem. */
+static const struct form *find_form(const json_t *value, const char *pointer,
+                                    struct proto_problem *problem)
 {
     static const char *const members[] = {"points", "vertices", "boundary",
                                           "spline", "closed",   NULL};
-    const struct way *found = NULL;
+    const struct form *found = NULL;
     size_t count = 0;
     if (!proto_decode_object(value, pointer, members, problem)) return NULL;
-    for (size_t i = 0; i < WAYS; i++) {
-        if (!json_object_get(value, ways[i].member)) continue;
-        found = &ways[i];
+    for (size_t i = 0; i < FORMS; i++) {
+        if (!json_object_get(value, forms[i].member)) continue;
+        found = &forms[i];
         count++;
     }
     if (count == 1) return found;
@@ -137,10 +127,10 @@ bool proto_curve_decode(const json_t *value, const char *pointer, struct proto_c
                         struct proto_problem *problem)
 {
     struct proto_curve curve = {0};
-    const struct way *way = find_way(value, pointer, problem);
-    if (!way) return false;
+    const struct form *form = find_form(value, pointer, problem);
+    if (!form) return false;
     snprintf(curve.place, sizeof curve.place, "%s", pointer);
-    if (!way->decode(value, &curve, problem)) {
+    if (!form->decode(value, &curve, problem)) {
         proto_curve_free(&curve);
         return false;
     }

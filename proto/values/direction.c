@@ -3,7 +3,7 @@
 #include <stdio.h>
 
 #include "proto/json/decode.h"
-#include "proto/json/member.h"
+#include "proto/json/writer.h"
 #include "proto/values/point.h"
 
 /* --- from JSON -------------------------------------------------------------------------------- */
@@ -33,12 +33,10 @@ static bool decode_object(const json_t *value, const char *place, struct proto_d
 static bool decode_array(const json_t *value, const char *place, struct proto_direction *out,
                          struct proto_problem *problem)
 {
-    double *const xyz[3] = {&out->xyz.x, &out->xyz.y, &out->xyz.z};
-    size_t count = json_array_size(value), i = 0;
-    while (i < count && json_is_number(json_array_get(value, i))) i++;
-    if (count != 3 || i != 3)
+    double xyz[3];
+    if (!proto_read_numbers(value, 3, xyz))
         return proto_problem_refuse(problem, place, "a vector is an array of 3 numbers");
-    for (int k = 0; k < 3; k++) *xyz[k] = json_number_value(json_array_get(value, (size_t)k));
+    out->xyz = (struct gd_vec3){xyz[0], xyz[1], xyz[2]};
     return true;
 }
 

@@ -1,7 +1,7 @@
-/* Direction: how a client names a direction at a point, and how one goes back to the client.
+/* Direction: a direction at a point, in requests and answers.
  *
- * Decoding needs no mesh: it checks the form. Locating lays the direction on a mesh at its point:
- * it checks the sense. */
+ * Decoding checks the form and needs no mesh. Locating lays the direction on a mesh at its point
+ * and checks that it is possible there. */
 #ifndef PROTO_DIRECTION_H
 #define PROTO_DIRECTION_H
 
@@ -14,26 +14,25 @@
 #define PROTO_DIRECTION_PLACE 64
 
 struct proto_direction {
-    char place[PROTO_DIRECTION_PLACE]; /* where it stood in the request, see problem.h */
-    bool has_angle;                    /* else it is the vector */
+    char place[PROTO_DIRECTION_PLACE]; /* its place in the request, see problem.h */
+    bool has_angle;                    /* false: `xyz` is used */
     double angle;
     struct gd_vec3 xyz;
 };
 
-/* From JSON: an angle, a vector [x,y,z], or an object as answers have it: {"angle"}, {"xyz"}, or
- * both, of which the angle counts, being the more exact. `pointer`: the JSON Pointer of `value`,
- * copied. invalid_request. */
+/* Decodes an angle, a vector [x,y,z], or an object as in answers: {"angle"}, {"xyz"}, or both, of
+ * which the angle, being more exact, is used. `pointer`: the JSON Pointer of `value`, copied.
+ * Problem: invalid_request. */
 bool proto_direction_decode(const json_t *value, const char *pointer, struct proto_direction *out,
                             struct proto_problem *problem);
 
-/* Lays it on the surface at a point. invalid_request (a vector that has no direction there),
- * point_not_on_surface (it leads over the boundary); both at the direction's place. Cost as in
- * gd/direction.h. */
+/* Lays the direction on the surface at a point. Problems at the direction's place: invalid_request
+ * (a vector without a direction there), point_not_on_surface (it leads over the boundary). Cost as
+ * in gd/direction.h. */
 bool proto_direction_locate(const struct gd_mesh *mesh, const struct gd_point *point,
                             const struct proto_direction *direction, struct gd_direction *out,
                             struct proto_problem *problem);
 
-/* Writes {"angle", "xyz"}. */
 void proto_direction_encode(struct proto_writer *writer, const struct gd_direction *direction);
 
 #endif

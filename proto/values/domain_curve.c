@@ -25,17 +25,6 @@ static bool decode_polyline(const json_t *value, struct proto_domain_curve *curv
            proto_decode_flag(value, curve->place, "closed", &curve->wants_closed, problem);
 }
 
-static bool check_knot_count(const struct proto_domain_curve *curve, const char *place,
-                             struct proto_problem *problem)
-{
-    uint64_t needed = (uint64_t)curve->points.count + curve->degree + 1;
-    if (curve->knot_count == needed) return true;
-    proto_problem_refuse(problem, place, "%u control points of degree %u need %llu knots, not %u",
-                         curve->points.count, curve->degree, (unsigned long long)needed,
-                         curve->knot_count);
-    return proto_problem_descend(problem, "knots");
-}
-
 static bool decode_bspline(const json_t *value, struct proto_domain_curve *curve,
                            struct proto_problem *problem)
 {
@@ -53,7 +42,7 @@ static bool decode_bspline(const json_t *value, struct proto_domain_curve *curve
                             &curve->points, problem) &&
            proto_numbers_decode(spline, place, "knots", 2 * PROTO_DOMAIN_CURVE_POINTS,
                                 &curve->knots, &curve->knot_count, problem) &&
-           check_knot_count(curve, place, problem);
+           proto_knots_check(curve->points.count, curve->degree, curve->knot_count, place, problem);
 }
 
 static bool decode_range(const json_t *value, struct proto_domain_curve *curve,
@@ -63,8 +52,8 @@ static bool decode_range(const json_t *value, struct proto_domain_curve *curve,
     if (!curve->has_range) return true;
     if (!proto_decode_numbers(value, curve->place, "range", 2, curve->range, problem)) return false;
     if (curve->range[0] < curve->range[1]) return true;
-    proto_problem_refuse(problem, curve->place, "a range is [a, b] with a < b");
-    return proto_problem_descend(problem, "range");
+    return proto_problem_refuse_member(problem, curve->place, "range",
+                                       "a range is [a, b] with a < b");
 }
 
 static bool decode_iso(const json_t *value, struct proto_domain_curve *curve,
@@ -73,31 +62,30 @@ static bool decode_iso(const json_t *value, struct proto_domain_curve *curve,
     static const char *const members[] = {"iso", "value", "range", NULL};
     const char *fixed = json_string_value(json_object_get(value, "iso"));
     if (!proto_decode_object(value, curve->place, members, problem)) return false;
-    if (!fixed || (strcmp(fixed, "u") != 0 && strcmp(fixed, "v") != 0)) {
-        proto_problem_refuse(problem, curve->place,
-                             "iso is \"u\" or \"v\": the parameter that stays the same");
-        return proto_problem_descend(problem, "iso");
-    }
+    if (!fixed || (strcmp(fixed, "u") != 0 && strcmp(fixed, "v") != 0))
+        return proto_problem_refuse_member(
+            problem, curve->place, "iso",
+            "iso is \"u\" or \"v\": the parameter that stays the same");
     curve->fixed = fixed[0] == 'u' ? GD_ISO_U : GD_ISO_V;
     return proto_decode_number(value, curve->place, "value", &curve->value, problem) &&
            decode_range(value, curve, problem);
 }
 
-/* One of the ways to say where a curve runs. */
-static const struct way {
+/* A form in which a request gives a curve. */
+static const struct form {
     const char *member;
     enum proto_domain_curve_kind kind;
     bool (*decode)(const json_t *value, struct proto_domain_curve *curve,
                    struct proto_problem *problem);
-} ways[] = {{"polyline", PROTO_DOMAIN_CURVE_POLYLINE, decode_polyline},
-            {"bspline", PROTO_DOMAIN_CURVE_BSPLINE, decode_bspline},
-            {"iso", PROTO_DOMAIN_CURVE_ISO, decode_iso}};
+} forms[] = {{"polyline", PROTO_DOMAIN_CURVE_POLYLINE, decode_polyline},
+             {"bspline", PROTO_DOMAIN_CURVE_BSPLINE, decode_bspline},
+             {"iso", PROTO_DOMAIN_CURVE_ISO, decode_iso}};
 
-static const struct way *find_way(const json_t *value, const char *place,
-                                  struct proto_problem *problem)
+static const struct form *find_form(const json_t *value, const char *place,
+                                    struct proto_problem *problem)
 {
-    for (size_t i = 0; i < sizeof ways / sizeof *ways; i++)
-        if (json_object_get(value, ways[i].member)) return &ways[i];
+    for (size_t i = 0; i < sizeof forms / sizeof *forms; i++)
+        if (json_object_get(value, forms[i].member)) return &forms[i];
     proto_problem_refuse(problem, place,
                          "a curve has one of \"polyline\", \"bspline\" and \"iso\"");
     return NULL;
@@ -110,10 +98,10 @@ bool proto_domain_curve_decode(const json_t *document, const char *member,
     const json_t *value = proto_decode_member(document, "", member, problem);
     if (!value) return false;
     snprintf(curve.place, sizeof curve.place, "/%s", member);
-    const struct way *way = find_way(value, curve.place, problem);
-    if (!way) return false;
-    curve.kind = way->kind;
-    if (way->decode(value, &curve, problem)) {
+    const struct form *form = find_form(value, curve.place, problem);
+    if (!form) return false;
+    curve.kind = form->kind;
+    if (form->decode(value, &curve, problem)) {
         *out = curve;
         return true;
     }

@@ -1,11 +1,5 @@
-/* Domain curve: a curve in the parameter domain of a surface, in a request:
- *
- *     {"polyline": [[u, v]…], "closed"?}
- *     | {"bspline": {"degree", "knots", "control_points"}, "closed"?}
- *     | {"iso": "u" | "v", "value", "range"?}
- *
- * Its parameter is: along a polyline the number of the corner, of a B-spline its knots', of an iso
- * line the other coordinate. */
+/* Domain curve: a polyline, a B-spline or an iso line in the parameter domain of a surface. It is
+ * parametrized by the corners' numbers, by the knots, or by the other coordinate. */
 #ifndef PROTO_DOMAIN_CURVE_H
 #define PROTO_DOMAIN_CURVE_H
 
@@ -21,9 +15,9 @@ enum proto_domain_curve_kind {
     PROTO_DOMAIN_CURVE_ISO
 };
 
-struct proto_domain_curve { /* all zero: none */
+struct proto_domain_curve { /* all zero: no curve */
     enum proto_domain_curve_kind kind;
-    struct proto_uvs points; /* the point, the corners, the control points */
+    struct proto_uvs points; /* the point, the corners or the control points */
     uint32_t degree;
     double *knots;
     uint32_t knot_count;
@@ -31,21 +25,21 @@ struct proto_domain_curve { /* all zero: none */
     enum gd_iso fixed;
     double value, range[2];
     bool has_range;
-    char place[32]; /* in the request */
+    char place[32]; /* its place in the request */
 };
 
-/* The curve, or the point [u, v], that is the document's member. invalid_request, too_large,
+/* Decodes the document's member: a curve or a point [u, v]. Problems: invalid_request, too_large,
  * insufficient_memory. Freed by proto_domain_curve_free. */
 bool proto_domain_curve_decode(const json_t *document, const char *member,
                                struct proto_domain_curve *out, struct proto_problem *problem);
 bool proto_domain_curve_decode_point(const json_t *document, const char *member,
                                      struct proto_domain_curve *out, struct proto_problem *problem);
-void proto_domain_curve_free(struct proto_domain_curve *curve); /* a second time is harmless */
+void proto_domain_curve_free(struct proto_domain_curve *curve); /* may be called again */
 
-/* The curve on its surface. A polyline that is to be closed and is not gets its first corner again
- * at its end. invalid_request; point_not_on_surface (with the point that lies outside the domain);
- * insufficient_memory; what `control`, which may be NULL, says. The caller releases
- * `*out`. Cost: some 30 evaluations a span, and 60 for each line of the surface that is crossed. */
+/* Lays the curve on its surface. An open polyline that is to be closed gets its first corner
+ * appended. Problems: invalid_request; point_not_on_surface (with the point outside the domain);
+ * insufficient_memory; those of `control`, which may be NULL. The caller releases `*out`. Cost:
+ * some 30 evaluations a span, and 60 for each line of the surface that is crossed. */
 bool proto_domain_curve_locate(const struct gd_parametric *surface,
                                const struct proto_domain_curve *curve,
                                const struct gd_control *control, struct gd_domain_curve **out,

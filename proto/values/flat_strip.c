@@ -13,14 +13,14 @@
 #define FOOT   48.0
 
 #define NUMBER_BYTES (GD_NUMBER_SIZE + 1)
-#define FRAME_BYTES  4096 /* all but faces and points */
+#define FRAME_BYTES  4096 /* without faces and points */
 
 struct drawing {
     struct proto_writer *writer;
     const struct gd_flat_strip *strip;
-    double min[2], max[2]; /* of the strip */
-    double scale;          /* pixels a unit */
-    double width, height;  /* of the page */
+    double min[2], max[2]; /* corners of the strip's bounding box */
+    double scale;          /* pixels per unit */
+    double width, height;  /* size of the page */
 };
 
 size_t proto_flat_strip_bytes(const struct gd_flat_strip *strip)
@@ -42,7 +42,7 @@ static void number(const struct drawing *drawing, double value)
     proto_append(drawing->writer, digits, (size_t)(gd_number_format(digits, value) - digits));
 }
 
-/* A number of a sentence, to six digits. */
+/* Writes a number of a sentence, to six digits. */
 static void rounded(const struct drawing *drawing, double value)
 {
     double unit = value != 0 ? pow(10, floor(log10(fabs(value))) - 5) : 1;
@@ -59,7 +59,7 @@ static void attribute(const struct drawing *drawing, const char *name, double va
     text(drawing, "\"");
 }
 
-/* x,y with y downwards. */
+/* Writes x,y with y downwards. */
 static void place(const struct drawing *drawing, const double at[2], const char *before)
 {
     text(drawing, before);
@@ -148,14 +148,15 @@ static void draw_end(const struct drawing *drawing, const double at[2], const ch
     text(drawing, "\"/>\n");
 }
 
-/* 1, 2 or 5 times a power of ten, no more than `most`. */
+/* Returns 1, 2 or 5 times a power of ten, at most `most`. */
 static double round_length(double most)
 {
     double power = pow(10, floor(log10(most)));
     return most >= 5 * power ? 5 * power : most >= 2 * power ? 2 * power : power;
 }
 
-/* A bar below the drawing, as long as its label says; and beside it how long the path is. */
+/* Draws a bar below the drawing, labelled with its length, and writes the path's length beside
+ * it. */
 static void draw_foot(const struct drawing *drawing, double length)
 {
     double bar = round_length(0.25 * WIDTH / drawing->scale), y = drawing->height - FOOT + 8;

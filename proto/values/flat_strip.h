@@ -5,12 +5,12 @@
 #include "gd/flat_strip.h"
 #include "proto/json/writer.h"
 
-/* Bytes of the drawing at most. */
+/* Returns the most bytes of the drawing. */
 size_t proto_flat_strip_bytes(const struct gd_flat_strip *strip);
 
 /* Writes the drawing: the faces, the path, its ends, a bar of a round length, and the path's
- * length. All that is drawn is in one group whose coordinates are those of the strip, in the mesh's
- * unit and to the last digit, y downwards; its transform alone makes a page of it. */
+ * length. One group holds the whole drawing, in the strip's exact coordinates and the mesh's unit,
+ * y downwards; the group's transform alone scales it to the page. */
 void proto_flat_strip_svg(struct proto_writer *writer, const struct gd_flat_strip *strip,
                           double length);
 

@@ -2,7 +2,7 @@
 
 #include <stdlib.h>
 
-#include "proto/json/member.h"
+#include "proto/json/writer.h"
 #include "proto/values/point.h"
 
 void proto_limit_places_free(struct proto_limit_places *places)

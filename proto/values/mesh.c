@@ -5,8 +5,10 @@
 
 #include "proto/http/accept.h"
 #include "proto/http/page.h"
-#include "proto/json/member.h"
+#include "proto/json/decode.h"
+#include "proto/json/writer.h"
 #include "proto/json/number.h"
+#include "proto/json/utf8.h"
 #include "proto/values/point.h"
 
 /* --- name ------------------------------------------------------------------------------------- */
@@ -45,8 +47,59 @@ void proto_made_of_encode(struct proto_writer *writer, const char *key, const ch
                           const char *etag)
 {
     proto_member_object(writer, key);
-    proto_member_string(writer, "name", name);
+    if (name[0]) proto_member_string(writer, "name", name);
     proto_member_string(writer, "etag", etag);
+    proto_write_object_end(writer);
+}
+
+/* --- caption ---------------------------------------------------------------------------------- */
+
+static bool is_control(unsigned char first)
+{
+    return first < 0x20 || first == 0x7f;
+}
+
+bool proto_caption_check(const char *text, struct proto_problem *problem)
+{
+    size_t left = strlen(text), count = 0, length = 1;
+    for (; left && length && !is_control((unsigned char)*text); text += length, left -= length) {
+        length = proto_utf8_length(text, left);
+        count += length > 0;
+    }
+    return (!left && count <= PROTO_CAPTION) ||
+           proto_problem_set(problem, PROTO_PROBLEM_INVALID_REQUEST,
+                             "a description has at most %d characters of UTF-8, none of them a "
+                             "control character or a line break",
+                             PROTO_CAPTION);
+}
+
+bool proto_caption_parse(const struct proto_parameters *parameters, const char **out,
+                         struct proto_problem *problem)
+{
+    const char *text = proto_parameters_get(parameters, "description");
+    if (text && !proto_caption_check(text, problem))
+        return proto_problem_at(problem, "description");
+    *out = text;
+    return true;
+}
+
+bool proto_caption_decode(const json_t *document, const char **out, struct proto_problem *problem)
+{
+    static const char *const members[] = {"description", NULL};
+    const json_t *value = json_object_get(document, "description");
+    if (!proto_decode_object(document, "", members, problem)) return false;
+    *out = json_is_null(value) ? "" : json_string_value(value);
+    if (!value || (*out && proto_caption_check(*out, problem))) return true;
+    return *out ? proto_problem_at(problem, "/description")
+                : proto_problem_refuse(problem, "/description",
+                                       "expected the description, a string, or null for none");
+}
+
+void proto_caption_encode(struct proto_writer *writer, const char *text)
+{
+    if (!*text || writer->failure) return;
+    writer->size--; /* removes the closing brace */
+    proto_member_string(writer, "description", text);
     proto_write_object_end(writer);
 }
 
@@ -55,12 +108,12 @@ void proto_made_of_encode(struct proto_writer *writer, const char *key, const ch
 static bool parse_format(const struct proto_parameters *parameters, enum gd_format *out,
                          struct proto_problem *problem)
 {
-    const char *name = parameters->get(parameters->user, "format");
+    const char *name = proto_parameters_get(parameters, "format");
     if (!name) return true;
     enum gd_format format = gd_format_by_name(name);
     if (format == GD_FORMAT_ANY)
         return proto_problem_refuse(problem, "format",
-                                    "expected one of: obj ply stl off json glb gltf");
+                                    "expected one of: obj ply stl off json glb gltf 3mf");
     *out = format;
     return true;
 }
@@ -68,7 +121,7 @@ static bool parse_format(const struct proto_parameters *parameters, enum gd_form
 static bool parse_weld(const struct proto_parameters *parameters, struct gd_mesh_options *out,
                        struct proto_problem *problem)
 {
-    const char *text = parameters->get(parameters->user, "weld");
+    const char *text = proto_parameters_get(parameters, "weld");
     if (!text) return true;
     double tolerance = -1;
     size_t length = proto_number_parse(text, &tolerance);
@@ -93,15 +146,13 @@ static bool parse_repair(const struct proto_parameters *parameters, struct gd_me
 bool proto_mesh_options_parse(const struct proto_parameters *parameters,
                               struct proto_mesh_options *out, struct proto_problem *problem)
 {
-    static const char *const booleans[] = {"false", "true", NULL};
     struct proto_mesh_options options = {.format = GD_FORMAT_ANY};
-    unsigned triangulate = true;
+    bool triangulate = true;
     if (!proto_parameters_check(parameters, proto_create_mesh_parameters, problem)) return false;
     if (!parse_format(parameters, &options.format, problem)) return false;
     if (!parse_weld(parameters, &options.build, problem)) return false;
     if (!parse_repair(parameters, &options.build, problem)) return false;
-    if (!proto_parameters_choice(parameters, "triangulate", booleans, &triangulate, problem))
-        return false;
+    if (!proto_parameters_flag(parameters, "triangulate", &triangulate, problem)) return false;
     options.build.refuse_polygons = !triangulate;
     *out = options;
     return true;
@@ -118,7 +169,7 @@ enum gd_format proto_mesh_upload_format(const struct proto_mesh_options *options
 
 /* --- format on the way out -------------------------------------------------------------------- */
 
-/* In order of preference at equal quality. */
+/* In order of preference among formats of equal quality. */
 static const enum gd_format content_formats[] = {GD_FORMAT_OBJ, GD_FORMAT_PLY, GD_FORMAT_OFF,
                                                  GD_FORMAT_STL, GD_FORMAT_GLB, GD_FORMAT_GLTF};
 #define CONTENT_FORMATS (sizeof content_formats / sizeof content_formats[0])
@@ -133,7 +184,7 @@ static bool negotiate(const char *accept, enum gd_format *out, struct proto_prob
         *out = content_formats[i];
     }
     return best > 0 || proto_problem_set(problem, PROTO_PROBLEM_NOT_ACCEPTABLE,
-                                         "a mesh can be had as model/obj, application/x-ply, "
+                                         "a mesh is available as model/obj, application/x-ply, "
                                          "text/x-off, model/stl, model/gltf-binary or "
                                          "model/gltf+json; see Accept");
 }
@@ -146,7 +197,7 @@ bool proto_mesh_content_format(const struct proto_parameters *parameters, const 
         return false;
     if (!parse_format(parameters, &format, problem)) return false;
     if (format == GD_FORMAT_ANY) return negotiate(accept, out, problem);
-    if (format == GD_FORMAT_JSON)
+    if (format == GD_FORMAT_JSON || format == GD_FORMAT_3MF)
         return proto_problem_refuse(problem, "format", "expected one of: obj ply off stl glb gltf");
     *out = format;
     return true;
@@ -248,30 +299,24 @@ static void encode_geometry(struct proto_writer *writer, const struct gd_mesh_su
 
 #define COPIES_LISTED 64
 
-static void encode_pair(struct proto_writer *writer, uint32_t a, uint32_t b)
-{
-    proto_write_array_begin(writer);
-    proto_write_uint(writer, a);
-    proto_write_uint(writer, b);
-    proto_write_array_end(writer);
-}
-
-/* The first vertices that repair appended, each with the one that it is a copy of. */
+/* Writes the first vertices that repair appended, each with the vertex that it copies. */
 static void encode_copies(struct proto_writer *writer, const struct gd_mesh *mesh, uint32_t copies)
 {
     uint32_t first = gd_mesh_summary(mesh)->index_count - copies;
     proto_member_uint(writer, "vertices_copied", copies);
     proto_member_array(writer, "copies");
-    for (uint32_t i = first; i < first + copies && i < first + COPIES_LISTED; i++)
-        encode_pair(writer, i, gd_mesh_original(mesh, (struct gd_vertex){i}).index);
+    for (uint32_t i = first; i < first + copies && i < first + COPIES_LISTED; i++) {
+        const uint32_t pair[] = {i, gd_mesh_original(mesh, (struct gd_vertex){i}).index};
+        proto_write_indices(writer, pair, 2);
+    }
     proto_write_array_end(writer);
 }
 
-/* What a repair did of one kind. */
+/* Changes of one kind that a repair made. */
 struct kind {
     const char *key;
     const struct gd_mended *mended;
-    bool single; /* its elements are one number, not two */
+    bool single; /* an element is one number, not two */
 };
 
 static void encode_elements(struct proto_writer *writer, const struct kind *kind)
@@ -283,7 +328,7 @@ static void encode_elements(struct proto_writer *writer, const struct kind *kind
         if (kind->single)
             proto_write_uint(writer, element[0]);
         else
-            encode_pair(writer, element[0], element[1]);
+            proto_write_indices(writer, element, 2);
     }
     proto_write_array_end(writer);
 }
@@ -299,6 +344,8 @@ static void encode_repair(struct proto_writer *writer, const struct gd_mesh *mes
         {"duplicate_faces", &repair->duplicate_faces, false},
         {"degenerate_faces", &repair->degenerate_faces, true},
         {"edges_flipped", &repair->edges_flipped, false},
+        {"faces_cut", &repair->faces_cut, false},
+        {"lines_skipped", &repair->lines_skipped, true},
     };
     proto_member_object(writer, "repair");
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
@@ -308,6 +355,21 @@ static void encode_repair(struct proto_writer *writer, const struct gd_mesh *mes
     proto_member_object(writer, "first");
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) encode_elements(writer, &kinds[i]);
     proto_write_object_end(writer);
+    proto_write_object_end(writer);
+}
+
+static void encode_derived(struct proto_writer *writer,
+                           const struct proto_mesh_description *description)
+{
+    const char *operations = description->derived.operations;
+    if (!description->derived.mesh) return;
+    proto_member_object(writer, "derived_from");
+    if (description->derived.mesh[0])
+        proto_member_string(writer, "mesh", description->derived.mesh);
+    proto_member_string(writer, "etag", description->derived.etag);
+    proto_member_number(writer, "largest_distance", description->derived.largest_distance);
+    proto_write_key(writer, "operations");
+    proto_write_raw(writer, operations, strlen(operations));
     proto_write_object_end(writer);
 }
 
@@ -321,6 +383,7 @@ void proto_mesh_encode(struct proto_writer *writer,
     encode_topology(writer, description->mesh, summary);
     encode_geometry(writer, summary);
     encode_repair(writer, description->mesh);
+    encode_derived(writer, description);
     proto_member_uint(writer, "memory_bytes", description->memory_bytes);
     proto_member_uint(writer, "fields_cached", description->fields_cached);
     proto_member_time(writer, "created", description->created);

@@ -4,10 +4,10 @@
 #include <string.h>
 
 #include "proto/json/decode.h"
-#include "proto/json/member.h"
+#include "proto/json/writer.h"
 #include "proto/values/uv.h"
 
-/* What the engine says of the numbers at a place. */
+/* Converts the engine's status for the numbers at a place into success or a problem. */
 static bool finish(enum gd_status status, const struct gd_detail *detail, const char *place,
                    struct proto_problem *problem)
 {
@@ -53,17 +53,18 @@ static bool decode_helicoid(const json_t *value, const char *place, struct gd_pa
 
 struct polynomial {
     uint32_t rows, columns;
-    double coefficients[ROWS_MOST * ROWS_MOST]; /* row i, of u^i, at i * columns */
+    /* row i holds the coefficients of u^i and begins at i * columns */
+    double coefficients[ROWS_MOST * ROWS_MOST];
 };
 
 static bool refuse_coefficients(const char *place, struct proto_problem *problem)
 {
-    proto_problem_refuse(problem, place,
-                         "coefficients[i][j] belongs to u^i v^j: rows of equal length, %d at most, "
-                         "and at most so many "
-                         "numbers in each",
-                         ROWS_MOST);
-    return proto_problem_descend(problem, "coefficients");
+    return proto_problem_refuse_member(
+        problem, place, "coefficients",
+        "coefficients[i][j] belongs to u^i v^j: rows of equal length, %d at most, "
+        "and at most so many "
+        "numbers in each",
+        ROWS_MOST);
 }
 
 static bool decode_coefficients(const json_t *value, const char *place, struct polynomial *out,
@@ -76,12 +77,8 @@ static bool decode_coefficients(const json_t *value, const char *place, struct p
         return refuse_coefficients(place, problem);
     for (size_t i = 0; i < count; i++) {
         const json_t *row = json_array_get(rows, i);
-        if (json_array_size(row) != columns) return refuse_coefficients(place, problem);
-        for (size_t j = 0; j < columns; j++) {
-            const json_t *number = json_array_get(row, j);
-            if (!json_is_number(number)) return refuse_coefficients(place, problem);
-            out->coefficients[i * columns + j] = json_number_value(number);
-        }
+        if (!proto_read_numbers(row, columns, out->coefficients + i * columns))
+            return refuse_coefficients(place, problem);
     }
     out->rows = (uint32_t)count;
     out->columns = (uint32_t)columns;
@@ -107,7 +104,7 @@ static bool decode_graph(const json_t *value, const char *place, struct gd_param
 
 /* --- surface of revolution -------------------------------------------------------------------- */
 
-struct profile { /* all zero is an empty one */
+struct profile { /* all zero: empty */
     uint32_t degree, knot_count, weight_count;
     struct proto_uvs points; /* (radius, height) */
     double *knots, *weights;
@@ -116,18 +113,13 @@ struct profile { /* all zero is an empty one */
 static bool check_profile(const struct profile *profile, const char *place,
                           struct proto_problem *problem)
 {
-    uint64_t needed = (uint64_t)profile->points.count + profile->degree + 1;
-    if (profile->knot_count != needed) {
-        proto_problem_refuse(problem, place,
-                             "%u control points of degree %u need %llu knots, not %u",
-                             profile->points.count, profile->degree, (unsigned long long)needed,
-                             profile->knot_count);
-        return proto_problem_descend(problem, "knots");
-    }
-    if (!profile->weights || profile->weight_count == profile->points.count) return true;
-    proto_problem_refuse(problem, place, "there are %u control points, and %u weights",
-                         profile->points.count, profile->weight_count);
-    return proto_problem_descend(problem, "weights");
+    if (!proto_knots_check(profile->points.count, profile->degree, profile->knot_count, place,
+                           problem))
+        return false;
+    return !profile->weights || profile->weight_count == profile->points.count ||
+           proto_problem_refuse_member(problem, place, "weights",
+                                       "there are %u control points, and %u weights",
+                                       profile->points.count, profile->weight_count);
 }
 
 static bool decode_profile(const json_t *value, const char *place, struct profile *profile,
@@ -195,7 +187,7 @@ bool proto_parametric_decode(const json_t *value, const char *place, struct gd_p
         *shape = shapes[i].name;
         return true;
     }
-    return false; /* not reached: the one member is among them */
+    return false; /* not reached: the member is one of them */
 }
 
 /* --- the domain ------------------------------------------------------------------------------- */

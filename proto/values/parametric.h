@@ -1,10 +1,5 @@
-/* Parametric: surfaces of known shape in a request,
- *
- *     {"torus": {"major", "minor"}} | {"helicoid": {"pitch", "u", "v"}} | {"graph":
- * {"coefficients", "u", "v"}} |
- *     {"revolution": {"degree", "knots", "control_points", "weights"?}}
- *
- * and the domain of any parametric surface in an answer. */
+/* Parametric: surfaces of known shapes (torus, sphere, …) in a request (schema NurbsFile), and the
+ * domain of any parametric surface in an answer. */
 #ifndef PROTO_PARAMETRIC_H
 #define PROTO_PARAMETRIC_H
 
@@ -16,12 +11,11 @@
 
 #define PROTO_PROFILE_POINTS 4096 /* most control points of a profile */
 
-/* The surface that the value at `place` describes, and the static name of its shape.
- * invalid_request, too_large, insufficient_memory. The caller releases `*out`. */
+/* Decodes the surface that the value at `place` describes; `*shape` is the shape's static name.
+ * Problems: invalid_request, too_large, insufficient_memory. The caller releases `*out`. */
 bool proto_parametric_decode(const json_t *value, const char *place, struct gd_parametric **out,
                              const char **shape, struct proto_problem *problem);
 
-/* Writes {"u": {"range", "closed", "pieces", "pole_low", "pole_high"}, "v": {…}}. */
 void proto_domain_encode(struct proto_writer *writer, const struct gd_parametric *surface);
 
 #endif

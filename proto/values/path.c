@@ -4,12 +4,13 @@
 
 #include "proto/values/point.h"
 
-#define XYZ_BYTES   60 /* of three coordinates of some 18 characters */
+#define XYZ_BYTES   60 /* three coordinates of some 18 characters */
 #define POINT_BYTES 120
-/* more than that for the last of them, whose numbers the writer takes to be as long as can be */
+/* reserved for the last point, because the writer reserves the longest form of each number */
 #define LAST_BYTES 2500
 
-/* The element that a point lies on and no more: what names it again in a request. */
+/* Returns the fields of the element that a point lies on: those that name the point in a
+ * request. */
 static uint32_t fields_by_kind(enum gd_point_kind kind)
 {
     switch (kind) {
@@ -32,48 +33,52 @@ void proto_path_point_encode(struct proto_writer *writer, const struct gd_mesh *
         proto_point_encode_fields(writer, mesh, point, NAN, fields_by_kind(point->kind));
 }
 
-#define RUN 64 /* points whose positions are found at a time */
+#define RUN 64 /* points whose positions are computed at a time */
 
 static void encode_positions(struct proto_writer *writer, const struct gd_mesh *mesh,
-                             const struct gd_path *path)
+                             const struct gd_point *points, uint32_t count)
 {
     double xyz[RUN][3];
-    for (uint32_t begin = 0; begin < path->count; begin += RUN) {
-        uint32_t count = path->count - begin < RUN ? path->count - begin : RUN;
-        gd_points_positions(mesh, path->points + begin, count, xyz);
-        proto_write_triples(writer, xyz, count);
+    for (uint32_t begin = 0; begin < count; begin += RUN) {
+        uint32_t some = count - begin < RUN ? count - begin : RUN;
+        gd_points_positions(mesh, points + begin, some, xyz);
+        proto_write_triples(writer, xyz, some);
     }
 }
 
-static void encode_points(struct proto_writer *writer, const struct gd_mesh *mesh,
-                          const struct gd_path *path, enum proto_geometry geometry)
+void proto_points_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
+                         const struct gd_point *points, uint32_t count,
+                         enum proto_geometry geometry)
 {
-    proto_writer_expect(writer, proto_path_bytes(path, geometry));
-    proto_write_array_begin(writer);
     if (geometry == PROTO_GEOMETRY_XYZ)
-        encode_positions(writer, mesh, path);
+        encode_positions(writer, mesh, points, count);
     else
-        for (uint32_t i = 0; i < path->count; i++)
-            proto_path_point_encode(writer, mesh, &path->points[i], geometry);
+        for (uint32_t i = 0; i < count; i++)
+            proto_path_point_encode(writer, mesh, &points[i], geometry);
+}
+
+void proto_member_points(struct proto_writer *writer, const struct gd_mesh *mesh,
+                         const struct gd_point *points, uint32_t count,
+                         enum proto_geometry geometry)
+{
+    if (geometry == PROTO_GEOMETRY_NONE) return;
+    proto_writer_expect(writer, proto_path_bytes(count, geometry));
+    proto_member_array(writer, "points");
+    proto_points_encode(writer, mesh, points, count, geometry);
     proto_write_array_end(writer);
 }
 
-size_t proto_path_bytes(const struct gd_path *path, enum proto_geometry geometry)
+size_t proto_path_bytes(uint32_t count, enum proto_geometry geometry)
 {
     if (geometry == PROTO_GEOMETRY_NONE) return 0;
-    return (size_t)path->count * (geometry == PROTO_GEOMETRY_XYZ ? XYZ_BYTES : POINT_BYTES) +
-           LAST_BYTES;
+    return (size_t)count * (geometry == PROTO_GEOMETRY_XYZ ? XYZ_BYTES : POINT_BYTES) + LAST_BYTES;
 }
 
 void proto_path_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
                        const struct gd_path *path, enum proto_geometry geometry)
 {
     proto_write_object_begin(writer);
-    proto_write_key(writer, "length");
-    proto_write_number(writer, path->length);
-    if (geometry != PROTO_GEOMETRY_NONE) {
-        proto_write_key(writer, "points");
-        encode_points(writer, mesh, path, geometry);
-    }
+    proto_member_number(writer, "length", path->length);
+    proto_member_points(writer, mesh, path->points, path->count, geometry);
     proto_write_object_end(writer);
 }

@@ -6,17 +6,25 @@
 #include "proto/http/options.h"
 #include "proto/json/writer.h"
 
-/* Writes {"length", "points"}. geometry: full gives each point's xyz and the element that it lies
- * on ({"xyz","vertex"},
- * {"xyz","edge","t"} or {"xyz","face","barycentric"}), xyz gives [x,y,z], none leaves the points
- * out. O(points). */
+/* Writes a path. Points are {"xyz", "vertex"}, {"xyz", "edge", "t"} or {"xyz", "face",
+ * "barycentric"} for geometry full, [x, y, z] for xyz, and omitted for none. */
 void proto_path_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
                        const struct gd_path *path, enum proto_geometry geometry);
 
-/* About how many bytes its points take. */
-size_t proto_path_bytes(const struct gd_path *path, enum proto_geometry geometry);
+/* Writes points of a line into its begun array; the geometry is full or xyz. */
+void proto_points_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
+                         const struct gd_point *points, uint32_t count,
+                         enum proto_geometry geometry);
 
-/* One of its points; the geometry is full or xyz. */
+/* Writes the member "points" of a line, unless the geometry is none. */
+void proto_member_points(struct proto_writer *writer, const struct gd_mesh *mesh,
+                         const struct gd_point *points, uint32_t count,
+                         enum proto_geometry geometry);
+
+/* Returns about how many bytes `count` points take in an answer. */
+size_t proto_path_bytes(uint32_t count, enum proto_geometry geometry);
+
+/* Writes one point of a path; the geometry is full or xyz. */
 void proto_path_point_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
                              const struct gd_point *point, enum proto_geometry geometry);
 

@@ -43,11 +43,10 @@ static bool decode_xyz(const json_t *value, const char *place, struct proto_poin
     if (!proto_decode_numbers(value, place, "xyz", 3, xyz, problem)) return false;
     if (json_object_get(value, "max_snap")) {
         if (!proto_decode_number(value, place, "max_snap", &max_snap, problem)) return false;
-        if (max_snap < 0) {
-            proto_problem_refuse(problem, place,
-                                 "max_snap is a distance: 0 or more, or leave it out for any");
-            return proto_problem_descend(problem, "max_snap");
-        }
+        if (max_snap < 0)
+            return proto_problem_refuse_member(
+                problem, place, "max_snap",
+                "max_snap is a distance: 0 or more, or leave it out for any");
     }
     out->xyz.xyz = vec3(xyz);
     out->xyz.max_snap = max_snap;
@@ -70,7 +69,7 @@ static bool decode_ray(const json_t *value, const char *place, struct proto_poin
     return true;
 }
 
-/* A form is told by the member that only it has: the first. */
+/* The first member of a form names it: no other form has that member. */
 static const struct form {
     const char *members[3];
     bool (*decode)(const json_t *value, const char *place, struct proto_point *out,
@@ -88,7 +87,7 @@ static const struct form {
 static const char *const all_members[] = {"vertex", "edge",     "t",   "face", "barycentric",
                                           "xyz",    "max_snap", "ray", NULL};
 
-/* The one form whose first member is there. */
+/* Finds the only form whose first member is present. */
 static bool find_form(const json_t *value, const char *place, enum proto_point_form *out,
                       struct proto_problem *problem)
 {
@@ -126,7 +125,7 @@ bool proto_point_decode(const json_t *value, const char *pointer, struct proto_p
 
 /* --- from compact text ------------------------------------------------------------------------ */
 
-/* Each reader takes what it reads off the front of the text, or returns false. */
+/* Each reader removes what it reads from the front of the text, or returns false. */
 static bool take(const char **text, char character)
 {
     if (**text != character) return false;
@@ -270,15 +269,7 @@ void proto_xyz_encode(struct proto_writer *writer, struct gd_vec3 xyz)
     proto_write_numbers(writer, (const double[]){xyz.x, xyz.y, xyz.z}, 3);
 }
 
-static void encode_pair(struct proto_writer *writer, const struct gd_vertex ends[2])
-{
-    proto_write_array_begin(writer);
-    proto_write_uint(writer, ends[0].index);
-    proto_write_uint(writer, ends[1].index);
-    proto_write_array_end(writer);
-}
-
-/* The fields that this point has. */
+/* Returns the fields that this point has. */
 static uint32_t fields_of(const struct gd_point_description *point, double snap_distance)
 {
     uint32_t fields =
@@ -306,7 +297,7 @@ static void encode_field(struct proto_writer *writer, const struct gd_point_desc
         proto_write_uint(writer, point->vertex.index);
         break;
     case PROTO_POINT_FIELD_EDGE:
-        encode_pair(writer, point->edge);
+        proto_write_indices(writer, &point->edge->index, 2);
         break;
     case PROTO_POINT_FIELD_T:
         proto_write_number(writer, point->t);
@@ -315,7 +306,7 @@ static void encode_field(struct proto_writer *writer, const struct gd_point_desc
         proto_write_number(writer, snap_distance);
         break;
     case PROTO_POINT_FIELD_ALL:
-        break; /* a mask, no field */
+        break; /* a mask, not a field */
     }
 }
 

@@ -1,7 +1,7 @@
-/* Point: how a client names a point of a surface, and how a point goes back to the client.
+/* Point: a point of a surface, in requests and answers.
  *
- * Decoding needs no mesh: it checks the form. Locating puts the point on a mesh: it checks the
- * sense. */
+ * Decoding checks the form and needs no mesh. Locating puts the point on a mesh and checks that it
+ * exists there. */
 #ifndef PROTO_POINT_H
 #define PROTO_POINT_H
 
@@ -25,12 +25,12 @@ enum proto_point_form {
 
 struct proto_point {
     enum proto_point_form form;
-    char place[PROTO_POINT_PLACE]; /* where it stood in the request, see problem.h */
+    char place[PROTO_POINT_PLACE]; /* its place in the request, see problem.h */
     union {
         struct gd_vertex vertex;
         struct {
             struct gd_vertex ends[2];
-            double t; /* from ends[0] */
+            double t; /* parameter along the edge, 0 at ends[0] */
         } edge;
         struct {
             struct gd_face face;
@@ -38,7 +38,7 @@ struct proto_point {
         } face;
         struct {
             struct gd_vec3 xyz;
-            double max_snap; /* < 0: any distance will do */
+            double max_snap; /* < 0: any distance is accepted */
         } xyz;
         struct {
             struct gd_vec3 origin, direction;
@@ -46,36 +46,35 @@ struct proto_point {
     };
 };
 
-/* From JSON: {"vertex"}, {"edge","t"}, {"face","barycentric"}, {"xyz","max_snap"?},
- * {"ray":{"origin","direction"}}, or a string of compact text. `pointer`: the JSON Pointer of `value`, copied.
- * invalid_request. */
+/* Decodes JSON: an object (schema Point) or compact text. `pointer`: the JSON Pointer of `value`,
+ * copied. Problem: invalid_request. */
 bool proto_point_decode(const json_t *value, const char *pointer, struct proto_point *out,
                         struct proto_problem *problem);
 
-/* From compact text: v:12, e:3-9:0.25, f:34:0.2,0.3,0.5 or p:1.0,2.0,3.0. `parameter`: the name of
- * the query-string parameter, or a JSON Pointer; copied. invalid_request. */
+/* Parses compact text: v:12, e:3-9:0.25, f:34:0.2,0.3,0.5 or p:1.0,2.0,3.0. `parameter`: the name
+ * of the query-string parameter, or a JSON Pointer; copied. Problem: invalid_request. */
 bool proto_point_parse(const char *text, const char *parameter, struct proto_point *out,
                        struct proto_problem *problem);
 
 /* Puts a point on a mesh. `*snap_distance`: how far an xyz point was moved; NAN for the other
- * forms, which are not snapped. invalid_request (an index that names nothing),
- * point_not_on_surface; both at the point's place. Cost as in gd/point.h and gd/locate.h. */
+ * forms. Problems at the point's place: invalid_request (no such index), point_not_on_surface. Cost
+ * as in gd/point.h and gd/locate.h. */
 bool proto_point_locate(const struct gd_mesh *mesh, const struct proto_point *point,
                         struct gd_point *out, double *snap_distance, struct proto_problem *problem);
 
-/* Writes all that is known of a point: face, barycentric, xyz, then vertex or edge and t where it
- * lies on one, then snap_distance unless it is NAN. */
+/* Writes all fields of a point: face, barycentric, xyz, then vertex or edge and t if it lies on
+ * one, then snap_distance unless it is NAN. */
 void proto_point_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
                         const struct gd_point *point, double snap_distance);
 
-/* The same, but only the fields (bits of enum proto_point_field) that were asked for. */
+/* As proto_point_encode, with only these fields (bits of enum proto_point_field). */
 void proto_point_encode_fields(struct proto_writer *writer, const struct gd_mesh *mesh,
                                const struct gd_point *point, double snap_distance, uint32_t fields);
 
-/* [x,y,z] */
+/* Writes [x,y,z]. */
 void proto_xyz_encode(struct proto_writer *writer, struct gd_vec3 xyz);
 
-/* Both as the member of an object (member.h). */
+/* Write a point and a position as a member of an object. */
 void proto_member_point(struct proto_writer *writer, const char *key, const struct gd_mesh *mesh,
                         const struct gd_point *point, double snap_distance);
 void proto_member_xyz(struct proto_writer *writer, const char *key, struct gd_vec3 xyz);

@@ -7,7 +7,7 @@
 #include "proto/json/decode.h"
 
 #define FIRST_CAPACITY 2
-#define COMPACT_SIZE   256 /* bytes of a compact point; longer ones have digits that say nothing */
+#define COMPACT_SIZE   256 /* bytes of a compact point; longer text has digits without effect */
 
 void proto_points_free(struct proto_points *points)
 {
@@ -42,10 +42,8 @@ struct proto_point *proto_points_add(struct proto_points *points, struct proto_p
 
 static bool refuse_number(const char *place, uint32_t most, struct proto_problem *problem)
 {
-    proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE,
-                      "at most %u points are taken here; send fewer", most);
-    proto_problem_at(problem, place);
-    return proto_problem_limit(problem, most);
+    return proto_problem_exceed(problem, place, most,
+                                "at most %u points are taken here; send fewer", most);
 }
 
 bool proto_points_decode(struct proto_points *points, const json_t *value, const char *pointer,
@@ -66,7 +64,16 @@ bool proto_points_decode(struct proto_points *points, const json_t *value, const
     return true;
 }
 
-/* Cuts the text up to the next semicolon off its front. False: it is too long for a point. */
+bool proto_points_decode_member(struct proto_points *points, const json_t *document,
+                                const char *pointer, struct proto_problem *problem)
+{
+    const json_t *value = proto_decode_member(document, "", pointer + 1, problem);
+    struct proto_point *point = value ? proto_points_add(points, problem) : NULL;
+    return point && proto_point_decode(value, pointer, point, problem);
+}
+
+/* Removes the text up to the next semicolon from its front. Returns false if it is too long for a
+ * point. */
 static bool take_part(const char **text, char part[COMPACT_SIZE])
 {
     size_t size = strcspn(*text, ";");

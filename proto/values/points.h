@@ -4,41 +4,46 @@
 
 #include "proto/values/point.h"
 
-struct proto_points { /* all zero is an empty list */
+struct proto_points { /* all zero: empty */
     struct proto_point *items;
     uint32_t count, capacity;
 };
 
 void proto_points_free(struct proto_points *points); /* leaves an empty list */
 
-/* One more point at the end, for the caller to fill; NULL: insufficient_memory. */
+/* Appends a point for the caller to fill. Returns NULL on insufficient_memory. */
 struct proto_point *proto_points_add(struct proto_points *points, struct proto_problem *problem);
 
-/* Adds the points of a JSON array, of at most `most`; `pointer` is the array's place. On failure
- * the list may have some of them. invalid_request, too_large (with the limit),
+/* Adds the points of a JSON array of at most `most` items; `pointer` is the array's place. On
+ * failure the list may have some of them. Problems: invalid_request, too_large (with the limit),
  * insufficient_memory. */
 bool proto_points_decode(struct proto_points *points, const json_t *value, const char *pointer,
                          uint32_t most, struct proto_problem *problem);
 
-/* The same from compact text, points with semicolons between them: "v:12;e:3-9:0.25". `parameter`
- * is the place of all. */
+/* Adds the point that is a member of the document; `pointer`: "/from". */
+bool proto_points_decode_member(struct proto_points *points, const json_t *document,
+                                const char *pointer, struct proto_problem *problem);
+
+/* Adds points from compact text, separated by semicolons: "v:12;e:3-9:0.25". `parameter` is the
+ * place of all. */
 bool proto_points_parse(struct proto_points *points, const char *text, const char *parameter,
                         uint32_t most, struct proto_problem *problem);
 
-struct proto_located_points {   /* all zero is an empty list */
+struct proto_located_points {   /* all zero: empty */
     const struct gd_mesh *mesh; /* borrowed */
     struct gd_point *points;
-    double *snaps; /* NAN: not snapped. In the points' memory */
+    double *snaps; /* NAN: not snapped; part of the points' allocation */
     uint32_t count;
 };
 
 void proto_located_points_free(struct proto_located_points *located); /* leaves an empty list */
 
-/* proto_point_locate for all of at least one. insufficient_memory besides its problems. */
+/* Locates all points, of which there is at least one. Problems: those of proto_point_locate, and
+ * insufficient_memory. */
 bool proto_points_locate(const struct gd_mesh *mesh, const struct proto_points *points,
                          struct proto_located_points *out, struct proto_problem *problem);
 
-/* Writes [point…] of `count` of them, the first one being points[first]. */
+/* Writes an array of `count` points, from points[first] on. */
 void proto_located_points_encode(struct proto_writer *writer,
                                  const struct proto_located_points *located, uint32_t first,
                                  uint32_t count);

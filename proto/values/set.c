@@ -22,12 +22,11 @@ static bool decode_offset(const json_t *value, const char *place, double *out,
     if (json_object_get(value, "offset") &&
         !proto_decode_number(value, place, "offset", &offset, problem))
         return false;
-    if (!(offset >= 0 && offset <= PROTO_SET_OFFSET)) {
-        proto_problem_refuse(problem, place, "an offset is added to distances: from 0 to %g",
-                             PROTO_SET_OFFSET);
-        return proto_problem_descend(problem, "offset");
-    }
-    *out = offset + 0.0; /* no -0: it would be another set */
+    if (!(offset >= 0 && offset <= PROTO_SET_OFFSET))
+        return proto_problem_refuse_member(problem, place, "offset",
+                                           "an offset is added to distances: from 0 to %g",
+                                           PROTO_SET_OFFSET);
+    *out = offset + 0.0; /* not -0: it would make another set */
     return true;
 }
 
@@ -35,23 +34,21 @@ static bool decode_label(const json_t *value, const char *place, const char **ou
                          struct proto_problem *problem)
 {
     const json_t *label = json_object_get(value, "label");
-    if (label && (!json_is_string(label) || json_string_length(label) > PROTO_SET_LABEL)) {
-        proto_problem_refuse(problem, place, "a label is a string of at most %d bytes",
-                             PROTO_SET_LABEL);
-        return proto_problem_descend(problem, "label");
-    }
+    if (label && (!json_is_string(label) || json_string_length(label) > PROTO_SET_LABEL))
+        return proto_problem_refuse_member(
+            problem, place, "label", "a label is a string of at most %d bytes", PROTO_SET_LABEL);
     *out = json_string_value(label);
     return true;
 }
 
-/* What a member is, its offset and label aside; a new reference, NULL without memory. */
+/* Returns a member without its offset and label: a new reference, or NULL without memory. */
 static json_t *without_naming(const json_t *value)
 {
     if (!json_object_get(value, "offset") && !json_object_get(value, "label"))
         return json_incref((json_t *)value);
     json_t *bare = json_copy((json_t *)value);
     if (!bare) return NULL;
-    /* json_copy leaves out what it has no memory for */
+    /* json_copy omits members for which memory runs out */
     if (json_object_size(bare) != json_object_size(value)) {
         json_decref(bare);
         return NULL;
@@ -61,8 +58,8 @@ static json_t *without_naming(const json_t *value)
     return bare;
 }
 
-/* The kinds of members: an array each, of which every element is decoded to one more member of the
- * set. */
+/* The kinds of members. Each has an array, and every element of it is decoded to one further member
+ * of the set. */
 struct kind {
     const char *name;
     uint32_t most;
@@ -84,7 +81,7 @@ static bool decode_curve(const json_t *value, const char *place, struct proto_se
            ++set->curve_count;
 }
 
-/* An index, or an object that says it. */
+/* Decodes an index, or an object that contains it. */
 static bool decode_boundary(const json_t *value, const char *place, struct proto_set *set,
                             struct proto_problem *problem)
 {
@@ -132,7 +129,7 @@ static bool is_all(const json_t *value)
     return json_is_string(value) && strcmp(json_string_value(value), "all") == 0;
 }
 
-/* The arrays, checked for their sizes; those that are not there are NULL. */
+/* Finds the arrays and checks their sizes; missing arrays are NULL. */
 static bool find_arrays(const json_t *value, const char *pointer, const json_t *arrays[KINDS],
                         struct proto_problem *problem)
 {
@@ -143,11 +140,10 @@ static bool find_arrays(const json_t *value, const char *pointer, const json_t *
         const json_t *array = json_object_get(value, kinds[k].name);
         bool all = k == BOUNDARIES && is_all(array);
         arrays[k] = all ? NULL : array;
-        if (array && !all && !json_is_array(array)) {
-            proto_problem_refuse(problem, pointer, "expected an array of %s%s", kinds[k].name,
-                                 k == BOUNDARIES ? ", or \"all\"" : "");
-            return proto_problem_descend(problem, kinds[k].name);
-        }
+        if (array && !all && !json_is_array(array))
+            return proto_problem_refuse_member(problem, pointer, kinds[k].name,
+                                               "expected an array of %s%s", kinds[k].name,
+                                               k == BOUNDARIES ? ", or \"all\"" : "");
         if (json_array_size(arrays[k]) > kinds[k].most)
             return refuse_number(&kinds[k], pointer, problem);
         count += all ? 1 : json_array_size(arrays[k]);

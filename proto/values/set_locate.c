@@ -3,15 +3,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A set while its members are put on the mesh. */
+/* State of locating a set's members. */
 struct locating {
     const struct gd_mesh *mesh;
     const struct proto_set *set;
-    const struct gd_landmarks *landmarks;
     const struct gd_control *control;
     struct proto_problem *problem;
-    uint32_t boundaries;     /* that are members because all are */
-    struct gd_curve *curves; /* of the set, then the boundaries; as many as are resolved */
+    uint32_t boundaries;     /* boundaries selected by "all" */
+    struct gd_curve *curves; /* curves of the set, then boundaries; only those resolved so far */
     uint32_t curve_count;
 };
 
@@ -27,8 +26,8 @@ static enum gd_status resolve(struct locating *locating, const struct proto_loca
 {
     struct gd_detail detail = {0};
     struct gd_curve *curve = &locating->curves[locating->curve_count];
-    enum gd_status status = proto_curve_resolve(locating->mesh, located, locating->landmarks,
-                                                locating->control, curve, &detail);
+    enum gd_status status =
+        proto_curve_resolve(locating->mesh, located, NULL, locating->control, curve, &detail);
     if (status)
         proto_curve_fail(located, status, &detail, locating->problem);
     else
@@ -61,7 +60,8 @@ static enum gd_status resolve_curves(struct locating *locating)
     return status;
 }
 
-/* How many boundaries "all" are, or why they are too many or, without another member, too few. */
+/* Counts the boundaries selected by "all". Fails if they are too many or, without another member,
+ * none. */
 static enum gd_status count_boundaries(struct locating *locating)
 {
     const struct proto_set *set = locating->set;
@@ -81,7 +81,7 @@ static enum gd_status count_boundaries(struct locating *locating)
 
 /* --- seeds ------------------------------------------------------------------------------------ */
 
-/* A located set under way: its arrays, to be written to. */
+/* Writable arrays of the located set under construction. */
 struct layout {
     struct proto_located_set *set;
     struct gd_seed *seeds;
@@ -163,12 +163,10 @@ static void put_labels(const struct proto_set *set, struct layout *out)
 }
 
 enum gd_status proto_set_locate(const struct gd_mesh *mesh, const struct proto_set *set,
-                                const struct gd_landmarks *landmarks,
                                 const struct gd_control *control, struct proto_located_set **out,
                                 struct proto_problem *problem)
 {
-    struct locating locating = {
-        .mesh = mesh, .set = set, .landmarks = landmarks, .control = control, .problem = problem};
+    struct locating locating = {.mesh = mesh, .set = set, .control = control, .problem = problem};
     struct layout layout = {0};
     enum gd_status status = count_boundaries(&locating);
     if (!status) status = resolve_curves(&locating);

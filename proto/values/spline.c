@@ -7,7 +7,7 @@
 
 #include "gd/frame.h"
 #include "generated/requests.h"
-#include "proto/json/member.h"
+#include "proto/json/writer.h"
 #include "proto/values/path.h"
 
 enum { PLACE = 2 * PROTO_POINT_PLACE };
@@ -33,8 +33,7 @@ void proto_located_spline_free(struct proto_located_spline *located)
 static bool refuse_member(const struct proto_spline *spline, const char *member,
                           const char *sentence, struct proto_problem *problem)
 {
-    proto_problem_refuse(problem, spline->place, "%s", sentence);
-    return proto_problem_descend(problem, member);
+    return proto_problem_refuse_member(problem, spline->place, member, "%s", sentence);
 }
 
 /* --- tangents --------------------------------------------------------------------------------- */
@@ -69,18 +68,16 @@ static bool decode_tangents(const json_t *value, struct proto_spline *spline,
     return true;
 }
 
-/* --- where it is looked at -------------------------------------------------------------------- */
+/* --- samples -------------------------------------------------------------------- */
 
 static bool decode_samples(const struct proto_spline_request *request, struct proto_spline *spline,
                            struct proto_problem *problem)
 {
     uint32_t samples = request->samples, segments = spline->points.count - !spline->closed;
-    if ((double)samples * segments > PROTO_SPLINE_PLACES) {
-        proto_problem_refuse(problem, spline->place,
-                             "samples is a number from 1 on, and at most %d for all segments",
-                             PROTO_SPLINE_PLACES);
-        return proto_problem_descend(problem, "samples");
-    }
+    if ((double)samples * segments > PROTO_SPLINE_PLACES)
+        return proto_problem_refuse_member(
+            problem, spline->place, "samples",
+            "samples is a number from 1 on, and at most %d for all segments", PROTO_SPLINE_PLACES);
     if (request->speed == PROTO_SPEED_CONSTANT)
         spline->sampling.even = samples * segments;
     else
@@ -91,7 +88,7 @@ static bool decode_samples(const struct proto_spline_request *request, struct pr
 static bool decode_at(const json_t *value, struct proto_spline *spline,
                       struct proto_problem *problem)
 {
-    size_t count = json_array_size(json_object_get(value, "at")); /* 0 when it is no array */
+    size_t count = json_array_size(json_object_get(value, "at")); /* 0 if it is not an array */
     if (count < 1 || count > PROTO_SPLINE_PLACES)
         return refuse_member(spline, "at",
                              "expected an array of parameters, ascending, at least one of them",
@@ -226,7 +223,7 @@ static void encode_segment(struct proto_writer *writer, const struct gd_mesh *me
     proto_write_object_end(writer);
 }
 
-static void encode_knot(struct proto_writer *writer, const struct gd_spline_knot *knot)
+static void encode_joint(struct proto_writer *writer, const struct gd_spline_knot *knot)
 {
     proto_write_object_begin(writer);
     proto_write_key(writer, "tangent");
@@ -251,45 +248,36 @@ static void encode_frame(struct proto_writer *writer, const struct gd_mesh *mesh
     proto_write_object_end(writer);
 }
 
-static void encode_knots(struct proto_writer *writer, const struct gd_spline *spline,
-                         uint32_t fields)
-{
-    if (fields & PROTO_SPLINE_FIELD_PARAMETERS) {
-        proto_member_array(writer, "parameters");
-        for (uint32_t i = 0; i <= spline->count; i++)
-            proto_write_number(writer, spline->knots[i].parameter);
-        proto_write_array_end(writer);
-    }
-    if (!(fields & PROTO_SPLINE_FIELD_JOINTS)) return;
-    proto_member_array(writer, "joints");
-    for (uint32_t i = 0; i < spline->count + !spline->closed; i++)
-        encode_knot(writer, &spline->knots[i]);
-    proto_write_array_end(writer);
-}
-
 void proto_spline_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
                          const struct gd_spline *spline, const struct gd_spline_line *line,
                          bool frames, const struct proto_options *options)
 {
-    uint32_t fields = options->fields;
     proto_write_object_begin(writer);
-    if (fields & PROTO_SPLINE_FIELD_PATH) {
-        proto_write_key(writer, "path");
+    if (proto_field(writer, options, PROTO_SPLINE_FIELD_PATH))
         proto_path_encode(writer, mesh, &line->path, options->geometry);
-    }
-    if (fields & PROTO_SPLINE_FIELD_SEGMENTS) {
-        proto_member_array(writer, "segments");
+    if (proto_field(writer, options, PROTO_SPLINE_FIELD_SEGMENTS)) {
+        proto_write_array_begin(writer);
         for (uint32_t i = 0; i < spline->count; i++)
             encode_segment(writer, mesh, &spline->segments[i]);
         proto_write_array_end(writer);
     }
-    encode_knots(writer, spline, fields);
-    if (frames && fields & PROTO_SPLINE_FIELD_FRAMES) {
-        proto_member_array(writer, "frames");
+    if (proto_field(writer, options, PROTO_SPLINE_FIELD_PARAMETERS)) {
+        proto_write_array_begin(writer);
+        for (uint32_t i = 0; i <= spline->count; i++)
+            proto_write_number(writer, spline->knots[i].parameter);
+        proto_write_array_end(writer);
+    }
+    if (proto_field(writer, options, PROTO_SPLINE_FIELD_JOINTS)) {
+        proto_write_array_begin(writer);
+        for (uint32_t i = 0; i < spline->count + !spline->closed; i++)
+            encode_joint(writer, &spline->knots[i]);
+        proto_write_array_end(writer);
+    }
+    if (frames && proto_field(writer, options, PROTO_SPLINE_FIELD_FRAMES)) {
+        proto_write_array_begin(writer);
         for (uint32_t i = 0; i < line->count; i++) encode_frame(writer, mesh, &line->places[i]);
         proto_write_array_end(writer);
     }
-    if (line->step > 0 && fields & PROTO_SPLINE_FIELD_STEP)
-        proto_member_number(writer, "step", line->step);
+    if (line->step > 0) proto_field_number(writer, options, PROTO_SPLINE_FIELD_STEP, line->step);
     proto_write_object_end(writer);
 }

@@ -13,48 +13,48 @@
 
 #define PROTO_SPLINE_PLACES 100000
 
-/* All zero is none. */
+/* All zero: no spline. */
 struct proto_spline {
-    char place[PROTO_POINT_PLACE]; /* where it stood in the request */
+    char place[PROTO_POINT_PLACE]; /* its place in the request */
     struct proto_points points;
     bool closed, frames;
     double alpha, tension;
     enum gd_tangent_rule tangent_rule;
     enum gd_end_rule end_rule;
-    struct proto_segment *tangents; /* owned, one a point; NULL: none is given */
-    bool *is_given;                 /* in the tangents' memory */
+    struct proto_segment *tangents; /* owned, one for each point; NULL: none given */
+    bool *is_given;                 /* part of the tangents' allocation */
     struct gd_spline_sampling sampling;
-    double *parameters; /* owned, those of the sampling */
+    double *parameters; /* owned; used by the sampling */
 };
 
-/* `pointer`: the JSON Pointer of `value`. `as_curve`: without "at" and "frames". invalid_request,
- * too_large (with the limit), insufficient_memory. Freed by proto_spline_free. */
+/* Decodes a spline. `pointer`: the JSON Pointer of `value`. `as_curve`: without "at" and "frames".
+ * Problems: invalid_request, too_large (with the limit), insufficient_memory. Freed by
+ * proto_spline_free. */
 bool proto_spline_decode(const json_t *value, const char *pointer, bool as_curve,
                          struct proto_spline *out, struct proto_problem *problem);
-void proto_spline_free(struct proto_spline *spline); /* a second time is harmless; NULL too */
+void proto_spline_free(struct proto_spline *spline); /* may be called again; NULL is harmless */
 
 /* A spline on its mesh, all zero: none. */
 struct proto_located_spline {
-    struct gd_spline_request request;   /* of the memory below; without landmarks */
+    struct gd_spline_request request;   /* points into the memory below; without landmarks */
     struct gd_spline_sampling sampling; /* borrows the spline's parameters */
     struct proto_located_points points;
     struct gd_vector *tangents;
     bool *is_given;
 };
 
-/* The problems of proto_point_locate and proto_direction_locate, and insufficient_memory. The
- * spline must live as long as the located one. */
+/* Locates points and tangents. Problems: those of proto_point_locate and proto_direction_locate,
+ * and insufficient_memory. The spline must outlive the located one. */
 bool proto_spline_locate(const struct gd_mesh *mesh, const struct proto_spline *spline,
                          struct proto_located_spline *out, struct proto_problem *problem);
 void proto_located_spline_free(struct proto_located_spline *located); /* leaves none */
 
-/* The problem that a failure of gd_spline_build or gd_spline_sample is, at the point that is at
- * fault, or at `place`, the spline's. */
+/* Converts a failure of gd_spline_build or gd_spline_sample into a problem at the faulty point, or
+ * at `place`, the spline's. Returns false. */
 bool proto_spline_fail(const char *place, enum gd_status status, struct gd_detail *detail,
                        struct proto_problem *problem);
 
-/* Writes {"path", "segments", "parameters", "joints"}, and with `frames` a frame for each place; of
- * these the wanted ones. */
+/* Writes the answer; `frames`: with a frame for each sample. */
 void proto_spline_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
                          const struct gd_spline *spline, const struct gd_spline_line *line,
                          bool frames, const struct proto_options *options);

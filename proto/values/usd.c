@@ -16,7 +16,7 @@ bool proto_usd_is(const void *bytes, size_t size)
 
 /* --- arrays of numbers ------------------------------------------------------------------------ */
 
-struct indices { /* all zero is an empty list */
+struct indices { /* all zero: empty */
     uint32_t *items;
     uint32_t count;
 };
@@ -26,42 +26,41 @@ struct reals {
     uint32_t count;
 };
 
-/* Room for a member's numbers, of `size` bytes each, and one more; *items is NULL where the member
- * is not there. */
-static bool make_room(const json_t *document, const char *member, size_t size, void **items,
-                      uint32_t *count, struct proto_problem *problem)
+/* Allocates room for a member's numbers, of `size` bytes each, and one more. Returns NULL if the
+ * member is missing, or with a problem and `*ok` false. */
+static void *make_room(const json_t *document, const char *member, size_t size, uint32_t *count,
+                       bool *ok, struct proto_problem *problem)
 {
     const json_t *array = json_object_get(document, member);
-    *items = NULL;
-    if (!array) return true;
+    *ok = true;
+    if (!array) return NULL;
     if (!json_is_array(array) || json_array_size(array) >= MOST_INDICES) {
-        proto_problem_refuse(problem, "", "expected an array of numbers");
-        return proto_problem_descend(problem, member);
+        *ok = proto_problem_refuse_member(problem, "", member, "expected an array of numbers");
+        return NULL;
     }
     *count = (uint32_t)json_array_size(array);
-    *items = malloc((*count + (size_t)1) * size);
-    return *items || proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
+    void *items = malloc((*count + (size_t)1) * size);
+    if (!items) *ok = proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
+    return items;
 }
 
-/* What has been read of it is the caller's, who frees it, also where something is wrong. */
+/* Reads a list of indices. The caller frees it also on failure. */
 static bool read_indices(const json_t *document, const char *member, struct indices *out,
                          struct proto_problem *problem)
 {
-    void *items;
-    if (!make_room(document, member, sizeof *out->items, &items, &out->count, problem))
-        return false;
-    out->items = items;
-    return !items || proto_decode_indices(document, "", member, out->count, out->items, problem);
+    bool ok;
+    out->items = make_room(document, member, sizeof *out->items, &out->count, &ok, problem);
+    return out->items ? proto_decode_indices(document, "", member, out->count, out->items, problem)
+                      : ok;
 }
 
 static bool read_reals(const json_t *document, const char *member, struct reals *out,
                        struct proto_problem *problem)
 {
-    void *items;
-    if (!make_room(document, member, sizeof *out->items, &items, &out->count, problem))
-        return false;
-    out->items = items;
-    return !items || proto_decode_numbers(document, "", member, out->count, out->items, problem);
+    bool ok;
+    out->items = make_room(document, member, sizeof *out->items, &out->count, &ok, problem);
+    return out->items ? proto_decode_numbers(document, "", member, out->count, out->items, problem)
+                      : ok;
 }
 
 /* --- polygons --------------------------------------------------------------------------------- */
@@ -84,16 +83,6 @@ static bool check_limit(uint64_t count, uint32_t most, const char *place,
     return proto_problem_limit(problem, most);
 }
 
-static bool read_point(const json_t *value, double out[3])
-{
-    if (json_array_size(value) != 3) return false;
-    for (size_t k = 0; k < 3; k++) {
-        if (!json_is_number(json_array_get(value, k))) return false;
-        out[k] = json_number_value(json_array_get(value, k));
-    }
-    return true;
-}
-
 static bool read_points(const json_t *document, const struct gd_read_options *limits,
                         struct gd_polygons *out, struct proto_problem *problem)
 {
@@ -110,14 +99,14 @@ static bool read_points(const json_t *document, const struct gd_read_options *li
     out->position_count = (uint32_t)count;
     for (size_t i = 0; i < count; i++) {
         char place[40];
-        if (read_point(json_array_get(array, i), out->positions[i])) continue;
+        if (proto_read_numbers(json_array_get(array, i), 3, out->positions[i])) continue;
         snprintf(place, sizeof place, "/points/%zu", i);
         return proto_problem_refuse(problem, place, "expected [x, y, z]");
     }
     return true;
 }
 
-/* Offsets of polygons of so many corners; `corner_count` is how many there are. */
+/* Sums the polygons' corner counts to offsets; the total must be `corner_count`. */
 static bool sum_counts(const struct indices *counts, uint32_t corner_count, struct gd_polygons *out,
                        struct proto_problem *problem)
 {
@@ -184,7 +173,7 @@ static void chains_free(struct chains *chains)
     free(chains->sharpnesses.items);
 }
 
-/* Adds up lengths and edges. */
+/* Sums the lengths and the edges of the chains, and checks them. */
 static bool check_chains(const struct chains *chains, uint32_t *edges,
                          struct proto_problem *problem)
 {
@@ -263,7 +252,7 @@ static bool read_corners(const json_t *document, struct gd_control_mesh *out,
 
 /* --- words ------------------------------------------------------------------------------------ */
 
-/* The number of one of the words; untouched when the member is not there. */
+/* Reads one of the words as its index; untouched if the member is missing. */
 static bool read_word(const json_t *document, const char *member, const char *const *words,
                       unsigned *out, struct proto_problem *problem)
 {
@@ -274,9 +263,8 @@ static bool read_word(const json_t *document, const char *member, const char *co
         *out = i;
         return true;
     }
-    proto_problem_refuse(problem, "", "expected one of: %s %s %s", words[0], words[1],
-                         words[2] ? words[2] : "");
-    return proto_problem_descend(problem, member);
+    return proto_problem_refuse_member(problem, "", member, "expected one of: %s %s %s", words[0],
+                                       words[1], words[2] ? words[2] : "");
 }
 
 static bool read_words(const json_t *document, struct proto_usd *out, struct proto_problem *problem)

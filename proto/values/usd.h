@@ -1,7 +1,6 @@
-/* USD: a control mesh as JSON with the names that Universal Scene Description gives to the parts of
- * its Mesh (see subdivision.h). Creases are chains: `creaseLengths` says how many of
- * `creaseIndices` each has, `creaseSharpnesses` has a number for each chain or one for each edge of
- * them all. No JSON library shows here. */
+/* USD: a control mesh as JSON with the names of Universal Scene Description (SubdivisionJson).
+ * `creaseSharpnesses` has one number for each chain, or one for each edge of all chains. This
+ * header does not expose the JSON library. */
 #ifndef PROTO_USD_H
 #define PROTO_USD_H
 
@@ -14,12 +13,13 @@ struct proto_usd {
     enum gd_scheme scheme;
 };
 
-/* Is it JSON of this form, and not {"vertices", "faces"}? By the names in the bytes (NULL: there
- * are none). */
+/* Returns whether the bytes (NULL: none) are JSON of this form, and not {"vertices", "faces"},
+ * judging by the names in them. */
 bool proto_usd_is(const void *bytes, size_t size);
 
-/* invalid_request; invalid_mesh with a reason (index, empty); too_large by limits->max_faces and
- * max_vertices (`limits` may be NULL); insufficient_memory. The caller frees out->control_mesh. */
+/* Reads a control mesh. Problems: invalid_request; invalid_mesh with a reason (index, empty);
+ * too_large by limits->max_faces and max_vertices (`limits` may be NULL); insufficient_memory. The
+ * caller frees out->control_mesh. */
 bool proto_usd_read(const void *bytes, size_t size, const struct gd_read_options *limits,
                     struct proto_usd *out, struct proto_problem *problem);
 

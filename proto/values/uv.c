@@ -17,12 +17,12 @@ bool proto_uv_decode(const json_t *object, const char *place, const char *member
     return proto_decode_numbers(object, place, member, 2, out, problem);
 }
 
-/* The member, an array of 1 to `most` elements; else NULL. */
+/* Returns the member if it is an array of 1 to `most` elements; else NULL. */
 static const json_t *find_list(const json_t *object, const char *place, const char *member,
                                uint32_t most, struct proto_problem *problem)
 {
     const json_t *list = proto_decode_member(object, place, member, problem);
-    size_t size = json_array_size(list); /* 0 when it is no array */
+    size_t size = json_array_size(list); /* 0 if it is not an array */
     if (!list || (size > 0 && size <= most)) return list;
     if (size == 0) {
         proto_problem_refuse(problem, place, "expected an array of at least one element");
@@ -36,21 +36,6 @@ static const json_t *find_list(const json_t *object, const char *place, const ch
     return NULL;
 }
 
-static bool refuse_element(const char *place, const char *member, size_t index,
-                           const char *expected, struct proto_problem *problem)
-{
-    char list[PROTO_PLACE], element[PROTO_PLACE];
-    proto_place_of_member(list, place, member);
-    proto_place_of_element(element, list, index);
-    return proto_problem_refuse(problem, element, "expected %s", expected);
-}
-
-static bool is_pair(const json_t *value)
-{
-    return json_array_size(value) == 2 && json_is_number(json_array_get(value, 0)) &&
-           json_is_number(json_array_get(value, 1));
-}
-
 bool proto_uvs_decode(const json_t *object, const char *place, const char *member, uint32_t most,
                       struct proto_uvs *out, struct proto_problem *problem)
 {
@@ -60,13 +45,12 @@ bool proto_uvs_decode(const json_t *object, const char *place, const char *membe
     uvs.items = malloc(uvs.count * sizeof *uvs.items);
     if (!uvs.items) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
     for (uint32_t i = 0; i < uvs.count; i++) {
-        const json_t *pair = json_array_get(list, i);
-        if (!is_pair(pair)) {
-            proto_uvs_free(&uvs);
-            return refuse_element(place, member, i, "an array of 2 numbers", problem);
-        }
-        for (int k = 0; k < 2; k++)
-            uvs.items[i][k] = json_number_value(json_array_get(pair, (size_t)k));
+        char list_place[PROTO_PLACE], element[PROTO_PLACE];
+        if (proto_read_numbers(json_array_get(list, i), 2, uvs.items[i])) continue;
+        proto_uvs_free(&uvs);
+        proto_place_of_member(list_place, place, member);
+        proto_place_of_element(element, list_place, i);
+        return proto_problem_refuse(problem, element, "expected an array of 2 numbers");
     }
     *out = uvs;
     return true;
@@ -88,6 +72,16 @@ bool proto_numbers_decode(const json_t *object, const char *place, const char *m
     *out = numbers;
     *count = size;
     return true;
+}
+
+bool proto_knots_check(uint32_t points, uint32_t degree, uint32_t knots, const char *place,
+                       struct proto_problem *problem)
+{
+    uint64_t needed = (uint64_t)points + degree + 1;
+    return knots == needed ||
+           proto_problem_refuse_member(problem, place, "knots",
+                                       "%u control points of degree %u need %llu knots, not %u",
+                                       points, degree, (unsigned long long)needed, knots);
 }
 
 bool proto_uv_check(const struct gd_parametric *surface, const double uv[2], const char *place,

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "generated/requests.h"
-#include "proto/json/member.h"
+#include "proto/json/writer.h"
 
 enum { PLACE = 2 * PROTO_DIRECTION_PLACE };
 
@@ -25,8 +25,8 @@ static bool decode_length(const json_t *value, const char *place, double *out,
 {
     if (!proto_decode_number(value, place, "length", out, problem)) return false;
     if (*out >= 0 && *out <= PROTO_VECTOR_LENGTH) return true;
-    proto_problem_refuse(problem, place, "a length is a number from 0 to %g", PROTO_VECTOR_LENGTH);
-    return proto_problem_descend(problem, "length");
+    return proto_problem_refuse_member(problem, place, "length",
+                                       "a length is a number from 0 to %g", PROTO_VECTOR_LENGTH);
 }
 
 bool proto_segment_decode(const json_t *value, const char *place, struct proto_segment *out,
@@ -64,10 +64,8 @@ static bool decode_segments(const json_t *array, const char *place, struct proto
 
 static bool refuse_number(const char *place, struct proto_problem *problem)
 {
-    proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE, "at most %d are taken here; send fewer",
-                      PROTO_VECTORS);
-    proto_problem_at(problem, place);
-    return proto_problem_limit(problem, PROTO_VECTORS);
+    return proto_problem_exceed(problem, place, PROTO_VECTORS,
+                                "at most %d are taken here; send fewer", PROTO_VECTORS);
 }
 
 bool proto_vector_check(const json_t *value, const char *place, struct proto_problem *problem)
@@ -77,15 +75,13 @@ bool proto_vector_check(const json_t *value, const char *place, struct proto_pro
     bool is_cut;
     if (!proto_decode_object(value, place, members, problem)) return false;
     const json_t *reason = json_object_get(value, "reason");
-    if (reason && !json_is_string(reason)) {
-        proto_problem_refuse(problem, place, "expected a string here");
-        return proto_problem_descend(problem, "reason");
-    }
+    if (reason && !json_is_string(reason))
+        return proto_problem_refuse_member(problem, place, "reason", "expected a string here");
     return proto_decode_flag(value, place, "cut_locus", &is_cut, problem);
 }
 
-/* log answers null for a vertex without faces, and null for direction and length where no path
- * leads. */
+/* Returns whether the vector exists. log answers null for a vertex without faces, and null
+ * direction and length if there is no path. */
 static bool exists(const json_t *value)
 {
     const json_t *direction = json_object_get(value, "direction"),
@@ -93,7 +89,7 @@ static bool exists(const json_t *value)
     return !json_is_null(value) && !(json_is_null(direction) && json_is_null(length));
 }
 
-/* The segments that count, or NULL: the vector's own direction and length do. */
+/* Returns the segments to use; NULL: use the vector's own direction and length. */
 static const json_t *segments_of(const json_t *value, bool is_straight)
 {
     return is_straight && json_object_get(value, "direction") ? NULL
@@ -117,7 +113,7 @@ static void place_of(char place[PROTO_DIRECTION_PLACE], uint32_t i)
     snprintf(place, PROTO_DIRECTION_PLACE, "/vectors/%u", i);
 }
 
-/* Counts the segments of all into `first`. */
+/* Fills `first` with the running counts of segments. */
 static bool measure(const json_t *array, bool is_straight, struct proto_vectors *vectors,
                     struct proto_problem *problem)
 {
@@ -182,7 +178,7 @@ static bool decode_factors(const json_t *document, struct proto_vectors *vectors
     return proto_decode_numbers(document, "", "combine", vectors->count, vectors->factors, problem);
 }
 
-/* The sum is of vectors that exist and have a direction and a length of their own. */
+/* Checks that each vector of the sum exists and has its own direction and length. */
 static bool check_combination(const struct proto_vectors *vectors, struct proto_problem *problem)
 {
     for (uint32_t i = 0; vectors->factors && i < vectors->count; i++) {
@@ -198,7 +194,7 @@ static bool check_combination(const struct proto_vectors *vectors, struct proto_
     return true;
 }
 
-/* `is_straight`: a vector that has a direction of its own needs no segments. */
+/* Decodes the vectors. `is_straight`: a vector with a direction of its own needs no segments. */
 static bool decode_vectors(const json_t *document, bool is_straight, struct proto_vectors *out,
                            struct proto_problem *problem)
 {
@@ -253,21 +249,13 @@ bool proto_log_decode(const json_t *document, struct proto_log *out, struct prot
     return true;
 }
 
-static bool decode_end(const json_t *document, const char *pointer, struct proto_points *ends,
-                       struct proto_problem *problem)
-{
-    const json_t *value = proto_decode_member(document, "", pointer + 1, problem);
-    struct proto_point *end = value ? proto_points_add(ends, problem) : NULL;
-    return end && proto_point_decode(value, pointer, end, problem);
-}
-
 bool proto_transport_decode(const json_t *document, struct proto_transport *out,
                             struct proto_problem *problem)
 {
     struct proto_transport transport = {0};
     if (!proto_decode_object(document, "", proto_transport_request_members, problem)) return false;
-    if (decode_end(document, "/from", &transport.ends, problem) &&
-        decode_end(document, "/to", &transport.ends, problem) &&
+    if (proto_points_decode_member(&transport.ends, document, "/from", problem) &&
+        proto_points_decode_member(&transport.ends, document, "/to", problem) &&
         decode_vectors(document, true, &transport.vectors, problem)) {
         *out = transport;
         return true;

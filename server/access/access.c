@@ -3,13 +3,13 @@
 
 #include <arpa/inet.h>
 #include <pthread.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <time.h>
 
 #include "gd/control.h"
+#include "server/base/thread.h"
 
 #define BEARER    "Bearer"
 #define CHALLENGE "Bearer realm=\"geodesicd\""
@@ -24,13 +24,13 @@ struct server_access {
 
 /* --- the set in force ------------------------------------------------------------------------- */
 
-struct server_access *server_access_create(const char *path, char *error, size_t error_size)
+struct server_access *server_access_create(const char *path, char error[SERVER_ERROR])
 {
     struct server_access *access = calloc(1, sizeof *access);
     if (!access) return NULL;
     pthread_mutex_init(&access->lock, NULL);
     access->path = strdup(path);
-    if (access->path) access->keys = server_credentials_load(path, NULL, error, error_size);
+    if (access->path) access->keys = server_credentials_load(path, NULL, error);
     if (access->keys) return access;
     server_access_destroy(access);
     return NULL;
@@ -47,17 +47,14 @@ void server_access_destroy(struct server_access *access)
 
 static struct server_credentials *keys_retain(struct server_access *access)
 {
-    pthread_mutex_lock(&access->lock);
-    struct server_credentials *keys = server_credentials_retain(access->keys);
-    pthread_mutex_unlock(&access->lock);
-    return keys;
+    SERVER_LOCK(&access->lock);
+    return server_credentials_retain(access->keys);
 }
 
-bool server_access_reload(struct server_access *access, char *error, size_t error_size)
+bool server_access_reload(struct server_access *access, char error[SERVER_ERROR])
 {
     struct server_credentials *before = keys_retain(access);
-    struct server_credentials *keys =
-        server_credentials_load(access->path, before, error, error_size);
+    struct server_credentials *keys = server_credentials_load(access->path, before, error);
     server_credentials_release(before);
     if (!keys) return false;
     pthread_mutex_lock(&access->lock);
@@ -85,13 +82,13 @@ static bool key_identify(const struct server_access_request *request, struct ser
     const size_t scheme = strlen(BEARER);
     if (request->authorization_count != 1)
         return request_refuse(problem, CHALLENGE,
-                              "send a key, once, as the header Authorization: Bearer KEY");
+                              "send one key as the header Authorization: Bearer KEY");
     const char *token = request->authorization + scheme;
     bool is_bearer = strncasecmp(request->authorization, BEARER, scheme) == 0 && *token == ' ';
     if (is_bearer) token += strspn(token, " ");
     if (!is_bearer || !*token || token[strspn(token, TOKEN_BYTES)])
         return request_refuse(problem, CHALLENGE,
-                              "the Authorization header is not of the form: Bearer KEY");
+                              "the Authorization header must have the form: Bearer KEY");
     grant->key = server_credentials_find(grant->keys, token, strlen(token));
     if (!grant->key)
         return request_refuse(problem, wrong,
@@ -121,9 +118,8 @@ static bool quota_enter(struct server_grant *grant, struct proto_problem *proble
     unsigned limit = is_rate ? key->limits.rate : key->limits.concurrent;
     proto_problem_set(
         problem, PROTO_PROBLEM_RATE_LIMITED,
-        is_rate
-            ? "this key may send %u requests a second; wait as long as Retry-After says"
-            : "this key may have %u requests under way at once; wait until one has been answered",
+        is_rate ? "this key may send %u requests a second; wait as long as Retry-After says"
+                : "this key may have %u requests at a time; wait until one is answered",
         limit);
     proto_problem_limit(problem, limit);
     problem->retry_after = 1 + (unsigned)(wait_ns / 1000000000);
@@ -138,7 +134,7 @@ bool server_access_admit(struct server_access *access, const struct server_acces
     if (!key_identify(request, grant, problem)) return false;
     if (request->needed == PROTO_ACCESS_WRITE && grant->key->role != SERVER_ROLE_WRITE)
         return key_forbid(grant->key, problem,
-                          "this key may only read; ask the operator for one of the role write");
+                          "this key may only read; ask the operator for a key with the role write");
     return quota_enter(grant, problem);
 }
 
@@ -160,8 +156,8 @@ bool server_grant_may_change(const struct server_grant *grant, const char *key,
     const struct server_credential *own = grant->key;
     return !own || own->role == SERVER_ROLE_WRITE || strcmp(own->name, key) == 0 ||
            key_forbid(own, problem,
-                      "another key began this, and this one may change only what it began itself; "
-                      "ask the operator for one of the role write");
+                      "this was started with another key, and this key may change only its own; "
+                      "ask the operator for a key with the role write");
 }
 
 bool server_grant_is_operator(const struct server_grant *grant)
@@ -223,7 +219,7 @@ void server_access_write(struct server_access *access, const char *tenant,
     server_credentials_release(keys);
 }
 
-/* --- from where -------------------------------------------------------------------------------- */
+/* --- the guard -------------------------------------------------------------------------------- */
 
 static bool host_is_loopback(const char *host)
 {
@@ -265,7 +261,7 @@ bool server_guard_admit(const struct server_config *config,
             problem, PROTO_PROBLEM_FORBIDDEN,
             "the Host header names neither this machine nor a host that --allowed-host lists");
     if (server_guard_lists(config, request->origin)) return true;
-    /* the origin of an own page names the host and port that the request is sent to */
+    /* the daemon's own pages have an origin with the host and port of the request */
     const char *authority = request->origin ? strstr(request->origin, "://") : NULL;
     if (request->origin &&
         (!authority || !request->host || strcasecmp(authority + 3, request->host) != 0))

@@ -1,10 +1,9 @@
-/* Access: identifies the key that sends a request, and checks its rights and limits. Without --keys
- * everyone may do everything, but not from everywhere. */
+/* Access: identifies the key of a request, and checks its rights and limits. Without --keys every
+ * client has all rights, except that requests of foreign web pages are refused. */
 #ifndef SERVER_ACCESS_ACCESS_H
 #define SERVER_ACCESS_ACCESS_H
 
 #include <stdbool.h>
-#include <stddef.h>
 #include <stdint.h>
 
 #include "proto/json/problem.h"
@@ -15,71 +14,75 @@
 
 struct server_access;
 
-/* What an exchange has been granted until it ends. All zero: nothing. */
+/* The rights of an exchange until it ends. All zero: none. */
 struct server_grant {
-    struct server_credentials *keys;     /* a reference: the set of `key` */
-    const struct server_credential *key; /* NULL: none */
-    bool is_entered;                     /* counts as one of the key's concurrent requests */
+    struct server_credentials *keys;     /* a reference to the set that contains `key` */
+    const struct server_credential *key; /* NULL: no key */
+    bool is_entered; /* the request counts as one of the key's concurrent requests */
 };
 
-/* Reads the keys of the file. NULL with a sentence in `error`. */
-struct server_access *server_access_create(const char *path, char *error, size_t error_size);
+/* Reads the keys of the file. Returns NULL with a sentence in `error` on failure. */
+struct server_access *server_access_create(const char *path, char error[SERVER_ERROR]);
 void server_access_destroy(struct server_access *access); /* NULL is harmless */
 
-/* Reads the file again. False with a sentence in `error`: the present keys stay in force.
- * Thread-safe. */
-bool server_access_reload(struct server_access *access, char *error, size_t error_size);
+/* Reads the file again. On failure returns false with a sentence in `error`, and the old keys stay
+ * in use. Thread-safe. */
+bool server_access_reload(struct server_access *access, char error[SERVER_ERROR]);
 
 struct server_access_request {
     const char *authorization;    /* the header; NULL: none */
-    uint32_t authorization_count; /* of such headers */
+    uint32_t authorization_count; /* number of such headers */
     enum proto_access needed;
 };
 
-/* Fills in `*grant`, which the caller ends in any case: a refused key is in it too. False with
- * unauthorized, forbidden or rate_limited. With `access` NULL, and for public routes: true, and
- * nothing is granted. Thread-safe. */
+/* Fills in `*grant`, also if the key is refused; the caller always ends it. Returns false with
+ * unauthorized, forbidden or rate_limited. Returns true with an empty grant if `access` is NULL or
+ * the route public. Thread-safe. */
 bool server_access_admit(struct server_access *access, const struct server_access_request *request,
                          struct server_grant *grant, struct proto_problem *problem);
 
-/* The name of the key, for the log; NULL: none. */
+/* Returns the name of the key, for the log; NULL: none. */
 const char *server_grant_name(const struct server_grant *grant);
 
-/* The tenant of the request (kind.h), valid as long as the grant; "": none. */
+/* Returns the tenant of the request (kind.h), valid as long as the grant; "": none. */
 const char *server_grant_tenant(const struct server_grant *grant);
 
-/* Whether the grant may change what that key of its tenant has made. The role write may change all
- * of its tenant, other roles only what they made themselves. False with forbidden. */
+/* Returns whether the grant may change jobs, batches and fields that the given key of its tenant
+ * made. The role write may change those of all keys of its tenant, other roles only their own.
+ * False with forbidden. */
 bool server_grant_may_change(const struct server_grant *grant, const char *key,
                              struct proto_problem *problem);
 
-/* Whether the grant may see all tenants. Without keys everyone may. */
+/* Returns whether the grant may see all tenants; true without keys. */
 bool server_grant_is_operator(const struct server_grant *grant);
 
-/* Hands the request over to another exchange, which then is the concurrent one. Both are ended. */
+/* Copies the grant. Afterwards `to` instead of `from` counts as the concurrent request. The caller
+ * ends both. */
 void server_grant_pass(struct server_grant *from, struct server_grant *to);
 void server_grant_end(struct server_grant *grant);
 
-/* Appends requests and refusals by key, for Prometheus, of the keys of a tenant (NULL: of all).
- * `access` NULL is harmless. */
+/* Appends the requests and refusals of each key of a tenant (NULL: of all tenants) for Prometheus.
+ * `access` may be NULL. */
 void server_access_write(struct server_access *access, const char *tenant,
                          struct proto_writer *writer);
 
-/* From where a request may come. A web page can make its reader's browser send requests to
- * loopback, also under a name of its own that it points there (DNS rebinding). So without keys the
- * Host must be this machine's, and the page must be its own. Browsers don't send keys by
- * themselves: with keys any Host is accepted unless some are listed. Pages of the origins in
- * --cors-origin may use the daemon either way (CORS, Fetch standard, 3.2). */
-/* Headers; NULL where absent. */
+/* The guard checks where a request comes from. A web page can make a browser send requests to
+ * loopback, even under the page's own host name (DNS rebinding). So without keys the Host must name
+ * this machine, and the Origin the daemon itself. With keys any Host is accepted, unless
+ * --allowed-host lists some, because browsers never add a key by themselves. Pages of the origins
+ * in --cors-origin may always use the daemon (CORS, Fetch standard, 3.2).
+ *
+ * Headers; NULL where absent. */
 struct server_guard_request {
     const char *host, *origin, *fetch_site;
     bool is_http10; /* needs no Host */
 };
 
-/* Whether --cors-origin lists the origin. NULL: false. Thread-safe. */
+/* Returns whether --cors-origin lists the origin; false for NULL. Thread-safe. */
 bool server_guard_lists(const struct server_config *config, const char *origin);
 
-/* False with forbidden, or with invalid_request when HTTP/1.1 names no host. Thread-safe. */
+/* Checks Host and Origin. Returns false with forbidden, or with invalid_request if HTTP/1.1 names
+ * no host. Thread-safe. */
 bool server_guard_admit(const struct server_config *config,
                         const struct server_guard_request *request, struct proto_problem *problem);
 

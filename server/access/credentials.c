@@ -2,33 +2,20 @@
 #include "server/access/credentials.h"
 
 #include <errno.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
-#include <unistd.h>
 
 #include "server/base/disk.h"
 
 #define SECOND_NS     UINT64_C(1000000000)
 #define LINE_MOST     512
-#define SENTENCE_MOST 256
 #define BLANKS        " \t\r\n"
 #define DIGITS        "0123456789"
 #define NAME_BYTES    "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz" DIGITS "._-"
 #define DIGEST_PREFIX "sha256:"
 
 /* --- a line ----------------------------------------------------------------------------------- */
-
-__attribute__((format(printf, 2, 3))) static bool key_complain(char error[SENTENCE_MOST],
-                                                               const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(error, SENTENCE_MOST, format, arguments);
-    va_end(arguments);
-    return false;
-}
 
 bool server_credentials_is_name(const char *text)
 {
@@ -46,7 +33,7 @@ static bool time_parse(const char *text, int64_t *out)
         if (!end || *end) continue;
         struct tm given = utc;
         *out = timegm(&utc);
-        return utc.tm_mday == given.tm_mday && *out > 0; /* no 31st of February */
+        return utc.tm_mday == given.tm_mday && *out > 0; /* rejects days like 31 February */
     }
     return false;
 }
@@ -62,55 +49,56 @@ static bool role_parse(const char *text, enum server_role *out)
     return false;
 }
 
-bool server_credentials_set(struct server_credential *key, char *setting, char *error)
+bool server_credentials_set(struct server_credential *key, char *setting, char error[SERVER_ERROR])
 {
     char *value = strchr(setting, '=');
     if (!value)
-        return key_complain(
+        return server_refuse(
             error,
-            "'%s' is no setting; write role=, tenant=, expires=, rate= or concurrent=", setting);
+            "'%s' is not a setting; write role=, tenant=, expires=, rate= or concurrent=", setting);
     *value++ = '\0';
     if (strcmp(setting, "role") == 0)
         return role_parse(value, &key->role) ||
-               key_complain(error, "a role is read, write or operator");
+               server_refuse(error, "a role is read, write or operator");
     if (strcmp(setting, "tenant") == 0) {
         if (*value && !server_credentials_is_name(value))
-            return key_complain(error, "a tenant has the form of a name");
+            return server_refuse(
+                error, "a tenant has 1 to 64 letters, digits, '_', '-' and '.', as a name");
         strcpy(key->tenant, value);
         return true;
     }
     if (strcmp(setting, "expires") == 0)
         return time_parse(value, &key->expires) ||
-               key_complain(error, "'%s' is no time; write 2027-01-31 or 2027-01-31T12:00:00Z",
-                            value);
+               server_refuse(error, "'%s' is not a time; write 2027-01-31 or 2027-01-31T12:00:00Z",
+                             value);
     bool is_rate = strcmp(setting, "rate") == 0;
     if (!is_rate && strcmp(setting, "concurrent") != 0)
-        return key_complain(
+        return server_refuse(
             error, "there is no setting '%s'; write role, tenant, expires, rate or concurrent",
             setting);
     uint32_t number = strlen(value) < 10 ? (uint32_t)strtoul(value, NULL, 10) : 0;
     *(is_rate ? &key->limits.rate : &key->limits.concurrent) = number;
     return (number >= 1 && number <= SERVER_LIMITS_MOST && !value[strspn(value, DIGITS)]) ||
-           key_complain(error, "%s is a number of requests %s, 1 to %u", setting,
-                        is_rate ? "a second" : "at once", SERVER_LIMITS_MOST);
+           server_refuse(error, "%s is a number of requests %s, 1 to %u", setting,
+                         is_rate ? "a second" : "at once", SERVER_LIMITS_MOST);
 }
 
-/* A complaint never repeats a word that might be a key. */
-static bool key_read(char *line, struct server_credential *out, char error[SENTENCE_MOST])
+/* Parses a line. Messages never repeat a word of it, which might be a key. */
+static bool key_read(char *line, struct server_credential *out, char error[SERVER_ERROR])
 {
     char *rest, *name = strtok_r(line, BLANKS, &rest), *digest = strtok_r(NULL, BLANKS, &rest);
     const size_t prefix = strlen(DIGEST_PREFIX);
     if (!server_credentials_is_name(name))
-        return key_complain(
+        return server_refuse(
             error, "a name has 1 to %d letters, digits, '_' or, not at its start, '-' and '.'",
             SERVER_CREDENTIAL_NAME - 1);
     strcpy(out->name, name);
     strcpy(out->tenant, name);
     if (!digest || strncmp(digest, DIGEST_PREFIX, prefix) != 0 ||
         !server_sha256_check(digest + prefix) || digest[prefix + SERVER_SHA256_HEX - 1])
-        return key_complain(
+        return server_refuse(
             error,
-            "after the name stands sha256: with 64 hexadecimal digits, as geodesicd keygen prints");
+            "after the name write sha256: and 64 hexadecimal digits, as geodesicd keygen prints");
     strcpy(out->sha256, digest + prefix);
     for (char *word; (word = strtok_r(NULL, BLANKS, &rest));)
         if (!server_credentials_set(out, word, error)) return false;
@@ -127,26 +115,27 @@ static const struct server_credential *key_named(const struct server_credentials
     return NULL;
 }
 
-/* The quota is that of the name in the set before. */
+/* Adds a key, with the quota that its name had in the replaced set. */
 static bool key_add(struct server_credentials *keys, const struct server_credential *key,
-                    const struct server_credentials *before, char error[SENTENCE_MOST])
+                    const struct server_credentials *before, char error[SERVER_ERROR])
 {
     const struct server_credential *earlier = key_named(before, key->name);
     if (key_named(keys, key->name))
-        return key_complain(error, "the name '%s' stands twice", key->name);
+        return server_refuse(error, "the name '%s' stands twice; give each key its own name",
+                             key->name);
     for (uint32_t i = 0; i < keys->count; i++)
         if (strcmp(keys->keys[i].sha256, key->sha256) == 0)
-            return key_complain(error, "'%s' and '%s' are the same key", keys->keys[i].name,
-                                key->name);
+            return server_refuse(error, "'%s' and '%s' are the same key; remove one",
+                                 keys->keys[i].name, key->name);
     if (keys->count == SERVER_CREDENTIALS_MOST)
-        return key_complain(error, "there are more than %d keys", SERVER_CREDENTIALS_MOST);
+        return server_refuse(error, "there are more than %d keys", SERVER_CREDENTIALS_MOST);
     struct server_credential *more = reallocarray(keys->keys, keys->count + 1, sizeof *more);
     if (more) keys->keys = more;
     struct server_quota *quota =
         earlier ? server_quota_retain(earlier->quota) : server_quota_create();
     if (!quota || !more) {
         server_quota_release(quota);
-        return key_complain(error, "the system is out of memory");
+        return server_refuse(error, "the system is out of memory");
     }
     more[keys->count] = *key;
     more[keys->count++].quota = quota;
@@ -154,10 +143,10 @@ static bool key_add(struct server_credentials *keys, const struct server_credent
 }
 
 static bool line_read(FILE *file, char line[LINE_MOST], struct server_credentials *keys,
-                      const struct server_credentials *before, char error[SENTENCE_MOST])
+                      const struct server_credentials *before, char error[SERVER_ERROR])
 {
     struct server_credential key = {.role = SERVER_ROLE_READ};
-    if (!strchr(line, '\n') && !feof(file)) return key_complain(error, "the line is too long");
+    if (!strchr(line, '\n') && !feof(file)) return server_refuse(error, "the line is too long");
     line[strcspn(line, "#")] = '\0';
     return !line[strspn(line, BLANKS)] ||
            (key_read(line, &key, error) && key_add(keys, &key, before, error));
@@ -165,15 +154,16 @@ static bool line_read(FILE *file, char line[LINE_MOST], struct server_credential
 
 struct server_credentials *server_credentials_load(const char *path,
                                                    const struct server_credentials *before,
-                                                   char *error, size_t error_size)
+                                                   char error[SERVER_ERROR])
 {
     struct server_credentials *keys = calloc(1, sizeof *keys);
     FILE *file = keys ? server_disk_stream(path) : NULL;
-    char line[LINE_MOST], sentence[SENTENCE_MOST];
+    char line[LINE_MOST], sentence[SERVER_ERROR];
     unsigned number = 0;
     bool is_read = true;
     if (!file) {
-        snprintf(error, error_size, "the keys of '%s' can't be read: %s", path, server_disk_why());
+        snprintf(error, SERVER_ERROR, "the keys of '%s' can't be read: %s", path,
+                 server_disk_why());
         free(keys);
         return NULL;
     }
@@ -183,12 +173,12 @@ struct server_credentials *server_credentials_load(const char *path,
         is_read = line_read(file, line, keys, before, sentence);
     }
     if (is_read && ferror(file))
-        is_read = key_complain(sentence, "it can't be read: %s", strerror(errno));
+        is_read = server_refuse(sentence, "it can't be read: %s", strerror(errno));
     if (is_read && keys->count == 0)
-        is_read = key_complain(sentence, "the file holds no key; geodesicd keygen makes one");
+        is_read = server_refuse(sentence, "the file holds no key; geodesicd keygen makes one");
     fclose(file);
     if (is_read) return keys;
-    snprintf(error, error_size, "%s:%u: %s", path, number, sentence);
+    (void)server_refuse(error, "%s:%u: %.256s", path, number, sentence);
     server_credentials_release(keys);
     return NULL;
 }
@@ -209,7 +199,7 @@ void server_credentials_release(struct server_credentials *keys)
     free(keys);
 }
 
-/* Compares all bytes, whatever the first difference. */
+/* Compares in constant time, wherever the texts differ. */
 static bool digests_match(const char a[SERVER_SHA256_HEX], const char b[SERVER_SHA256_HEX])
 {
     volatile unsigned char difference = 0;
@@ -228,7 +218,7 @@ const struct server_credential *server_credentials_find(const struct server_cred
     return found;
 }
 
-/* --- quotas ------------------------------------------------------------------------------------ */
+/* --- quotas ----------------------------------------------------------------------------------- */
 
 struct server_quota *server_quota_create(void)
 {
@@ -257,7 +247,7 @@ static bool place_take(struct server_quota *quota, uint32_t most)
     return true;
 }
 
-/* The bucket has the token again an interval later. */
+/* Takes a token from the bucket. Returns false, with the time to wait, if it is empty. */
 static bool token_take(struct server_quota *quota, uint32_t rate, uint64_t now_ns,
                        uint64_t *wait_ns)
 {

@@ -20,6 +20,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
+#include "server/base/error.h"
 #include "server/base/sha256.h"
 
 #define SERVER_CREDENTIAL_NAME   65     /* with the NUL */
@@ -34,8 +35,8 @@ struct server_limits { /* 0: no limit */
 
 enum server_quota_outcome { SERVER_QUOTA_ENTERED, SERVER_QUOTA_RATE, SERVER_QUOTA_CONCURRENT };
 
-/* How much of its limits a key has used. Reference-counted: running requests keep it after its key
- * is gone.
+/* How much of its limits a key has used. Reference-counted: a running request keeps it after its
+ * key is removed.
  *
  * A rate of r a second is a bucket of r tokens that fills at that rate: GCRA, stored as the time at
  * which the bucket is full again, so that a request is one compare-and-swap. (ATM Forum, Traffic
@@ -43,25 +44,25 @@ enum server_quota_outcome { SERVER_QUOTA_ENTERED, SERVER_QUOTA_RATE, SERVER_QUOT
 struct server_quota {
     atomic_uint references;
     atomic_uint_least64_t entered;     /* running requests */
-    atomic_uint_least64_t full_ns;     /* when the bucket is full again */
+    atomic_uint_least64_t full_ns;     /* time at which the bucket is full again */
     atomic_uint_least64_t requests;    /* since the start, refused ones included */
     atomic_uint_least64_t refusals[3]; /* by enum server_quota_outcome */
-    atomic_uint_least64_t forbidden;   /* by the role */
+    atomic_uint_least64_t forbidden;   /* requests refused because of the role */
 };
 
-/* One reference; NULL without memory. */
+/* Creates a quota with one reference; NULL: out of memory. */
 struct server_quota *server_quota_create(void);
 struct server_quota *server_quota_retain(struct server_quota *quota);
 void server_quota_release(struct server_quota *quota); /* NULL is harmless */
 
-/* Counts a request at `now_ns`. A request that entered must leave. A refused one gets `*wait_ns`,
- * how long to wait, or 0 where that is unknown. Thread-safe. */
+/* Counts a request at `now_ns`. An admitted request must leave. For a refused one sets `*wait_ns`:
+ * how long to wait, or 0 if unknown. Thread-safe. */
 enum server_quota_outcome server_quota_enter(struct server_quota *quota,
                                              const struct server_limits *limits, uint64_t now_ns,
                                              uint64_t *wait_ns);
 void server_quota_leave(struct server_quota *quota);
 
-/* An operator reads, and sees the metrics of all tenants. */
+/* An operator may read, and sees the metrics of all tenants. */
 enum server_role { SERVER_ROLE_READ, SERVER_ROLE_WRITE, SERVER_ROLE_OPERATOR };
 
 struct server_credential {
@@ -80,29 +81,29 @@ struct server_credentials {
     struct server_credential *keys;
 };
 
-/* Reads the file. `before`: the set that the new one replaces, or NULL. Returns one reference, or
- * NULL with a sentence in `error` that names the line: unreadable, without a key, malformed, or
- * with a name or key twice. */
+/* Reads the file. `before`: the set that the new one replaces, or NULL. Returns one reference. On
+ * failure (unreadable, no key, malformed, or a repeated name or key) returns NULL with a sentence
+ * in `error` that names the line. */
 struct server_credentials *server_credentials_load(const char *path,
                                                    const struct server_credentials *before,
-                                                   char *error, size_t error_size);
+                                                   char error[SERVER_ERROR]);
 struct server_credentials *server_credentials_retain(struct server_credentials *keys);
 void server_credentials_release(struct server_credentials *keys); /* NULL is harmless */
 
-/* The key of that text, owned by the set, or NULL. Takes as long for any text. */
+/* Returns the key with that text, owned by the set, or NULL. The time does not depend on the
+ * text. */
 const struct server_credential *server_credentials_find(const struct server_credentials *keys,
                                                         const char *text, size_t size);
 
-/* Parses a setting of a line, "role=write", in place. False with a sentence in `error`, of 256 bytes
- * at most. */
-bool server_credentials_set(struct server_credential *key, char *setting, char *error);
+/* Parses a setting of a line, "role=write", in place. False with a sentence in `error`. */
+bool server_credentials_set(struct server_credential *key, char *setting, char error[SERVER_ERROR]);
 
-/* Whether the text has the form of a name. */
+/* Returns whether the text has the form of a name. */
 bool server_credentials_is_name(const char *text);
 
-/* keygen.c: `geodesicd keygen`; `argv` begins with the name of the key. Prints the key to `out`,
- * then the line for the file of --keys, and an explanation to `error`, so that a script reads two
- * lines. False: a sentence was printed to `error`. */
+/* keygen.c: runs `geodesicd keygen`; `argv` begins with the name of the key. Prints the key and
+ * then its line for the file of --keys to `out`, and an explanation to `error`, so that a script
+ * reads two lines. Returns false after printing a sentence to `error`. */
 bool server_keygen(int argc, char *const argv[], FILE *out, FILE *error);
 
 #endif

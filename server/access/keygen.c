@@ -6,7 +6,7 @@
 #include <sys/random.h>
 #include <time.h>
 
-#define KEY_DIGITS   43 /* of 6 bits: more than 256 */
+#define KEY_DIGITS   43 /* 6 bits each: 258 bits */
 #define DAY_S        86400
 #define DAYS_MOST    36500
 #define SETTING_MOST 128 /* bytes of "expires=…" */
@@ -21,7 +21,8 @@ static bool keygen_complain(FILE *error, const char *sentence)
     return false;
 }
 
-/* Writes "--role write" as "role=write", and 90 days as the time when they end. */
+/* Writes a flag as a setting: "--role write" as "role=write", and an expiry of "90d" as the time
+ * when the days end. */
 static bool setting_write(char *const pair[2], char out[SETTING_MOST])
 {
     char *end = "";
@@ -37,12 +38,12 @@ static bool setting_write(char *const pair[2], char out[SETTING_MOST])
 static bool settings_write(int argc, char *const argv[], FILE *line, FILE *error)
 {
     struct server_credential key = {.role = SERVER_ROLE_READ};
-    char setting[SETTING_MOST], sentence[256];
+    char setting[SETTING_MOST], sentence[SERVER_ERROR];
     bool has_role = false;
     for (int at = 0; at < argc; at += 2) {
         has_role |= strcmp(argv[at], "--role") == 0;
         if (strncmp(argv[at], "--", 2) != 0 || at + 1 == argc || !setting_write(argv + at, setting))
-            return keygen_complain(error, "behind the name stand flags, each with a value");
+            return keygen_complain(error, "after the name write flags, each with a value");
         fprintf(line, " %s", setting);
         if (!server_credentials_set(&key, setting, sentence))
             return keygen_complain(error, sentence);
@@ -63,7 +64,7 @@ bool server_keygen(int argc, char *const argv[], FILE *out, FILE *error)
             error,
             "a key has a name of 1 to 64 letters, digits, '_' or, not at its start, '-' and '.'");
     if (getrandom(bytes, sizeof bytes, 0) != sizeof bytes)
-        return keygen_complain(error, "the system gives no random numbers");
+        return keygen_complain(error, "the system has no random numbers; try again");
     strcpy(key, SERVER_CREDENTIAL_PREFIX);
     for (int i = 0; i < KEY_DIGITS; i++) key[strlen(key)] = digits[bytes[i] & 63];
     server_sha256(key, strlen(key), sha256);

@@ -39,8 +39,8 @@
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
 
 /* --- Landlock: files and ports ---------------------------------------------------------------- */
-/* Linux, Documentation/userspace-api/landlock.rst. Headers of Linux 6.1 lack what is defined
- * here. */
+/* Linux, Documentation/userspace-api/landlock.rst. The headers of Linux 6.1 lack these
+ * constants. */
 
 #define FS_TRUNCATE (UINT64_C(1) << 14) /* since version 3 of the interface */
 #define FS_ALL_OF_2 ((UINT64_C(1) << 14) - 1)
@@ -58,7 +58,7 @@
 
 struct ruleset {
     int descriptor;
-    struct handled { /* what is forbidden unless a rule allows it, as the kernel takes it */
+    struct handled { /* actions that need a rule, in the kernel's layout */
         uint64_t files, ports, scopes;
     } handled;
 };
@@ -85,7 +85,7 @@ static bool ruleset_allow_folder_of(const struct ruleset *ruleset, const char *f
     return ruleset_allow_path(ruleset, dirname(path), O_DIRECTORY, rights);
 }
 
-/* The folder of the file's name and, if the name is a link, that of the file. */
+/* Allows the folder of the file and, if the file is a symbolic link, the folder of its target. */
 static bool ruleset_allow_rereading(const struct ruleset *ruleset, const char *file)
 {
     char *real = realpath(file, NULL);
@@ -95,7 +95,7 @@ static bool ruleset_allow_rereading(const struct ruleset *ruleset, const char *f
     return is_allowed;
 }
 
-/* A file that is absent needs no rule. */
+/* Allows a file to be read. An absent file needs no rule. */
 static void ruleset_allow_file(void *user, const char *file)
 {
     (void)ruleset_allow_path(user, file, 0, LANDLOCK_ACCESS_FS_READ_FILE);
@@ -110,7 +110,7 @@ static bool ruleset_allow_port(void *user, uint16_t port)
     return syscall(SYS_landlock_add_rule, ruleset->descriptor, RULE_PORT, &rule, 0) == 0;
 }
 
-/* A connection may be made at any time: its ports, libpq's files, and the files by which libc
+/* Allows later connections to the database: its ports, libpq's files, and the files by which libc
  * resolves hosts and users. */
 static bool ruleset_allow_database(struct ruleset *ruleset,
                                    const struct server_sandbox_needs *needs, bool has_ports)
@@ -148,7 +148,7 @@ static const char *landlock_enter(const struct server_sandbox_needs *needs)
     long version = syscall(SYS_landlock_create_ruleset, NULL, 0, LANDLOCK_CREATE_RULESET_VERSION);
     if (version < 0) return "this kernel has no Landlock, or it is not enabled";
     if (version < 2)
-        return "this kernel's Landlock forbids renames from folder to folder: it wants Linux 5.19";
+        return "this kernel's Landlock forbids renames from folder to folder: Linux 5.19 is needed";
     size_t size = version >= 6   ? sizeof ruleset.handled
                   : version >= 4 ? offsetof(struct handled, scopes)
                                  : offsetof(struct handled, ports);
@@ -159,7 +159,7 @@ static const char *landlock_enter(const struct server_sandbox_needs *needs)
     if (ruleset.descriptor < 0) return strerror(errno);
     const char *missing = NULL;
     if (!ruleset_allow(&ruleset, needs, version >= 4))
-        missing = "a file or folder that the daemon needs is not there";
+        missing = "a file or folder that the daemon needs is missing";
     else if (syscall(SYS_landlock_restrict_self, ruleset.descriptor, 0) != 0)
         missing = strerror(errno);
     close(ruleset.descriptor);
@@ -189,16 +189,16 @@ static const char *const allowed_calls[] = {
     "getrandom getpid gettid getuid geteuid getgid getegid getrlimit getrusage sysinfo uname",
     NULL};
 
-/* Calls that only an attacker makes: programs and other processes; file systems and namespaces; the
- * kernel. */
+/* Calls that only an attacker makes; they concern programs and other processes, file systems and
+ * namespaces, or the kernel. */
 static const char *const fatal_calls[] = {
     "execve execveat ptrace process_vm_readv process_vm_writev",
     "mount umount2 pivot_root chroot unshare setns",
     "init_module finit_module delete_module kexec_load bpf keyctl perf_event_open userfaultfd",
     "reboot", NULL};
 
-/* A call that is allowed if all its conditions hold. The filter runs for these calls; none of them
- * is made by an answer that comes from memory, without a database. */
+/* A call that is allowed if all its conditions hold. The filter runs only for these calls. Without
+ * a database, no request answered from memory makes one. */
 struct rule {
     int call;
     enum { ALWAYS, ALONE, CONNECTING } when; /* without a database, with one */
@@ -232,15 +232,15 @@ static const struct rule rules[] = {
     /* without a database no socket can connect */
     {SCMP_SYS(sendto), ALONE, 0, {{0}}},
     {SCMP_SYS(sendmsg), ALONE, 0, {{0}}},
-    /* to connect, and to resolve the names of its hosts; a send must not connect, because Landlock
-     * does not see it */
+    /* needed to connect and to resolve host names; a send must not connect (TCP Fast Open), because
+     * Landlock does not see that */
     {SCMP_SYS(sendto), CONNECTING, 1, {{3, WITHOUT, MSG_FASTOPEN, 0}}},
     {SCMP_SYS(sendmsg), CONNECTING, 1, {{2, WITHOUT, MSG_FASTOPEN, 0}}},
     {SCMP_SYS(sendmmsg), CONNECTING, 1, {{3, WITHOUT, MSG_FASTOPEN, 0}}},
     {SCMP_SYS(socket), CONNECTING, 1, {{0, EQUAL, AF_UNIX, 0}}},
     {SCMP_SYS(socket), CONNECTING, 1, {{0, EQUAL, AF_INET, 0}}},
     {SCMP_SYS(socket), CONNECTING, 1, {{0, EQUAL, AF_INET6, 0}}},
-    {SCMP_SYS(ioctl), CONNECTING, 1, {{1, EQUAL, FIONREAD, 0}}}, /* what a name server has sent */
+    {SCMP_SYS(ioctl), CONNECTING, 1, {{1, EQUAL, FIONREAD, 0}}}, /* size of a DNS answer */
     {SCMP_SYS(connect), CONNECTING, 0, {{0}}},
 };
 
@@ -265,7 +265,7 @@ static int filter_load(scmp_filter_ctx filter, bool connects)
         enum scmp_filter_attr name;
         uint32_t value;
     } attributes[] = {{SCMP_FLTATR_ACT_BADARCH, SCMP_ACT_KILL_PROCESS},
-                      {SCMP_FLTATR_CTL_NNP, 0}, /* it is set */
+                      {SCMP_FLTATR_CTL_NNP, 0}, /* no_new_privs is already set */
                       {SCMP_FLTATR_CTL_TSYNC, 1},
                       {SCMP_FLTATR_CTL_OPTIMIZE, 2}}; /* a binary tree */
     const struct scmp_arg_cmp own_signals = {0, EQUAL, (uint64_t)getpid(), 0};
@@ -285,8 +285,9 @@ static int filter_load(scmp_filter_ctx filter, bool connects)
 
 /* --- the two steps ---------------------------------------------------------------------------- */
 
-/* Without CAP_SYS_NICE this limit lets a thread raise its priority. Where the limit can't be raised
- * (CAP_SYS_RESOURCE), all threads inherit the priority, and workers lower theirs. */
+/* Keeps the right to raise a thread's priority by RLIMIT_NICE, which works without CAP_SYS_NICE. If
+ * the limit can't be raised (CAP_SYS_RESOURCE), all threads inherit the higher priority, and
+ * workers lower theirs. */
 static void keep_priorities(void)
 {
     const rlim_t most = 20 - SERVER_HTTP_NICE;
@@ -304,7 +305,7 @@ static const char *drop_capabilities(void)
     if (syscall(SYS_capget, &header, held) == 0 && memcmp(held, none, sizeof none) == 0)
         return NULL;
     for (unsigned capability = 0; prctl(PR_CAPBSET_READ, capability, 0, 0, 0) >= 0; capability++)
-        (void)prctl(PR_CAPBSET_DROP, capability, 0, 0, 0); /* takes CAP_SETPCAP */
+        (void)prctl(PR_CAPBSET_DROP, capability, 0, 0, 0); /* needs CAP_SETPCAP */
     (void)prctl(PR_CAP_AMBIENT, PR_CAP_AMBIENT_CLEAR_ALL, 0, 0, 0);
     return syscall(SYS_capset, &header, none) == 0 ? NULL : strerror(errno);
 }

@@ -1,5 +1,5 @@
-/* Sandbox: limits what an attacker can do who took the daemon over. The daemon gives up, for good
- * and in all its threads, each right that it does not need. It needs no privilege for that.
+/* Sandbox: limits the harm of an attacker who controls the daemon. The daemon permanently drops, in
+ * all its threads, each right that it does not need. Dropping rights needs no privilege.
  *
  * DESIGN. Two steps, because the daemon needs more rights until it listens.
  *
@@ -11,15 +11,16 @@
  *   - the folders of files that SIGHUP reads again, and of the files that links lead to: reading;
  *   - the folder of a unix socket: making and removing sockets;
  *   - TCP (Linux 6.7): no further port, and connections only to the ports of a database;
- *   - files of a database (certificates, passwords, what resolves names): reading;
+ *   - files of a database (certificates, passwords, the files that resolve names): reading;
  *   - signals and abstract sockets (Linux 6.12): none to other processes.
  *
  * server_sandbox_seal runs once the daemon listens. Seccomp allows the system calls of a running
- * daemon, some with some arguments only. Other calls fail with ENOSYS, so that a library falls back
- * from a call that is newer. Calls that only an attacker makes (exec, ptrace, mount, modules) end
- * the process. Impossible are: a new thread, process or (without a database) socket; executable
- * memory; a setuid bit; a change of a file's mode, owner or times; a signal, priority or limit for
- * another process. The filter can't see paths: stat(2) still finds out whether a file exists. */
+ * daemon, some of them with certain arguments only. Other calls fail with ENOSYS, so that a library
+ * falls back from a newer call. Calls that only an attacker makes (exec, ptrace, mount, modules)
+ * end the process. The daemon then can't create a thread, a process or (without a database) a
+ * socket; map executable memory; set a setuid bit; change a file's mode, owner or times; or change
+ * signals, priority or limits of another process. The filter can't see paths: stat(2) still shows
+ * whether a file exists. */
 #ifndef SERVER_ACCESS_SANDBOX_H
 #define SERVER_ACCESS_SANDBOX_H
 
@@ -31,7 +32,7 @@
 /* The rights that the daemon keeps. NULL and "": none. */
 struct server_sandbox_needs {
     const char *folder;                   /* read and written; must exist */
-    const char *files[3];                 /* read again later; must exist */
+    const char *files[3];                 /* SIGHUP rereads them; must exist */
     const struct server_address *address; /* where the daemon will listen */
     const char *database;                 /* address of a PostgreSQL database */
     /* Enumerate the ports and the files that a connection to the database uses. False: error. */
@@ -40,15 +41,16 @@ struct server_sandbox_needs {
                       void *user);
 };
 
-/* Each member that is not NULL says, in a static sentence, why that part is off. */
+/* State of the sandbox. Each string that is not NULL is a static sentence that says why that part
+ * is off. */
 struct server_sandbox {
     bool is_wanted; /* false: nothing is on */
-    bool connects;  /* to a database, at any time */
+    bool connects;  /* the daemon may connect to a database at any time */
     const char *new_privileges, *capabilities, *landlock, *seccomp;
 };
 
-/* The first step. `needs` NULL: no sandbox. A build with AddressSanitizer or ThreadSanitizer, which
- * read /proc, has none either. */
+/* The first step. `needs` NULL: no sandbox. Builds with AddressSanitizer or ThreadSanitizer, which
+ * read /proc, also have none. */
 struct server_sandbox server_sandbox_enter(const struct server_sandbox_needs *needs);
 
 /* The second step. Logs which parts are on, and why others are off. */

@@ -16,7 +16,7 @@
 #define FILE_MODE   0600
 #define WRITE_MOST  ((size_t)1 << 30)
 
-/* The outcome of a failed operation that changed nothing. */
+/* Returns the outcome that errno means, for an operation that changed nothing. */
 static enum server_store_outcome errno_outcome(void)
 {
     if (errno == ENOENT) return SERVER_STORE_ABSENT;
@@ -24,7 +24,7 @@ static enum server_store_outcome errno_outcome(void)
     return errno == ENOMEM ? SERVER_STORE_NO_MEMORY : SERVER_STORE_REFUSED;
 }
 
-/* Closes and keeps errno. */
+/* Closes the file and preserves errno. */
 static void close_quietly(int file)
 {
     int kept = errno;
@@ -44,8 +44,8 @@ static int folder_open(const char *folder)
     return open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
 }
 
-/* Opens the folder of a file before something in it changes: without a descriptor nothing has
- * changed. */
+/* Opens the folder of a file. Callers open it before they change the folder, so that nothing has
+ * changed if this fails. */
 static int parent_open(const char *path)
 {
     char text[SERVER_DISK_PATH];
@@ -53,7 +53,7 @@ static int parent_open(const char *path)
     return folder_open(dirname(text));
 }
 
-/* Makes a change in the folder durable, unless it has failed, and closes the folder. */
+/* Closes the folder. Makes the change in it durable first, if `outcome` is DONE. */
 static enum server_store_outcome parent_close(int parent, enum server_store_outcome outcome)
 {
     if (!outcome) return sync_and_close(parent);
@@ -93,7 +93,7 @@ enum server_store_outcome server_disk_remove(const char *path)
 
 /* --- writing ---------------------------------------------------------------------------------- */
 
-static enum server_store_outcome file_write(int file, const char *bytes, size_t size)
+static enum server_store_outcome descriptor_write(int file, const char *bytes, size_t size)
 {
     while (size) {
         ssize_t written = write(file, bytes, size < WRITE_MOST ? size : WRITE_MOST);
@@ -111,7 +111,7 @@ static enum server_store_outcome file_create(const char *path, const void *bytes
 {
     int file = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, FILE_MODE);
     if (file < 0) return errno == ENOENT ? SERVER_STORE_REFUSED : errno_outcome();
-    enum server_store_outcome outcome = file_write(file, bytes, size);
+    enum server_store_outcome outcome = descriptor_write(file, bytes, size);
     int why = errno;
     close(file);
     if (outcome) unlink(path);
@@ -154,7 +154,7 @@ enum server_store_outcome server_disk_link(const char *path, const char *second)
 
 /* --- reading ---------------------------------------------------------------------------------- */
 
-#define IRREGULAR ENOTSUP /* errno of a file that is not regular */
+#define IRREGULAR ENOTSUP /* errno for a file that is not regular */
 
 static int file_open(const char *path, size_t *size)
 {
@@ -180,7 +180,7 @@ FILE *server_disk_stream(const char *path)
 
 const char *server_disk_why(void)
 {
-    return errno == IRREGULAR ? "it is no regular file" : strerror(errno);
+    return errno == IRREGULAR ? "it is not a regular file" : strerror(errno);
 }
 
 enum server_store_outcome server_disk_sync_file(const char *path)
@@ -200,11 +200,13 @@ enum server_store_outcome server_disk_read(const char *path, void **bytes, size_
         while ((got = read(file, buffer + at, *size - at)) < 0 && errno == EINTR) continue;
     close_quietly(file);
     if (!buffer) return SERVER_STORE_NO_MEMORY;
+    if (got <= 0) {
+        free(buffer);
+        return SERVER_STORE_REFUSED;
+    }
     buffer[*size] = '\0';
     *bytes = buffer;
-    if (got > 0) return SERVER_STORE_DONE;
-    free(buffer);
-    return SERVER_STORE_REFUSED;
+    return SERVER_STORE_DONE;
 }
 
 #define PIECE ((size_t)256 << 10)
@@ -219,8 +221,8 @@ server_disk_scan(const char *path, bool (*visit)(void *user, const void *bytes, 
     char *piece = malloc(PIECE);
     enum server_store_outcome outcome = piece ? SERVER_STORE_DONE : SERVER_STORE_NO_MEMORY;
     for (off_t at = 0; piece;) {
-        /* the page cache hides the disk's state, and a file that is only checked has no place in
-         * it; 0: all of the file */
+        /* The page cache hides damage of the disk: drops the pages that were read, and at first all
+         * pages of the file. */
         (void)posix_fadvise(file, 0, at, POSIX_FADV_DONTNEED);
         ssize_t got = read(file, piece, PIECE);
         if (got < 0 && errno == EINTR) continue;

@@ -9,7 +9,7 @@
 #define GZIP_WINDOW 31 /* the largest window, with a gzip header */
 #define GZIP_MEMORY 8
 #define PIECE       16384
-#define FREE_BYTES  (UINT64_C(1) << 20) /* without a ratio: text of few numbers packs well */
+#define FREE_BYTES  (UINT64_C(1) << 20) /* output bytes before the ratio is checked */
 
 static bool deflate_begin(z_stream *stream)
 {
@@ -47,10 +47,10 @@ void server_packer_write(struct server_packer *packer, const char *text, size_t 
         stream->avail_in = size < UINT_MAX ? (uInt)size : UINT_MAX;
         text += stream->avail_in;
         size -= stream->avail_in;
-        do { /* deflate has written all when it leaves room */
+        do { /* until deflate leaves room in the block, that is, has written everything */
             stream->next_out = block;
             stream->avail_out = sizeof block;
-            /* fails only at wrong arguments, or if there is nothing to do */
+            /* can fail only for wrong arguments, or without input */
             (void)deflate(stream, size ? Z_NO_FLUSH : is_last ? Z_FINISH : Z_SYNC_FLUSH);
             proto_append(out, (const char *)block, sizeof block - stream->avail_out);
         } while (stream->avail_out == 0 && !out->failure);
@@ -94,7 +94,7 @@ void server_inflater_destroy(struct server_inflater *inflater)
     free(inflater);
 }
 
-/* One step of zlib, with its output in `piece`. */
+/* Runs one step of zlib, with its output in `piece`. */
 static enum server_inflate_outcome inflater_step(struct server_inflater *inflater,
                                                  unsigned char piece[PIECE], size_t *size)
 {
@@ -127,7 +127,7 @@ enum server_inflate_outcome server_inflate(struct server_inflater *inflater, con
     inflater->stream.next_in = (Bytef *)bytes;
     inflater->stream.avail_in = (uInt)size;
     while (inflater->stream.avail_in ||
-           (unpacked == PIECE && !inflater->is_whole)) { /* a full piece: there may be more */
+           (unpacked == PIECE && !inflater->is_whole)) { /* a full piece: more output may follow */
         enum server_inflate_outcome outcome = inflater_step(inflater, piece, &unpacked);
         if (outcome != SERVER_INFLATE_OK) return outcome;
         if (unpacked && !take(user, piece, unpacked)) return SERVER_INFLATE_STOPPED;

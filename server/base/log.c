@@ -17,12 +17,12 @@
 #include "server/base/thread.h"
 
 #define LINE_ROOM     (SERVER_LOG_LINE - 2) /* a brace and a newline end the line */
-#define TEXT_LIMIT    512                   /* of a text member */
-#define GATHER_NS     10000000              /* a line waits so long for others */
-#define GATHERED_MOST (1 << 20)             /* bytes of waiting lines; as many are being written */
-#define GATHERED_DUE  (32 << 10)            /* bytes that are written at once: they fit a cache */
-#define NOTE_ROOM     256                   /* for the line `log_dropped` */
-#define DIRECT_MS     100                   /* that a caller waits without the thread */
+#define TEXT_LIMIT    512                   /* most bytes of a text member */
+#define GATHER_NS     10000000              /* longest time that a line waits for others */
+#define GATHERED_MOST (1 << 20)  /* bytes of waiting lines; up to as many more are being written */
+#define GATHERED_DUE  (32 << 10) /* bytes that wake the thread: they fit in a cache */
+#define NOTE_ROOM     256        /* room kept for the line `log_dropped` */
+#define DIRECT_MS     100        /* longest wait of a caller that writes its own line */
 #define LAST_LINES_NS UINT64_C(1000000000)
 #define CRASH_MS      200
 
@@ -37,7 +37,7 @@ void server_log_set_level(enum server_log_level level)
     threshold = level;
 }
 
-/* Appends all of the texts, up to NULL, or nothing. */
+/* Appends the texts, up to a NULL; none of them if the line has no room for all. */
 static void line_append(struct server_log_line *line, ...)
 {
     size_t end = line->size;
@@ -54,7 +54,7 @@ static void line_append(struct server_log_line *line, ...)
     if (!text) line->size = end;
 }
 
-/* "2026-01-31T12:34:56"; each thread formats a second once. */
+/* Returns "2026-01-31T12:34:56". Each thread formats it at most once a second. */
 static const char *second_text(time_t second)
 {
     static _Thread_local time_t known = -1;
@@ -121,8 +121,8 @@ void server_log_milliseconds(struct server_log_line *line, const char *key, uint
 }
 
 /* --- output ----------------------------------------------------------------------------------- */
-/* Lines gather in one text while the thread writes the other one. Only the thread ever waits for
- * the reader of standard error, which may be a pipe that nobody reads. */
+/* Two buffers: callers append lines to one while the thread writes the other. Only the thread
+ * blocks when standard error is a full pipe. */
 
 struct text {
     size_t size;
@@ -132,11 +132,11 @@ struct text {
 static struct {
     pthread_mutex_t lock;
     struct server_thread *thread; /* NULL: not started, or stopping */
-    bool is_gathering;            /* lines are for the thread, or for its last run */
+    bool is_gathering;            /* lines are buffered for the thread, or for the stop */
     bool is_urgent;               /* `gathering` is to be written at once */
-    bool is_full;                 /* `gathering` takes no line any more: one note counts them */
+    bool is_full;                 /* `gathering` is full: later lines are dropped and counted */
     struct text *gathering, *other;
-    uint64_t noted;        /* lines of `dropped` that notes have counted */
+    uint64_t noted;        /* dropped lines that the log has reported */
     atomic_bool is_behind; /* a line is not written yet */
     atomic_uint_least64_t dropped;
     struct text texts[2];
@@ -148,7 +148,8 @@ uint64_t server_log_dropped(void)
     return atomic_load_explicit(&output.dropped, memory_order_relaxed);
 }
 
-/* Waits until standard error takes bytes. False: it took none for so long (negative: forever). */
+/* Waits until standard error has room; a negative time means no limit. Returns false on a timeout
+ * or an error. */
 static bool stderr_wait(int milliseconds)
 {
     struct pollfd state = {.fd = STDERR_FILENO, .events = POLLOUT};
@@ -157,7 +158,7 @@ static bool stderr_wait(int milliseconds)
 }
 
 /* Writes `most` bytes at a time. Stops at an error, and after `patience_ms` without room (negative:
- * never). Counts the lines that it leaves: there is nowhere to report them. */
+ * no limit). Counts the lines that remain as dropped. */
 static void stderr_write(const char *bytes, size_t size, size_t most, int patience_ms)
 {
     while (size) {
@@ -190,8 +191,8 @@ static void line_close(struct server_log_line *line)
     line->size += 2;
 }
 
-/* Under the lock: returns the gathered text, for the caller to write, and starts the other one. A
- * note follows the text where lines were dropped. */
+/* Exchanges the buffers under the lock, and returns the gathered text for the caller to write.
+ * Appends the line `log_dropped` if lines were dropped. */
 static struct text *texts_swap(void)
 {
     struct text *full = output.gathering;
@@ -235,7 +236,8 @@ static void write_lines(void *user, struct server_thread *thread)
     }
 }
 
-/* Under the lock. The first line of a text, and a line that makes it due, wake the thread. */
+/* Appends a line under the lock. Wakes the thread at the first line of a text and at the line that
+ * makes it urgent. */
 static void line_gather(const struct server_log_line *line, bool is_urgent)
 {
     struct text *text = output.gathering;
@@ -254,12 +256,11 @@ static void line_gather(const struct server_log_line *line, bool is_urgent)
 static void line_end(struct server_log_line *line, bool is_urgent)
 {
     line_close(line);
-    pthread_mutex_lock(&output.lock);
+    SERVER_LOCK(&output.lock);
     if (output.is_gathering)
         line_gather(line, is_urgent);
     else
         stderr_write(line->text, line->size, PIPE_BUF, DIRECT_MS);
-    pthread_mutex_unlock(&output.lock);
 }
 
 void server_log_end(struct server_log_line *line)
@@ -290,10 +291,9 @@ void server_log_message(enum server_log_level level, const char *event, const ch
 bool server_log_start(void)
 {
     struct server_thread *thread = server_thread_start(write_lines, NULL);
-    pthread_mutex_lock(&output.lock);
+    SERVER_LOCK(&output.lock);
     output.thread = thread;
     output.is_gathering = thread != NULL;
-    pthread_mutex_unlock(&output.lock);
     return thread != NULL;
 }
 
@@ -303,10 +303,10 @@ void server_log_stop(void)
     struct server_thread *thread = output.thread;
     output.thread = NULL;
     pthread_mutex_unlock(&output.lock);
-    /* else it waits for a reader still: it is left behind, and lines gather for nobody */
+    /* after a timeout the thread, blocked on a reader, is abandoned, and later lines are lost */
     if (!thread || !server_thread_stop_within(thread, LAST_LINES_NS)) return;
     pthread_mutex_lock(&output.lock);
-    struct text *text = texts_swap(); /* lines that came meanwhile */
+    struct text *text = texts_swap(); /* lines since the thread's last write */
     stderr_write(text->bytes, text->size, PIPE_BUF, DIRECT_MS);
     text->size = 0;
     output.is_gathering = false;
@@ -318,7 +318,7 @@ void server_log_stop(void)
 static const int crashes[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
 static struct sigaction earlier[sizeof crashes / sizeof *crashes];
 
-/* Lets the thread write for a moment, then lets the earlier action take place.
+/* Waits a moment for the log's thread, then restores the earlier action, which ends the process.
  * Async-signal-safe. */
 static void on_crash(int number, siginfo_t *info, void *context)
 {
@@ -328,7 +328,7 @@ static void on_crash(int number, siginfo_t *info, void *context)
         if (crashes[i] == number) sigaction(number, &earlier[i], NULL);
     for (int i = 0; i < CRASH_MS && atomic_load(&output.is_behind); i++) poll(NULL, 0, 1);
     errno = saved;
-    /* a signal that was sent; otherwise the instruction runs, and fails, again */
+    /* si_code <= 0: sent by a process; a fault recurs by itself when the instruction runs again */
     if (info->si_code <= 0) raise(number);
 }
 

@@ -1,4 +1,4 @@
-/* Log: one JSON object a line on standard error.
+/* Log: one JSON object per line on standard error.
  *
  *     struct server_log_line line;
  *     if (server_log_begin(&line, SERVER_LOG_INFO, "listening")) {
@@ -7,7 +7,7 @@
  *     }
  *
  * A line is built in the caller's frame and written whole: lines of different threads don't mix.
- * Text is escaped and cut, so that each line is valid JSON. Thread-safe.
+ * Text is escaped and truncated so that each line is valid JSON. Thread-safe.
  *
  * DESIGN. Once started, the log never blocks and never fails a caller. Lines are copied, in order,
  * into a bounded buffer, and a thread writes them. If standard error is read too slowly, lines are
@@ -35,33 +35,33 @@ struct server_log_line {
 /* Lines below `level` are not logged. Call it before any thread starts. */
 void server_log_set_level(enum server_log_level level);
 
-/* Begins a line with time, level and event. False: it is not logged, and must not be continued. */
+/* Begins a line with time, level and event. Returns false if the level is not logged; then do not
+ * use the line. */
 bool server_log_begin(struct server_log_line *line, enum server_log_level level, const char *event);
 
-/* Append a member, or nothing where the line is full or `value` is NULL. */
+/* Append a member, unless the line is full or `value` is NULL. */
 void server_log_text(struct server_log_line *line, const char *key, const char *value);
 void server_log_integer(struct server_log_line *line, const char *key, int64_t value);
 void server_log_milliseconds(struct server_log_line *line, const char *key, uint64_t nanoseconds);
 
-/* End the line: it is written at once, or within hundredths of a second. */
+/* End the line: the thread writes it at once (end) or within 10 ms (end_soon). */
 void server_log_end(struct server_log_line *line);
 void server_log_end_soon(struct server_log_line *line);
 
-/* Writes a whole line of an event and one sentence. */
+/* Logs an event with one sentence. */
 void server_log_message(enum server_log_level level, const char *event, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* Start and stop the writer's thread. False: it can't be started. Without it a caller writes its
- * own lines, and waits a tenth of a second at most. The stop waits a second at most for the last
- * lines. */
+/* Start and stop the writing thread; false: it can't be started. Without the thread, each caller
+ * writes its own lines and waits at most 0.1 s. Stopping waits at most 1 s for the last lines. */
 bool server_log_start(void);
 void server_log_stop(void);
 
-/* Makes a crash wait a moment until the lines before it are written. Call it once, before any
- * thread starts. */
+/* Installs signal handlers that delay a crash, at most 0.2 s, until earlier lines are written. Call
+ * it once, before any thread starts. */
 void server_log_flush_at_crash(void);
 
-/* Lines that were dropped since the start. Takes no lock. */
+/* Returns the number of lines dropped since the start. Takes no lock. */
 uint64_t server_log_dropped(void);
 
 #endif

@@ -6,9 +6,9 @@
 #include <stddef.h>
 
 struct server_names { /* all zero: an empty set */
-    void *root;       /* of tsearch(3) */
+    void *root;       /* root of a tree of tsearch(3) */
     size_t count;
-    bool is_incomplete; /* there was no memory for a name: it may be missing */
+    bool is_incomplete; /* a name may be missing: memory was short */
 };
 
 void server_names_add(struct server_names *names, const char *name); /* copies it */

@@ -9,7 +9,7 @@
 #define DIGEST      32
 #define PIECE_BYTES ((size_t)1 << 20) /* between two checks of the control: some milliseconds */
 
-/* Only a library without SHA-256 fails. */
+/* Prints the digest. Only a library without SHA-256 fails. */
 static void digest_print(int failed, const unsigned char digest[DIGEST],
                          char hex[SERVER_SHA256_HEX])
 {
@@ -54,7 +54,7 @@ void server_sha256_end(struct server_sha256 *sum, char hex[SERVER_SHA256_HEX])
 enum gd_status server_sha256_within(const void *bytes, size_t size,
                                     const struct gd_control *control, char hex[SERVER_SHA256_HEX])
 {
-    /* In one call the library takes no memory. Without memory for a state it leaks a block. */
+    /* gnutls_hash_fast allocates nothing; gnutls_hash_init leaks a block when memory is short. */
     if (size <= PIECE_BYTES) {
         server_sha256(bytes, size, hex);
         return GD_OK;

@@ -1,4 +1,4 @@
-/* SHA-256, of a buffer or of pieces, as lower-case hexadecimal. */
+/* SHA-256 of a buffer or of pieces, as lower-case hexadecimal. */
 #ifndef SERVER_BASE_SHA256_H
 #define SERVER_BASE_SHA256_H
 
@@ -11,15 +11,15 @@
 
 void server_sha256(const void *bytes, size_t size, char hex[SERVER_SHA256_HEX]);
 
-/* Whether the text begins with 64 such digits, and not with more. */
+/* Returns whether the text begins with exactly 64 lower-case hexadecimal digits. */
 bool server_sha256_check(const char *text);
 
-/* The same, until a deadline or a cancel. GD_NO_MEMORY. */
+/* As server_sha256, but returns early at a deadline or a cancel. Also fails with GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status server_sha256_within(const void *bytes, size_t size,
                                                 const struct gd_control *control,
                                                 char hex[SERVER_SHA256_HEX]);
 
-/* The same of pieces, one after the other. NULL without memory. */
+/* Hashes pieces, one after the other. NULL: out of memory. */
 struct server_sha256;
 struct server_sha256 *server_sha256_begin(void);
 void server_sha256_add(struct server_sha256 *sum, const void *bytes, size_t size);

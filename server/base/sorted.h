@@ -1,4 +1,4 @@
-/* Sorted array of pointers to items, each with a key of its own. Not thread-safe. */
+/* Sorted array of pointers to items; each item has its own key. Not thread-safe. */
 #ifndef SERVER_BASE_SORTED_H
 #define SERVER_BASE_SORTED_H
 
@@ -8,12 +8,12 @@
 #include <string.h>
 
 struct server_sorted { /* empty: all zero but `compare` */
-    void **items;      /* for free() */
+    void **items;      /* freed by free() */
     uint32_t count, capacity;
     int (*compare)(const void *item, const void *key); /* as strcmp */
 };
 
-/* Index of the first item whose key is not below `key`. O(log n). */
+/* Returns the index of the first item whose key is not below `key`. O(log n). */
 static inline uint32_t server_sorted_index(const struct server_sorted *sorted, const void *key)
 {
     uint32_t low = 0, high = sorted->count;
@@ -27,7 +27,7 @@ static inline uint32_t server_sorted_index(const struct server_sorted *sorted, c
     return low;
 }
 
-/* The item of that key, or NULL. */
+/* Returns the item of that key, or NULL. */
 static inline void *server_sorted_find(const struct server_sorted *sorted, const void *key)
 {
     uint32_t at = server_sorted_index(sorted, key);
@@ -35,13 +35,13 @@ static inline void *server_sorted_find(const struct server_sorted *sorted, const
     return is_found ? sorted->items[at] : NULL;
 }
 
-/* Index of the first item whose key is above `key`. */
+/* Returns the index of the first item whose key is above `key`. */
 static inline uint32_t server_sorted_after(const struct server_sorted *sorted, const void *key)
 {
     return server_sorted_index(sorted, key) + (server_sorted_find(sorted, key) != NULL);
 }
 
-/* Makes room for one more item; false without memory. */
+/* Makes room for one more item; false: out of memory. */
 static inline bool server_sorted_reserve(struct server_sorted *sorted)
 {
     if (sorted->count < sorted->capacity) return true;
@@ -53,7 +53,7 @@ static inline bool server_sorted_reserve(struct server_sorted *sorted)
     return true;
 }
 
-/* Inserts an item at the index of its key. Room was reserved. */
+/* Inserts an item at the index of its key. The caller has reserved room. */
 static inline void server_sorted_insert(struct server_sorted *sorted, uint32_t at, void *item)
 {
     void **place = &sorted->items[at];

@@ -20,10 +20,9 @@ struct server_thread {
 
 static void thread_set(struct server_thread *thread, bool *flag)
 {
-    pthread_mutex_lock(&thread->lock);
+    SERVER_LOCK(&thread->lock);
     *flag = true;
     pthread_cond_broadcast(&thread->change);
-    pthread_mutex_unlock(&thread->lock);
 }
 
 static void thread_free(struct server_thread *thread)
@@ -68,6 +67,12 @@ bool server_condition_wait(pthread_cond_t *condition, pthread_mutex_t *lock, uin
     return pthread_cond_clockwait(condition, lock, CLOCK_MONOTONIC, &until) != ETIMEDOUT;
 }
 
+void server_pause(uint64_t ns)
+{
+    struct timespec rest = {.tv_sec = (time_t)(ns / SECOND_NS), .tv_nsec = (long)(ns % SECOND_NS)};
+    while (nanosleep(&rest, &rest) != 0) continue;
+}
+
 static uint64_t time_after(uint64_t ns)
 {
     uint64_t now = gd_now_ns();
@@ -78,13 +83,11 @@ static bool thread_rest(struct server_thread *thread, uint64_t ns, bool ends_by_
 {
     uint64_t until_ns = time_after(ns);
     bool has_time = true;
-    pthread_mutex_lock(&thread->lock);
+    SERVER_LOCK(&thread->lock);
     while (has_time && !thread->is_stopping && !(ends_by_wake && thread->is_woken))
         has_time = server_condition_wait(&thread->change, &thread->lock, until_ns);
     if (ends_by_wake) thread->is_woken = false;
-    bool goes_on = !thread->is_stopping;
-    pthread_mutex_unlock(&thread->lock);
-    return goes_on;
+    return !thread->is_stopping;
 }
 
 bool server_thread_pause(struct server_thread *thread, uint64_t ns)

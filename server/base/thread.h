@@ -1,11 +1,11 @@
-/* Thread: a background thread that works now and then until it is stopped.
+/* Thread: a background thread that works periodically until it is stopped; and locks.
  *
  *     static void run(void *user, struct server_thread *thread)
  *     {
- *         while (server_thread_pause(thread, SECOND_NS)) look_after(user);
+ *         while (server_thread_pause(thread, SECOND_NS)) work(user);
  *     }
  *
- * A wake is never lost: one that comes while the thread works ends its next pause. */
+ * A wake is never lost: a wake during the work ends the next pause at once. */
 #ifndef SERVER_BASE_THREAD_H
 #define SERVER_BASE_THREAD_H
 
@@ -15,9 +15,33 @@
 
 #define SERVER_THREAD_FOREVER UINT64_MAX
 
+/* Lock until the end of the block:
+ *
+ *     SERVER_LOCK(&table->lock);
+ *     return table->count; */
+#define SERVER_LOCK(mutex)                                                                         \
+    __attribute__((cleanup(server_mutex_unlock))) pthread_mutex_t *const own_mutex = (mutex);      \
+    pthread_mutex_lock(own_mutex)
+#define SERVER_READ_LOCK(lock)                                                                     \
+    __attribute__((cleanup(server_rwlock_unlock))) pthread_rwlock_t *const own_lock = (lock);      \
+    pthread_rwlock_rdlock(own_lock)
+#define SERVER_WRITE_LOCK(lock)                                                                    \
+    __attribute__((cleanup(server_rwlock_unlock))) pthread_rwlock_t *const own_lock = (lock);      \
+    pthread_rwlock_wrlock(own_lock)
+
+static inline void server_mutex_unlock(pthread_mutex_t *const *mutex)
+{
+    pthread_mutex_unlock(*mutex);
+}
+
+static inline void server_rwlock_unlock(pthread_rwlock_t *const *lock)
+{
+    pthread_rwlock_unlock(*lock);
+}
+
 struct server_thread;
 
-/* Starts a thread that calls `run` once. NULL without memory or thread. */
+/* Starts a thread that calls `run` once. NULL: no memory or thread. */
 struct server_thread *server_thread_start(void (*run)(void *user, struct server_thread *thread),
                                           void *user);
 
@@ -25,21 +49,24 @@ struct server_thread *server_thread_start(void (*run)(void *user, struct server_
  * Returns false, at once, when `run` must return. */
 bool server_thread_pause(struct server_thread *thread, uint64_t ns);
 
-/* The same, but a wake ends the next pause instead. */
+/* As server_thread_pause, but a wake does not end the wait: it ends the next pause instead. */
 bool server_thread_sleep(struct server_thread *thread, uint64_t ns);
 
 /* Thread-safe. */
 void server_thread_wake(struct server_thread *thread);
 
-/* Ends the pauses, waits for `run` to return, and frees. NULL is harmless. */
+/* Makes pauses return false, waits until `run` returns, and frees. NULL is harmless. */
 void server_thread_stop(struct server_thread *thread);
 
-/* The same, but waits `ns` nanoseconds at most. False: `run` has not returned; the thread is left
- * behind, and frees itself if `run` returns later. */
+/* As server_thread_stop, but waits at most `ns` nanoseconds. Returns false if `run` has not
+ * returned; then the thread frees itself when `run` returns. */
 bool server_thread_stop_within(struct server_thread *thread, uint64_t ns);
 
-/* Under the lock, which it releases meanwhile: waits for a signal until a time of gd_now_ns, or
- * SERVER_THREAD_FOREVER. False: the time has come. */
+/* Blocks the calling thread for that time. */
+void server_pause(uint64_t ns);
+
+/* Waits for a signal until a time of gd_now_ns, or SERVER_THREAD_FOREVER. The caller holds the
+ * lock. False: it timed out. */
 bool server_condition_wait(pthread_cond_t *condition, pthread_mutex_t *lock, uint64_t until_ns);
 
 #endif

@@ -1,4 +1,4 @@
-/* Version: what --version, GET /v1 and the metrics say. */
+/* Version: shown by --version, GET /v1 and the metrics. */
 #ifndef SERVER_BASE_VERSION_H
 #define SERVER_BASE_VERSION_H
 

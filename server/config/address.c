@@ -12,13 +12,12 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#define LISTEN_BACKLOG 4096 /* also what Linux allows by default */
+#define LISTEN_BACKLOG 4096 /* the default limit of Linux */
 #define UNIX_PREFIX    "unix:"
 
-static bool address_refuse(char *error, size_t error_size, const char *text, const char *why)
+static bool address_refuse(char error[SERVER_ERROR], const char *text, const char *why)
 {
-    snprintf(error, error_size, "'%s' is no address to listen on: %s", text, why);
-    return false;
+    return server_refuse(error, "'%s' is not an address to listen on: %s", text, why);
 }
 
 bool server_address_split(const char *text, char host[SERVER_ADDRESS_HOST], const char **port)
@@ -31,8 +30,7 @@ bool server_address_split(const char *text, char host[SERVER_ADDRESS_HOST], cons
     return (text[end] == ':' || !text[end]) && !(*port)[strspn(*port, "0123456789")];
 }
 
-bool server_address_parse(const char *text, struct server_address *out, char *error,
-                          size_t error_size)
+bool server_address_parse(const char *text, struct server_address *out, char error[SERVER_ERROR])
 {
     struct sockaddr_un name = {.sun_family = AF_UNIX};
     struct addrinfo hints = {.ai_family = AF_UNSPEC,
@@ -44,21 +42,18 @@ bool server_address_parse(const char *text, struct server_address *out, char *er
     if (strncmp(text, UNIX_PREFIX, strlen(UNIX_PREFIX)) == 0) {
         const char *path = text + strlen(UNIX_PREFIX);
         if (!*path || strlen(path) >= sizeof name.sun_path)
-            return address_refuse(error, error_size, text,
-                                  "the path of a unix socket has 1 to 107 characters");
+            return address_refuse(error, text, "the path of a unix socket has 1 to 107 characters");
         strcpy(name.sun_path, path);
         *out = (struct server_address){.size = sizeof name};
         memcpy(&out->socket, &name, sizeof name);
         return true;
     }
     if (!server_address_split(text, host, &port) || !*port)
-        return address_refuse(error, error_size, text,
-                              "write ADDR:PORT, [ADDR]:PORT for IPv6, or unix:PATH");
+        return address_refuse(error, text, "write ADDR:PORT, [ADDR]:PORT for IPv6, or unix:PATH");
     if (strlen(port) > 5 || atoi(port) > 65535)
-        return address_refuse(error, error_size, text, "the port is a number from 0 to 65535");
+        return address_refuse(error, text, "the port is a number from 0 to 65535");
     if (getaddrinfo(strcmp(host, "localhost") == 0 ? "127.0.0.1" : host, port, &hints, &found) != 0)
-        return address_refuse(error, error_size, text,
-                              "the address is a numeric one or 'localhost'");
+        return address_refuse(error, text, "write a numeric address or 'localhost'");
     *out = (struct server_address){.size = found->ai_addrlen};
     memcpy(&out->socket, found->ai_addr, found->ai_addrlen);
     freeaddrinfo(found);
@@ -107,16 +102,15 @@ static void stale_socket_remove(const struct server_address *address)
     close(probe);
 }
 
-static bool listen_refuse(const struct server_address *address, char *error, size_t error_size)
+static bool listen_refuse(const struct server_address *address, char error[SERVER_ERROR])
 {
     int why = errno;
     char text[SERVER_ADDRESS_TEXT];
     server_address_format(address, text);
-    snprintf(error, error_size, "can't listen on %s: %s", text, strerror(why));
-    return false;
+    return server_refuse(error, "can't listen on %s: %s", text, strerror(why));
 }
 
-int server_address_bind(struct server_address *address, char *error, size_t error_size)
+int server_address_bind(struct server_address *address, char error[SERVER_ERROR])
 {
     const int on = 1;
     struct sockaddr *name = (struct sockaddr *)&address->socket;
@@ -129,14 +123,14 @@ int server_address_bind(struct server_address *address, char *error, size_t erro
         is_bound = is_bound && getsockname(descriptor, name, &address->size) == 0;
     }
     if (is_bound) return descriptor;
-    (void)listen_refuse(address, error, error_size);
+    (void)listen_refuse(address, error);
     if (descriptor >= 0) close(descriptor);
     return -1;
 }
 
-/* A unix socket gets its mode, whatever the umask of the daemon's files. */
-bool server_address_listen(int descriptor, const struct server_address *address, char *error,
-                           size_t error_size)
+/* Also sets the mode of a unix socket: the umask applies to the daemon's files. */
+bool server_address_listen(int descriptor, const struct server_address *address,
+                           char error[SERVER_ERROR])
 {
     bool is_unix = address->socket.ss_family == AF_UNIX;
     const struct sockaddr *name = (const struct sockaddr *)&address->socket;
@@ -145,5 +139,5 @@ bool server_address_listen(int descriptor, const struct server_address *address,
     return ((!is_unix || bind(descriptor, name, address->size) == 0) &&
             (!is_unix || !address->mode || chmod(path, address->mode) == 0) &&
             listen(descriptor, LISTEN_BACKLOG) == 0) ||
-           listen_refuse(address, error, error_size);
+           listen_refuse(address, error);
 }

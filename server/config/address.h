@@ -3,14 +3,15 @@
 #define SERVER_CONFIG_ADDRESS_H
 
 #include <stdbool.h>
-#include <stddef.h>
 #include <sys/socket.h>
 #include <sys/types.h>
+
+#include "server/base/error.h"
 
 struct server_address {
     struct sockaddr_storage socket;
     socklen_t size;
-    mode_t mode; /* of a unix socket; 0: by umask */
+    mode_t mode; /* mode of a unix socket; 0: by umask */
 };
 
 #define SERVER_ADDRESS_TEXT 128
@@ -22,23 +23,22 @@ bool server_address_split(const char *text, char host[SERVER_ADDRESS_HOST], cons
 
 /* Parses "127.0.0.1:8080", "[::1]:8080", "localhost:8080" or "unix:PATH", without DNS. False with a
  * sentence in `error`. */
-bool server_address_parse(const char *text, struct server_address *out, char *error,
-                          size_t error_size);
+bool server_address_parse(const char *text, struct server_address *out, char error[SERVER_ERROR]);
 
-/* Whether only this machine can reach it: 127.0.0.0/8, ::1 and unix sockets. */
+/* Returns whether only this machine can reach it: 127.0.0.0/8, ::1 and unix sockets. */
 bool server_address_is_local(const struct server_address *address);
 
 void server_address_format(const struct server_address *address, char text[SERVER_ADDRESS_TEXT]);
 
-/* Returns a non-blocking socket, which the caller owns, or -1 with a sentence in `error`. A TCP
- * socket is bound, which may take a privilege, and `*address` becomes the bound address: port 0 is
+/* Returns a non-blocking socket, owned by the caller, or -1 with a sentence in `error`. Binds a TCP
+ * socket, which may need a privilege, and writes the bound address to `*address`: port 0 is
  * replaced. */
-int server_address_bind(struct server_address *address, char *error, size_t error_size);
+int server_address_bind(struct server_address *address, char error[SERVER_ERROR]);
 
-/* Listens on the socket; false with a sentence in `error`. A unix socket is bound here, and not
- * before, because other processes take one that is bound and does not listen for a dead one. It
- * replaces a dead one. */
-bool server_address_listen(int descriptor, const struct server_address *address, char *error,
-                           size_t error_size);
+/* Listens on the socket; false with a sentence in `error`. Binds a unix socket, and replaces one
+ * that a dead process left. It is bound only here, because other processes regard a bound socket
+ * that does not listen as dead. */
+bool server_address_listen(int descriptor, const struct server_address *address,
+                           char error[SERVER_ERROR]);
 
 #endif

@@ -12,8 +12,8 @@
 #include "server/base/disk.h"
 #include "server/base/version.h"
 
-#define NAME_LIMIT 32  /* of an option */
-#define TEXT_LIMIT 512 /* of a value's origin, of a list */
+#define NAME_LIMIT 32  /* most bytes of an option's name */
+#define TEXT_LIMIT 512 /* most bytes of a value's origin or of a list */
 
 /* --- the table of options --------------------------------------------------------------------- */
 
@@ -23,6 +23,7 @@ enum option_kind {
     ADDRESS,
     HOST,
     ORIGIN,
+    ANCESTOR, /* an origin, for the header of each page */
     CHOICE,
     PATH,
     STORE,
@@ -34,7 +35,7 @@ enum option_kind {
 struct option {
     const char *name, *argument;
     enum option_kind kind;
-    size_t offset;            /* of the member in struct server_config */
+    size_t offset;            /* offset of the member in struct server_config */
     uint64_t least, most;     /* COUNT, BYTES */
     const char *standard;     /* the default, as it is typed; NULL: none, or found at run time */
     const char *const *words; /* CHOICE, NULL-terminated; the member is an index into them */
@@ -58,13 +59,16 @@ static const struct option options[] = {
     {"allowed-host", "HOST", VALUE(HOST, allowed_hosts, NULL),
      "also accept this Host header; may be repeated, or a list with commas"},
     {"keys", "FILE", VALUE(PATH, keys, NULL),
-     "the users' keys, made by geodesicd keygen; read again at SIGHUP (default: none, and then "
+     "the users' keys, made by geodesicd keygen; reread at SIGHUP (default: none, and then "
      "only programs of this machine may use the daemon)"},
     {"cors-origin", "ORIGIN", VALUE(ORIGIN, cors_origins, NULL),
      "web pages of this origin (https://maps.example) may use the daemon; may be repeated, or a "
      "list with commas"},
+    {"frame-ancestors", "ORIGIN", VALUE(ANCESTOR, frame_ancestors, NULL),
+     "web pages of this origin may show the viewer in a frame; at most two origins of 63 "
+     "characters, with a comma between them"},
     {"tls-cert", "FILE", VALUE(PATH, tls_cert, NULL),
-     "the chain of certificates, PEM: speak HTTPS only; read again at SIGHUP"},
+     "the chain of certificates, PEM: speak HTTPS only; reread at SIGHUP"},
     {"tls-key", "FILE", VALUE(PATH, tls_key, NULL), "the certificate's private key, PEM"},
     {"max-connections", "N", NUMBER(COUNT, max_connections, 1, SERVER_CONFIG_CONNECTIONS, "8192"),
      "connections that are open at once; others wait, and idle ones are closed to make room"},
@@ -85,7 +89,7 @@ static const struct option options[] = {
      "answers are the same"},
     {"memory-budget", "BYTES", NUMBER(BYTES, memory_budget, 1 << 20, UINT64_C(1) << 50, "4GiB"),
      "most memory for meshes, fields and work; a 16th of it, 256MiB at most, is set aside for the "
-     "memory of released fields, which the next ones take"},
+     "memory of released fields, which later fields reuse"},
     {"max-body", "BYTES", NUMBER(BYTES, max_body, 1 << 10, UINT64_C(1) << 40, "256MiB"),
      "largest request body"},
     {"max-answer", "BYTES", NUMBER(BYTES, max_answer, 64 << 10, UINT64_C(1) << 40, "1GiB"),
@@ -98,24 +102,24 @@ static const struct option options[] = {
     {"drain-ms", "MS", NUMBER(COUNT, drain_ms, 0, 86400000, "10000"),
      "most time that SIGTERM waits for running requests"},
     {"drain-delay-ms", "MS", NUMBER(COUNT, drain_delay_ms, 0, 86400000, "0"),
-     "how long SIGTERM goes on serving while /readyz says 503, so that load balancers turn "
-     "elsewhere first"},
+     "time after SIGTERM during which the daemon still serves, while /readyz answers 503, so that "
+     "load balancers choose another one"},
     {"job-ttl-s", "S", NUMBER(COUNT, job_ttl_s, 1, 31536000, "3600"),
      "how long a job and its answer are kept after its end"},
     {"max-jobs", "N", NUMBER(COUNT, max_jobs, 1, 1000000, "10000"),
-     "most jobs; the oldest ended jobs of the key that has the most make way for new ones, also "
-     "when answers fill an eighth of the memory budget"},
+     "most jobs; beyond that, or when their answers fill an eighth of the memory budget, the "
+     "oldest ended jobs of the key with the most jobs are dropped"},
     {"landmarks", "N", NUMBER(COUNT, landmarks, 0, 16, "16"),
-     "landmark fields that a mesh gets in idle time after its first search, to make later searches "
-     "shorter; 0: none"},
+     "landmark fields of a mesh, computed in idle time after its first search; they make later "
+     "searches shorter; 0: none"},
     {"store", "KIND", VALUE(STORE, store, "local"),
      "where meshes are kept: local (in --data-dir), memory (until the daemon ends), or a database "
-     "that many daemons share, postgresql://user@host/database; its password is better in "
-     "PGPASSFILE or the environment than here"},
+     "that many daemons share, postgresql://user@host/database; put its password into PGPASSFILE "
+     "or the environment"},
     {"data-dir", "DIR", VALUE(PATH, data_dir, NULL),
      "folder of the local store (default: /var/lib/geodesicd for root, else "
-     "$XDG_DATA_HOME/geodesicd or ~/.local/share/geodesicd); beside a database, the folder of "
-     "landmarks and fields, if they are kept"},
+     "$XDG_DATA_HOME/geodesicd or ~/.local/share/geodesicd); with a database it is optional, for "
+     "landmarks and fields"},
     {"persist-fields", NULL, VALUE(BOOLEAN, persist_fields, NULL),
      "keep cached fields in the data folder over a restart"},
     {"check-store", NULL, VALUE(BOOLEAN, check_store, NULL),
@@ -124,17 +128,16 @@ static const struct option options[] = {
     {"backup", "DIR", VALUE(PATH, backup, NULL),
      "copy the data folder, in use or not, into a new one, and exit"},
     {"restore", "DIR", VALUE(PATH, restore, NULL),
-     "make the data folder, where there is none, of the backup in DIR, and exit"},
+     "create the data folder from the backup in DIR, and exit"},
     {"scrub-s", "S", NUMBER(COUNT, scrub_s, 0, 31536000, "86400"),
-     "seconds from one search of the data folder for damaged files to the next; 0: none but "
-     "--check-store"},
+     "seconds from one scan of the stored files for damage to the next; 0: no scans"},
     {"scrub-rate", "BYTES", NUMBER(BYTES, scrub_rate, 1 << 10, UINT64_C(1) << 40, "16MiB"),
-     "most bytes that such a search reads in a second"},
+     "most bytes that such a scan reads in a second"},
     {"sandbox", "MODE", CHOSEN(sandbox, "auto", sandbox_words),
-     "auto: give up all rights that the daemon does not need, as far as the kernel can take them "
+     "auto: drop all rights that the daemon does not need, as far as the kernel supports that "
      "(Landlock, seccomp); or off"},
     {"slow-ms", "MS", NUMBER(COUNT, slow_ms, 0, 86400000, "0"),
-     "log requests that take so long as slow_request, with a warning; 0: none"},
+     "time after which a request is logged as slow_request, with a warning; 0: none"},
     {"log-level", "LEVEL", CHOSEN(log_level, "info", server_log_levels),
      "debug, info, warn or error"},
     {"config", "FILE", WITHOUT_MEMBER(CONFIG_FILE),
@@ -153,7 +156,7 @@ static const struct option *option_find(const char *name, size_t size)
     return NULL;
 }
 
-/* Levenshtein distance of two short names. */
+/* Returns the Levenshtein distance of two short names. */
 static unsigned name_distance(const char *a, size_t a_size, const char *b)
 {
     unsigned row[NAME_LIMIT + 1];
@@ -183,14 +186,14 @@ static const char *name_nearest(const char *name, size_t size)
 
 /* --- values ----------------------------------------------------------------------------------- */
 
-/* One loading: the current value's origin, and the stream for complaints. */
+/* The state of server_config_load. */
 struct loader {
     struct server_config *config;
     FILE *error;
     char origin[TEXT_LIMIT]; /* "--workers", "GEODESICD_WORKERS", "FILE:12" */
 };
 
-/* Prints a sentence after the value's origin. Returns false. */
+/* Prints the origin of the current value and a sentence. Returns false. */
 __attribute__((format(printf, 2, 3))) static bool loader_complain(const struct loader *loader,
                                                                   const char *format, ...)
 {
@@ -203,7 +206,7 @@ __attribute__((format(printf, 2, 3))) static bool loader_complain(const struct l
     return false;
 }
 
-/* "4096"; with units also "64k", "512MiB", "4G", "4GiB": powers of 1024. */
+/* Parses "4096", and with units also "64k", "512MiB", "4G", "4GiB", in powers of 1024. */
 static bool number_parse(const char *text, bool has_units, uint64_t *out)
 {
     static const char units[] = "KMGT";
@@ -229,24 +232,24 @@ static bool number_set(const struct loader *loader, const struct option *option,
     if (!number_parse(value, is_size, member))
         return loader_complain(
             loader,
-            is_size ? "'%s' is no size; write a number of bytes or one like 512MiB, 4GiB"
-                    : "'%s' is no whole number",
+            is_size ? "'%s' is not a size; write a number of bytes or one like 512MiB, 4GiB"
+                    : "'%s' is not a whole number",
             value);
     return (*member >= option->least && *member <= option->most) ||
            loader_complain(loader, "%s is outside %llu to %llu", value,
                            (unsigned long long)option->least, (unsigned long long)option->most);
 }
 
-/* "https://maps.example:8443", as browsers send it. */
+/* Returns whether the text has the form of an origin: "https://maps.example:8443". */
 static bool is_origin(const char *text)
 {
     const char *authority = strstr(text, "://");
     if (!authority || (strncmp(text, "http://", 7) != 0 && strncmp(text, "https://", 8) != 0))
         return false;
-    return authority[3] && !strpbrk(authority + 3, "/*@?#\t");
+    return authority[3] && !strpbrk(authority + 3, "/*@?#;'\t");
 }
 
-/* Adds one name, or several with commas between them. */
+/* Adds names that are separated by commas. */
 static bool names_add(const struct loader *loader, const struct option *option, const char *value,
                       struct server_config_list *member)
 {
@@ -255,17 +258,20 @@ static bool names_add(const struct loader *loader, const struct option *option, 
     for (char *name = strtok_r(list, ", ", &rest); name; name = strtok_r(NULL, ", ", &rest)) {
         if (strlen(name) >= SERVER_CONFIG_NAME)
             return loader_complain(loader, "'%s' is too long", name);
-        if (option->kind == ORIGIN && !is_origin(name))
+        bool is_ancestor = option->kind == ANCESTOR;
+        if (is_ancestor && (member->count == 2 || strlen(name) > 63))
+            return loader_complain(loader, "at most two origins of 63 characters can be listed");
+        if ((is_ancestor || option->kind == ORIGIN) && !is_origin(name))
             return loader_complain(loader,
-                                   "'%s' is no origin; write scheme, host and port as in "
+                                   "'%s' is not an origin; write scheme, host and port as in "
                                    "https://maps.example:8443",
                                    name);
         if (option->kind == HOST && strpbrk(name, "/\t"))
             return loader_complain(
-                loader, "'%s' is no host name; write it as in a URL, without scheme and path",
+                loader, "'%s' is not a host name; write it as in a URL, without scheme and path",
                 name);
         if (member->count == SERVER_CONFIG_NAMES)
-            return loader_complain(loader, "at most %d can be listed", SERVER_CONFIG_NAMES);
+            return loader_complain(loader, "at most %d names can be listed", SERVER_CONFIG_NAMES);
         strcpy(member->name[member->count++], name);
     }
     return true;
@@ -283,7 +289,7 @@ static bool choice_set(const struct loader *loader, const struct option *option,
         const char *before = i == 0 ? "" : option->words[i + 1] ? ", " : " or ";
         snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s", before, option->words[i]);
     }
-    return loader_complain(loader, "'%s' is none of the choices; write %s", value, list);
+    return loader_complain(loader, "'%s' is not possible here; write %s", value, list);
 }
 
 static bool path_set(const struct loader *loader, const char *value, char *member)
@@ -296,7 +302,7 @@ static bool path_set(const struct loader *loader, const char *value, char *membe
     return true;
 }
 
-/* A wrong value is not repeated: it may be an address with a password. */
+/* Sets the store. Messages do not repeat the value, which may be an address with a password. */
 static bool store_set(const struct loader *loader, const char *value)
 {
     struct server_config *config = loader->config;
@@ -318,16 +324,17 @@ static bool store_set(const struct loader *loader, const char *value)
 static bool option_set(const struct loader *loader, const struct option *option, const char *value)
 {
     void *member = (char *)loader->config + option->offset;
-    char sentence[TEXT_LIMIT];
+    char sentence[SERVER_ERROR];
     switch (option->kind) {
     case COUNT:
     case BYTES:
         return number_set(loader, option, value, member);
     case ADDRESS:
-        return server_address_parse(value, member, sentence, sizeof sentence) ||
+        return server_address_parse(value, member, sentence) ||
                loader_complain(loader, "%s", sentence);
     case HOST:
     case ORIGIN:
+    case ANCESTOR:
         return names_add(loader, option, value, member);
     case CHOICE:
         return choice_set(loader, option, value, member);
@@ -399,7 +406,8 @@ static bool load_file(struct loader *loader, const char *path)
     return ok;
 }
 
-/* The option's variable, such as GEODESICD_MAX_BODY; `name` receives its name. */
+/* Returns the value of the option's variable, such as GEODESICD_MAX_BODY; `name` receives the
+ * variable's name. */
 static const char *environment_get(const struct option *option, char name[TEXT_LIMIT])
 {
     snprintf(name, TEXT_LIMIT, "GEODESICD_%s", option->name);
@@ -450,8 +458,8 @@ static void print_help(FILE *out)
 {
     fprintf(out, "geodesicd: exact geodesics on surfaces, as a network service\n\n"
                  "usage: geodesicd [--flag value | --flag=value]...\n"
-                 "       geodesicd keygen NAME [--role read|write] [--expires TIME|DAYSd] [--rate "
-                 "N] [--concurrent N]\n\n");
+                 "       geodesicd keygen NAME [--role read|write|operator] [--tenant NAME]\n"
+                 "           [--expires TIME|DAYSd] [--rate N] [--concurrent N]\n\n");
     for (size_t i = 0; i < OPTION_COUNT; i++) {
         char usage[64];
         snprintf(usage, sizeof usage, "--%s %s", options[i].name,
@@ -464,8 +472,8 @@ static void print_help(FILE *out)
                  "flags win over the environment, the environment over the file.\n");
 }
 
-/* Sets the flags' values. First, with `file`, it sets nothing: it looks for --help and --version,
- * which win over everything, and for the file to read. */
+/* Sets the values of the flags. With `file` it sets nothing: it runs --help or --version, and finds
+ * the file of --config. */
 static enum server_config_outcome load_flags(struct loader *loader, char *const argv[], FILE *out,
                                              const char **file)
 {
@@ -486,7 +494,7 @@ static enum server_config_outcome load_flags(struct loader *loader, char *const 
 
 /* --- the whole -------------------------------------------------------------------------------- */
 
-/* The default data folder: the system's for root, else the user's. */
+/* Sets the default data folder: the system's for root, else the user's. */
 static bool find_data_dir(struct server_config *config)
 {
     const char *data_home = getenv("XDG_DATA_HOME"), *home = getenv("HOME");
@@ -515,11 +523,11 @@ static bool config_validate(struct loader *loader)
          "--data-dir",
          "there is no home folder to keep meshes in: name a folder, or use --store memory"},
         {is_shared && copies, "--store",
-         "a database is copied by its own means (pg_dump): leave out --backup and --restore"},
+         "copy a database with pg_dump: omit --backup and --restore"},
         {is_shared && config->persist_fields && !*config->data_dir, "--store",
-         "--persist-fields wants a folder beside the database: give --data-dir"},
+         "--persist-fields needs a folder: give --data-dir"},
         {is_memory && (config->persist_fields || config->check_store || copies), "--store",
-         "a store in memory keeps nothing: leave out --persist-fields, --check-store, --backup and "
+         "a store in memory keeps nothing: omit --persist-fields, --check-store, --backup and "
          "--restore"},
         {!*config->tls_cert != !*config->tls_key, "--tls-cert",
          "--tls-cert and --tls-key belong together: give both or none"},

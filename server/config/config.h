@@ -34,34 +34,36 @@ struct server_config_list {
 /* Strings are empty where nothing is set. */
 struct server_config {
     struct server_address listen;
-    struct server_config_list allowed_hosts; /* besides localhost and loopback addresses */
-    struct server_config_list cors_origins;  /* "https://maps.example" */
-    char keys[SERVER_CONFIG_PATH];           /* see credentials.h */
+    struct server_config_list allowed_hosts;   /* in addition to localhost and loopback addresses */
+    struct server_config_list cors_origins;    /* "https://maps.example" */
+    struct server_config_list frame_ancestors; /* origins whose pages may frame the viewer */
+    char keys[SERVER_CONFIG_PATH];             /* see credentials.h */
     char tls_cert[SERVER_CONFIG_PATH], tls_key[SERVER_CONFIG_PATH]; /* both or none */
     uint64_t max_connections;                                       /* open at once */
-    uint64_t max_address_connections; /* of one address; 0: no limit */
+    uint64_t max_address_connections; /* most connections from one address; 0: no limit */
     uint64_t workers, http_threads;   /* threads */
     uint64_t queue_length;            /* requests waiting for a worker */
-    unsigned cpu;                     /* in server_config_cpus */
+    unsigned cpu;                     /* index in server_config_cpus */
     uint64_t memory_budget;           /* bytes */
-    uint64_t landmarks;               /* of a mesh; 0: none */
+    uint64_t landmarks;               /* landmarks of a mesh; 0: none */
     uint64_t max_body, max_answer;    /* bytes */
     uint64_t max_faces;               /* triangles */
     uint64_t timeout_ms;              /* of a request */
-    uint64_t drain_ms;                /* for running requests, at a shutdown */
-    uint64_t drain_delay_ms;          /* before a shutdown drains; /readyz says 503 */
-    uint64_t job_ttl_s;               /* of an ended job */
+    uint64_t drain_ms;                /* time for running requests at a shutdown */
+    uint64_t drain_delay_ms;          /* time before a shutdown drains; /readyz answers 503 */
+    uint64_t job_ttl_s;               /* how long an ended job is kept */
     uint64_t max_jobs;                /* ended ones included */
     enum server_log_level log_level;
     enum server_store_kind store;
-    char store_url[SERVER_CONFIG_PATH]; /* of PostgreSQL. May hold a password: never printed */
+    /* address of PostgreSQL; may contain a password: never printed */
+    char store_url[SERVER_CONFIG_PATH];
     char data_dir[SERVER_CONFIG_PATH];
     bool persist_fields;
     bool check_store;                                             /* check and exit */
     char backup[SERVER_CONFIG_PATH], restore[SERVER_CONFIG_PATH]; /* copy and exit */
-    uint64_t scrub_s;    /* from the start of one scrub of the store to the next; 0: none */
+    uint64_t scrub_s;    /* period of scrubs of the store; 0: none */
     uint64_t scrub_rate; /* bytes a second */
-    uint64_t slow_ms;    /* least time of a slow request; 0: none is slow */
+    uint64_t slow_ms;    /* shortest time of a slow request; 0: none is slow */
     enum server_sandbox_mode sandbox;
 };
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Prints the man page geodesicd(8): its options are those that the program tells of itself.
+"""Prints the man page geodesicd(8). Makes the OPTIONS section from the output of PROGRAM --help.
 
 usage: server/doc/manual.py PROGRAM
 """
@@ -18,51 +18,56 @@ geodesicd \- exact geodesics on surfaces, as a network service
 .br
 .B geodesicd keygen
 .I NAME
-[\fB\-\-role\fR read|write] [\fB\-\-tenant\fR \fINAME\fR] [\fB\-\-expires\fR \fITIME\fR|\fIDAYS\fRd] [\fB\-\-rate\fR \fIN\fR] [\fB\-\-concurrent\fR \fIN\fR]
+[\fB\-\-role\fR read|write|operator] [\fB\-\-tenant\fR \fINAME\fR]
+[\fB\-\-expires\fR \fITIME\fR|\fIDAYS\fRd] [\fB\-\-rate\fR \fIN\fR] [\fB\-\-concurrent\fR \fIN\fR]
 .SH DESCRIPTION
 .B geodesicd
-keeps triangle meshes and smooth surfaces that are uploaded to it over HTTP, and answers questions about them: the exact distance and shortest path between
-any two points, from points to a set, between curves; whole distance fields; straightest geodesics, splines and cuts. What it has computed on a mesh it
-keeps in memory, within a budget, so that the next question is answered in microseconds.
+stores triangle meshes and smooth surfaces that are uploaded over HTTP, and answers queries about
+them: the exact distance and the shortest path between any two points, distances to sets and curves,
+distance fields, straightest geodesics, splines and cuts. It keeps distance fields in memory, within a
+budget, so a repeated query takes microseconds.
 .PP
-The whole contract is
-.I /openapi.json
-on the running daemon, for people at
-.IR /docs ;
-a viewer to try it is at
+The daemon serves its contract at
+.IR /openapi.json ,
+its documents at
+.IR /docs ,
+and a viewer at
 .IR / .
 .PP
-Without keys it listens on loopback only. With
+Without keys it listens on the loopback interface only. With
 .B \-\-keys
-it takes other addresses; each line of that file is one that
+it may listen on other addresses. That flag names a file of lines that
 .B geodesicd keygen
-prints, together with the key itself, which is kept nowhere.
+prints. The command also prints the key itself, which is stored nowhere.
 .SH OPTIONS
 """
 
 AFTER = r""".PP
-Each is also read from the environment (\fBGEODESICD_MAX_BODY\fR for \fB\-\-max\-body\fR) and from the file of \fB\-\-config\fR, in lines
-\fIname\fR = \fIvalue\fR. Flags win over the environment, the environment over the file. Sizes may end in KiB, MiB, GiB.
+Each flag is also an environment variable (\fBGEODESICD_MAX_BODY\fR for \fB\-\-max\-body\fR) and a line
+\fIname\fR = \fIvalue\fR of the file of \fB\-\-config\fR. Flags override the environment, and the
+environment overrides the file. Sizes may end in KiB, MiB, GiB.
 .SH SIGNALS
 .TP
 .BR SIGTERM ", " SIGINT
-Serve on for \fB\-\-drain\-delay\-ms\fR while /readyz says 503; then take no more requests, answer those under way (for \fB\-\-drain\-ms\fR at most), and end.
+Serve for \fB\-\-drain\-delay\-ms\fR while /readyz returns 503. Then accept no more requests, answer the
+running ones, for at most \fB\-\-drain\-ms\fR, and exit.
 .TP
 .B SIGHUP
-Read the keys and the certificate again. What can't be read is logged, and the old ones stay in force.
+Read the keys and the certificate again. If a file cannot be read, log the error and keep the old ones.
 .SH EXIT STATUS
-0 after a signal, and of \fB\-\-check\-store\fR when nothing is wrong; 1 when it could not start or found damage; 2 for a mistake on the command line.
+0: a signal stopped the daemon, or \fB\-\-check\-store\fR found no damage. 1: the daemon could not
+start, or found damage. 2: a mistake on the command line.
 .SH FILES
 .TP
 .I /var/lib/geodesicd
-The store of a daemon that is run by root; of others
+The store of a daemon that root runs. For other users
 .I $XDG_DATA_HOME/geodesicd
 or
 .IR ~/.local/share/geodesicd .
-An upload that was answered is on disk there.
+Acknowledged uploads are durable there.
 .TP
 .IR /metrics ", " /livez ", " /readyz
-Paths for Prometheus, and for whoever starts and stops the daemon.
+Paths for Prometheus, process supervisors and load balancers.
 .SH EXAMPLES
 .EX
 geodesicd &
@@ -78,7 +83,7 @@ geodesicd \-\-listen 0.0.0.0:8443 \-\-keys /etc/geodesicd/keys \-\-tls\-cert cer
 .EE
 .SH SEE ALSO
 .BR curl (1),
-the documents beside the source: README, server/doc, engine/doc.
+the documents in /usr/share/doc/geodesicd.
 """
 
 
@@ -88,9 +93,9 @@ def escape(text):
 
 def main():
     program = sys.argv[1]
-    told = [subprocess.run([program, flag], check=True, stdout=subprocess.PIPE, text=True).stdout for flag in ("--help", "--version")]
-    print(BEFORE.replace("{version}", told[1].split()[-1]), end="")
-    for name, value, text in OPTION.findall(told[0]):
+    shown = [subprocess.run([program, flag], check=True, stdout=subprocess.PIPE, text=True).stdout for flag in ("--help", "--version")]
+    print(BEFORE.replace("{version}", shown[1].split()[-1]), end="")
+    for name, value, text in OPTION.findall(shown[0]):
         print(f".TP\n\\fB{escape(name)}\\fR" + (f" \\fI{escape(value)}\\fR" if value else "") + f"\n{escape(text[0].upper() + text[1:])}.")
     print(AFTER, end="")
 

@@ -14,7 +14,7 @@ struct answer_stream {
     struct server_thread *thread;
     atomic_bool is_taken;
     struct server_answer_streams *pool;
-    struct server_exchange *exchange; /* has the state */
+    struct server_exchange *exchange; /* owns the state */
     void (*encode)(struct server_exchange *exchange, struct proto_writer *writer);
     struct server_relay *relay;
     struct proto_writer_sink sink;
@@ -90,7 +90,7 @@ server_answer_streams_load(const struct server_answer_streams *streams)
 
 /* --- the start -------------------------------------------------------------------------------- */
 
-/* Takes a thread of the pool. NULL: none is free, or too little memory. */
+/* Takes a thread of the pool. NULL: all threads are in use, or memory is short. */
 static struct answer_stream *stream_take(struct server_host *host, bool is_packed)
 {
     static const struct server_transport none = {0};
@@ -111,7 +111,8 @@ static struct answer_stream *stream_take(struct server_host *host, bool is_packe
     return NULL;
 }
 
-/* Moves the state to the stream, and counts it as an answer's, which have a bound of their own. */
+/* Moves the state to the stream and counts it as an answer. Returns false if answers have no room
+ * for it. */
 static bool stream_take_state(struct answer_stream *stream, struct server_exchange *from,
                               size_t *held)
 {
@@ -130,7 +131,7 @@ static const char *encoder_media_type(const struct server_answer_encoder *encode
     return encoder->media_type ? encoder->media_type : "application/json";
 }
 
-/* False: the state is still the exchange's. */
+/* Starts the stream. Returns false if it failed; the exchange then still owns the state. */
 static bool stream_start(struct server_exchange *exchange, unsigned status, size_t size,
                          const struct server_answer_encoder *encoder)
 {
@@ -167,8 +168,8 @@ static bool counting_check(void *user, const char *text, size_t size)
     return !counting->status;
 }
 
-/* Encodes the text; of one that is too long for the buffer only the size. False: the time is up,
- * and the problem is replied. */
+/* Encodes the text, or only measures it if it is too long for the buffer. False: the deadline has
+ * passed; replies with the problem. */
 static bool answer_measure(struct server_exchange *exchange, struct proto_writer *writer,
                            const struct server_answer_encoder *encoder)
 {

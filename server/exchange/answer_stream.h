@@ -1,14 +1,14 @@
-/* Answer streams: large answers that are encoded while their clients read them.
+/* Answer streams: large answers that are encoded while the clients read them.
  *
- * DESIGN. An answer is first encoded into a buffer of SERVER_ANSWER_STREAM_FROM bytes. An encoder
- * that passes it runs on to the end, and its text is counted and dropped: so the size is known, and
- * an answer that is too large, or late, is refused as a whole. Then the same encoder runs again on
- * a thread of its own, which blocks in a relay (relay.h) until the client has read enough.
- * Meanwhile the budget counts the relay's buffer and the handler's state as an answer's.
+ * DESIGN. An answer is first encoded into a buffer of SERVER_ANSWER_STREAM_FROM bytes. If the text
+ * is longer, the encoder runs to the end, and the text is only counted. This yields the size, and
+ * an answer that is too large or too late is refused as a whole. Then a thread of the pool runs the
+ * same encoder again, and blocks in a relay (relay.h) while the client is slow. Meanwhile the
+ * budget counts the relay's buffer and the handler's state as an answer.
  *
- * Each of SERVER_ANSWER_STREAMS threads serves one stream. They are started with the daemon, since
- * the sandbox allows no new threads later. When all are taken, and for jobs, HEAD and HTTP/1.0, an
- * answer is held as a text. */
+ * Each of SERVER_ANSWER_STREAMS threads serves one stream. They start with the daemon, since the
+ * sandbox forbids new threads. If all are in use, and for jobs, HEAD and HTTP/1.0, the whole text
+ * is held in memory. */
 #ifndef SERVER_EXCHANGE_ANSWER_STREAM_H
 #define SERVER_EXCHANGE_ANSWER_STREAM_H
 
@@ -19,14 +19,14 @@
 
 struct server_answer_streams;
 
-/* Starts the threads. NULL without memory or threads. */
+/* Starts the threads. NULL: no memory or thread. */
 struct server_answer_streams *server_answer_streams_create(void);
 
-/* When no stream is under way. NULL is harmless. */
+/* Call it when no stream is running. NULL is harmless. */
 void server_answer_streams_destroy(struct server_answer_streams *streams);
 
 struct server_answer_streams_load {
-    uint32_t count; /* of streams under way */
+    uint32_t count; /* running streams */
     size_t held;    /* bytes of SERVER_BUDGET_ANSWERS that their states hold, without the relays */
 };
 
@@ -35,16 +35,16 @@ struct server_answer_streams_load
 server_answer_streams_load(const struct server_answer_streams *streams);
 
 struct server_answer_encoder {
-    /* Writes the text of the exchange's state; called up to three times, with the same outcome. The
-     * exchange is the request's or, for a stream, one that has only the host and the state. */
+    /* Writes the text from the exchange's state. Called up to three times, with the same result. In
+     * a stream the exchange has only the host and the state. */
     void (*encode)(struct server_exchange *exchange, struct proto_writer *writer);
     /* bytes of SERVER_BUDGET_FLIGHT that the state holds; set to 0 when a stream counts them */
     size_t *held;
     const char *media_type; /* static; NULL: application/json */
 };
 
-/* Replies with the encoder's text, or with a problem. `writer` is empty, of
- * server_reply_writer. A stream takes the exchange's state over and frees it at its end. */
+/* Replies with the encoder's text, or with a problem. `writer` is a new one of server_reply_writer.
+ * A stream takes over the exchange's state and frees it at its end. */
 void server_answer_reply(struct server_exchange *exchange, unsigned status,
                          struct proto_writer *writer, const struct server_answer_encoder *encoder);
 

@@ -1,5 +1,5 @@
-/* See body.h. */
-#include "server/exchange/body.h"
+/* See exchange.h: the body of a request. */
+#include "server/exchange/exchange.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -43,8 +43,8 @@ static void body_drop_inflater(struct server_body *body)
     body->inflater = NULL;
 }
 
-/* Doubles, so that copying stays linear, but never past the declared length. Memory is taken for
- * the bytes that arrived only. */
+/* Doubles the capacity, so that copying is linear, up to the declared length. A client that only
+ * declares a length takes no memory. */
 static bool body_grow(struct server_body *body, size_t needed)
 {
     size_t capacity = body->capacity ? 2 * body->capacity : FIRST_CAPACITY;
@@ -70,7 +70,7 @@ static void body_fail(struct server_body *body, enum proto_problem_code failure,
     body->fault = fault;
 }
 
-/* Appends bytes that were sent, or unpacked. */
+/* Appends bytes, as sent or decompressed. */
 static bool body_append(void *user, const void *bytes, size_t size)
 {
     struct server_body *body = user;
@@ -99,12 +99,12 @@ void server_body_append(struct server_body *body, const void *bytes, size_t size
         break;
     case SERVER_INFLATE_DAMAGED:
         body_fail(body, PROTO_PROBLEM_INVALID_REQUEST,
-                  "the request body is not what Content-Encoding: gzip says, or is damaged");
+                  "the request body is not gzip, as Content-Encoding says, or is damaged");
         break;
     case SERVER_INFLATE_RATIO_PASSED:
-        body_fail(body, PROTO_PROBLEM_TOO_LARGE,
-                  "the request body unpacks to so many times its size that it is taken for an "
-                  "attack; send it unpacked");
+        body_fail(
+            body, PROTO_PROBLEM_TOO_LARGE,
+            "the request body decompresses to more than 100 times its size; send it uncompressed");
         break;
     }
 }
@@ -125,7 +125,7 @@ bool server_body_check(struct server_body *body, struct proto_problem *problem)
     body_drop_inflater(body);
     if (is_cut)
         return proto_problem_set(problem, PROTO_PROBLEM_INVALID_REQUEST,
-                                 "the packed request body is cut short");
+                                 "the compressed request body ends too early; send all of it");
     if (body->fault) return proto_problem_set(problem, body->failure, "%s", body->fault);
     if (body->failure == PROTO_PROBLEM_TOO_LARGE) return refuse_size(body, problem);
     return !body->failure || refuse_memory(body, body->refused, problem);

@@ -1,9 +1,11 @@
 /* See etag.h. */
 #include "server/exchange/etag.h"
 
+#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
+#include "server/base/sha256.h"
 #include "server/exchange/exchange.h"
 
 #define BLANKS          " \t"
@@ -21,7 +23,7 @@ struct tag {
 };
 
 /* Reads the tag at the beginning of `*list` and advances past it; false where none can be read. */
-static bool next_tag(const char **list, struct tag *out)
+static bool tag_next(const char **list, struct tag *out)
 {
     const char *at = *list + strspn(*list, BLANKS ",");
     out->is_weak = strncmp(at, "W/", 2) == 0;
@@ -35,33 +37,47 @@ static bool next_tag(const char **list, struct tag *out)
     return true;
 }
 
-static bool ends_with(const char *text, size_t size, const char *suffix)
+static bool text_ends_with(const char *text, size_t size, const char *suffix)
 {
     size_t length = strlen(suffix);
     return size > length && memcmp(text + size - length, suffix, length) == 0;
 }
 
-/* True for "-csv.1". */
-static bool is_form(const char *text, size_t size)
+/* Returns whether the text has the form "-csv.1". */
+static bool suffix_is_form(const char *text, size_t size)
 {
-    if (!ends_with(text, size, FORMAT_SUFFIX) || *text != '-') return false;
+    if (!text_ends_with(text, size, FORMAT_SUFFIX) || *text != '-') return false;
     size_t letters = size - 1 - strlen(FORMAT_SUFFIX);
     return letters && strspn(text + 1, FORM_CHARACTERS) == letters;
 }
 
-static enum server_etag_form compare(const struct tag *listed, const char *etag, bool with_all)
+/* Returns whether the text has the form "-d0123456789abcdef.1". */
+static bool suffix_is_caption(const char *text, size_t size)
 {
-    bool is_packed = ends_with(listed->text, listed->size, SERVER_ETAG_PACKED_SUFFIX);
+    return suffix_is_form(text, size) && text[1] == 'd' &&
+           size == 1 + SERVER_ETAG_CAPTION - 1 + strlen(FORMAT_SUFFIX);
+}
+
+/* Compares a listed tag. with_all: `etag` may end with "-" or the form of a description; then other
+ * descriptions do not match. */
+static enum server_etag_form tag_compare(const struct tag *listed, const char *etag, bool with_all)
+{
+    bool is_packed = text_ends_with(listed->text, listed->size, SERVER_ETAG_PACKED_SUFFIX);
     size_t size = listed->size - (is_packed ? strlen(SERVER_ETAG_PACKED_SUFFIX) : 0);
     size_t expected = with_all ? strcspn(etag, "-") : strlen(etag);
     if (size < expected || memcmp(listed->text, etag, expected) != 0) return SERVER_ETAG_NONE;
-    if (size > expected && !(with_all && is_form(listed->text + expected, size - expected)))
+    const char *form = listed->text + expected, *own = etag + expected;
+    if (size > expected && !(with_all && suffix_is_form(form, size - expected)))
+        return SERVER_ETAG_NONE;
+    bool is_strict = strcmp(own, "-") == 0 || suffix_is_caption(own, strlen(own));
+    if (with_all && is_strict && suffix_is_caption(form, size - expected) &&
+        (strlen(etag) != size || memcmp(etag, listed->text, size) != 0))
         return SERVER_ETAG_NONE;
     return is_packed ? SERVER_ETAG_PACKED : SERVER_ETAG_PLAIN;
 }
 
-/* True for a line "*", which matches every existing resource. */
-static bool is_any(const char *line)
+/* Returns whether the line is "*", which matches every existing resource. */
+static bool line_is_any(const char *line)
 {
     line += strspn(line, BLANKS);
     return *line == '*' && line[1 + strspn(line + 1, BLANKS)] == '\0';
@@ -69,35 +85,55 @@ static bool is_any(const char *line)
 
 /* Finds the first tag of the representation, or with `with_all` of the resource, by strong or weak
  * comparison. A syntax error ends a line. */
-static enum server_etag_form find(const char *const *lines, const char *etag, bool is_weak,
-                                  bool with_all)
+static enum server_etag_form tags_find(const char *const *lines, const char *etag, bool is_weak,
+                                       bool with_all)
 {
     enum server_etag_form form = SERVER_ETAG_NONE;
     for (; etag && *lines && !form; lines++) {
         const char *line = *lines;
         struct tag listed;
-        if (is_any(line)) form = SERVER_ETAG_PLAIN;
-        while (!form && next_tag(&line, &listed))
-            if (!listed.is_weak || is_weak) form = compare(&listed, etag, with_all);
+        if (line_is_any(line)) form = SERVER_ETAG_PLAIN;
+        while (!form && tag_next(&line, &listed))
+            if (!listed.is_weak || is_weak) form = tag_compare(&listed, etag, with_all);
     }
     return form;
 }
 
 bool server_precondition_matches(const struct server_precondition *precondition, const char *etag)
 {
-    return !precondition->if_match[0] || find(precondition->if_match, etag, false, true);
+    return !precondition->if_match[0] || tags_find(precondition->if_match, etag, false, true);
 }
 
 enum server_etag_form server_precondition_known(const struct server_precondition *precondition,
                                                 const char *etag)
 {
-    return find(precondition->if_none_match, etag, true, false);
+    return tags_find(precondition->if_none_match, etag, true, false);
 }
 
 bool server_precondition_holds(const struct server_precondition *precondition, const char *etag)
 {
     return server_precondition_matches(precondition, etag) &&
-           !find(precondition->if_none_match, etag, true, true);
+           !tags_find(precondition->if_none_match, etag, true, true);
+}
+
+bool server_precondition_allows(const struct server_precondition *precondition, const char *etag,
+                                const char *text)
+{
+    char tag[SERVER_ETAG_TEXT], caption[SERVER_ETAG_CAPTION];
+    if (!etag) return server_precondition_holds(precondition, NULL);
+    const char *form = server_etag_caption(caption, text);
+    server_etag_write(tag, etag, form);
+    if (!form) strcat(tag, "-");
+    return server_precondition_holds(precondition, tag);
+}
+
+const char *server_etag_caption(char out[SERVER_ETAG_CAPTION], const char *text)
+{
+    char hex[SERVER_SHA256_HEX];
+    if (!*text) return NULL;
+    server_sha256(text, strlen(text), hex);
+    snprintf(out, SERVER_ETAG_CAPTION, "d%.16s", hex);
+    return out;
 }
 
 void server_etag_write(char out[SERVER_ETAG_TEXT], const char *etag, const char *form)
@@ -109,7 +145,8 @@ void server_etag_write(char out[SERVER_ETAG_TEXT], const char *etag, const char 
     *out = '\0';
 }
 
-static void collect(const struct server_exchange *exchange, const char *name, const char **lines)
+static void lines_collect(const struct server_exchange *exchange, const char *name,
+                          const char **lines)
 {
     for (uint32_t i = 0; i < exchange->header_count; i++)
         if (strcasecmp(exchange->headers[i].name, name) == 0) *lines++ = exchange->headers[i].value;
@@ -118,7 +155,7 @@ static void collect(const struct server_exchange *exchange, const char *name, co
 struct server_precondition server_precondition_read(const struct server_exchange *exchange)
 {
     struct server_precondition precondition = {0};
-    collect(exchange, "If-Match", precondition.if_match);
-    collect(exchange, "If-None-Match", precondition.if_none_match);
+    lines_collect(exchange, "If-Match", precondition.if_match);
+    lines_collect(exchange, "If-None-Match", precondition.if_none_match);
     return precondition;
 }

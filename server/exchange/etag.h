@@ -1,37 +1,47 @@
 /* Entity tags and the preconditions of requests. RFC 9110, 8.8.3 and 13.
  *
- * A strong tag never names two sequences of bytes, so each representation has its own:
+ * A strong tag never names two different sequences of bytes, so each representation has its own:
  *     abc               the resource (a mesh, a NURBS surface, a page), and its description
+ *     abc-d0123….1      its description with a client's own text, whose hash is 0123…
  *     abc-csv.1         an answer computed from it, in the form "csv" of format version 1
  *     abc-csv.1-gzip    the same answer, packed
- * Base tags contain no "-". The conditions compare tags as follows:
+ * Base tags contain no "-". A change of the client's text changes the tag of the description only.
+ * The conditions compare tags as follows:
  *     If-None-Match of GET and HEAD    weak, with the selected representation, packed or not
  *     If-Match                         strong, with the resource and all its representations
  *     If-None-Match of other methods   weak, with the resource and all its representations
- * Conditions on dates and ranges are ignored: no resource has a date, and no range is served. */
+ * If a request changes the resource, the tag of a description matches only if it is the current
+ * one. Conditions on dates and ranges are ignored: no resource has a date, and no range is
+ * served. */
 #ifndef SERVER_EXCHANGE_ETAG_H
 #define SERVER_EXCHANGE_ETAG_H
 
 #include <stdbool.h>
-#include <stddef.h>
 
 /* Part of the tags of computed answers. Increment it with every change of an answer's bytes. */
 #define SERVER_FORMAT_VERSION "1"
 
 #define SERVER_ETAG_PACKED_SUFFIX "-gzip"
-#define SERVER_ETAG_TEXT          64 /* of a representation, with the NUL */
-#define SERVER_ETAG_LINES         64 /* of one header: as many as a request may have headers */
+#define SERVER_ETAG_TEXT          64 /* bytes of a representation's tag, with the NUL */
+/* most values of one header: as many as a request may have headers */
+#define SERVER_ETAG_LINES 64
 
 struct server_exchange;
 
-/* If-Match and If-None-Match: each the lines that the client sent, in order, which count as one
- * list; NULL: no more of them, and no such header when the first one is. The lines are borrowed. */
+/* The headers If-Match and If-None-Match: the values that the client sent, in order, each array
+ * ended by NULL. Several values count as one list. The values are borrowed. */
 struct server_precondition {
     const char *if_match[SERVER_ETAG_LINES + 1], *if_none_match[SERVER_ETAG_LINES + 1];
 };
 
-/* That of a request; borrowed from it. */
+/* Returns the preconditions of a request; the values are borrowed from it. */
 struct server_precondition server_precondition_read(const struct server_exchange *exchange);
+
+#define SERVER_ETAG_CAPTION 18 /* bytes of server_etag_caption, with the NUL */
+
+/* Writes the form of a description that contains this text of a client: "d" and 16 digits. Returns
+ * `out`; NULL if the text is empty. */
+const char *server_etag_caption(char out[SERVER_ETAG_CAPTION], const char *text);
 
 enum server_etag_form { SERVER_ETAG_NONE, SERVER_ETAG_PLAIN, SERVER_ETAG_PACKED };
 
@@ -39,15 +49,20 @@ enum server_etag_form { SERVER_ETAG_NONE, SERVER_ETAG_PLAIN, SERVER_ETAG_PACKED 
  * with NULL the resource's own tag `etag`. Tags are without quotes here and below. */
 void server_etag_write(char out[SERVER_ETAG_TEXT], const char *etag, const char *form);
 
-/* True if there is no If-Match, or if it lists a tag of the resource. `etag` is the resource's tag
- * or that of one of its representations; NULL: the resource does not exist. */
+/* Returns whether there is no If-Match, or it lists a tag of the resource. `etag` is the resource's
+ * tag or that of one of its representations; NULL: the resource does not exist. */
 bool server_precondition_matches(const struct server_precondition *precondition, const char *etag);
 
 /* Returns which of the representation's tags If-None-Match lists first; `etag` is the plain one. */
 enum server_etag_form server_precondition_known(const struct server_precondition *precondition,
                                                 const char *etag);
 
-/* True if both conditions allow a change of the resource, or a query by POST. */
+/* Returns whether both conditions allow a query by POST; `etag` is the resource's tag. */
 bool server_precondition_holds(const struct server_precondition *precondition, const char *etag);
+
+/* Returns whether both conditions allow a change of the resource, whose description contains the
+ * client's text; `etag` NULL: it does not exist. */
+bool server_precondition_allows(const struct server_precondition *precondition, const char *etag,
+                                const char *text);
 
 #endif

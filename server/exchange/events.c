@@ -5,32 +5,35 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/queue.h>
 
 #include "gd/control.h"
+#include "server/base/thread.h"
 
 #define PROGRESS_NS UINT64_C(100000000) /* between two messages of a stream, unless it is woken */
-/* without a message: proxies and clients take longer silence for a broken line */
+/* longest time without a message: proxies and clients treat a longer silence as a broken
+ * connection */
 #define HEARTBEAT_NS UINT64_C(15000000000)
-#define LOOK_NS      UINT64_C(1000000000) /* between two looks at the sockets of paused readers */
+#define LOOK_NS      UINT64_C(1000000000) /* between two checks of the sockets of paused readers */
 #define MESSAGE_MOST 65536                /* bytes */
 
 static const char heartbeat[] = ":\n\n";
 
 struct server_stream {
     struct server_events *events;
-    struct server_stream *next, *previous;
+    LIST_ENTRY(server_stream) next;
     struct server_event_source source;
     struct server_stream_reader reader;
-    struct proto_writer message; /* what is being read, */
-    size_t read;                 /* and how much of it was */
-    uint64_t told_version, told_ns;
+    struct proto_writer message; /* being read by the client */
+    size_t read;                 /* bytes of it that were read */
+    uint64_t sent_version, sent_ns;
     bool is_paused, is_woken;
-    bool has_ended; /* nothing comes after the message */
+    bool has_ended; /* the message is the last one */
 };
 
 struct server_events {
     pthread_mutex_t lock;
-    struct server_stream *first;
+    LIST_HEAD(, server_stream) streams;
     atomic_uint count;
     uint64_t looked_ns;
     bool is_ending;
@@ -64,20 +67,17 @@ struct server_stream *server_stream_open(struct server_events *events,
     if (!stream) return NULL;
     stream->events = events;
     stream->source = *source;
-    stream->is_woken = true; /* the first message tells how things stand */
+    stream->is_woken = true; /* the first message is the current state */
     proto_writer_init(&stream->message, MESSAGE_MOST);
-    pthread_mutex_lock(&events->lock);
-    stream->next = events->first;
-    if (stream->next) stream->next->previous = stream;
-    events->first = stream;
+    SERVER_LOCK(&events->lock);
+    LIST_INSERT_HEAD(&events->streams, stream, next);
     atomic_fetch_add(&events->count, 1);
-    pthread_mutex_unlock(&events->lock);
     return stream;
 }
 
 void server_stream_attach(struct server_stream *stream, struct server_stream_reader reader)
 {
-    stream->reader = reader; /* not called before its first pause */
+    stream->reader = reader; /* the reader is not called before its first pause */
 }
 
 void server_stream_close(struct server_stream *stream)
@@ -85,8 +85,7 @@ void server_stream_close(struct server_stream *stream)
     if (!stream) return;
     struct server_events *events = stream->events;
     pthread_mutex_lock(&events->lock);
-    if (stream->next) stream->next->previous = stream->previous;
-    *(stream->previous ? &stream->previous->next : &events->first) = stream->next;
+    LIST_REMOVE(stream, next);
     atomic_fetch_sub(&events->count, 1);
     pthread_mutex_unlock(&events->lock);
     stream->source.release(stream->source.user);
@@ -99,30 +98,30 @@ void server_stream_close(struct server_stream *stream)
 static bool stream_is_due(const struct server_stream *stream, uint64_t now_ns)
 {
     const struct server_event_source *source = &stream->source;
-    uint64_t silence = now_ns - stream->told_ns;
-    if (source->read) return false; /* a wake alone resumes its reader */
+    uint64_t silence = now_ns - stream->sent_ns;
+    if (source->read) return false; /* only server_events_wake resumes its reader */
     if (stream->is_woken) return true;
     return silence >= HEARTBEAT_NS ||
-           (silence >= PROGRESS_NS && source->version(source->user) != stream->told_version);
+           (silence >= PROGRESS_NS && source->version(source->user) != stream->sent_version);
 }
 
-/* The version is read first: what happens meanwhile is told twice rather than never. */
+/* Reads the version first: a change during the call is sent twice rather than never. */
 static void stream_compose(struct server_stream *stream, uint64_t now_ns)
 {
     const struct server_event_source *source = &stream->source;
     uint64_t version = source->version(source->user);
-    bool is_news = stream->is_woken || version != stream->told_version;
+    bool is_news = stream->is_woken || version != stream->sent_version;
     proto_writer_free(&stream->message);
     proto_writer_init(&stream->message, MESSAGE_MOST);
     if (is_news)
-        stream->has_ended = !source->tell(source->user, &stream->message);
+        stream->has_ended = !source->write(source->user, &stream->message);
     else
         proto_append(&stream->message, heartbeat, strlen(heartbeat));
     if (stream->message.failure || stream->events->is_ending) stream->has_ended = true;
     stream->read = 0;
     stream->is_woken = false;
-    stream->told_version = version;
-    stream->told_ns = now_ns;
+    stream->sent_version = version;
+    stream->sent_ns = now_ns;
 }
 
 static ptrdiff_t stream_read_message(struct server_stream *stream, char *bytes, size_t size)
@@ -142,14 +141,13 @@ ptrdiff_t server_stream_read(struct server_stream *stream, char *bytes, size_t s
 {
     const struct server_event_source *source = &stream->source;
     ptrdiff_t read;
-    pthread_mutex_lock(&stream->events->lock);
+    SERVER_LOCK(&stream->events->lock);
     if (!source->read)
         read = stream_read_message(stream, bytes, size);
     else
         read = stream->has_ended ? SERVER_STREAM_CUT : source->read(source->user, bytes, size);
     stream->is_paused = read == 0;
     if (stream->is_paused) stream->reader.pause(stream->reader.user);
-    pthread_mutex_unlock(&stream->events->lock);
     return read;
 }
 
@@ -162,41 +160,44 @@ static void stream_resume(struct server_stream *stream)
     stream->reader.resume(stream->reader.user);
 }
 
-/* A stream whose client has hung up ends, so that its reader is resumed and finds out. */
+/* Ends the stream of a client that has hung up, and resumes its reader. */
 void server_events_tick(struct server_events *events, uint64_t now_ns)
 {
+    struct server_stream *stream;
     if (server_events_count(events) == 0) return;
-    pthread_mutex_lock(&events->lock);
+    SERVER_LOCK(&events->lock);
     bool looks = now_ns - events->looked_ns >= LOOK_NS;
     if (looks) events->looked_ns = now_ns;
-    for (struct server_stream *stream = events->first; stream; stream = stream->next) {
+    LIST_FOREACH(stream, &events->streams, next)
+    {
         if (!stream->is_paused) continue;
         if (looks && stream->reader.is_gone(stream->reader.user)) stream->has_ended = true;
         if (stream->has_ended || stream_is_due(stream, now_ns)) stream_resume(stream);
     }
-    pthread_mutex_unlock(&events->lock);
 }
 
 void server_events_wake(struct server_events *events, const void *user)
 {
+    struct server_stream *stream;
     if (server_events_count(events) == 0) return;
-    pthread_mutex_lock(&events->lock);
-    for (struct server_stream *stream = events->first; stream; stream = stream->next) {
+    SERVER_LOCK(&events->lock);
+    LIST_FOREACH(stream, &events->streams, next)
+    {
         if (stream->source.user != user) continue;
         stream->is_woken = true;
         stream_resume(stream);
     }
-    pthread_mutex_unlock(&events->lock);
 }
 
 void server_events_end(struct server_events *events)
 {
-    pthread_mutex_lock(&events->lock);
+    struct server_stream *stream;
+    SERVER_LOCK(&events->lock);
     events->is_ending = true;
-    for (struct server_stream *stream = events->first; stream; stream = stream->next) {
+    LIST_FOREACH(stream, &events->streams, next)
+    {
         if (stream->source.read) continue;
         stream->has_ended = true;
         stream_resume(stream);
     }
-    pthread_mutex_unlock(&events->lock);
 }

@@ -1,16 +1,16 @@
-/* Events: answers that come as things happen, each to a client that watches: server-sent events, or
- * an answer's own text (relay.h).
+/* Events: answers that are sent in pieces over time, each to one client: server-sent events, or the
+ * text of an answer (relay.h). For example:
  *
  *     stream = server_stream_open(events, &source);      a handler, into exchange->response.stream
  *     server_stream_attach(stream, reader);              the transport, when it begins to send
  *     read = server_stream_read(stream, bytes, size);    ... whenever it can write
- *     server_events_wake(events, source.user);           the source has news
+ *     server_events_wake(events, source.user);           the source has changed
  *     server_stream_close(stream);                       with the exchange
  *
- * DESIGN. A source is read when its client can take more, so slow clients miss the events in
- * between, and no queue grows. A reader that has nothing to read is paused until there is news, a
- * heartbeat is due, or its client has hung up. One mutex guards the list of streams; pause, resume
- * and sources are called under it, so the locks of sources rank below. */
+ * DESIGN. A source is read only when its client can receive more. So slow clients miss intermediate
+ * events, and no queue grows. A reader without data is paused until the source changes, a heartbeat
+ * is due, or its client has hung up. One mutex guards the list of streams. It is held while pause,
+ * resume and sources are called, so a source's lock is acquired after it. */
 #ifndef SERVER_EXCHANGE_EVENTS_H
 #define SERVER_EXCHANGE_EVENTS_H
 
@@ -28,58 +28,59 @@ struct server_stream;
 
 /* Thread-safe. */
 struct server_event_source {
-    /* A number that changes whenever there is something new to tell. Cheap. */
+    /* Returns a number that changes whenever the source does. Must be cheap. */
     uint64_t (*version)(void *user);
-    /* Writes what there is to tell; false: it is the last. */
-    bool (*tell)(void *user, struct proto_writer *writer);
-    /* Instead of both, for an answer's text, for which a drain waits: as server_stream_read. A
-     * client that hangs up meanwhile gets SERVER_STREAM_CUT. */
+    /* Writes the next message; returns false for the last one. */
+    bool (*write)(void *user, struct proto_writer *writer);
+    /* Used instead of `version` and `write` for the text of an answer, for which a drain waits;
+     * arguments and result as for server_stream_read. After the client has hung up, the stream
+     * returns SERVER_STREAM_CUT. */
     ptrdiff_t (*read)(void *user, char *bytes, size_t size);
     void (*release)(void *user);
     void *user;
 };
 
-/* How a stream makes its transport read, or not. */
+/* Pauses and resumes the reading of a transport. */
 struct server_stream_reader {
-    void (*pause)(void *user);   /* called within a read: nothing is to be read until resume */
-    void (*resume)(void *user);  /* by any thread */
-    bool (*is_gone)(void *user); /* a paused reader's client has hung up; a system call */
+    void (*pause)(void *user);  /* called within a read: the transport reads no more until resume */
+    void (*resume)(void *user); /* called by any thread */
+    /* returns whether a paused reader's client has hung up; a system call */
+    bool (*is_gone)(void *user);
     void *user;
 };
 
-/* NULL without memory. */
+/* NULL: out of memory. */
 struct server_events *server_events_create(void);
 
-/* All streams are closed. NULL is harmless. */
+/* Call it when all streams are closed. NULL is harmless. */
 void server_events_destroy(struct server_events *events);
 
-/* Resumes readers for progress, heartbeats, and clients that have hung up. To be called every 10
- * milliseconds or so while there is progress, every second while there are streams. NULL is
- * harmless. */
+/* Resumes readers if progress or a heartbeat is due, or the client has hung up. Call it every 10 ms
+ * while requests are deferred, else every second while there are streams. NULL is harmless. */
 void server_events_tick(struct server_events *events, uint64_t now_ns);
 
-/* Tells the streams of a source at once that there is news. */
+/* Resumes the readers of a source's streams at once. */
 void server_events_wake(struct server_events *events, const void *user);
 
-/* Ends all streams of events, and coming ones after their first message. */
+/* Ends all streams of events. Later streams end after their first message. */
 void server_events_end(struct server_events *events);
 
-/* Streams that are open. Thread-safe. NULL: 0. */
+/* Returns the number of open streams. Thread-safe. NULL: 0. */
 uint32_t server_events_count(const struct server_events *events);
 
-/* A stream of the source, which is released when the stream is closed. NULL without memory: then
- * it is not. */
+/* Opens a stream of the source, which is released when the stream is closed. Returns NULL if out of
+ * memory; then the source is not released. */
 struct server_stream *server_stream_open(struct server_events *events,
                                          const struct server_event_source *source);
 
-/* Once, before the first read. */
+/* Call it once, before the first read. */
 void server_stream_attach(struct server_stream *stream, struct server_stream_reader reader);
 
-/* Fills in at most `size` bytes and returns how many. 0: none, the reader is paused;
+/* Writes at most `size` bytes and returns their number. 0: none, the reader is paused;
  * SERVER_STREAM_END, SERVER_STREAM_CUT. */
 ptrdiff_t server_stream_read(struct server_stream *stream, char *bytes, size_t size);
 
-/* The transport reads no more, and its reader is not called any more. NULL is harmless. */
+/* Closes the stream; its reader is not called any more. NULL is harmless. */
 void server_stream_close(struct server_stream *stream);
 
 #endif

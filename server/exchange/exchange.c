@@ -11,7 +11,7 @@
 #include "server/exchange/events.h"
 
 #define TARGET_MOST 8192  /* bytes */
-#define HEAD_MOST   12288 /* bytes of all parts: leaves the library room for the answer (http.c) */
+#define HEAD_MOST   12288 /* bytes of the whole head; the library needs room for the answer */
 #define BLANKS      " \t"
 
 #define QUOTE_(number) #number
@@ -26,8 +26,8 @@ static int hex_digit(char c)
                                         : -1;
 }
 
-/* Decodes %XX in place. A plus sign stands for itself: numbers have exponents. False at a broken
- * escape or an encoded NUL. */
+/* Decodes %XX in place, but not the plus sign: numbers have exponents. False at a broken escape or
+ * an encoded NUL. */
 static bool percent_decode(char *text)
 {
     char *out = strchr(text, '%');
@@ -46,8 +46,9 @@ static bool percent_decode(char *text)
     return true;
 }
 
-/* An encoded slash would make two segments of one, a control character has no place in any name. */
-static const char *decode_path(char *path)
+/* Decodes the path. Returns why it is malformed, or NULL. An encoded slash would split a
+ * segment. */
+static const char *path_decode(char *path)
 {
     if (strchr(path, '%') && strcasestr(path, "%2f"))
         return "a path segment of this API can't hold an encoded slash";
@@ -57,7 +58,7 @@ static const char *decode_path(char *path)
     return NULL;
 }
 
-static const char *split_query(struct server_exchange *exchange, char *query)
+static const char *query_split(struct server_exchange *exchange, char *query)
 {
     bool has_escapes = strchr(query, '%');
     for (char *part = query, *rest; part; part = rest) {
@@ -71,8 +72,7 @@ static const char *split_query(struct server_exchange *exchange, char *query)
         char *value = equals ? equals + 1 : part + strlen(part);
         if (has_escapes && (!percent_decode(part) || !percent_decode(value)))
             return "the query string has a broken percent escape";
-        exchange->parameters[exchange->parameter_count++] =
-            (struct server_named_value){part, value};
+        exchange->parameters[exchange->parameter_count++] = (struct proto_parameter){part, value};
     }
     return NULL;
 }
@@ -161,9 +161,10 @@ static bool on_progress(void *user, double fraction)
 
 struct gd_control server_exchange_control(struct server_monitor *monitor)
 {
-    return (struct gd_control){.deadline_ns = monitor->exchange->job.deadline_ns,
-                               .progress = on_progress,
-                               .user = monitor};
+    uint64_t deadline_ns = monitor->exchange->job.deadline_ns;
+    if (monitor->limit_ns && monitor->limit_ns < deadline_ns) deadline_ns = monitor->limit_ns;
+    return (struct gd_control){
+        .deadline_ns = deadline_ns, .progress = on_progress, .user = monitor};
 }
 
 /* --- life ------------------------------------------------------------------------------------- */
@@ -191,8 +192,8 @@ bool server_exchange_begin(struct server_exchange *exchange, struct server_host 
     char *path = exchange->target, *query = strchr(path, '?');
     if (query) *query++ = '\0';
     exchange->path = path;
-    exchange->fault = decode_path(path);
-    if (!exchange->fault && query) exchange->fault = split_query(exchange, query);
+    exchange->fault = path_decode(path);
+    if (!exchange->fault && query) exchange->fault = query_split(exchange, query);
     return true;
 }
 
@@ -208,8 +209,8 @@ struct server_exchange *server_exchange_create(struct server_host *host,
 
 /* --- another transport ------------------------------------------------------------------------ */
 
-/* Copies the text to `*at`, which is behind the copy then. */
-static char *copy_text(char **at, const char *text)
+/* Copies the text to `*at` and advances `*at` past the copy. */
+static char *text_copy(char **at, const char *text)
 {
     size_t size = strlen(text) + 1;
     char *copy = memcpy(*at, text, size);
@@ -217,23 +218,24 @@ static char *copy_text(char **at, const char *text)
     return copy;
 }
 
-static bool copy_head(struct server_exchange *to, const struct server_exchange *from)
+static bool head_copy(struct server_exchange *to, const struct server_exchange *from)
 {
     size_t size = strlen(from->method) + 1;
     for (uint32_t i = 0; i < from->header_count; i++)
         size += strlen(from->headers[i].name) + strlen(from->headers[i].value) + 2;
     char *at = to->copies = malloc(size);
     if (!at) return false;
-    to->method = copy_text(&at, from->method);
+    to->method = text_copy(&at, from->method);
     to->header_count = from->header_count;
     for (uint32_t i = 0; i < from->header_count; i++) {
-        to->headers[i].name = copy_text(&at, from->headers[i].name);
-        to->headers[i].value = copy_text(&at, from->headers[i].value);
+        to->headers[i].name = text_copy(&at, from->headers[i].name);
+        to->headers[i].value = text_copy(&at, from->headers[i].value);
     }
     return true;
 }
 
-/* Hands the target and what points into it over; `from` keeps `path`, a copy of its path. */
+/* Moves the target, and all that points into it, to `to`. `from` keeps `path`, a copy of its
+ * path. */
 static void target_pass(struct server_exchange *from, struct server_exchange *to, char *path)
 {
     to->target = from->target;
@@ -257,7 +259,7 @@ struct server_exchange *server_exchange_detach(struct server_exchange *exchange,
     if (server_budget_take(exchange->host->budget, SERVER_BUDGET_FLIGHT, bytes))
         detached->held = bytes;
     char *path = strdup(exchange->path);
-    if (!detached->held || !path || !copy_head(detached, exchange)) {
+    if (!detached->held || !path || !head_copy(detached, exchange)) {
         free(path);
         server_exchange_destroy(detached);
         return NULL;
@@ -293,15 +295,15 @@ void server_exchange_add_header(struct server_exchange *exchange, const char *na
                                 const char *value)
 {
     if (exchange->header_count == SERVER_EXCHANGE_HEADERS)
-        exchange->fault = "the request has more than 64 headers";
+        exchange->fault = "the request has more than 64 headers; send fewer";
     else
         exchange->headers[exchange->header_count++] =
-            (struct server_named_value){name, value ? value : ""};
+            (struct server_request_header){name, value ? value : ""};
     if (strncasecmp(name, "If-", 3) == 0) exchange->has_conditions = true;
 }
 
-/* The same name, whatever the case; most differ in the first letter. */
-static inline bool is_name(const char *a, const char *b)
+/* Compares names, ignoring case. Most differ in the first letter. */
+static inline bool name_equal(const char *a, const char *b)
 {
     return ((*a ^ *b) & ~('a' ^ 'A')) == 0 && strcasecmp(a, b) == 0;
 }
@@ -309,7 +311,7 @@ static inline bool is_name(const char *a, const char *b)
 const char *server_exchange_header(const struct server_exchange *exchange, const char *name)
 {
     for (uint32_t i = 0; i < exchange->header_count; i++)
-        if (is_name(exchange->headers[i].name, name)) return exchange->headers[i].value;
+        if (name_equal(exchange->headers[i].name, name)) return exchange->headers[i].value;
     return NULL;
 }
 
@@ -317,7 +319,7 @@ uint32_t server_exchange_count_headers(const struct server_exchange *exchange, c
 {
     uint32_t count = 0;
     for (uint32_t i = 0; i < exchange->header_count; i++)
-        count += is_name(exchange->headers[i].name, name);
+        count += name_equal(exchange->headers[i].name, name);
     return count;
 }
 
@@ -343,35 +345,61 @@ bool server_exchange_is(const struct server_exchange *exchange, const char *meth
     return strcmp(exchange->method, method) == 0;
 }
 
-static const char *parameter_get(void *user, const char *name)
+struct proto_parameters server_exchange_parameters(const struct server_exchange *exchange)
 {
-    const struct server_exchange *exchange = user;
+    return (struct proto_parameters){exchange->parameters, exchange->parameter_count};
+}
+
+/* --- former names --------------------------------------------------------------------------- */
+
+static bool parameter_rename(struct server_exchange *exchange,
+                             const struct proto_deprecation *deprecation,
+                             struct proto_problem *problem)
+{
+    const char *former = deprecation->name, *name = deprecation->replacement;
+    const struct proto_parameters parameters = server_exchange_parameters(exchange);
+    struct proto_parameter *found = NULL;
     for (uint32_t i = 0; i < exchange->parameter_count; i++) {
-        const struct server_named_value *parameter = &exchange->parameters[i];
-        if (*parameter->name == *name && strcmp(parameter->name, name) == 0)
-            return parameter->value;
+        if (strcmp(exchange->parameters[i].name, former) != 0) continue;
+        exchange->deprecation = deprecation;
+        if (found)
+            return proto_problem_refuse(problem, former,
+                                        "the parameter \"%s\" stands more than once", former);
+        found = &exchange->parameters[i];
     }
-    return NULL;
+    if (found && proto_parameters_get(&parameters, name))
+        return proto_problem_refuse(problem, former,
+                                    "\"%s\" is the former name of \"%s\"; send only \"%s\"", former,
+                                    name, name);
+    if (found) found->name = name;
+    return true;
 }
 
-static void parameter_each(void *user, bool (*visit)(void *context, const char *name),
-                           void *context)
+bool server_exchange_rename(struct server_exchange *exchange, struct proto_problem *problem)
 {
-    const struct server_exchange *exchange = user;
-    for (uint32_t i = 0; i < exchange->parameter_count; i++)
-        if (!visit(context, exchange->parameters[i].name)) return;
+    const struct proto_route *route = exchange->match.route;
+    const struct proto_deprecation *each = route->deprecated_parameters;
+    exchange->deprecation = route->deprecation;
+    for (; each && each->name && exchange->parameter_count; each++)
+        if (!parameter_rename(exchange, each, problem)) return false;
+    return true;
 }
 
-struct proto_parameters server_exchange_parameters(struct server_exchange *exchange)
+const char *server_exchange_sent_name(const struct server_exchange *exchange, const char *parameter)
 {
-    return (struct proto_parameters){
-        .get = parameter_get, .each = parameter_each, .user = exchange};
+    const struct proto_route *route = exchange->match.route;
+    const struct proto_deprecation *each = route ? route->deprecated_parameters : NULL;
+    for (; each && each->name && exchange->deprecation; each++)
+        for (uint32_t i = 0; i < exchange->parameter_count; i++)
+            if (exchange->parameters[i].name == each->replacement && /* the pointer: renamed */
+                strcmp(parameter, each->replacement) == 0)
+                return each->name;
+    return parameter;
 }
 
 /* --- preferences ------------------------------------------------------------------------------ */
 
-/* End of the element of a list that begins at `text`: the next comma that is not within quotes, or
- * the end. */
+/* Returns the end of the list element at `text`: the next comma outside quotes, or the end. */
 static const char *element_end(const char *text)
 {
     bool is_quoted = false;
@@ -382,8 +410,8 @@ static const char *element_end(const char *text)
     return text;
 }
 
-/* The element is the preference, with or without parameters. */
-static bool is_preference(const char *element, const char *preference)
+/* Returns whether the element is the preference, with or without parameters. */
+static bool element_is_preference(const char *element, const char *preference)
 {
     size_t size = strlen(preference);
     element += strspn(element, BLANKS);
@@ -400,9 +428,9 @@ static bool is_preference(const char *element, const char *preference)
 bool server_exchange_prefers(const struct server_exchange *exchange, const char *preference)
 {
     for (uint32_t i = 0; i < exchange->header_count; i++) {
-        if (!is_name(exchange->headers[i].name, "Prefer")) continue;
+        if (!name_equal(exchange->headers[i].name, "Prefer")) continue;
         for (const char *element = exchange->headers[i].value;; element++) {
-            if (is_preference(element, preference)) return true;
+            if (element_is_preference(element, preference)) return true;
             element = element_end(element);
             if (!*element) break;
         }
@@ -418,7 +446,7 @@ static const bool is_token_byte[256] = {
     ['^' ... 'z'] = true, ['|'] = true,          ['~'] = true,
 };
 
-/* The size of a token; 0: the text is none. */
+/* Returns the size of a token; 0: the text is not one. */
 static size_t token_size(const char *text)
 {
     size_t size = 0;
@@ -426,7 +454,7 @@ static size_t token_size(const char *text)
     return text[size] ? 0 : size;
 }
 
-static bool is_control(unsigned char byte)
+static bool byte_is_control(unsigned char byte)
 {
     return (byte < ' ' && byte != '\t') || byte == 0x7f;
 }
@@ -442,15 +470,16 @@ const char *server_exchange_check_target(const char *target)
                                      TARGET_MOST) " bytes; send a POST with a body";
 }
 
-/* `size`: of method and target. */
-static const char *check_headers(const struct server_exchange *exchange, size_t size)
+/* Checks the headers. `size`: bytes of method and target. */
+static const char *headers_check(const struct server_exchange *exchange, size_t size)
 {
     for (uint32_t i = 0; i < exchange->header_count; i++) {
         const char *value = exchange->headers[i].value, *end = value;
         size_t name_size = token_size(exchange->headers[i].name);
         if (!name_size)
-            return "the name of a header is no token, or a blank stands before its colon";
-        while (*end && !is_control((unsigned char)*end)) end++;
+            return "a header name holds a character that is not allowed, or a blank before its "
+                   "colon";
+        while (*end && !byte_is_control((unsigned char)*end)) end++;
         if (*end) return "the value of a header holds a control character";
         size += name_size + (size_t)(end - value);
     }
@@ -459,7 +488,7 @@ static const char *check_headers(const struct server_exchange *exchange, size_t 
                : "the request line and the headers have more than " QUOTE(HEAD_MOST) " bytes";
 }
 
-static bool read_length(const char *text, uint64_t *out)
+static bool length_read(const char *text, uint64_t *out)
 {
     size_t digits = strspn(text, "0123456789");
     if (digits == 0 || text[digits]) return false;
@@ -468,8 +497,9 @@ static bool read_length(const char *text, uint64_t *out)
     return errno == 0 && *out != SERVER_BODY_CHUNKED;
 }
 
-/* Two equal lengths are refused, too: readers differ in which one they would take. */
-static const char *read_framing(struct server_exchange *exchange)
+/* Reads the framing of the body. Also refuses two equal lengths: readers differ in which one they
+ * use. */
+static const char *framing_read(struct server_exchange *exchange)
 {
     uint32_t lengths = server_exchange_count_headers(exchange, "Content-Length");
     uint32_t hosts = server_exchange_count_headers(exchange, "Host");
@@ -485,7 +515,7 @@ static const char *read_framing(struct server_exchange *exchange)
                     strcasecmp(server_exchange_header(exchange, "Transfer-Encoding"), "chunked")))
         return "the only Transfer-Encoding is chunked, from HTTP/1.1 on";
     if (lengths &&
-        !read_length(server_exchange_header(exchange, "Content-Length"), &exchange->body.declared))
+        !length_read(server_exchange_header(exchange, "Content-Length"), &exchange->body.declared))
         return "Content-Length is not a decimal number of bytes";
     return NULL;
 }
@@ -494,9 +524,9 @@ const char *server_exchange_read_head(struct server_exchange *exchange, const ch
 {
     size_t method_size = token_size(exchange->method);
     exchange->is_http10 = strcmp(version, "HTTP/1.0") == 0;
-    if (!method_size) return "the method is no token";
+    if (!method_size) return "the method holds a character that is not allowed";
     if (!exchange->is_http10 && strcmp(version, "HTTP/1.1") != 0)
         return "the version is neither HTTP/1.1 nor HTTP/1.0";
-    const char *fault = check_headers(exchange, method_size + exchange->target_size);
-    return fault ? fault : read_framing(exchange);
+    const char *fault = headers_check(exchange, method_size + exchange->target_size);
+    return fault ? fault : framing_read(exchange);
 }

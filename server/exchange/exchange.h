@@ -1,10 +1,11 @@
-/* Exchange: one request and its answer, as handlers see them. No HTTP library shows here.
+/* Exchange: one request and its answer, as handlers see them. This header does not expose the HTTP
+ * library.
  *
  * DESIGN. An exchange belongs to one thread at a time: the HTTP thread that reads it, then, if the
  * handler deferred it, the queue, a worker or a pending build of the cache, then the HTTP thread
- * again. The workers' lock hands it over one way and transport->finish the other: a thread that
+ * again. The workers' lock hands it to a worker, and transport->finish hands it back. A thread that
  * has submitted, parked or finished an exchange does not touch it any more. Its transport is a
- * connection (http.c), or a job whose answer is stored (job_table.h); handlers need not know which.
+ * connection (http.c) or a job whose answer is stored (job_table.h); handlers need not know which.
  *
  * States: reading -> ready -> answered, or deferred -> answered. Answered means response.status is
  * set (reply.h). A handler ends with a reply or with server_exchange_defer. */
@@ -20,7 +21,7 @@
 #include "proto/http/options.h"
 #include "proto/http/route.h"
 #include "server/access/access.h"
-#include "server/exchange/body.h"
+#include "server/work/budget.h"
 #include "server/work/workers.h"
 
 #define SERVER_EXCHANGE_HEADERS    64
@@ -33,27 +34,67 @@ struct server_api;
 struct server_events;
 struct server_answer_streams;
 struct server_exchange;
+struct server_inflater;
 struct server_metrics;
 struct server_workspaces;
 struct server_pending_build;
 struct server_stream;
 struct server_surface;
 
-struct server_named_value { /* of strings that the transport or the exchange owns */
+/* --- the body of a request (body.c) ----------------------------------------------------------- */
+/* Bytes are collected within a limit and the byte budget. */
+
+#define SERVER_BODY_CHUNKED UINT64_MAX
+
+struct server_body {
+    struct server_budget *budget; /* set by server_body_prepare */
+    char *bytes;                  /* NULL while empty */
+    /* `capacity` bytes are taken from the budget (SERVER_BUDGET_FLIGHT) */
+    size_t size, capacity;
+    uint64_t declared;                /* Content-Length; 0: none; or SERVER_BODY_CHUNKED */
+    uint64_t limit;                   /* most bytes that the operation accepts */
+    size_t refused;                   /* bytes that the budget refused */
+    struct server_inflater *inflater; /* decompressor of a compressed body, or NULL */
+    const char *fault;                /* sentence why decompression failed, or NULL */
+    /* problem of the exceeded limit: the rest of the body is dropped, and the problem is sent at
+     * its end */
+    enum proto_problem_code failure;
+};
+
+/* Refuses a declared length that exceeds the limit or the whole budget. */
+bool server_body_prepare(struct server_body *body, struct server_budget *budget, uint64_t declared,
+                         uint64_t limit, struct proto_problem *problem);
+
+/* Prepares to decompress a gzip body: size and limit then apply to the result. Call it before the
+ * first byte. */
+bool server_body_unpack(struct server_body *body, struct proto_problem *problem);
+
+/* Appends bytes. If the limit or the budget is exceeded, sets `failure` and drops the rest. */
+void server_body_append(struct server_body *body, const void *bytes, size_t size);
+
+/* Called at the end of the body. False with the problem of `failure`. */
+bool server_body_check(struct server_body *body, struct proto_problem *problem);
+
+/* Frees the bytes and gives them back to the budget. */
+void server_body_drop(struct server_body *body);
+
+/* --- the exchange ----------------------------------------------------------------------------- */
+
+struct server_request_header { /* both strings are owned by the transport or the exchange */
     const char *name, *value;
 };
 
 struct server_response_header {
     const char *name;
-    size_t size; /* of the value, without its NUL */
+    size_t size; /* bytes of the value, without its NUL */
     char value[SERVER_HEADER_VALUE];
 };
 
-/* The middle of a body: bytes of the lender, which counts them and stays until its release. */
+/* The middle of a body: bytes that the lender owns and counts until they are released. */
 struct server_lent {
-    const void *bytes; /* NULL: there is none, and `body` is all */
+    const void *bytes; /* NULL: `body` is the whole body */
     size_t size;
-    const char *tail; /* static text behind them; "" */
+    const char *tail; /* static text after them; or "" */
     void *lender;
     void (*release)(void *lender);
 };
@@ -63,32 +104,33 @@ struct server_response {
     const char *media_type;
     enum proto_problem_code problem; /* PROTO_PROBLEM_NONE: none */
     const void *body;
-    void *owned; /* `body` when it is to be freed, else NULL: it outlives the server */
+    void *owned; /* equals `body` if that must be freed; NULL: `body` is static */
     struct server_lent lent;
-    size_t size; /* of all of it, with what is lent */
+    size_t size; /* bytes of the whole body, including the lent bytes */
     size_t held; /* bytes of SERVER_BUDGET_ANSWERS for the body, until it is freed */
     struct server_stream *stream; /* instead of a body (events.h); NULL: none */
-    bool close;                   /* the connection ends with this answer */
+    bool close;                   /* close the connection after this answer */
     const char *policy;           /* Content-Security-Policy of a page; NULL: the answer is data */
     uint32_t header_count;
     struct server_response_header headers[SERVER_RESPONSE_HEADERS];
 };
 
-/* What carries an exchange: a connection, a job, an item of a batch. */
+/* The carrier of an exchange: a connection, a job, or an item of a batch. */
 struct server_transport {
-    /* A deferred exchange is answered: it is the transport's again. */
+    /* A deferred exchange is answered, and belongs to the transport again. */
     void (*finish)(struct server_exchange *exchange);
-    /* The client of a deferred exchange has gone. Called every millisecond, by any thread. */
+    /* Returns whether the client of a deferred exchange has gone. Called every millisecond, by any
+     * thread. */
     bool (*is_gone)(struct server_exchange *exchange);
-    /* A worker starts to work on a deferred exchange, perhaps again. May be NULL. */
+    /* Called when a worker starts or resumes a deferred exchange. May be NULL. */
     void (*begin)(struct server_exchange *exchange);
     /* Progress in [0,1], by any thread. May be NULL. */
     void (*report)(struct server_exchange *exchange, double part);
     bool can_stream; /* the answer may be a stream (server_reply_stream) */
 };
 
-/* What the requests of a daemon have in common. The composition root fills it in; all that it
- * points to outlives the exchanges. */
+/* The parts and settings that all requests of a daemon share. The composition root fills it in. Its
+ * parts outlive the exchanges. */
 struct server_host {
     struct server_budget *budget;
     struct server_workers *workers;
@@ -98,15 +140,17 @@ struct server_host {
     struct server_metrics *metrics;
     uint64_t timeout_ms, slow_ms, queue_length;
     bool has_cors_origins;
-    /* Calls the handler of the exchange's route, with a deadline from now on. Returns with a reply,
-     * or with `work` set: then the exchange is to be submitted. */
+    char frame_ancestors[256]; /* origins that may frame pages; empty: none */
+    /* Sets the deadline and calls the handler of the exchange's route. Returns with a reply, or
+     * with `work` set: then the caller submits the exchange. */
     void (*dispatch)(struct server_exchange *exchange);
-    /* The first exchange was deferred, or a stream was opened: deadlines have to be watched. */
+    /* Called when the first exchange is deferred or a stream is opened: starts to watch
+     * deadlines. */
     void (*watch)(void *user);
     void *watcher;
     atomic_uint deferred; /* exchanges that connections and jobs have submitted */
     atomic_bool is_draining;
-    struct server_api *api; /* what handlers use besides (query/api.h) */
+    struct server_api *api; /* the parts that only handlers use (query/api.h) */
 };
 
 struct server_exchange {
@@ -114,22 +158,24 @@ struct server_exchange {
     const struct server_transport *transport;
     struct server_job job;
 
-    const char *method; /* as in the request line */
+    const char *method; /* as in the request line, for example "GET" */
     bool is_http10;
-    bool has_body;       /* one is announced, even if empty */
-    bool has_conditions; /* If-Match, If-None-Match or the like is among the headers */
+    bool is_local;       /* the connection comes from this host, perhaps from a proxy */
+    bool has_body;       /* the headers announce one, even if it is empty */
+    bool has_conditions; /* a header If-Match, If-None-Match or another If-… exists */
     char *target;        /* storage of path and parameters, which are decoded in place */
     size_t target_size;
     const char *path; /* never NULL */
     uint32_t parameter_count, header_count;
-    char *copies;      /* of method and headers; NULL: they are the transport's */
-    const char *fault; /* why the request could not be read, a sentence; NULL: it could */
+    char *copies;      /* copies of method and headers; NULL: the transport owns them */
+    const char *fault; /* sentence why the request is malformed; NULL: it is well-formed */
     struct proto_route_match match; /* route NULL: none found */
-    /* the former name that the request uses (deprecation.h); NULL: none */
+    /* the former name that the request uses (server_exchange_rename); NULL: none */
     const struct proto_deprecation *deprecation;
     char request_id[SERVER_REQUEST_ID];
     struct server_grant grant;
-    const char *tenant;      /* whose names it is about (kind.h), borrowed from the grant; or "" */
+    /* tenant of the names in the path (kind.h), borrowed from the grant; or "" */
+    const char *tenant;
     const char *cors_origin; /* the Origin header, if --cors-origin lists it; or NULL */
     struct server_body body;
 
@@ -139,82 +185,92 @@ struct server_exchange {
     struct server_surface *surface; /* a reference; loaded for this exchange, or NULL */
     void (*release_surface)(struct server_surface *surface); /* set with `surface` */
     size_t held;   /* bytes of SERVER_BUDGET_FLIGHT until the exchange ends */
-    size_t parsed; /* of them, for a document that is being decoded (request.h) */
-    void *state;   /* the handler's own, kept over a deferral, until the answer is there */
+    size_t parsed; /* part of `held` for the document being decoded (request.h) */
+    void *state;   /* the handler's own, until the exchange is answered */
     void (*free_state)(void *state);
 
     struct server_response response;
 
-    /* From the response's headers on nothing is initialized but what is counted: clearing it takes
-     * longer than the rest of a short request. */
-    struct server_named_value parameters[SERVER_EXCHANGE_PARAMETERS],
-        headers[SERVER_EXCHANGE_HEADERS];
+    /* These and the response's headers are not initialized, except for counted elements: clearing
+     * them takes longer than the rest of a short request. */
+    struct proto_parameter parameters[SERVER_EXCHANGE_PARAMETERS];
+    struct server_request_header headers[SERVER_EXCHANGE_HEADERS];
 };
 
 /* --- for the transport (http.c) and the router ------------------------------------------------ */
 
 /* Begins an exchange of a raw target ("/v1/meshes?limit=3") in memory that may be used again when
- * it has ended. False without memory: then it has not begun. A target that can't be read is a fault
- * of the request. */
+ * it has ended. False: out of memory; then it has not begun. If the target is malformed, sets
+ * `fault`. */
 bool server_exchange_begin(struct server_exchange *exchange, struct server_host *host,
                            const struct server_transport *transport, const char *target);
 void server_exchange_end(struct server_exchange *exchange);
 
-/* The same in memory of its own; NULL without memory. */
+/* Allocates and begins an exchange. NULL: out of memory. */
 struct server_exchange *server_exchange_create(struct server_host *host,
                                                const struct server_transport *transport,
                                                const char *target);
 void server_exchange_destroy(struct server_exchange *exchange); /* NULL is harmless */
 
-/* Free the handler's state; the answer's body, or return it to its lender. */
+/* Free the handler's state, or the answer's body; lent bytes return to their lender. */
 void server_exchange_drop_state(struct server_exchange *exchange);
 void server_exchange_drop_body(struct server_exchange *exchange);
 
-/* Adds a request header; strings are borrowed until the exchange ends. One too many is a fault of
- * the request. */
+/* Adds a request header; borrows the strings until the exchange ends. If there are too many, sets
+ * `fault`. */
 void server_exchange_add_header(struct server_exchange *exchange, const char *name,
                                 const char *value);
 
-/* Two readers that disagree on where a request ends can be made to see different requests (request
- * smuggling). So a head that readers are known to understand differently is refused: RFC 9112, 3.2,
- * 5.1, 6 and 11.2; RFC 9110, 5.5 and 5.6.2; server/doc/019-http-library.md. The first function
- * checks the target of the request line; the second one method, version and headers, and sets
- * is_http10, has_body and body.declared. Return why the head is refused, static; NULL: it is not.
- * O(bytes). */
+/* If a proxy and the daemon disagree on where a request ends, an attacker can make them see
+ * different requests (request smuggling). So these functions refuse heads that readers are known to
+ * understand differently: RFC 9112, 3.2, 5.1, 6 and 11.2; RFC 9110, 5.5 and 5.6.2;
+ * server/doc/019-http-library.md. The first function checks the target. The second one checks
+ * method, version and headers, and sets is_http10, has_body and body.declared. They return why the
+ * head is refused, a static sentence; or NULL. O(bytes). */
 const char *server_exchange_check_target(const char *target);
 const char *server_exchange_read_head(struct server_exchange *exchange, const char *version);
 
-/* The same request for a transport that outlives this one's, or NULL without memory. It takes over
- * body and target, and copies the rest. What is left of `exchange` can be answered. */
+/* Moves the request to a new exchange of a transport that outlives this one's: moves body and
+ * target, and copies the rest. `exchange` can still be answered. NULL: out of memory. */
 struct server_exchange *server_exchange_detach(struct server_exchange *exchange,
                                                const struct server_transport *transport);
 
-/* For a transport without a connection: dispatches the exchange, which ends in the transport's
- * `finish`, perhaps before this returns. is_unwanted: such a transport's `is_gone`. */
+/* For transports without a connection. run dispatches the exchange, which ends in the transport's
+ * `finish`, possibly before run returns. is_unwanted is the `is_gone` of such a transport. */
 void server_exchange_run(struct server_exchange *exchange);
 bool server_exchange_is_unwanted(struct server_exchange *exchange);
 
-/* Hands a deferred exchange to the workers (reply.c); it is not the caller's any more. A full queue
- * answers it with overloaded. The exchange counts as deferred before that. */
+/* Hands a deferred exchange to the workers (reply.c); the caller does not touch it any more. If the
+ * queue is full, it is answered with overloaded. count_deferred counts one more deferred
+ * exchange. */
 void server_exchange_submit(struct server_exchange *exchange);
 void server_exchange_count_deferred(struct server_host *host);
 void server_exchange_job_run(struct server_job *job);
 void server_exchange_job_refuse(struct server_job *job, enum server_refusal why);
 
+/* Renames parameters that have former names in the contract, so that handlers see only the new
+ * names. The answer to a former path or name has a header Deprecation (RFC 9745; reply.c adds it).
+ * False with invalid_request: a former name stands twice, or beside its replacement. */
+bool server_exchange_rename(struct server_exchange *exchange, struct proto_problem *problem);
+
+/* Returns the name under which the client sent a parameter. */
+const char *server_exchange_sent_name(const struct server_exchange *exchange,
+                                      const char *parameter);
+
 /* --- for handlers ----------------------------------------------------------------------------- */
 
-/* Value of the first header of that name, any case; NULL: none. */
+/* Returns the value of the first header of that name, in any case; NULL: there is none. */
 const char *server_exchange_header(const struct server_exchange *exchange, const char *name);
 uint32_t server_exchange_count_headers(const struct server_exchange *exchange, const char *name);
 
-/* True when a Prefer header (RFC 7240) lists `preference`, any case, without a value or with an
- * empty one. */
+/* Returns whether a Prefer header (RFC 7240) lists `preference`, in any case, without a value or
+ * with an empty one. */
 bool server_exchange_prefers(const struct server_exchange *exchange, const char *preference);
 
-/* View of the query string for proto's decoders; lives as long as the exchange. */
-struct proto_parameters server_exchange_parameters(struct server_exchange *exchange);
+/* Returns the decoded query string, borrowed from the exchange. */
+struct proto_parameters server_exchange_parameters(const struct server_exchange *exchange);
 
-/* Adds what all log lines about an answered exchange say. */
+/* Adds the members that all log lines about answered exchanges have. */
 void server_exchange_log(const struct server_exchange *exchange, struct server_log_line *line,
                          uint64_t nanoseconds);
 
@@ -223,31 +279,32 @@ bool server_exchange_is(const struct server_exchange *exchange, const char *meth
 /* Shortens the deadline to `timeout_ms` after the start of the work; 0: leaves it. */
 void server_exchange_shorten(struct server_exchange *exchange, uint64_t timeout_ms);
 
-/* Gives the exchange a state of the handler's own, freed when a deferred exchange is answered, else
- * with the exchange. */
+/* Sets the handler's state. It is freed when a deferred exchange is answered, else with the
+ * exchange. */
 void server_exchange_keep(struct server_exchange *exchange, void *state,
                           void (*free_state)(void *state));
 
-/* Has `work` done by a worker; the handler's last act. `work` returns true when it has replied or
- * deferred again, false when the exchange is parked in a pending build of the cache, which will
- * have `work` called again. `join` (may be NULL) is tried first, without a worker: true when it has
- * parked the exchange in a pending build that is under way. */
+/* Makes a worker call `work`; this is the handler's last act. `work` returns true after it has
+ * replied or deferred again. It returns false after it has parked the exchange at a pending build,
+ * whose end calls `work` again. `join` (may be NULL) is called first, without a worker; it returns
+ * true if it has parked the exchange at a pending build. */
 void server_exchange_defer(struct server_exchange *exchange,
                            bool (*work)(struct server_exchange *exchange),
                            bool (*join)(struct server_exchange *exchange));
 
-/* The exchange that has the job. */
+/* Returns the exchange that contains the job. */
 struct server_exchange *server_exchange_of(struct server_job *job);
 
-/* Control of a long call on behalf of the exchange: its deadline, the daemon's drain, and that
- * nobody wants the answer any more unless others wait for `build` (may be NULL). Calls of
- * several threads for one exchange have one monitor each. */
+/* Control of a long call for the exchange. The call ends at the exchange's deadline, when the
+ * workers are cancelled, or when the client has gone and no other job waits for `build`. Each
+ * thread that works for the exchange has its own monitor. */
 struct server_monitor {
     struct server_exchange *exchange;
-    struct server_pending_build *build; /* the call makes its field; NULL: it makes none */
+    struct server_pending_build *build; /* the call builds its field; NULL: none */
     bool (*is_awaited)(struct server_pending_build *build); /* set with `build` */
-    /* the call is the part [begun, begun + share] of the work; share 0: it is all of it */
+    /* the call does the part [begun, begun + share] of the work; share 0: all of it */
     double begun, share;
+    uint64_t limit_ns; /* the call's own deadline, if it is earlier than the request's; 0: none */
 };
 struct gd_control server_exchange_control(struct server_monitor *monitor);
 

@@ -6,7 +6,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "gd/control.h"
 #include "gd/cpu.h"
@@ -29,7 +28,8 @@ enum {
     BUCKETS = sizeof bounds / sizeof *bounds + 1,
     NANOSECONDS = FIRST_BUCKET + BUCKETS,
     COUNTERS,
-    PROBLEMS = PROTO_PROBLEM_INSUFFICIENT_STORAGE + 1 /* codes: that is the last one */
+    /* number of codes; INSUFFICIENT_STORAGE is the last */
+    PROBLEMS = PROTO_PROBLEM_INSUFFICIENT_STORAGE + 1
 };
 
 struct cell {
@@ -38,10 +38,10 @@ struct cell {
 
 struct server_metrics {
     const struct proto_route *routes;
-    size_t rows;        /* of a shard: the routes, and one for requests without a route */
+    size_t rows; /* rows of a shard: one for each route, and one for requests without a route */
     struct cell *cells; /* SHARDS times rows */
     atomic_uint_least64_t failed_checks, searches, windows;
-    atomic_uint_least64_t problems[PROBLEMS]; /* by code */
+    atomic_uint_least64_t problems[PROBLEMS]; /* indexed by code */
     uint64_t started_ns;
 };
 
@@ -69,7 +69,7 @@ void server_metrics_destroy(struct server_metrics *metrics)
 
 /* --- counting --------------------------------------------------------------------------------- */
 
-/* Each thread takes the next shard when it first counts. */
+/* Returns the thread's shard, which it takes when it first counts. */
 static unsigned own_shard(void)
 {
     static atomic_uint next;
@@ -84,7 +84,7 @@ static void counter_add(atomic_uint_least64_t *counter, uint64_t value)
 }
 
 void server_metrics_count(struct server_metrics *metrics, const struct proto_route *route,
-                          unsigned status, uint64_t nanoseconds)
+                          unsigned status, enum proto_problem_code problem, uint64_t nanoseconds)
 {
     size_t row = route ? (size_t)(route - metrics->routes) : metrics->rows - 1, code = 0,
            bucket = 0;
@@ -94,11 +94,7 @@ void server_metrics_count(struct server_metrics *metrics, const struct proto_rou
     counter_add(&counters[code], 1);
     counter_add(&counters[FIRST_BUCKET + bucket], 1);
     counter_add(&counters[NANOSECONDS], nanoseconds);
-}
-
-void server_metrics_count_problem(struct server_metrics *metrics, enum proto_problem_code code)
-{
-    if (code != PROTO_PROBLEM_NONE) counter_add(&metrics->problems[code], 1);
+    if (problem != PROTO_PROBLEM_NONE) counter_add(&metrics->problems[problem], 1);
 }
 
 bool server_metrics_count_status(struct server_metrics *metrics, enum gd_status status)
@@ -138,12 +134,13 @@ void server_metrics_write_head(struct proto_writer *writer, const char *name, co
 
 enum { LABELS = 160 };
 
-/* The labels of a row's route. */
+/* Writes the labels of a row's route. */
 static void row_labels(const struct server_metrics *metrics, size_t row, char out[LABELS])
 {
     static const char *const methods[] = {[PROTO_METHOD_GET] = "GET",
                                           [PROTO_METHOD_PUT] = "PUT",
                                           [PROTO_METHOD_POST] = "POST",
+                                          [PROTO_METHOD_PATCH] = "PATCH",
                                           [PROTO_METHOD_DELETE] = "DELETE"};
     bool found = row < metrics->rows - 1;
     snprintf(out, LABELS, "method=\"%s\",route=\"%s\"",
@@ -210,9 +207,10 @@ void server_metrics_write(const struct server_metrics *metrics, struct proto_wri
         {"uptime_seconds", "Time since the start.",
          (double)(gd_now_ns() - metrics->started_ns) / 1e9},
         {"failed_checks_total",
-         "Answers withheld because a self-check failed or the work ran away.",
+         "Answers withheld because a self-check failed or the work exceeded every bound.",
          (double)atomic_load(&metrics->failed_checks)},
-        {"log_lines_dropped_total", "Lines of the log that nobody read in time.",
+        {"log_lines_dropped_total",
+         "Lines of the log that were dropped: standard error was read too slowly.",
          (double)server_log_dropped()},
     };
     server_metrics_write_head(writer, "requests_total", "counter",

@@ -14,21 +14,19 @@
 
 struct server_metrics;
 
-/* For the generated route table. NULL without memory. */
+/* Creates metrics for the generated route table. NULL: out of memory. */
 struct server_metrics *server_metrics_create(const struct proto_route *routes, size_t route_count);
 void server_metrics_destroy(struct server_metrics *metrics); /* NULL is harmless */
 
-/* Counts an answered request. `route`: a row of the table, or NULL when none was found. */
+/* Counts an answered request, and the problem that was sent (PROTO_PROBLEM_NONE: none). `route`: a
+ * row of the table; NULL: none was found. */
 void server_metrics_count(struct server_metrics *metrics, const struct proto_route *route,
-                          unsigned status, uint64_t nanoseconds);
+                          unsigned status, enum proto_problem_code problem, uint64_t nanoseconds);
 
-/* Counts a problem that was sent; PROTO_PROBLEM_NONE: none was. */
-void server_metrics_count_problem(struct server_metrics *metrics, enum proto_problem_code code);
-
-/* Counts an engine's status that is a failed self-check or runaway work. True: it is. */
+/* If the status is a failed self-check or runaway work, counts it and returns true. */
 bool server_metrics_count_status(struct server_metrics *metrics, enum gd_status status);
 
-/* Count the windows that a field took to build, and a search for a pair. */
+/* Count the windows of a built field, and a search for a pair. */
 void server_metrics_count_windows(struct server_metrics *metrics, uint64_t windows);
 void server_metrics_count_search(struct server_metrics *metrics);
 

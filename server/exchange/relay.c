@@ -11,24 +11,24 @@
 #include "server/exchange/events.h"
 #include "server/base/gzip.h"
 #include "server/base/thread.h"
-#include "server/exchange/reply.h"
+#include "server/exchange/exchange.h"
 
-/* bytes that gzip makes of a block at most */
+/* most bytes that gzip makes of a block */
 #define PACKED_MOST (SERVER_RELAY_BLOCK + SERVER_RELAY_BLOCK / 4)
 
-#define LOOK_NS 100000000 /* between two looks of a blocked writer at the daemon's end */
+#define LOOK_NS 100000000 /* period in which a blocked writer checks whether the daemon ends */
 
 struct server_relay {
     struct server_host *host;
     atomic_uint references;
     pthread_mutex_t lock;
-    pthread_cond_t room; /* for a writer that blocks */
+    pthread_cond_t room; /* signalled for a writer that blocks */
     struct proto_writer waiting;
-    size_t taken;                 /* bytes of its front that are with the client */
-    bool is_parked;               /* the writer's job is, at the relay */
-    struct server_packer *packer; /* the writer's; NULL: the text goes as it is */
-    struct proto_writer packed;   /* the writer's: what the packer made of the text */
-    bool is_ended, is_whole;      /* by the writer */
+    size_t taken;                 /* bytes at the front of `waiting` that the client has read */
+    bool is_parked;               /* the writer's job is parked at the relay */
+    struct server_packer *packer; /* the writer's; NULL: no compression */
+    struct proto_writer packed;   /* the writer's: compressed text */
+    bool is_ended, is_whole;      /* set by the writer */
     atomic_bool is_over;
 };
 
@@ -68,13 +68,13 @@ void server_relay_release(struct server_relay *relay)
 
 /* --- the reader's end, under the events' lock ------------------------------------------------- */
 
-static size_t left_in(const struct server_relay *relay)
+static size_t unread_bytes(const struct server_relay *relay)
 {
     return relay->waiting.size - relay->taken;
 }
 
 /* Under the relay's lock: wakes the writer. */
-static void let_go_on(struct server_relay *relay)
+static void writer_wake(struct server_relay *relay)
 {
     if (relay->is_parked) server_workers_unpark(relay->host->workers, relay);
     relay->is_parked = false;
@@ -85,13 +85,13 @@ static ptrdiff_t relay_read(void *user, char *bytes, size_t size)
 {
     struct server_relay *relay = user;
     pthread_mutex_lock(&relay->lock);
-    size_t left = left_in(relay);
+    size_t left = unread_bytes(relay);
     ptrdiff_t end = relay->is_whole ? SERVER_STREAM_END : SERVER_STREAM_CUT;
     bool is_ended = relay->is_ended && !left;
     if (size > left) size = left;
     if (size) memcpy(bytes, relay->waiting.data + relay->taken, size);
     relay->taken += size;
-    if (left_in(relay) <= SERVER_RELAY_MOST / 2) let_go_on(relay);
+    if (unread_bytes(relay) <= SERVER_RELAY_MOST / 2) writer_wake(relay);
     pthread_mutex_unlock(&relay->lock);
     return is_ended ? end : (ptrdiff_t)size;
 }
@@ -101,7 +101,7 @@ static void relay_close(void *user)
     struct server_relay *relay = user;
     pthread_mutex_lock(&relay->lock);
     atomic_store(&relay->is_over, true);
-    let_go_on(relay);
+    writer_wake(relay);
     pthread_mutex_unlock(&relay->lock);
     server_relay_release(relay);
 }
@@ -117,8 +117,7 @@ struct server_stream *server_relay_open(struct server_relay *relay)
 
 /* --- the writer's end ------------------------------------------------------------------------- */
 
-/* Under the lock. What waits is moved to the front before the buffer would grow by what was
- * taken. */
+/* Appends text under the lock. First moves the unread bytes to the front of the buffer. */
 static void relay_append(struct server_relay *relay, const char *text, size_t size)
 {
     struct proto_writer *waiting = &relay->waiting;
@@ -131,8 +130,8 @@ static void relay_append(struct server_relay *relay, const char *text, size_t si
     if (waiting->failure) atomic_store(&relay->is_over, true);
 }
 
-/* Packs without the lock, which the client's thread takes. */
-static void write_text(struct server_relay *relay, const char *text, size_t size, bool is_last)
+/* Compresses without the lock, so that the client's thread does not wait. */
+static void text_write(struct server_relay *relay, const char *text, size_t size, bool is_last)
 {
     struct proto_writer *packed = &relay->packed;
     if (server_relay_is_over(relay)) return;
@@ -143,37 +142,36 @@ static void write_text(struct server_relay *relay, const char *text, size_t size
         text = packed->data;
         size = packed->size;
     }
-    pthread_mutex_lock(&relay->lock);
+    SERVER_LOCK(&relay->lock);
     if (!server_relay_is_over(relay)) relay_append(relay, text, size);
-    pthread_mutex_unlock(&relay->lock);
 }
 
 void server_relay_write(struct server_relay *relay, const char *text, size_t size)
 {
-    write_text(relay, text, size, false);
+    text_write(relay, text, size, false);
     server_events_wake(relay->host->events, relay);
 }
 
 bool server_relay_block(struct server_relay *relay)
 {
     pthread_mutex_lock(&relay->lock);
-    bool is_ahead = left_in(relay) >= SERVER_RELAY_MOST;
+    bool is_ahead = unread_bytes(relay) >= SERVER_RELAY_MOST;
     while (is_ahead && !server_relay_is_over(relay)) {
         if (server_workers_cancelled(relay->host->workers)) atomic_store(&relay->is_over, true);
-        if (!server_relay_is_over(relay)) /* the daemon's end is not signalled */
+        if (!server_relay_is_over(relay)) /* a cancel does not signal `room` */
             server_condition_wait(&relay->room, &relay->lock, gd_now_ns() + LOOK_NS);
-        is_ahead = left_in(relay) > SERVER_RELAY_MOST / 2;
+        is_ahead = unread_bytes(relay) > SERVER_RELAY_MOST / 2;
     }
     pthread_mutex_unlock(&relay->lock);
     return !server_relay_is_over(relay);
 }
 
-/* The job may be run and the writer's reference released before this returns. */
+/* Before this function returns, the job may already run and the writer's reference be released. */
 bool server_relay_wait(struct server_relay *relay, struct server_job *job)
 {
     atomic_fetch_add(&relay->references, 1);
     pthread_mutex_lock(&relay->lock);
-    bool is_ahead = left_in(relay) >= SERVER_RELAY_MOST && !atomic_load(&relay->is_over);
+    bool is_ahead = unread_bytes(relay) >= SERVER_RELAY_MOST && !atomic_load(&relay->is_over);
     if (is_ahead) {
         is_ahead = relay->is_parked = server_workers_park(relay->host->workers, job, relay, 0);
         /* the daemon ends, and the client does not read */
@@ -186,7 +184,7 @@ bool server_relay_wait(struct server_relay *relay, struct server_job *job)
 
 void server_relay_end(struct server_relay *relay, bool is_whole)
 {
-    if (relay->packer && is_whole) write_text(relay, "", 0, true);
+    if (relay->packer && is_whole) text_write(relay, "", 0, true);
     pthread_mutex_lock(&relay->lock);
     relay->is_whole = is_whole && !atomic_load(&relay->is_over);
     relay->is_ended = true;

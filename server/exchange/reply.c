@@ -6,26 +6,23 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 #include "proto/http/accept.h"
-#include "server/exchange/deprecation.h"
 #include "server/exchange/etag.h"
-#include "server/exchange/events.h"
 #include "server/base/gzip.h"
 
-#define GZIP_FROM    1025  /* bytes: smaller ones fit into a packet anyway */
-#define PROBLEM_MOST 65536 /* bytes of a problem's text: far more than any has */
+#define GZIP_FROM    1025  /* bytes: smaller answers fit into one packet */
+#define PROBLEM_MOST 65536 /* bytes of a problem's text, far more than any has */
 #define JSON         "application/json"
 #define PROBLEM_JSON "application/problem+json"
 #define EXPOSED_HEADERS                                                                            \
-    "Allow, Content-Encoding, Deprecation, ETag, Link, Location, Preference-Applied, "             \
-    "Retry-After, "                                                                                \
-    "WWW-Authenticate, X-Request-Id"
-/* shown as a document, data loads nothing */
+    "Allow, Content-Encoding, Deprecation, ETag, Geodesic-Faces, Geodesic-Largest-Distance, "      \
+    "Link, Location, Preference-Applied, Retry-After, WWW-Authenticate, X-Request-Id"
+/* a browser that shows data as a document must load nothing for it */
 #define DATA_POLICY "default-src 'none'; frame-ancestors 'none'"
 
-/* Answers with bytes that outlive the answer. Returns the response, for others to be its own. */
+/* Answers with bytes that outlive the answer. Returns the response, so that callers can set
+ * `owned`. */
 static struct server_response *response_set(struct server_exchange *exchange, unsigned status,
                                             const char *media_type, const void *body, size_t size)
 {
@@ -38,7 +35,7 @@ static struct server_response *response_set(struct server_exchange *exchange, un
     return response;
 }
 
-static void add_header(struct server_response *response, const char *name, const char *value)
+static void header_add(struct server_response *response, const char *name, const char *value)
 {
     if (response->header_count == SERVER_RESPONSE_HEADERS) return;
     size_t size = strnlen(value, SERVER_HEADER_VALUE - 1);
@@ -53,15 +50,11 @@ void server_reply_header(struct server_exchange *exchange, const char *name, con
                          ...)
 {
     char value[SERVER_HEADER_VALUE];
-    if (!strchr(format, '%')) {
-        add_header(&exchange->response, name, format);
-        return;
-    }
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(value, sizeof value, format, arguments);
     va_end(arguments);
-    add_header(&exchange->response, name, value);
+    header_add(&exchange->response, name, value);
 }
 
 void server_reply_tag(struct server_exchange *exchange, const char *etag, const char *form)
@@ -69,7 +62,7 @@ void server_reply_tag(struct server_exchange *exchange, const char *etag, const 
     char quoted[SERVER_ETAG_TEXT + 2] = "\"";
     server_etag_write(quoted + 1, etag, form);
     strcat(quoted, "\"");
-    add_header(&exchange->response, "ETag", quoted);
+    header_add(&exchange->response, "ETag", quoted);
 }
 
 void server_reply_writer(struct server_exchange *exchange, struct proto_writer *writer)
@@ -79,8 +72,8 @@ void server_reply_writer(struct server_exchange *exchange, struct proto_writer *
     writer->account = &budget->answers;
 }
 
-/* Counts a body of that size as an answer's, and no more as work in flight. */
-static bool hold_answer(struct server_exchange *exchange, size_t size,
+/* Counts a body of that size as an answer instead of work in flight. */
+static bool answer_hold(struct server_exchange *exchange, size_t size,
                         struct proto_problem *problem)
 {
     struct server_budget *budget = exchange->host->budget;
@@ -101,7 +94,7 @@ static bool hold_answer(struct server_exchange *exchange, size_t size,
 void *server_reply_allocate(struct server_exchange *exchange, size_t size)
 {
     struct proto_problem problem;
-    if (hold_answer(exchange, size, &problem)) {
+    if (answer_hold(exchange, size, &problem)) {
         void *bytes = malloc(size ? size : 1);
         if (bytes) return bytes;
         server_exchange_drop_body(exchange);
@@ -115,7 +108,7 @@ void server_reply_bytes(struct server_exchange *exchange, unsigned status, const
                         void *bytes, size_t size)
 {
     struct proto_problem problem;
-    if (exchange->response.held || hold_answer(exchange, size, &problem)) {
+    if (exchange->response.held || answer_hold(exchange, size, &problem)) {
         response_set(exchange, status, media_type, bytes, size)->owned = bytes;
         return;
     }
@@ -134,9 +127,9 @@ void server_reply_empty(struct server_exchange *exchange, unsigned status)
     response_set(exchange, status, NULL, NULL, 0);
 }
 
-/* The text of a writer that has not failed. That of one without an account is counted even past the
- * limit. */
-static void set_text(struct server_exchange *exchange, unsigned status, const char *media_type,
+/* Answers with the text of a writer that has not failed. The text of a writer without an account is
+ * counted even beyond the limit. */
+static void text_set(struct server_exchange *exchange, unsigned status, const char *media_type,
                      struct proto_writer *writer)
 {
     size_t size = 0;
@@ -158,7 +151,7 @@ void server_reply_text(struct server_exchange *exchange, unsigned status, const 
         server_reply_problem(exchange, &problem);
         return;
     }
-    set_text(exchange, status, media_type, writer);
+    text_set(exchange, status, media_type, writer);
 }
 
 void server_reply_lent(struct server_exchange *exchange, unsigned status, const char *media_type,
@@ -179,14 +172,14 @@ void server_reply_json(struct server_exchange *exchange, unsigned status,
     server_reply_text(exchange, status, JSON, writer);
 }
 
-/* A problem whose own text could not be made goes out as its status alone. */
+/* Replies with a problem, or with the status alone if memory is too short for the text. */
 void server_reply_problem(struct server_exchange *exchange, const struct proto_problem *problem)
 {
     struct proto_writer writer;
     size_t size = 0;
     struct proto_problem sent = *problem;
     snprintf(sent.parameter, sizeof sent.parameter, "%s",
-             server_deprecation_sent(exchange, problem->parameter));
+             server_exchange_sent_name(exchange, problem->parameter));
     proto_writer_init(&writer, PROBLEM_MOST);
     proto_problem_encode(&writer, &sent);
     char *text = proto_writer_take(&writer, &size);
@@ -194,7 +187,7 @@ void server_reply_problem(struct server_exchange *exchange, const struct proto_p
     exchange->response.header_count = 0;
     exchange->response.problem = problem->code;
     if (problem->allow[0]) server_reply_header(exchange, "Allow", "%s, OPTIONS", problem->allow);
-    if (problem->challenge) add_header(&exchange->response, "WWW-Authenticate", problem->challenge);
+    if (problem->challenge) header_add(&exchange->response, "WWW-Authenticate", problem->challenge);
     if (problem->retry_after)
         server_reply_header(exchange, "Retry-After", "%u", problem->retry_after);
     response_set(exchange, problem->status, PROBLEM_JSON, text, size)->owned = text;
@@ -222,8 +215,8 @@ bool server_reply_accepts_json(struct server_exchange *exchange)
     return false;
 }
 
-/* "gzip" listed without a quality of zero. */
-bool server_reply_takes_gzip(const struct server_exchange *exchange)
+/* Returns whether Accept-Encoding lists gzip without a quality of zero. */
+static bool client_lists_gzip(const struct server_exchange *exchange)
 {
     const char *list = server_exchange_header(exchange, "Accept-Encoding");
     const char *gzip = list ? strcasestr(list, "gzip") : NULL;
@@ -234,21 +227,37 @@ bool server_reply_takes_gzip(const struct server_exchange *exchange)
            strspn(quality + 3, ".0") < strcspn(quality + 3, ", ;");
 }
 
+/* Returns whether the client is a browser on this host. A browser always lists gzip, but within a
+ * host compression takes longer than the transfer. */
+static bool client_is_near_browser(const struct server_exchange *exchange)
+{
+    static const char *const proxied[] = {"Forwarded", "Via", "X-Forwarded-For", "X-Real-IP"};
+    if (!exchange->is_local || !server_exchange_header(exchange, "Sec-Fetch-Site")) return false;
+    for (size_t i = 0; i < sizeof proxied / sizeof *proxied; i++)
+        if (server_exchange_header(exchange, proxied[i])) return false;
+    return true;
+}
+
+bool server_reply_takes_gzip(const struct server_exchange *exchange)
+{
+    return client_lists_gzip(exchange) && !client_is_near_browser(exchange);
+}
+
 void server_reply_coding(struct server_exchange *exchange, bool is_packed)
 {
-    add_header(&exchange->response, "Vary", "Accept-Encoding");
-    if (is_packed) add_header(&exchange->response, "Content-Encoding", "gzip");
+    header_add(&exchange->response, "Vary", "Accept-Encoding");
+    if (is_packed) header_add(&exchange->response, "Content-Encoding", "gzip");
 }
 
 void server_reply_asset(struct server_exchange *exchange, const struct proto_asset *asset)
 {
-    add_header(&exchange->response, "ETag", asset->etag);
-    add_header(&exchange->response, "Vary", "Accept-Encoding");
-    add_header(&exchange->response, "Referrer-Policy", "no-referrer");
-    add_header(&exchange->response, "Cross-Origin-Resource-Policy", "same-origin");
+    header_add(&exchange->response, "ETag", asset->etag);
+    header_add(&exchange->response, "Vary", "Accept-Encoding");
+    header_add(&exchange->response, "Referrer-Policy", "no-referrer");
+    header_add(&exchange->response, "Cross-Origin-Resource-Policy", "same-origin");
     exchange->response.policy = asset->policy;
-    bool is_packed = asset->gzip && server_reply_takes_gzip(exchange);
-    if (is_packed) add_header(&exchange->response, "Content-Encoding", "gzip");
+    bool is_packed = asset->gzip && client_lists_gzip(exchange);
+    if (is_packed) header_add(&exchange->response, "Content-Encoding", "gzip");
     response_set(exchange, 200, asset->media_type, is_packed ? asset->gzip : asset->bytes,
                  is_packed ? asset->gzip_size : asset->size);
 }
@@ -263,7 +272,7 @@ static struct server_response_header *response_header(struct server_response *re
     return NULL;
 }
 
-static void name_packed_form(struct server_response_header *tag)
+static void tag_name_packed(struct server_response_header *tag)
 {
     static const char end[] = SERVER_ETAG_PACKED_SUFFIX "\"";
     if (tag->size + sizeof end > sizeof tag->value) return;
@@ -272,7 +281,7 @@ static void name_packed_form(struct server_response_header *tag)
 }
 
 /* Makes the answer a 304, which carries no metadata of the body (RFC 9110, 15.4.5). */
-static void reply_known(struct server_exchange *exchange)
+static void not_modified_set(struct server_exchange *exchange)
 {
     struct server_response *response = &exchange->response;
     uint32_t kept = 0;
@@ -287,7 +296,7 @@ static void reply_known(struct server_exchange *exchange)
 
 /* Evaluates the conditions of a GET or HEAD with the status 200 or 304, in the order of RFC 9110,
  * 13.2.2: If-Match, then If-None-Match. Answers with other statuses ignore them (13.2.1). */
-static void apply_conditions(struct server_exchange *exchange)
+static void conditions_apply(struct server_exchange *exchange)
 {
     struct server_response *response = &exchange->response;
     char tag[SERVER_HEADER_VALUE];
@@ -302,48 +311,48 @@ static void apply_conditions(struct server_exchange *exchange)
         server_exchange_drop_body(exchange);
         server_reply_refusal(
             exchange, PROTO_PROBLEM_PRECONDITION_FAILED,
-            "the resource is not in the version that If-Match names; get its ETag and try again");
+            "the ETag of the resource is not the one in If-Match; get the resource and try again");
     } else if (known) {
-        if (known == SERVER_ETAG_PACKED) name_packed_form(quoted);
-        reply_known(exchange);
+        if (known == SERVER_ETAG_PACKED) tag_name_packed(quoted);
+        not_modified_set(exchange);
     }
 }
 
-/* PNG is packed already. */
-static bool is_packable(const struct server_response *response)
+/* Returns whether compression pays. PNG is compressed already. */
+static bool response_is_packable(const struct server_response *response)
 {
     return response->owned && !response->lent.bytes && response->size >= GZIP_FROM &&
            strcmp(response->media_type, "image/png") != 0;
 }
 
-static void compress(struct server_exchange *exchange)
+static void body_compress(struct server_exchange *exchange)
 {
     struct server_response *response = &exchange->response;
     struct proto_writer packed;
-    if (!is_packable(response) || !server_reply_takes_gzip(exchange)) return;
+    if (!response_is_packable(response) || !server_reply_takes_gzip(exchange)) return;
     server_reply_writer(exchange, &packed);
     packed.maximum = response->size - 1;
     if (!server_gzip(response->body, response->size, &packed)) {
-        proto_writer_free(&packed); /* it goes as it is */
+        proto_writer_free(&packed); /* the body is sent uncompressed */
         return;
     }
     server_exchange_drop_body(exchange);
-    set_text(exchange, response->status, response->media_type, &packed);
-    add_header(response, "Content-Encoding", "gzip");
+    text_set(exchange, response->status, response->media_type, &packed);
+    header_add(response, "Content-Encoding", "gzip");
 }
 
-/* Caches keep the answers to pages of different origins apart. */
-static void allow_origin(struct server_exchange *exchange)
+/* Adds the headers of CORS. Vary makes caches store the answers to different origins separately. */
+static void origin_allow(struct server_exchange *exchange)
 {
     struct server_response *response = &exchange->response;
-    if (exchange->host->has_cors_origins) add_header(response, "Vary", "Origin");
+    if (exchange->host->has_cors_origins) header_add(response, "Vary", "Origin");
     if (!exchange->cors_origin) return;
-    add_header(response, "Access-Control-Allow-Origin", exchange->cors_origin);
-    add_header(response, "Access-Control-Expose-Headers", EXPOSED_HEADERS);
+    header_add(response, "Access-Control-Allow-Origin", exchange->cors_origin);
+    header_add(response, "Access-Control-Expose-Headers", EXPOSED_HEADERS);
 }
 
-/* Says that the request uses a former name. */
-static void mark_deprecation(struct server_exchange *exchange)
+/* Adds headers if the request uses a former name. */
+static void deprecation_mark(struct server_exchange *exchange)
 {
     if (!exchange->deprecation) return;
     server_reply_header(exchange, "Deprecation", "@%lld", (long long)exchange->deprecation->since);
@@ -351,33 +360,48 @@ static void mark_deprecation(struct server_exchange *exchange)
                         exchange->match.route->documentation);
 }
 
+/* --frame-ancestors replaces the 'none' of pages, never that of data. */
+static void policy_add(struct server_exchange *exchange)
+{
+    static const char none[] = "frame-ancestors 'none'";
+    struct server_response *response = &exchange->response;
+    const char *policy = response->policy ? response->policy : DATA_POLICY;
+    const char *ancestors = exchange->host->frame_ancestors;
+    const char *at = response->policy && *ancestors ? strstr(policy, none) : NULL;
+    if (at)
+        server_reply_header(exchange, "Content-Security-Policy", "%.*sframe-ancestors %s%s",
+                            (int)(at - policy), policy, ancestors, at + sizeof none - 1);
+    else
+        header_add(response, "Content-Security-Policy", policy);
+}
+
 void server_reply_seal(struct server_exchange *exchange)
 {
     struct server_response *response = &exchange->response;
-    if (is_packable(response)) add_header(response, "Vary", "Accept-Encoding");
-    apply_conditions(exchange);
-    compress(exchange);
+    if (response_is_packable(response)) header_add(response, "Vary", "Accept-Encoding");
+    conditions_apply(exchange);
+    body_compress(exchange);
     struct server_response_header *tag = response_header(response, "ETag");
     if (tag && response->status != 304 && response_header(response, "Content-Encoding"))
-        name_packed_form(tag);
-    if (response->media_type) add_header(response, "Content-Type", response->media_type);
-    allow_origin(exchange);
-    mark_deprecation(exchange);
-    add_header(response, "X-Request-Id", exchange->request_id);
-    add_header(response, "X-Content-Type-Options", "nosniff");
-    add_header(response, "Content-Security-Policy",
-               response->policy ? response->policy : DATA_POLICY);
-    add_header(response, "Cache-Control", tag ? "no-cache" : "no-store");
+        tag_name_packed(tag);
+    if (response->media_type) header_add(response, "Content-Type", response->media_type);
+    origin_allow(exchange);
+    deprecation_mark(exchange);
+    header_add(response, "X-Request-Id", exchange->request_id);
+    header_add(response, "X-Content-Type-Options", "nosniff");
+    policy_add(exchange);
+    header_add(response, "Cache-Control", tag ? "no-cache" : "no-store");
     if (atomic_load_explicit(&exchange->host->is_draining, memory_order_relaxed))
         response->close = true;
 }
 
-/* --- deferred exchanges ------------------------------------------------------------------------ */
+/* --- deferred exchanges ----------------------------------------------------------------------- */
 
 static void exchange_finish(struct server_exchange *exchange)
 {
     struct server_host *host = exchange->host;
-    server_exchange_drop_state(exchange); /* now: others may wait for what it holds */
+    /* freed now, because other requests may wait for its resources */
+    server_exchange_drop_state(exchange);
     exchange->transport->finish(exchange);
     atomic_fetch_sub(&host->deferred, 1);
 }
@@ -387,7 +411,7 @@ void server_exchange_job_run(struct server_job *job)
     struct server_exchange *exchange = server_exchange_of(job);
     if (exchange->transport->begin) exchange->transport->begin(exchange);
     do {
-        if (!exchange->work(exchange)) return; /* parked: it may be another thread's by now */
+        if (!exchange->work(exchange)) return; /* parked: another thread may own the exchange now */
     } while (!exchange->response.status);
     exchange_finish(exchange);
 }
@@ -417,10 +441,9 @@ void server_exchange_submit(struct server_exchange *exchange)
     exchange->job.tenant = exchange->tenant;
     if (exchange->join && exchange->join(exchange)) return;
     if (server_workers_submit(host->workers, &exchange->job)) return;
-    server_reply_refusal(
-        exchange, PROTO_PROBLEM_OVERLOADED,
-        "all workers are busy, and as many requests wait as may (%llu, which tenants share); "
-        "try again in a moment",
-        (unsigned long long)host->queue_length);
+    server_reply_refusal(exchange, PROTO_PROBLEM_OVERLOADED,
+                         "all workers are busy, and the queue of %llu requests, which tenants "
+                         "share, is full; try again in a moment",
+                         (unsigned long long)host->queue_length);
     exchange_finish(exchange);
 }

@@ -6,16 +6,18 @@
 #include <stdlib.h>
 #include <sys/queue.h>
 
+#include "server/base/thread.h"
 #include "server/fields/hot_points.h"
 
-#define BUCKETS    4096
-#define SAMPLE     64                   /* entries of which one is evicted */
-#define FAILURE_NS UINT64_C(1000000000) /* a build that failed is not repeated for so long */
+#define BUCKETS        4096
+#define SAMPLE         64                   /* size of the sample from which one entry is evicted */
+#define FAILURE_NS     UINT64_C(1000000000) /* time before a failed build is repeated */
+#define MOST_DOUBLINGS 16
 
 /* The seeds of a field, compared in order and bit by bit, and its reach. Of two fields with equal
- * seeds, the one of larger reach answers all requests of the other. */
+ * seeds, the one of larger reach can answer all requests for the other. */
 struct field_key {
-    uint64_t hash; /* of the seeds */
+    uint64_t hash; /* hash of the seeds */
     double radius; /* 0: no limit */
     uint32_t seed_count;
     const struct gd_seed *seeds;
@@ -23,14 +25,14 @@ struct field_key {
 
 struct entry {
     struct server_cached cached; /* first: a pin is a pointer to it */
-    atomic_uint references;      /* of the mesh cache and of the pins */
+    atomic_uint references;      /* references of the mesh cache and of the pins */
     struct server_mesh_cache *fields;
     struct field_key key; /* owned */
     size_t bytes;
     uint64_t uses;
     double priority; /* see cache.h */
     LIST_ENTRY(entry) in_bucket;
-    LIST_ENTRY(entry) next; /* of the mesh cache; then of the removed entries */
+    LIST_ENTRY(entry) next; /* in the mesh cache, later in the list of removed entries */
 };
 
 LIST_HEAD(entries, entry);
@@ -53,24 +55,28 @@ struct server_mesh_cache {
     bool is_closed;
     struct entries entries;
     uint32_t count;
-    struct server_hot_points hot_points; /* asked about while they had no field */
-    struct failure failure;              /* the last one */
+    struct server_hot_points hot_points; /* queried points without a field */
+    /* how often SERVER_CACHE_SEARCHES is doubled: builds that failed since the last field */
+    uint32_t doublings;
+    struct failure failure; /* the last failure */
 };
 
 struct server_cache {
     struct server_budget *budget;
     struct server_workers *workers;
     pthread_mutex_t lock;
-    struct entries buckets[BUCKETS];          /* of all mesh caches, by hash */
-    uint32_t hand;                            /* the bucket where the next sample begins */
-    double age;                               /* the priority of the last entry that was evicted */
-    LIST_HEAD(, server_pending_build) builds; /* as many as jobs are queued or run, at most */
+    struct entries buckets[BUCKETS]; /* entries of all mesh caches, by hash */
+    uint32_t hand;                   /* the bucket where the next sample begins */
+    double age;                      /* the priority of the last entry that was evicted */
+    /* at most as many as there are queued and running jobs */
+    LIST_HEAD(, server_pending_build) builds;
     struct server_cache_statistics statistics;
 };
 
 /* --- keys ------------------------------------------------------------------------------------- */
 
-#define POINT_WORDS (sizeof(struct gd_point) / sizeof(uint64_t)) /* it has no padding */
+/* struct gd_point has no padding */
+#define POINT_WORDS (sizeof(struct gd_point) / sizeof(uint64_t))
 
 static uint64_t hash_add(uint64_t hash, const void *words, size_t count)
 {
@@ -141,7 +147,7 @@ static bool key_is_point(const struct field_key *key)
            key->radius == 0;
 }
 
-/* Of keys with equal seeds: `a` reaches at least as far as `b`. */
+/* Returns whether `a` reaches at least as far as `b`; both have equal seeds. */
 static bool key_covers(const struct field_key *a, const struct field_key *b)
 {
     return a->radius == 0 || (b->radius != 0 && a->radius >= b->radius);
@@ -149,8 +155,8 @@ static bool key_covers(const struct field_key *a, const struct field_key *b)
 
 /* --- entries, without the lock ---------------------------------------------------------------- */
 
-/* A pinned entry outside its mesh cache; takes over the field and its bytes of
- * SERVER_BUDGET_FLIGHT. NULL without memory: then the field is released. */
+/* Creates a pinned entry outside its mesh cache. Takes over the field and its bytes of
+ * SERVER_BUDGET_FLIGHT. NULL: out of memory; then the field is released. */
 static struct entry *entry_create(struct server_mesh_cache *fields, const struct field_key *key,
                                   struct gd_field *field)
 {
@@ -205,7 +211,7 @@ static struct entries *bucket_of(struct server_cache *cache, const struct field_
     return &cache->buckets[key->hash % BUCKETS];
 }
 
-/* The entry of these seeds, of any reach; or NULL. */
+/* Returns the entry of these seeds, of any reach; or NULL. */
 static struct entry *table_find(const struct server_mesh_cache *fields, const struct field_key *key)
 {
     struct entry *entry;
@@ -214,7 +220,7 @@ static struct entry *table_find(const struct server_mesh_cache *fields, const st
     return entry;
 }
 
-/* The entry of these seeds if it reaches at least as far as `key`. */
+/* Returns the entry of these seeds if it reaches at least as far as `key`. */
 static struct entry *table_find_covering(const struct server_mesh_cache *fields,
                                          const struct field_key *key)
 {
@@ -258,7 +264,7 @@ static void entry_put(struct entry *entry, struct entries *removed)
     entry_rate(entry);
 }
 
-/* The entry (NULL is harmless) with one more pin, as callers know it. */
+/* Pins the entry (NULL is harmless) for a caller. */
 static const struct server_cached *entry_pin(struct entry *entry)
 {
     if (!entry) return NULL;
@@ -268,7 +274,8 @@ static const struct server_cached *entry_pin(struct entry *entry)
 
 /* --- eviction --------------------------------------------------------------------------------- */
 
-/* Of the next SAMPLE entries without pins, the one of the lowest priority; NULL: all are pinned. */
+/* Returns the entry of the lowest priority among the next SAMPLE ones without pins; NULL: all are
+ * pinned. */
 static struct entry *entry_choose(struct server_cache *cache)
 {
     struct entry *entry, *chosen = NULL;
@@ -327,10 +334,8 @@ void server_cache_destroy(struct server_cache *cache)
 
 struct server_cache_statistics server_cache_statistics(struct server_cache *cache)
 {
-    pthread_mutex_lock(&cache->lock);
-    struct server_cache_statistics statistics = cache->statistics;
-    pthread_mutex_unlock(&cache->lock);
-    return statistics;
+    SERVER_LOCK(&cache->lock);
+    return cache->statistics;
 }
 
 struct server_mesh_cache *server_mesh_cache_open(struct server_cache *cache)
@@ -362,21 +367,18 @@ const struct server_cached **server_mesh_cache_pin_points(struct server_mesh_cac
 {
     struct entry *entry;
     *count = 0;
-    pthread_mutex_lock(&fields->cache->lock);
+    SERVER_LOCK(&fields->cache->lock);
     const struct server_cached **pinned =
         fields->count ? malloc(fields->count * sizeof(struct server_cached *)) : NULL;
     LIST_FOREACH(entry, &fields->entries, next)
     if (pinned && key_is_point(&entry->key)) pinned[(*count)++] = entry_pin(entry);
-    pthread_mutex_unlock(&fields->cache->lock);
     return pinned;
 }
 
 uint32_t server_mesh_cache_count(struct server_mesh_cache *fields)
 {
-    pthread_mutex_lock(&fields->cache->lock);
-    uint32_t count = fields->count;
-    pthread_mutex_unlock(&fields->cache->lock);
-    return count;
+    SERVER_LOCK(&fields->cache->lock);
+    return fields->count;
 }
 
 /* --- finding ---------------------------------------------------------------------------------- */
@@ -385,16 +387,14 @@ static const struct server_cached *entry_find(struct server_mesh_cache *fields,
                                               const struct field_key *key)
 {
     struct server_cache *cache = fields->cache;
-    pthread_mutex_lock(&cache->lock);
+    SERVER_LOCK(&cache->lock);
     struct entry *entry = table_find_covering(fields, key);
     *(entry ? &cache->statistics.hits : &cache->statistics.misses) += 1;
     if (entry) {
         entry->uses++;
         entry_rate(entry);
     }
-    const struct server_cached *cached = entry_pin(entry);
-    pthread_mutex_unlock(&cache->lock);
-    return cached;
+    return entry_pin(entry);
 }
 
 const struct server_cached *server_cache_find_field(struct server_mesh_cache *fields,
@@ -429,13 +429,12 @@ void server_cache_note(struct server_mesh_cache *fields, const struct gd_point *
 {
     struct gd_seed seed;
     struct field_key key = key_of_point(fields, point, &seed);
-    pthread_mutex_lock(&fields->cache->lock);
+    SERVER_LOCK(&fields->cache->lock);
     server_hot_points_note(&fields->hot_points, key.hash);
-    pthread_mutex_unlock(&fields->cache->lock);
 }
 
-/* Under the lock: of the builds of these seeds that reach no farther, the one that reaches
- * farthest; or NULL. */
+/* Under the lock: returns the build of these seeds that reaches farthest, but not farther than
+ * `key`; or NULL. */
 static struct server_pending_build *pending_find(const struct server_mesh_cache *fields,
                                                  const struct field_key *key)
 {
@@ -449,8 +448,8 @@ static struct server_pending_build *pending_find(const struct server_mesh_cache 
     return found;
 }
 
-/* Under the lock: AGAIN; or WAIT for a build of this field or of one that it can be resumed from;
- * or, if it may be built, BUILD; else, and without memory, SEARCH. */
+/* Under the lock: returns AGAIN; WAIT for a build of this field, or of one from which it can be
+ * resumed; BUILD if `may_build`; else, or if memory is short, SEARCH. */
 static enum server_cache_turn build_claim(struct server_mesh_cache *fields,
                                           const struct field_key *key, struct server_job *job,
                                           bool may_build, struct server_pending_build **out)
@@ -482,11 +481,10 @@ enum server_cache_turn server_cache_enter(struct server_mesh_cache *fields,
 {
     struct gd_seed seed;
     struct field_key key = key_of_point(fields, source, &seed);
-    pthread_mutex_lock(&fields->cache->lock);
-    bool is_hot = server_hot_points_count(&fields->hot_points, key.hash) >= SERVER_CACHE_SEARCHES;
-    enum server_cache_turn turn = build_claim(fields, &key, job, is_hot, build);
-    pthread_mutex_unlock(&fields->cache->lock);
-    return turn;
+    SERVER_LOCK(&fields->cache->lock);
+    bool is_hot = server_hot_points_count(&fields->hot_points, key.hash) >> fields->doublings >=
+                  SERVER_CACHE_SEARCHES;
+    return build_claim(fields, &key, job, is_hot, build);
 }
 
 enum server_cache_turn server_cache_claim(struct server_mesh_cache *fields,
@@ -495,7 +493,7 @@ enum server_cache_turn server_cache_claim(struct server_mesh_cache *fields,
                                           struct server_pending_build **build, enum gd_status *why)
 {
     struct field_key key = key_of(fields, request);
-    pthread_mutex_lock(&fields->cache->lock);
+    SERVER_LOCK(&fields->cache->lock);
     const struct failure *failure = &fields->failure;
     bool has_failed = failure->key.hash == key.hash && key_covers(&key, &failure->key) &&
                       gd_now_ns() < failure->until_ns;
@@ -503,20 +501,17 @@ enum server_cache_turn server_cache_claim(struct server_mesh_cache *fields,
     *why = has_failed                                         ? failure->status
            : server_workers_cancelled(fields->cache->workers) ? GD_CANCELLED
                                                               : GD_NO_MEMORY;
-    pthread_mutex_unlock(&fields->cache->lock);
     return turn;
 }
 
 const struct server_cached *server_cache_find_nearer(struct server_pending_build *build)
 {
     struct server_cache *cache = build->fields->cache;
-    pthread_mutex_lock(&cache->lock);
+    SERVER_LOCK(&cache->lock);
     struct entry *entry = table_find(build->fields, &build->key);
     if (entry && key_covers(&entry->key, &build->key)) entry = NULL;
     cache->statistics.resumed += entry != NULL;
-    const struct server_cached *nearer = entry_pin(entry);
-    pthread_mutex_unlock(&cache->lock);
-    return nearer;
+    return entry_pin(entry);
 }
 
 bool server_cache_is_awaited(struct server_pending_build *build)
@@ -526,12 +521,12 @@ bool server_cache_is_awaited(struct server_pending_build *build)
 
 /* --- ending a build --------------------------------------------------------------------------- */
 
-/* Under the lock: after this no job is parked on the build. Only a whole field resets the questions
- * that were counted. */
-static void pending_remove(struct server_pending_build *build, bool resets_questions)
+/* Under the lock: removes a build, so that no more jobs are parked at it. Only a whole field resets
+ * the count of queries. */
+static void pending_remove(struct server_pending_build *build, bool resets_count)
 {
     LIST_REMOVE(build, next);
-    if (resets_questions && build->key.radius == 0)
+    if (resets_count && build->key.radius == 0)
         server_hot_points_forget(&build->fields->hot_points, build->key.hash);
 }
 
@@ -554,6 +549,7 @@ static const struct server_cached *field_publish(struct server_mesh_cache *field
     struct entry *entry = entry_create(fields, key, field);
     pthread_mutex_lock(&fields->cache->lock);
     if (build) pending_remove(build, true);
+    if (entry) fields->doublings = 0;
     entry_put(entry, &replaced);
     pthread_mutex_unlock(&fields->cache->lock);
     entries_release(&replaced);
@@ -580,6 +576,16 @@ void server_cache_restore(struct server_mesh_cache *fields, struct gd_field *fie
     server_cache_unpin(field_publish(fields, &key, field, NULL));
 }
 
+void server_cache_abandon(struct server_pending_build *build)
+{
+    struct server_mesh_cache *fields = build->fields;
+    pthread_mutex_lock(&fields->cache->lock);
+    pending_remove(build, true);
+    fields->doublings += fields->doublings < MOST_DOUBLINGS;
+    pthread_mutex_unlock(&fields->cache->lock);
+    pending_free(build);
+}
+
 void server_cache_fail(struct server_pending_build *build, enum gd_status status)
 {
     struct server_mesh_cache *fields = build->fields;
@@ -587,6 +593,7 @@ void server_cache_fail(struct server_pending_build *build, enum gd_status status
     bool is_final = status != GD_CANCELLED && status != GD_DEADLINE;
     pthread_mutex_lock(&cache->lock);
     pending_remove(build, is_final);
+    fields->doublings += is_final && fields->doublings < MOST_DOUBLINGS;
     if (is_final)
         fields->failure =
             (struct failure){.key = {.hash = build->key.hash, .radius = build->key.radius},

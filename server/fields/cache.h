@@ -4,7 +4,7 @@
  *     hit = server_cache_find(fields, &source);             HTTP thread: a pinned field, or NULL
  *     if (!hit) server_cache_note(fields, &source);         counts the miss
  *     switch (server_cache_enter(fields, &source, job, &build)) {      a worker
- *     case SERVER_CACHE_SEARCH: not worth a field: answer without one
+ *     case SERVER_CACHE_SEARCH: too rare for a field: answer without one
  *     case SERVER_CACHE_BUILD:  build; hit = server_cache_publish(build, field); ...
  *     case SERVER_CACHE_WAIT:   the job is parked: return; it will be resumed
  *     case SERVER_CACHE_AGAIN:  the field exists by now: call find again
@@ -13,22 +13,22 @@
  *
  * DESIGN. A surface owns a *mesh cache*. Of fields with equal seeds it keeps the one of the largest
  * reach; a field of larger reach is resumed from it and replaces it. A *pending build* has one
- * builder; other jobs are parked at it (workers.h) until it ends, and look again. A request of
- * smaller reach does not wait: its own field may take much less time.
+ * builder. Other jobs are parked at it (workers.h) until it ends, and then look the field up again.
+ * A request of smaller reach does not wait, since its own field may take much less time.
  *
- * Built are the fields that a client claims; and for pairs, the field of a point after
- * SERVER_CACHE_SEARCHES questions about that point (hot_points.h). A field costs as much as 10 to
- * 100 searches of pairs, so a client whose sources are all different does not fill the cache.
+ * A field is built if a request claims it, and for pairs after SERVER_CACHE_SEARCHES queries of the
+ * same point (hot_points.h). A field costs as much as 10 to 100 searches for pairs. So a client
+ * whose sources are all different does not fill the cache.
  *
- * Evicted are fields without pins, by GreedyDual-Size-Frequency (Cherkasova, "Improving WWW proxies
- * performance with GreedyDual-Size-Frequency caching policy", 1998): a field's priority is the one
- * of the field that was evicted last before its last use, plus its build time x uses / bytes. Of a
- * sample of fields the one of the lowest priority goes. Bytes stay in the budget until the last pin
- * goes. A field that is published to a closed mesh cache lives as long as its pins.
+ * Fields without pins can be evicted, by GreedyDual-Size-Frequency (Cherkasova, "Improving WWW
+ * proxies performance with GreedyDual-Size-Frequency caching policy", 1998): at each use a field's
+ * priority becomes the priority of the last evicted field, plus build time x uses / bytes. The
+ * field of the lowest priority in a sample is evicted. The budget counts a field until its last pin
+ * is released. A field that is published to a closed mesh cache lives as long as its pins.
  *
- * One mutex guards everything; the workers' lock is taken under it. Fields are freed without it.
- * The budget's reclaim locks it: nothing is taken from the budget under it. All functions are
- * thread-safe. */
+ * One mutex guards everything; the workers' lock is acquired after it. Fields are freed without it.
+ * The budget's reclaimer locks it, so nothing is taken from the budget while it is held. All
+ * functions are thread-safe. */
 #ifndef SERVER_FIELDS_CACHE_H
 #define SERVER_FIELDS_CACHE_H
 
@@ -43,21 +43,21 @@ struct server_pending_build;
 /* A pinned field: valid until server_cache_unpin. */
 struct server_cached {
     struct gd_field *field;
-    double cost; /* the cache's own: nanoseconds of a rebuild */
+    double cost; /* private: nanoseconds of a rebuild */
 };
 
-/* Becomes a reclaimer of `budget`; jobs are parked with `workers`. Both are borrowed. NULL without
+/* Becomes a reclaimer of `budget`; jobs are parked with `workers`. Both are borrowed. NULL: out of
  * memory. */
 struct server_cache *server_cache_create(struct server_budget *budget,
                                          struct server_workers *workers);
 
-/* All mesh caches are closed and all fields unpinned. NULL is harmless. */
+/* Call it when all mesh caches are closed and all fields unpinned. NULL is harmless. */
 void server_cache_destroy(struct server_cache *cache);
 
-/* An empty mesh cache with one reference, the caller's. NULL without memory. */
+/* Creates an empty mesh cache with one reference, the caller's. NULL: out of memory. */
 struct server_mesh_cache *server_mesh_cache_open(struct server_cache *cache);
 
-/* Removes all fields and lets no more in; pins stay valid. May be called again. */
+/* Removes all fields and rejects later ones; pins stay valid. May be called again. */
 void server_mesh_cache_close(struct server_mesh_cache *fields);
 void server_mesh_cache_release(struct server_mesh_cache *fields);
 
@@ -71,9 +71,10 @@ uint32_t server_mesh_cache_count(struct server_mesh_cache *fields);
  * the reference and gd_field_memsize bytes of SERVER_BUDGET_FLIGHT in any case. */
 void server_cache_restore(struct server_mesh_cache *fields, struct gd_field *field);
 
-/* A field of the seeds of this request, which has no target, that reaches as far or farther
- * (gd_field_within limits it); or the whole field of this point. Pinned and counted as used, or
- * NULL. Takes tens of nanoseconds, and more for many seeds. */
+/* Returns a field of the seeds of this request, of its reach or a larger one (gd_field_within
+ * limits it); or the whole field of this point. The request has no target. The field is pinned
+ * and counted as used. Returns NULL if there is none. Takes tens of nanoseconds, more for many
+ * seeds. */
 const struct server_cached *server_cache_find_field(struct server_mesh_cache *fields,
                                                     const struct gd_field_request *request);
 const struct server_cached *server_cache_find(struct server_mesh_cache *fields,
@@ -83,15 +84,17 @@ void server_cache_unpin(const struct server_cached *cached); /* NULL is harmless
 /* Removes the field of this request if it has exactly this reach; pins stay valid. */
 void server_cache_drop(struct server_mesh_cache *fields, const struct gd_field_request *request);
 
-/* The mean search takes about a 16th of the time of the whole field: doc/003. */
+/* Queries of a point before its field is built: an average search takes about 1/16 of the time of a
+ * whole field (server/doc/003). After a failed or abandoned build a surface needs twice as many,
+ * until a field is built there. */
 #define SERVER_CACHE_SEARCHES 16
 
-/* Counts a question about a point without a field. */
+/* Counts a query of a point without a field. */
 void server_cache_note(struct server_mesh_cache *fields, const struct gd_point *point);
 
 enum server_cache_turn {
-    SERVER_CACHE_SEARCH, /* no field: asked about too rarely, or memory is short */
-    SERVER_CACHE_BUILD,  /* `*build` is the caller's to publish or to fail */
+    SERVER_CACHE_SEARCH, /* no field: the point is queried too rarely, or memory is short */
+    SERVER_CACHE_BUILD,  /* the caller must end `*build` by publish, fail or abandon */
     SERVER_CACHE_WAIT,   /* `job` is parked until the build ends or its deadline passes */
     SERVER_CACHE_AGAIN   /* the field exists by now */
 };
@@ -100,26 +103,31 @@ enum server_cache_turn server_cache_enter(struct server_mesh_cache *fields,
                                           const struct gd_point *source, struct server_job *job,
                                           struct server_pending_build **build);
 
-/* The same for a field that the request, which has no target, can't do without. SEARCH: `*why` is
- * GD_NO_MEMORY, or the error of a build of this field less than a second ago. */
+/* As server_cache_enter, for a request, without target, that needs the field. Instead of returning
+ * SEARCH it sets `*why`: GD_NO_MEMORY, GD_CANCELLED, or the error of a build of this field less
+ * than a second ago. */
 enum server_cache_turn server_cache_claim(struct server_mesh_cache *fields,
                                           const struct gd_field_request *request,
                                           struct server_job *job,
                                           struct server_pending_build **build, enum gd_status *why);
 
-/* The field that this build can be resumed from, pinned; NULL: there is none. */
+/* Returns a field from which this build can be resumed, pinned; NULL: there is none. */
 const struct server_cached *server_cache_find_nearer(struct server_pending_build *build);
 
-/* Are jobs parked on the build? Then it goes on even if its own client has gone. */
+/* Returns whether jobs are parked at the build. Then it continues even if its client has gone. */
 bool server_cache_is_awaited(struct server_pending_build *build);
 
-/* Both end and free a build, and resume the parked jobs. publish takes over the field's reference
- * and gd_field_memsize bytes of SERVER_BUDGET_FLIGHT, and returns the field pinned; NULL without
- * memory: then the field is released. After fail with GD_DEADLINE or GD_CANCELLED a parked job may
- * become the builder; any other error is returned by server_cache_claim for one second. */
+/* publish and fail end and free a build, and resume the parked jobs. publish takes over the field's
+ * reference and gd_field_memsize bytes of SERVER_BUDGET_FLIGHT, and returns the field pinned; NULL:
+ * out of memory, and the field is released. After fail with GD_DEADLINE or GD_CANCELLED a parked
+ * job may become the builder. server_cache_claim returns any other error for one second. */
 const struct server_cached *server_cache_publish(struct server_pending_build *build,
                                                  struct gd_field *field);
 void server_cache_fail(struct server_pending_build *build, enum gd_status status);
+
+/* Ends and frees a build that takes much longer than the searches that it would replace. Resumes
+ * the parked jobs, which then search. */
+void server_cache_abandon(struct server_pending_build *build);
 
 struct server_cache_statistics {
     uint64_t hits, misses, builds, resumed, waits, evictions, fields;

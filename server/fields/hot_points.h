@@ -1,9 +1,9 @@
-/* Hot points: the points that were asked about most often of late, in fixed memory.
+/* Hot points: the points that were queried most often recently, in fixed memory.
  *
  * The counters of Misra and Gries (1982, "Finding repeated elements"): a point without a counter
- * gets a free one; when none is free, every counter is decremented. So a point that is more than
- * one in SERVER_HOT_POINTS of the questions ends up with a counter. Points are identified by a
- * hash; a collision is harmless. Not thread-safe. */
+ * gets a free one; when none is free, every counter is decremented. So a point of more than
+ * 1/SERVER_HOT_POINTS of the queries gets a counter. Points are identified by a hash; a collision
+ * is harmless. Not thread-safe. */
 #ifndef SERVER_FIELDS_HOT_POINTS_H
 #define SERVER_FIELDS_HOT_POINTS_H
 
@@ -17,7 +17,7 @@ struct server_hot_points { /* all zero is empty */
     uint32_t count[SERVER_HOT_POINTS]; /* 0: free */
 };
 
-/* The point's counter, else a free one, else NULL. The counter is 0 unless it is the point's. */
+/* Returns the point's counter, else a free counter, which is 0, else NULL. */
 static inline uint32_t *server_hot_points_counter(struct server_hot_points *points, uint64_t hash)
 {
     uint32_t *vacant = NULL;
@@ -30,7 +30,7 @@ static inline uint32_t *server_hot_points_counter(struct server_hot_points *poin
     return vacant;
 }
 
-/* Counts one more question about the point. Tens of nanoseconds. */
+/* Counts a query of the point. Takes tens of nanoseconds. */
 static inline void server_hot_points_note(struct server_hot_points *points, uint64_t hash)
 {
     uint32_t *counter = server_hot_points_counter(points, hash);
@@ -40,7 +40,7 @@ static inline void server_hot_points_note(struct server_hot_points *points, uint
     ++*counter;
 }
 
-/* The point's questions, or fewer. */
+/* Returns a lower bound of the number of queries of the point. */
 static inline uint32_t server_hot_points_count(struct server_hot_points *points, uint64_t hash)
 {
     const uint32_t *counter = server_hot_points_counter(points, hash);

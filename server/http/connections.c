@@ -1,10 +1,9 @@
 /* See connections.h.
  *
  * DESIGN. One mutex guards the list, which is in the order of opening. A deadline is atomic; its
- * low bits name the phase. The connection's HTTP thread sets it; the thread here reads it, and
- * replaces it only if it is unchanged. A connection leaves the list before the library closes its
- * socket, so the descriptor that is shut down under the mutex is never that of another
- * connection. */
+ * low bits name the phase. The connection's HTTP thread sets it. The thread of this file reads it,
+ * and replaces it only if it is unchanged. A connection leaves the list before the library closes
+ * its socket, so a descriptor that is shut down under the mutex belongs to no other connection. */
 #include "server/http/connections.h"
 
 #include <linux/tcp.h>
@@ -13,24 +12,27 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/queue.h>
 
 #include "gd/control.h"
 #include "server/base/log.h"
 #include "server/base/thread.h"
 #include "server/work/budget.h"
 
-#define SECOND_NS   UINT64_C(1000000000)
-#define PATIENCE_NS (30 * SECOND_NS) /* for any phase; between two looks at a client that reads */
-#define BODY_RATE   4096             /* bytes a second */
+#define SECOND_NS UINT64_C(1000000000)
+/* time limit of any phase, and time between two checks of a reading client */
+#define PATIENCE_NS (30 * SECOND_NS)
+#define BODY_RATE   4096 /* bytes a second */
 #define ANSWER_RATE 16384
 #define LONG_ANSWER 65536 /* bytes: the kernel takes shorter ones at once */
-/* Bytes between two looks at a client; half of the rate, since acknowledgements come in lumps. */
+/* Least bytes between two checks: half of the rate, since acknowledgements come in lumps. */
 #define ACKNOWLEDGED (PATIENCE_NS / SECOND_NS * ANSWER_RATE / 2)
 
-#define RESERVE_PART 8                /* of all places */
-#define SCARCE_PART  2                /* of the reserve */
-#define YOUNG_NS     SECOND_NS        /* age of a head that has just begun */
-#define HASTE_NS     (10 * SECOND_NS) /* for clients that read, while answers lack memory */
+#define RESERVE_PART 8         /* 1/8 of all places */
+#define SCARCE_PART  2         /* 1/2 of the reserve */
+#define YOUNG_NS     SECOND_NS /* age of a head that has just begun */
+/* time limit of clients that don't read while answers lack memory */
+#define HASTE_NS     (10 * SECOND_NS)
 #define COMPLAINT_NS (60 * SECOND_NS) /* between two log lines about a shortage */
 #define ADDRESSES    1024             /* groups of addresses: by a hash */
 
@@ -41,15 +43,15 @@ enum phase { PHASE_OTHER, PHASE_IDLE, PHASE_HEAD, PHASE_ANSWER };
 
 struct server_connection {
     struct server_connections *connections;
-    struct server_connection *next, *previous;
+    TAILQ_ENTRY(server_connection) next;
     int descriptor;
     unsigned address; /* the group of the client's address */
     atomic_uint_least64_t deadline_ns;
-    /* of an answer: no look at the client moves the deadline beyond it */
+    /* of an answer: the latest time to which progress extends the deadline */
     atomic_uint_least64_t last_ns;
     atomic_bool is_active; /* see server_connections_active */
-    bool is_short;         /* the answer's deadline serves for the idle time, too */
-    bool is_leaving;       /* it was shut down; under the mutex */
+    bool is_short;         /* the answer's deadline also covers the idle time */
+    bool is_leaving;       /* the connection was shut down; under the mutex */
     uint64_t body_started_ns, body_bytes;
     uint64_t acknowledged; /* bytes, at the thread's last look */
     uint64_t moved;        /* bytes that the client had acknowledged when it last read */
@@ -59,15 +61,15 @@ struct server_connection {
 struct candidate {
     struct server_connection *connection;
     uint64_t deadline_ns;
-    unsigned rank; /* 0 goes first */
+    unsigned rank; /* 0 is shut down first */
 };
 
 struct server_connections {
     pthread_mutex_t mutex;
-    struct server_connection *first, *last;
+    TAILQ_HEAD(, server_connection) all;
     struct server_thread *thread;
     const struct server_budget *budget;
-    uint64_t refused_answers, checked_ns; /* at the last look of the thread */
+    uint64_t refused_answers, checked_ns; /* values at the thread's last check */
     atomic_uint_least64_t open, leaving, cut, refusals, complained_ns;
     uint32_t most, reserve;
 };
@@ -84,7 +86,8 @@ static uint64_t deadline_earlier(uint64_t a, uint64_t b)
 
 /* --- deadlines -------------------------------------------------------------------------------- */
 
-/* Under the mutex. False: the connection's thread has set another deadline. */
+/* Shuts down a connection, under the mutex. Returns false if the connection's thread has set
+ * another deadline. */
 static bool connection_shut(struct server_connection *connection, uint64_t deadline_ns)
 {
     struct server_connections *connections = connection->connections;
@@ -99,7 +102,7 @@ static bool connection_shut(struct server_connection *connection, uint64_t deadl
     return true;
 }
 
-/* False: unix sockets can't say. */
+/* Gets the state of TCP. False: it is a unix socket. */
 static bool connection_inquire(const struct server_connection *connection, struct tcp_info *out)
 {
     socklen_t size = sizeof *out;
@@ -114,8 +117,9 @@ static bool is_read(const struct tcp_info *info)
 
 enum reading { READING_NOTHING, READING, READ_ALL };
 
-/* What the client has acknowledged since the last look. The library's writes say less: the kernel
- * buffers megabytes. Unix sockets can't say; the library's timer is for them. */
+/* Returns how much the client has acknowledged since the last call. The library's writes do not
+ * show that, because the kernel buffers megabytes. Unix sockets have no acknowledgements; they rely
+ * on the library's timer. */
 static enum reading connection_look(struct server_connection *connection)
 {
     struct tcp_info info;
@@ -133,11 +137,11 @@ static uint64_t connection_extend(struct server_connection *connection, enum pha
     uint64_t last_ns = atomic_load_explicit(&connection->last_ns, memory_order_relaxed);
     if (phase == PHASE_ANSWER && last_ns > now_ns && connection_look(connection) != READING_NOTHING)
         return deadline_earlier(now_ns + PATIENCE_NS, last_ns);
-    /* the kernel may hold the end of an answer that the library has written */
+    /* the kernel may still hold the end of an answer */
     return phase == PHASE_IDLE && connection_look(connection) == READING ? now_ns + PATIENCE_NS : 0;
 }
 
-/* The client has ended its side, and the library has read all that it sent. */
+/* Returns whether the client has closed its side and the library has read all bytes. */
 static bool connection_is_ended(const struct server_connection *connection)
 {
     char byte;
@@ -161,15 +165,15 @@ static void connection_check(struct server_connection *connection, uint64_t now_
 
 void server_connections_check(struct server_connections *connections, uint64_t now_ns)
 {
-    pthread_mutex_lock(&connections->mutex);
-    for (struct server_connection *at = connections->first; at; at = at->next)
-        connection_check(at, now_ns);
-    pthread_mutex_unlock(&connections->mutex);
+    SERVER_LOCK(&connections->mutex);
+    struct server_connection *at;
+    TAILQ_FOREACH(at, &connections->all, next) connection_check(at, now_ns);
 }
 
 /* --- the reserve ------------------------------------------------------------------------------ */
 
-/* How many connections more are open than leave `free` places, those that are leaving aside. */
+/* Returns how many connections must close until `free` places are free. Connections that were shut
+ * down count as closed. */
 static uint32_t connections_excess(struct server_connections *connections, uint32_t free)
 {
     uint64_t open = atomic_load(&connections->open),
@@ -185,8 +189,10 @@ static size_t candidates_list(const struct server_connections *connections, uint
 {
     uint32_t waiting[ADDRESSES] = {0}, most = 0;
     size_t count = 0;
-    for (struct server_connection *at = connections->first; at && count < connections->most;
-         at = at->next) {
+    struct server_connection *at;
+    TAILQ_FOREACH(at, &connections->all, next)
+    {
+        if (count == connections->most) break;
         uint64_t deadline_ns = atomic_load(&at->deadline_ns);
         enum phase phase = phase_of(deadline_ns);
         if (phase != PHASE_HEAD && phase != PHASE_IDLE) continue;
@@ -218,7 +224,7 @@ static void connections_complain(struct server_connections *connections, uint64_
         connections->reserve, connections->most);
 }
 
-/* Shuts down half of the reserve more than is missing, so that the next connection does not sort
+/* Shuts down more than necessary, by half of the reserve, so that the next connection does not sort
  * all of them again. */
 void server_connections_relieve(struct server_connections *connections, uint64_t now_ns)
 {
@@ -246,7 +252,8 @@ void server_connections_relieve(struct server_connections *connections, uint64_t
 
 /* --- the thread ------------------------------------------------------------------------------- */
 
-/* Notes whether clients read. True: the client has read nothing for a while, and could. */
+/* Records how much the client has read. Returns whether it has read nothing for HASTE_NS although
+ * there is data. */
 static bool connection_stalls(struct server_connection *connection, uint64_t now_ns)
 {
     struct tcp_info info;
@@ -258,13 +265,14 @@ static bool connection_stalls(struct server_connection *connection, uint64_t now
     return now_ns - atomic_load(&connection->moved_ns) >= HASTE_NS;
 }
 
-/* Of the clients that stall while answers lack memory, the one that does for longest goes. */
+/* While answers lack memory, shuts down the client that has stalled for longest. */
 static void connections_hasten(struct server_connections *connections, uint64_t now_ns)
 {
     uint64_t refused = connections->budget ? atomic_load(&connections->budget->refused_answers) : 0;
-    struct server_connection *slowest = NULL;
+    struct server_connection *at, *slowest = NULL;
     pthread_mutex_lock(&connections->mutex);
-    for (struct server_connection *at = connections->first; at; at = at->next) {
+    TAILQ_FOREACH(at, &connections->all, next)
+    {
         if (phase_of(atomic_load(&at->deadline_ns)) != PHASE_ANSWER) continue;
         if (!connection_stalls(at, now_ns)) continue;
         if (!slowest || atomic_load(&at->moved_ns) < atomic_load(&slowest->moved_ns)) slowest = at;
@@ -295,6 +303,7 @@ struct server_connections *server_connections_create(const struct server_budget 
     struct server_connections *connections = calloc(1, sizeof *connections);
     if (!connections) return NULL;
     connections->budget = budget;
+    TAILQ_INIT(&connections->all);
     pthread_mutex_init(&connections->mutex, NULL);
     connections->thread = server_thread_start(connections_watch, connections);
     if (connections->thread) return connections;
@@ -319,10 +328,10 @@ void server_connections_limit(struct server_connections *connections, uint32_t m
 uint32_t server_connections_active(struct server_connections *connections)
 {
     uint32_t count = 0;
-    pthread_mutex_lock(&connections->mutex);
-    for (struct server_connection *at = connections->first; at; at = at->next)
-        count += atomic_load_explicit(&at->is_active, memory_order_acquire);
-    pthread_mutex_unlock(&connections->mutex);
+    struct server_connection *at;
+    SERVER_LOCK(&connections->mutex);
+    TAILQ_FOREACH(at, &connections->all, next)
+    count += atomic_load_explicit(&at->is_active, memory_order_acquire);
     return count;
 }
 
@@ -344,7 +353,7 @@ static void connection_set(struct server_connection *connection, enum phase phas
                           memory_order_relaxed);
 }
 
-/* Addresses of one IPv6 network (/64) are of one group. */
+/* Returns the group of an address; addresses of one IPv6 network (/64) share a group. */
 static unsigned address_group(const struct sockaddr *client)
 {
     uint64_t number = 0;
@@ -368,9 +377,7 @@ struct server_connection *server_connection_open(struct server_connections *conn
     connection->address = address_group(client);
     connection_set(connection, PHASE_HEAD, gd_now_ns() + PATIENCE_NS);
     pthread_mutex_lock(&connections->mutex);
-    connection->previous = connections->last;
-    *(connection->previous ? &connection->previous->next : &connections->first) = connection;
-    connections->last = connection;
+    TAILQ_INSERT_TAIL(&connections->all, connection, next);
     pthread_mutex_unlock(&connections->mutex);
     if (atomic_fetch_add(&connections->open, 1) == 0 ||
         connections_excess(connections, connections->reserve))
@@ -382,8 +389,7 @@ void server_connection_close(struct server_connection *connection)
 {
     struct server_connections *connections = connection->connections;
     pthread_mutex_lock(&connections->mutex);
-    *(connection->previous ? &connection->previous->next : &connections->first) = connection->next;
-    *(connection->next ? &connection->next->previous : &connections->last) = connection->previous;
+    TAILQ_REMOVE(&connections->all, connection, next);
     if (connection->is_leaving) atomic_fetch_sub(&connections->leaving, 1);
     pthread_mutex_unlock(&connections->mutex);
     atomic_fetch_sub(&connections->open, 1);

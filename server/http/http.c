@@ -11,12 +11,12 @@
  * A streamed answer is read when the library can write. While there is nothing to read, the
  * connection is suspended (events.h).
  *
- * libmicrohttpd 0.9.75 notices neither a hang-up nor a timeout of a suspended connection and must
- * not be stopped while one is. So deadlines are those of server.c and connections.h,
- * is_gone looks for hang-ups, and the server waits for all deferred exchanges before it stops.
+ * libmicrohttpd 0.9.75 detects neither hang-ups nor timeouts of suspended connections, and must not
+ * be stopped while one is suspended. So server.c and connections.h have the deadlines, is_gone
+ * detects hang-ups, and the server waits for all deferred exchanges before it stops.
  *
- * The library can answer before the body in the first call for a request only. A fault that shows
- * later is answered after the body. */
+ * Only in the first call for a request can the library answer before the body. Faults that are
+ * found later are answered after the body. */
 #include "server/http/http.h"
 
 #include <microhttpd.h>
@@ -40,20 +40,20 @@
 #include "server/http/tls.h"
 #include "server/work/thread_priority.h"
 
-/* Bytes of the library for a connection: the head, and the buffer that bodies pass through. The
- * library clears them at each request. */
+/* Bytes of the library for a connection: for the head, and as a buffer of the body. The library
+ * clears them at each request. */
 #define CONNECTION_MEMORY  (16 * 1024)
-#define SILENCE_SECONDS    30u /* of a client at a unix socket, which connections.h can't look at */
-#define SPARE_DESCRIPTORS  64u /* of the store, the log and the process */
-#define THREAD_DESCRIPTORS 4u  /* of an HTTP thread, or of a worker */
-#define GONE_INTERVAL_NS   UINT64_C(20000000) /* between two looks at a client's socket */
+#define SILENCE_SECONDS    30u /* idle timer of unix sockets (see connections.c) */
+#define SPARE_DESCRIPTORS  64u /* descriptors of the store, the log and the process */
+#define THREAD_DESCRIPTORS 4u  /* descriptors of an HTTP thread or a worker */
+#define GONE_INTERVAL_NS   UINT64_C(20000000) /* between two checks of a client's socket */
 #define STREAM_BLOCK       1024               /* bytes that are read from a stream at a time */
 #define LARGE_ANSWER       ((size_t)1 << 20)
 #define PEER_TEXT          64
 #define LARGE_BLOCK        ((size_t)128 << 10) /* bytes of a large answer that are sent at a time */
 
-/* Level 1 refuses HTTP/1.1 without a Host and blanks in targets; from 1.0 on also bare LFs, folded
- * lines and more blanks and empty lines than RFC 9112 has. */
+/* Level 1 refuses HTTP/1.1 without a Host, and blanks in targets. From 1.0 on it also refuses bare
+ * LFs, folded lines, and more blanks and empty lines than RFC 9112 allows. */
 #if MHD_VERSION >= 0x01000000
 #define DISCIPLINE MHD_OPTION_CLIENT_DISCIPLINE_LVL
 #else
@@ -68,9 +68,9 @@ struct client {
     const struct server_http *http;
     struct MHD_Connection *connection;
     struct server_connection *deadlines;
-    const char *fault;               /* of the request line */
+    const char *fault;               /* fault of the request line */
     enum phase phase;                /* written by the connection's HTTP thread only */
-    atomic_uint_least64_t looked_ns; /* when is_gone looked at the socket last */
+    atomic_uint_least64_t looked_ns; /* when is_gone last checked the socket */
 };
 
 struct server_http {
@@ -107,7 +107,19 @@ static const struct sockaddr *peer_of(struct MHD_Connection *connection)
     return info ? info->client_addr : NULL;
 }
 
-/* A client that waits for an answer does not close its side. */
+static bool peer_is_local(const struct sockaddr *peer)
+{
+    if (peer && peer->sa_family == AF_INET6) {
+        const struct in6_addr *address = &((const struct sockaddr_in6 *)peer)->sin6_addr;
+        return IN6_IS_ADDR_LOOPBACK(address) ||
+               (IN6_IS_ADDR_V4MAPPED(address) && address->s6_addr[12] == IN_LOOPBACKNET);
+    }
+    return peer && peer->sa_family == AF_INET &&
+           ntohl(((const struct sockaddr_in *)peer)->sin_addr.s_addr) >> 24 == IN_LOOPBACKNET;
+}
+
+/* Returns whether the client has closed its side. A client that still waits for the answer does
+ * not. */
 static bool client_has_hung_up(void *user)
 {
     const struct client *client = user;
@@ -157,7 +169,7 @@ static void on_connection(void *user, struct MHD_Connection *connection, void **
 
 /* --- from the library to the exchange --------------------------------------------------------- */
 
-/* The target as it came, before the library divides it. The result is the request's context. */
+/* Receives the raw target, before the library splits it. The result is the request's context. */
 static void *on_target(void *user, const char *target, struct MHD_Connection *connection)
 {
     const struct server_http_parts *parts = &((const struct server_http *)user)->parts;
@@ -175,7 +187,7 @@ static void *on_target(void *user, const char *target, struct MHD_Connection *co
     return client;
 }
 
-/* Escapes stay: the exchange has decoded its own copy of the target. */
+/* Leaves escapes undecoded: the exchange has decoded its own copy of the target. */
 static size_t on_escapes(void *user, struct MHD_Connection *connection, char *text)
 {
     (void)user, (void)connection;
@@ -190,9 +202,9 @@ static void on_completed(void *user, struct MHD_Connection *connection, void **c
     if (!client) return;
     bool is_answered = client->phase == PHASE_PARKED || client->phase == PHASE_ANSWERED;
     if (!is_answered && code == MHD_REQUEST_TERMINATED_COMPLETED_OK) {
-        /* by a status of the library's own */
+        /* the library has answered by itself */
         server_connection_refuse(client->deadlines);
-        server_log_message(SERVER_LOG_INFO, "malformed", "the %s of a request of %s is no HTTP",
+        server_log_message(SERVER_LOG_INFO, "malformed", "the %s of a request of %s is malformed",
                            client->phase == PHASE_HEAD ? "head" : "body", client->exchange.path);
     }
     server_exchange_end(&client->exchange);
@@ -218,8 +230,8 @@ static const char *print_peer(const struct sockaddr *peer, char text[PEER_TEXT])
     return getnameinfo(peer, size, text, PEER_TEXT, NULL, 0, NI_NUMERICHOST) == 0 ? text : NULL;
 }
 
-/* Logs an answered exchange. The client's address is for requests that were malformed or refused;
- * of its key only the name. */
+/* Logs an answered exchange: the client's address only if the request was malformed or refused, and
+ * only the name of its key. */
 static void client_log(const struct client *client, uint64_t nanoseconds)
 {
     const struct server_exchange *exchange = &client->exchange;
@@ -263,7 +275,7 @@ static ssize_t on_read(void *user, uint64_t position, char *bytes, size_t size)
     return read < 0 ? MHD_CONTENT_READER_END_OF_STREAM : read;
 }
 
-/* Copies the body from `position` on: its own text, then the lent bytes, then their tail. */
+/* Copies the body from `position` on: first its own text, then the lent bytes and their tail. */
 static ssize_t on_body(void *user, uint64_t position, char *bytes, size_t size)
 {
     const struct server_response *reply = user;
@@ -287,8 +299,8 @@ static ssize_t on_body(void *user, uint64_t position, char *bytes, size_t size)
     return MHD_CONTENT_READER_END_OF_STREAM;
 }
 
-/* A large body goes to the kernel in blocks: a system call that copies several MiB would delay the
- * thread's other connections by milliseconds. The exchange keeps the body. */
+/* Sends a large body in blocks, since a system call that copies several MiB delays the thread's
+ * other connections by milliseconds. The exchange then keeps the body. */
 static struct MHD_Response *response_create(struct client *client)
 {
     struct server_response *reply = &client->exchange.response;
@@ -333,8 +345,7 @@ static enum MHD_Result client_answer(struct client *client)
         return MHD_NO;
     }
     server_metrics_count(exchange->host->metrics, exchange->match.route, reply->status,
-                         nanoseconds);
-    server_metrics_count_problem(exchange->host->metrics, reply->problem);
+                         reply->problem, nanoseconds);
     client_log(client, nanoseconds);
     server_connection_answer(client->deadlines, reply->size, reply->stream && !reply->size, now_ns);
     enum MHD_Result result = MHD_queue_response(client->connection, reply->status, response);
@@ -348,6 +359,7 @@ static enum MHD_Result client_begin(struct client *client, const char *method, c
 {
     struct server_exchange *exchange = &client->exchange;
     exchange->method = method;
+    exchange->is_local = peer_is_local(peer_of(client->connection));
     MHD_get_connection_values(client->connection, MHD_HEADER_KIND, on_header, exchange);
     const char *fault = server_exchange_read_head(exchange, version);
     if (client->fault) fault = client->fault;
@@ -374,7 +386,7 @@ static enum MHD_Result client_end(struct client *client)
     server_connection_work(client->deadlines);
     atomic_store_explicit(&client->looked_ns, gd_now_ns(), memory_order_relaxed);
     MHD_suspend_connection(client->connection);
-    server_exchange_submit(&client->exchange); /* from here on it is another thread's */
+    server_exchange_submit(&client->exchange); /* do not touch it from here on */
     return MHD_YES;
 }
 
@@ -385,7 +397,7 @@ static enum MHD_Result on_request(void *user, struct MHD_Connection *connection,
     (void)user, (void)connection, (void)url;
     struct client *client = *context;
     size_t size = *upload_size;
-    if (!client) return MHD_NO; /* no memory for one */
+    if (!client) return MHD_NO; /* out of memory */
     *upload_size = 0;
     switch (client->phase) {
     case PHASE_HEAD:
@@ -405,8 +417,8 @@ static enum MHD_Result on_request(void *user, struct MHD_Connection *connection,
 
 /* --- limits ----------------------------------------------------------------------------------- */
 
-/* As many connections as leave the rest of the daemon its descriptors, so that none of them can run
- * out of descriptors; at most the configured number, which bounds their memory. */
+/* Returns the most connections: the configured number, which bounds their memory, but fewer if the
+ * rest of the daemon would lack descriptors. */
 static unsigned connection_limit(const struct server_config *config)
 {
     struct rlimit limit;
@@ -416,14 +428,15 @@ static unsigned connection_limit(const struct server_config *config)
     unsigned own = SPARE_DESCRIPTORS + threads * THREAD_DESCRIPTORS;
     if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= wanted + own) return wanted;
     unsigned all = (unsigned)limit.rlim_cur, most = all > 2 * own ? all - own : all / 2;
-    server_log_message(SERVER_LOG_WARN, "descriptors",
-                       "%u connections at once at most: the limit of open files is %u; raise it by "
-                       "ulimit -n",
-                       most, all);
+    server_log_message(
+        SERVER_LOG_WARN, "descriptors",
+        "at most %u connections at a time: the limit of open files is %u; raise it with ulimit -n",
+        most, all);
     return most;
 }
 
-/* Of one address: at most three quarters of all, so that others find a place. 0: no limit. */
+/* Returns the most connections of one address; 0: no limit. At most three quarters of all, so that
+ * other addresses find a place. */
 static unsigned address_limit(const struct server_config *config, unsigned most)
 {
     unsigned wanted = (unsigned)config->max_address_connections, all_but_some = most - most / 4;
@@ -475,7 +488,7 @@ static struct MHD_Daemon *http_start_library(struct server_http *http)
 }
 
 struct server_http *server_http_start(const struct server_http_parts *parts, int listening,
-                                      char *error, size_t error_size)
+                                      char error[SERVER_ERROR])
 {
     struct server_http *http = calloc(1, sizeof *http);
     if (http && socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, http->silent) == 0) {
@@ -487,15 +500,16 @@ struct server_http *server_http_start(const struct server_http_parts *parts, int
     } else {
         free(http);
     }
-    snprintf(error, error_size, "the HTTP library could not be started");
+    snprintf(error, SERVER_ERROR,
+             "the HTTP library could not be started; --log-level debug shows its message");
     close(listening);
     return NULL;
 }
 
-/* MHD_quiesce_daemon and a thread of the library that wakes at that moment both take the listening
- * socket out of the thread's epoll set, and the second of the two aborts the program (0.9.75; one
- * stop in three thousand, as measured). So the socket is closed under its number, where a silent
- * one takes its place: the kernel itself takes a closed socket out of every set. */
+/* Does not use MHD_quiesce_daemon: it and a thread of the library that wakes at that moment both
+ * remove the listening socket from the thread's epoll set, and the second removal aborts the
+ * program (0.9.75; measured: one stop in three thousand). Instead dup2 replaces the socket by a
+ * silent one under the same number, and the kernel removes a closed socket from every set. */
 void server_http_quiesce(struct server_http *http)
 {
     (void)dup2(http->silent[0], http->listening);

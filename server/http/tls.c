@@ -1,8 +1,8 @@
 /* See tls.h.
  *
- * DESIGN. A handshake borrows the identity that is in force when it begins. A reload puts another
- * in force and retires the one before, which is freed at a reload that comes later than any
- * handshake can last (connections.h). */
+ * DESIGN. A handshake borrows the identity in use when it begins. A reload replaces and retires
+ * that identity. A later reload frees it, once no handshake can still use it (connections.h bounds
+ * their time). */
 #include "server/http/tls.h"
 
 #include <gnutls/abstract.h>
@@ -10,12 +10,12 @@
 #include <limits.h>
 #include <pthread.h>
 #include <stdint.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "gd/control.h"
 #include "server/base/disk.h"
+#include "server/base/thread.h"
 
 #define CHAIN_MOST 8
 #define RETIRED_NS UINT64_C(600000000000)
@@ -33,7 +33,7 @@ struct server_tls {
     struct identity *retired;
 };
 
-static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER; /* of `in_force` */
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER; /* protects `in_force` */
 static struct identity *in_force;
 
 /* --- an identity ------------------------------------------------------------------------------ */
@@ -48,15 +48,13 @@ static void identity_free(struct identity *identity)
 
 /* Reads the certificate with its issuers, or the private key. */
 static bool identity_load_file(struct identity *identity, const char *path, bool is_key,
-                               char *error, size_t error_size)
+                               char error[SERVER_ERROR])
 {
     void *bytes;
     size_t size;
     int code;
-    if (server_disk_read(path, &bytes, &size) != SERVER_STORE_DONE || size > UINT_MAX) {
-        snprintf(error, error_size, "'%s' can't be used for TLS: %s", path, server_disk_why());
-        return false;
-    }
+    if (server_disk_read(path, &bytes, &size) != SERVER_STORE_DONE || size > UINT_MAX)
+        return server_refuse(error, "'%s' can't be used for TLS: %s", path, server_disk_why());
     const gnutls_datum_t text = {bytes, (unsigned)size};
     if (is_key) {
         code = gnutls_privkey_init(&identity->key);
@@ -71,12 +69,11 @@ static bool identity_load_file(struct identity *identity, const char *path, bool
     }
     gnutls_memset(bytes, 0, size);
     free(bytes);
-    if (code < 0)
-        snprintf(error, error_size, "'%s' can't be used for TLS: %s", path, gnutls_strerror(code));
-    return code >= 0;
+    return code >= 0 ||
+           server_refuse(error, "'%s' can't be used for TLS: %s", path, gnutls_strerror(code));
 }
 
-/* The private key belongs to the certificate's public key. */
+/* Returns whether the private key belongs to the certificate. */
 static bool identity_is_pair(const struct identity *identity)
 {
     unsigned char certificate[64], key[64];
@@ -92,18 +89,16 @@ static bool identity_is_pair(const struct identity *identity)
     return same;
 }
 
-static struct identity *identity_load(const struct server_tls *tls, char *error, size_t error_size)
+static struct identity *identity_load(const struct server_tls *tls, char error[SERVER_ERROR])
 {
     struct identity *identity = calloc(1, sizeof *identity);
     if (!identity) return NULL;
-    bool ok = identity_load_file(identity, tls->certificate, false, error, error_size) &&
-              identity_load_file(identity, tls->key, true, error, error_size);
-    if (ok && !identity_is_pair(identity)) {
-        snprintf(error, error_size, "the key of '%s' is not that of the certificate of '%s'",
-                 tls->key, tls->certificate);
-        ok = false;
-    }
-    if (ok) return identity;
+    if (identity_load_file(identity, tls->certificate, false, error) &&
+        identity_load_file(identity, tls->key, true, error) &&
+        (identity_is_pair(identity) ||
+         server_refuse(error, "the key of '%s' is not that of the certificate of '%s'", tls->key,
+                       tls->certificate)))
+        return identity;
     identity_free(identity);
     return NULL;
 }
@@ -137,10 +132,9 @@ void *server_tls_retrieve(void)
 
 static struct identity *identity_swap(struct identity *identity)
 {
-    pthread_mutex_lock(&lock);
+    SERVER_LOCK(&lock);
     struct identity *before = in_force;
     in_force = identity;
-    pthread_mutex_unlock(&lock);
     return before;
 }
 
@@ -165,22 +159,22 @@ static void identity_retire(struct server_tls *tls, struct identity *identity)
     tls->retired = identity;
 }
 
-bool server_tls_reload(struct server_tls *tls, char *error, size_t error_size)
+bool server_tls_reload(struct server_tls *tls, char error[SERVER_ERROR])
 {
-    struct identity *identity = identity_load(tls, error, error_size);
+    struct identity *identity = identity_load(tls, error);
     if (!identity) return false;
     identity_retire(tls, identity_swap(identity));
     return true;
 }
 
-struct server_tls *server_tls_open(const char *certificate, const char *key, char *error,
-                                   size_t error_size)
+struct server_tls *server_tls_open(const char *certificate, const char *key,
+                                   char error[SERVER_ERROR])
 {
     struct server_tls *tls = calloc(1, sizeof *tls);
     if (!tls) return NULL;
     tls->certificate = strdup(certificate);
     tls->key = strdup(key);
-    if (tls->certificate && tls->key && server_tls_reload(tls, error, error_size)) return tls;
+    if (tls->certificate && tls->key && server_tls_reload(tls, error)) return tls;
     server_tls_close(tls);
     return NULL;
 }

@@ -1,10 +1,9 @@
-/* TLS: the daemon's certificate and private key. GnuTLS asks for them at each handshake, so that
+/* TLS: the daemon's certificate and private key. GnuTLS requests them at each handshake, so that
  * they can be replaced while the daemon runs. */
 #ifndef SERVER_HTTP_TLS_H
 #define SERVER_HTTP_TLS_H
 
-#include <stdbool.h>
-#include <stddef.h>
+#include "server/base/error.h"
 
 struct server_tls;
 
@@ -14,17 +13,17 @@ struct server_tls;
 
 /* Reads both files (PEM; the certificate first, then its issuers). NULL with a sentence in `error`.
  * Only one can be open in a process: GnuTLS hands no pointer to the callback. */
-struct server_tls *server_tls_open(const char *certificate, const char *key, char *error,
-                                   size_t error_size);
+struct server_tls *server_tls_open(const char *certificate, const char *key,
+                                   char error[SERVER_ERROR]);
 
-/* Reads the files again. False with a sentence in `error`: the old pair stays in use. By one thread
- * at a time. */
-bool server_tls_reload(struct server_tls *tls, char *error, size_t error_size);
+/* Reads the files again. On failure returns false with a sentence in `error`, and the old pair
+ * stays in use. Called by one thread at a time. */
+bool server_tls_reload(struct server_tls *tls, char error[SERVER_ERROR]);
 
-/* After the last handshake. NULL is harmless. */
+/* Call it after the last handshake. NULL is harmless. */
 void server_tls_close(struct server_tls *tls);
 
-/* The gnutls_certificate_retrieve_function2 for MHD_OPTION_HTTPS_CERT_CALLBACK. */
+/* Returns the gnutls_certificate_retrieve_function2 for MHD_OPTION_HTTPS_CERT_CALLBACK. */
 void *server_tls_retrieve(void);
 
 #endif

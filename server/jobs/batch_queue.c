@@ -31,14 +31,14 @@ static int64_t now_ms(void)
     return (int64_t)now.tv_sec * 1000 + now.tv_nsec / 1000000;
 }
 
-static void copy_text(char *to, size_t size, const struct server_sql_value *value)
+static void column_copy(char *to, size_t size, const struct server_sql_value *value)
 {
     snprintf(to, size, "%s", value->type == SERVER_SQL_TEXT ? value->bytes : "");
 }
 
 /* --- batches ---------------------------------------------------------------------------------- */
 
-/* Items first: without a batch nobody claims them. */
+/* Adds the items first: without the batch's row no daemon claims them. */
 enum server_store_outcome server_batch_queue_add(struct server_store_sql *sql,
                                                  const struct server_batch_order *order)
 {
@@ -85,7 +85,7 @@ static bool on_batch(void *user, const struct server_sql_value *row)
                                    .is_cancelled = row[3].integer != 0,
                                    .done = row[4].integer,
                                    .failed = row[5].integer};
-    copy_text(batch->id, sizeof batch->id, &row[0]);
+    column_copy(batch->id, sizeof batch->id, &row[0]);
     return list->count < list->most;
 }
 
@@ -169,8 +169,8 @@ enum server_store_outcome server_batch_queue_cancel(struct server_store_sql *sql
                                     SERVER_VALUES(server_sql_text(id))));
 }
 
-/* The row of the batch last: after a failure the batch is still found, and can be removed again. It
- * is cancelled first, so that it counts as ended without its items. */
+/* Removes the batch's row last, so that after a failure the batch is found and can be removed
+ * again. Cancels the batch first, so that it counts as ended without its items. */
 enum server_store_outcome server_batch_queue_remove(struct server_store_sql *sql, const char *id)
 {
     static const char *const steps[] = {
@@ -187,7 +187,7 @@ enum server_store_outcome server_batch_queue_remove(struct server_store_sql *sql
 static bool on_claim(void *user, const struct server_sql_value *row)
 {
     struct server_batch_claim *claim = user;
-    copy_text(claim->id, sizeof claim->id, &row[0]);
+    column_copy(claim->id, sizeof claim->id, &row[0]);
     claim->item = row[1].integer;
     claim->attempts = row[2].integer;
     return false;
@@ -196,13 +196,13 @@ static bool on_claim(void *user, const struct server_sql_value *row)
 static bool on_owner(void *user, const struct server_sql_value *row)
 {
     struct server_batch_claim *claim = user;
-    copy_text(claim->tenant, sizeof claim->tenant, &row[0]);
-    copy_text(claim->etag, sizeof claim->etag, &row[1]);
+    column_copy(claim->tenant, sizeof claim->tenant, &row[0]);
+    column_copy(claim->etag, sizeof claim->etag, &row[1]);
     return false;
 }
 
 /* Claims an item of the oldest batch of the first tenant that the condition admits; leaves `*out`
- * as it is if there is none. */
+ * unchanged if there is none. */
 static enum server_store_outcome claim_where(struct server_store_sql *sql, const char *node,
                                              const char *condition, const char *after,
                                              struct server_batch_claim *out)
@@ -277,8 +277,8 @@ enum server_store_outcome server_batch_queue_return_all(struct server_store_sql 
     return sql->run(sql, SERVER_SQL("UPDATE items SET lease = 0 WHERE status = 0 AND lease > 0"));
 }
 
-/* The unique index refuses the number that another daemon has written meanwhile; then the statement
- * runs again. So a number is there only after all smaller ones. */
+/* Writes the answer. The unique index rejects a number that another daemon has just written; then
+ * the statement runs again. So a number is visible only after all smaller ones. */
 enum server_store_outcome server_batch_queue_answer(struct server_store_sql *sql,
                                                     const struct server_batch_claim *claim,
                                                     unsigned status, const void *answer,

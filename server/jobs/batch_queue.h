@@ -1,12 +1,12 @@
-/* Batch queue: batches (proto/queries/many.h) as rows: what they ask, and each item's lease and answer.
- * Whichever daemon has time claims the next item.
+/* Batch queue: batches (proto/queries/many.h) as rows: their documents, and each item's lease and
+ * answer. The first daemon with time claims the next item.
  *
  *     batches  id, tenant, document, etag, items, created, cancelled
  *     items    batch, item, lease, node, attempts, status, answer, number
  *
  * DESIGN. Each item is worked on at least once. A daemon holds a claimed item for
  * SERVER_BATCH_LEASE and renews the lease while it works; when the lease of a dead daemon ends,
- * another one claims the item. The first answer stays. So every statement can be repeated, and a
+ * another one claims the item. The first answer is kept. So every statement can be repeated, and a
  * slow or isolated daemon does no harm. Leases use the daemons' own clocks: if those differ by more
  * than a lease, an item is worked on twice. After SERVER_BATCH_TRIES attempts an item fails.
  *
@@ -24,29 +24,29 @@
 #define SERVER_BATCH_ID      25    /* with the NUL */
 #define SERVER_BATCH_LEASE   15000 /* ms */
 #define SERVER_BATCH_TRIES   5
-#define SERVER_BATCH_ANSWERS 16 /* that are read at once; they may be large */
+#define SERVER_BATCH_ANSWERS 16 /* answers read at once; they may be large */
 
-/* The steps that make the tables in SQLite, NULL-terminated (PostgreSQL's:
- * store/postgres/schema.c). Steps are added at the end and never changed. */
+/* The steps that create the tables in SQLite, NULL-terminated (PostgreSQL's:
+ * store/postgres/schema.c). New steps are appended; old ones never change. */
 extern const char *const server_batch_queue_tables[];
 
 struct server_batch {
     char id[SERVER_BATCH_ID];
     int64_t items, created; /* created: seconds since 1970 */
     bool is_cancelled;
-    int64_t done, failed; /* items with an answer; those whose answer is a problem */
+    int64_t done, failed; /* done: items with an answer; failed: items whose answer is a problem */
 };
 
-/* A new batch. All borrowed. */
+/* A new batch; all borrowed. */
 struct server_batch_order {
     const struct server_batch *batch; /* id, items and time */
     const char *tenant;
     const void *document; /* as the client sent it */
     size_t size;
-    const char *etag; /* of the mesh that all items use; "": they use several */
+    const char *etag; /* of the mesh that all items use; "": items use several */
 };
 
-/* Adds a batch; has no effect if it is there. */
+/* Adds a batch; has no effect if it exists. */
 enum server_store_outcome server_batch_queue_add(struct server_store_sql *sql,
                                                  const struct server_batch_order *order);
 
@@ -54,7 +54,7 @@ enum server_store_outcome server_batch_queue_add(struct server_store_sql *sql,
 enum server_store_outcome server_batch_queue_count(struct server_store_sql *sql, const char *tenant,
                                                    int64_t *count);
 
-/* Finds the tenant's batch; ABSENT. */
+/* Finds the tenant's batch. ABSENT: there is none. */
 enum server_store_outcome server_batch_queue_find(struct server_store_sql *sql, const char *tenant,
                                                   const char *id, struct server_batch *out);
 
@@ -68,15 +68,15 @@ enum server_store_outcome server_batch_queue_list(struct server_store_sql *sql, 
                                                   const char *after,
                                                   struct server_batch_list *list);
 
-/* Reads the document of a batch into memory of malloc; ABSENT. */
+/* Reads the document of a batch, malloc'ed. ABSENT: there is no such batch. */
 enum server_store_outcome server_batch_queue_document(struct server_store_sql *sql, const char *id,
                                                       void **document, size_t *size);
 
-/* A place in the answers of a batch. */
+/* A position in the answers of a batch. */
 struct server_batch_place {
     const char *id;
     int64_t after;     /* an item, or an answer's number; -1: before the first */
-    bool is_by_number; /* in the order of numbers, not of items */
+    bool is_by_number; /* sorted by number, not by item */
 };
 
 /* Visits the next SERVER_BATCH_ANSWERS answers, sorted: item, status, answer, item or number. */
@@ -84,7 +84,7 @@ enum server_store_outcome server_batch_queue_answers(struct server_store_sql *sq
                                                      const struct server_batch_place *place,
                                                      server_sql_visit *visit, void *user);
 
-/* No more items of the batch are claimed. */
+/* Cancels a batch: no more of its items are claimed. Remove deletes it. */
 enum server_store_outcome server_batch_queue_cancel(struct server_store_sql *sql, const char *id);
 enum server_store_outcome server_batch_queue_remove(struct server_store_sql *sql, const char *id);
 
@@ -93,14 +93,15 @@ struct server_batch_claim {
     int64_t item, attempts;
 };
 
-/* Claims the next item for the daemon `node`. Tenants take turns: the item belongs to the first
- * tenant above `after`, the last item's, with an item to be done, and to its oldest batch. ABSENT:
- * there is none now. */
+/* Claims the next item for the daemon `node`. Tenants take turns: claims an item of the oldest
+ * batch of the first tenant above `after` with an item to do; `after` is the tenant of the last
+ * item. ABSENT: no item for now. */
 enum server_store_outcome server_batch_queue_claim(struct server_store_sql *sql, const char *node,
                                                    const char *after,
                                                    struct server_batch_claim *out);
 
-/* ABSENT: the item is claimed by another daemon, answered, or cancelled. */
+/* Renews the lease of an item. ABSENT: the item is claimed by another daemon, answered, or
+ * cancelled. */
 enum server_store_outcome server_batch_queue_renew(struct server_store_sql *sql,
                                                    const struct server_batch_claim *claim,
                                                    const char *node);
@@ -111,7 +112,8 @@ enum server_store_outcome server_batch_queue_return(struct server_store_sql *sql
                                                     const char *node, bool was_tried,
                                                     int64_t pause_ms);
 
-/* Returns all items without an answer: at the start of a daemon that shares the queue with none. */
+/* Returns all items without an answer to the queue. Called at the start of a daemon that does not
+ * share the queue. */
 enum server_store_outcome server_batch_queue_return_all(struct server_store_sql *sql);
 
 /* Writes the item's answer, unless it has one or the batch is cancelled. */

@@ -15,15 +15,15 @@
 #include "server/jobs/job_table.h"
 
 #define POLL_NS      UINT64_C(500000000)
-#define RENEW_NS     UINT64_C(4000000000) /* a quarter of a lease */
-#define PAUSE_MS     500                  /* until a returned item is claimed again */
+#define RENEW_NS     UINT64_C(4000000000) /* about a quarter of a lease */
+#define PAUSE_MS     500                  /* time until a returned item is claimed again */
 #define BODY_MOST    ((size_t)4 << 20)
 #define PROBLEM_MOST 65536 /* bytes of a problem's text */
 #define PLACES       16
 
 /* An item that this daemon works on. */
 struct item {
-    struct server_transport transport; /* first: its exchange finds it by it */
+    struct server_transport transport; /* first: the exchange's transport is the item */
     struct server_batch_runner *runner;
     struct server_batch_claim claim;
     char tag[SERVER_ETAG + 2]; /* If-Match, quoted */
@@ -31,7 +31,7 @@ struct item {
     struct item *next;
     struct server_exchange *exchange; /* NULL: answered */
     unsigned status;                  /* 0: not answered */
-    /* Of the thread, once answered: */
+    /* Used by the thread, once answered: */
     char *answer; /* NULL: none, or no memory for it */
     size_t size;
     size_t held; /* bytes of SERVER_BUDGET_ANSWERS */
@@ -43,7 +43,7 @@ struct server_batch_runner {
     struct server_thread *thread;
     pthread_mutex_t lock;
     _Atomic(struct server_store_sql *) sql; /* set once, under the lock; NULL: not opened yet */
-    char path[SERVER_DISK_PATH];            /* of the queue's file; unused with PostgreSQL */
+    char path[SERVER_DISK_PATH];            /* path of the queue's file; unused with PostgreSQL */
     struct item *items;                     /* under the lock; only the thread removes items */
     uint64_t news;                          /* under the lock */
     unsigned due;                           /* places with news, a bit each; under the lock */
@@ -52,40 +52,39 @@ struct server_batch_runner {
     atomic_bool is_draining;
     atomic_uint running;
     atomic_uint_least64_t answered, returned;
-    /* Of the thread: */
+    /* Used by the thread: */
     char node[SERVER_JOB_ID]; /* its name in leases */
     uint64_t renewed_ns, looked_ns;
-    char last_tenant[SERVER_TENANT + 1]; /* of the item that was claimed last */
+    char last_tenant[SERVER_TENANT + 1]; /* tenant of the last claimed item */
     char read_id[SERVER_BATCH_ID];       /* the batch that `many` is read from */
     struct proto_many many;
 };
 
 /* --- the queue's database --------------------------------------------------------------------- */
 
-/* Under the lock. */
-static void runner_open(struct server_batch_runner *runner, char *error, size_t error_size)
+/* Opens the queue, under the lock. */
+static void runner_open(struct server_batch_runner *runner, char error[SERVER_ERROR])
 {
-    snprintf(error, error_size, "out of memory");
+    snprintf(error, SERVER_ERROR, "out of memory");
     if (runner->config->store == SERVER_STORE_KIND_POSTGRES) {
         runner->sql = server_store_sql_postgres_open(runner->config->store_url);
         return;
     }
     struct server_store_sql *sql =
-        server_store_sql_local_open(runner->path, server_batch_queue_tables, error, error_size);
+        server_store_sql_local_open(runner->path, server_batch_queue_tables, error);
     if (sql)
-        (void)server_batch_queue_return_all(sql); /* items of a daemon that has ended */
+        (void)server_batch_queue_return_all(sql); /* items of an earlier daemon */
     else if (!atomic_load(&runner->cant_open))
         server_log_message(SERVER_LOG_ERROR, "batches_unavailable", "%s", error);
     atomic_store(&runner->cant_open, !sql);
     runner->sql = sql;
 }
 
-struct server_store_sql *server_batch_runner_sql(struct server_batch_runner *runner, char *error,
-                                                 size_t error_size)
+struct server_store_sql *server_batch_runner_sql(struct server_batch_runner *runner,
+                                                 char error[SERVER_ERROR])
 {
-    pthread_mutex_lock(&runner->lock);
-    if (!runner->sql) runner_open(runner, error, error_size);
-    pthread_mutex_unlock(&runner->lock);
+    SERVER_LOCK(&runner->lock);
+    if (!runner->sql) runner_open(runner, error);
     return runner->sql;
 }
 
@@ -93,17 +92,17 @@ struct server_store_sql *server_batch_runner_sql(struct server_batch_runner *run
  * creates none. */
 static bool runner_has_queue(struct server_batch_runner *runner)
 {
-    char error[256];
+    char error[SERVER_ERROR];
     enum server_store_kind store = runner->config->store;
     if (runner->sql) return true;
     if (store == SERVER_STORE_KIND_MEMORY) return false;
     if (store == SERVER_STORE_KIND_LOCAL && !server_disk_exists(runner->path)) return false;
-    return server_batch_runner_sql(runner, error, sizeof error) != NULL;
+    return server_batch_runner_sql(runner, error) != NULL;
 }
 
 /* --- an item's exchange ----------------------------------------------------------------------- */
 
-/* Keeps a copy of a static body; without memory the item has no answer. */
+/* Takes over the answer; copies a static body. Without memory the item has no answer. */
 static void item_take_answer(struct item *item, struct server_response *response)
 {
     item->size = response->body ? response->size : 0;
@@ -119,7 +118,7 @@ static void item_take_answer(struct item *item, struct server_response *response
         item->size = 0;
 }
 
-static void on_finish(struct server_exchange *exchange)
+static void item_on_finish(struct server_exchange *exchange)
 {
     struct item *item = (struct item *)exchange->transport;
     struct server_batch_runner *runner = item->runner;
@@ -132,7 +131,7 @@ static void on_finish(struct server_exchange *exchange)
     server_thread_wake(runner->thread);
 }
 
-/* Writes the request that a client would send. */
+/* Sets up the request that a client would send. */
 static bool item_set_request(struct item *item, const struct proto_writer *body,
                              struct proto_problem *problem)
 {
@@ -171,7 +170,7 @@ static bool item_set_exchange(struct item *item, const struct proto_many *many,
     return is_set;
 }
 
-/* NULL with the problem. */
+/* Creates an item. Returns NULL with the problem on failure. */
 static struct item *item_create(struct server_batch_runner *runner,
                                 const struct server_batch_claim *claim,
                                 struct proto_problem *problem)
@@ -181,17 +180,17 @@ static struct item *item_create(struct server_batch_runner *runner,
         (void)proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
         return NULL;
     }
-    *item =
-        (struct item){.transport = {.finish = on_finish, .is_gone = server_exchange_is_unwanted},
-                      .runner = runner,
-                      .claim = *claim};
+    *item = (struct item){
+        .transport = {.finish = item_on_finish, .is_gone = server_exchange_is_unwanted},
+        .runner = runner,
+        .claim = *claim};
     if (claim->etag[0]) snprintf(item->tag, sizeof item->tag, "\"%s\"", claim->etag);
     if (item_set_exchange(item, &runner->many, problem)) return item;
     free(item);
     return NULL;
 }
 
-/* Under the lock: the item ends with the answer that it was cancelled, unless it is answered. */
+/* Under the lock: answers the item as cancelled, unless it is answered. */
 static void item_cancel(struct item *item)
 {
     if (item->exchange) atomic_store(&item->exchange->job.is_unwanted, true);
@@ -199,9 +198,9 @@ static void item_cancel(struct item *item)
 
 /* --- answers ---------------------------------------------------------------------------------- */
 
-/* Writes the answer, or returns the item. 503 or no answer: the daemon could not start it, which
- * does not count as an attempt. 504 and 507: another daemon, or a later moment, may have more time
- * or memory; that counts. */
+/* Writes the answer, or returns the item to the queue. 503 or no answer: this daemon could not
+ * start it, which does not count as an attempt. 504 and 507: another daemon or a later attempt may
+ * have more time or memory; this counts as an attempt. */
 static void item_settle(struct server_batch_runner *runner, const struct item *item)
 {
     const struct server_batch_claim *claim = &item->claim;
@@ -218,23 +217,23 @@ static void item_settle(struct server_batch_runner *runner, const struct item *i
     }
 }
 
-/* Index of the place at which jobs wait for news of that batch: the last digit of its id. */
+/* Returns the index of the place at which jobs wait for news of that batch: the last digit of its
+ * id. */
 static unsigned place_of(const char *id)
 {
     return (unsigned)strtoul(id + SERVER_BATCH_ID - 2, NULL, 16) % PLACES;
 }
 
-/* There is news of a batch; NULL: of all. */
+/* Records a change of a batch; NULL: of all batches. */
 static void runner_note(struct server_batch_runner *runner, const char *id)
 {
-    pthread_mutex_lock(&runner->lock);
+    SERVER_LOCK(&runner->lock);
     runner->news++;
     runner->due |= id ? 1U << place_of(id) : UINT_MAX;
-    pthread_mutex_unlock(&runner->lock);
 }
 
-/* Wakes the jobs for which there is news, or may be: other daemons work on a shared queue, too.
- * Comes after new items were started, which do not start while requests are queued. */
+/* Wakes the jobs whose batch has changed, or all jobs if other daemons share the queue. Called
+ * after new items were started, since none start while requests are queued. */
 static void runner_wake_jobs(struct server_batch_runner *runner)
 {
     uint64_t now_ns = gd_now_ns();
@@ -252,21 +251,17 @@ static void runner_wake_jobs(struct server_batch_runner *runner)
 
 uint64_t server_batch_runner_news(struct server_batch_runner *runner)
 {
-    pthread_mutex_lock(&runner->lock);
-    uint64_t news = runner->news;
-    pthread_mutex_unlock(&runner->lock);
-    return news;
+    SERVER_LOCK(&runner->lock);
+    return runner->news;
 }
 
 bool server_batch_runner_wait(struct server_batch_runner *runner, struct server_job *job,
                               const struct server_batch_wait *wait)
 {
-    pthread_mutex_lock(&runner->lock);
-    bool is_parked = wait->news == runner->news && !atomic_load(&runner->is_draining) &&
-                     server_workers_park(runner->host->workers, job,
-                                         &runner->places[place_of(wait->id)], wait->until_ns);
-    pthread_mutex_unlock(&runner->lock);
-    return is_parked;
+    SERVER_LOCK(&runner->lock);
+    return wait->news == runner->news && !atomic_load(&runner->is_draining) &&
+           server_workers_park(runner->host->workers, job, &runner->places[place_of(wait->id)],
+                               wait->until_ns);
 }
 
 /* Settles all answered items. */
@@ -309,7 +304,7 @@ static void runner_renew(struct server_batch_runner *runner)
 
 /* --- new items -------------------------------------------------------------------------------- */
 
-/* Reads the batch's document, unless the item before was of the same batch. */
+/* Reads the batch's document, unless the preceding item belonged to the same batch. */
 static bool runner_read(struct server_batch_runner *runner, const char *id,
                         struct proto_problem *problem)
 {
@@ -362,7 +357,8 @@ static void runner_start(struct server_batch_runner *runner, const struct server
     server_exchange_run(item->exchange);
 }
 
-/* Requests come first: no item starts while one waits, and one worker stays free. */
+/* Returns whether an item may start: requests have precedence, so no request may wait, and one
+ * worker must stay free. */
 static bool runner_has_time(const struct server_batch_runner *runner)
 {
     struct server_workers_load load = server_workers_load(runner->host->workers);
@@ -392,10 +388,10 @@ static void runner_work(void *user, struct server_thread *thread)
 
 struct server_batch_runner *server_batch_runner_create(struct server_host *host,
                                                        const struct server_config *config,
-                                                       char *error, size_t error_size)
+                                                       char error[SERVER_ERROR])
 {
     struct server_batch_runner *runner = calloc(1, sizeof *runner);
-    snprintf(error, error_size, "out of memory or threads");
+    snprintf(error, SERVER_ERROR, "out of memory or threads");
     if (!runner) return NULL;
     runner->host = host;
     runner->config = config;
@@ -403,7 +399,7 @@ struct server_batch_runner *server_batch_runner_create(struct server_host *host,
     if (config->store == SERVER_STORE_KIND_MEMORY) strcpy(runner->path, ":memory:");
     (void)server_job_id_create(runner->node);
     pthread_mutex_init(&runner->lock, NULL);
-    (void)runner_has_queue(runner); /* damage shows before the first batch */
+    (void)runner_has_queue(runner); /* finds damage before the first batch */
     runner->thread = server_thread_start(runner_work, runner);
     if (runner->thread) return runner;
     server_batch_runner_destroy(runner);

@@ -11,6 +11,7 @@
 
 #include "server/base/log.h"
 #include "server/base/sorted.h"
+#include "server/base/thread.h"
 #include "server/exchange/events.h"
 #include "server/exchange/reply.h"
 #include "server/store/kind.h"
@@ -20,8 +21,8 @@
 
 enum unit { UNIT_JOBS, UNIT_BYTES, UNITS }; /* bytes of answers */
 
-/* What the table has of a key. When it is full the largest user makes room: tenants are compared
- * first, then the keys of a tenant, so that many keys gain a tenant nothing. */
+/* A key's share of the table. When the table is full, jobs of the largest user are dropped. Tenants
+ * are compared first, then the keys of a tenant, so that a tenant gains nothing by many keys. */
 struct usage {
     struct usage *next;                                               /* sorted by tenant */
     char tenant[SERVER_CREDENTIAL_NAME], key[SERVER_CREDENTIAL_NAME]; /* "" without keys */
@@ -42,7 +43,7 @@ struct server_job_table {
 };
 
 struct server_deferred_job {
-    struct server_transport transport; /* first: an exchange finds its job by it */
+    struct server_transport transport; /* first: exchange_job casts it to the job */
     struct server_job_table *table;
     atomic_uint references;
     char id[SERVER_JOB_ID], tenant[SERVER_TENANT + 1], key[SERVER_CREDENTIAL_NAME];
@@ -121,7 +122,7 @@ const char *server_deferred_job_key(const struct server_deferred_job *job)
     return job->key;
 }
 
-/* Under the lock. */
+/* Ends a job, under the lock. */
 static void job_end(struct server_deferred_job *job, enum proto_job_state state)
 {
     job->state = state;
@@ -135,6 +136,23 @@ static void job_notify(struct server_deferred_job *job)
     server_events_wake(job->table->host->events, job);
 }
 
+/* Call it without the lock, after the state has changed under the lock. No waiting request is
+ * missed, because a request checks the state and parks under the same lock. */
+static void job_notify_end(struct server_deferred_job *job)
+{
+    job_notify(job);
+    server_workers_unpark(job->table->host->workers, job);
+}
+
+bool server_deferred_job_wait(struct server_deferred_job *job, struct server_job *waiting,
+                              uint64_t until_ns)
+{
+    struct server_job_table *table = job->table;
+    SERVER_LOCK(&table->lock);
+    return !proto_job_has_ended(job->state) && !table->is_draining &&
+           server_workers_park(table->host->workers, waiting, job, until_ns);
+}
+
 /* --- the table, under the lock ---------------------------------------------------------------- */
 
 static int job_compare(const void *job, const void *id)
@@ -142,7 +160,7 @@ static int job_compare(const void *job, const void *id)
     return strcmp(((const struct server_deferred_job *)job)->id, id);
 }
 
-/* The usage of a key, added to the list if it is new; NULL without memory. */
+/* Returns the usage of a key, added to the list if it is new; NULL without memory. */
 static struct usage *usage_of(struct usage **list, const char *tenant, const char *key)
 {
     int order;
@@ -166,16 +184,16 @@ static void usage_drop_job(struct usage **list, struct usage *usage)
     free(usage);
 }
 
-/* The usage whose ended jobs make room for `more` of `newcomer`: of the tenant with the most, the
- * key with the most, among those with something to drop. The newcomer, if it has the most, even
- * with nothing to drop. */
+/* `newcomer` wants `more` jobs or bytes. Returns the usage from which an ended job is dropped for
+ * it: the largest key of the largest tenant, among the usages that have something to drop and the
+ * newcomer. The newcomer counts with `more` added. */
 static struct usage *usage_largest(struct usage *list, enum unit unit, const struct usage *newcomer,
                                    uint64_t more)
 {
     struct usage *largest = NULL;
     uint64_t largest_total = 0;
     for (struct usage *at = list, *first = list; at; first = at) {
-        struct usage *best = NULL; /* of this tenant */
+        struct usage *best = NULL; /* largest key of this tenant */
         uint64_t best_amount = 0, total = 0;
         for (; at && strcmp(at->tenant, first->tenant) == 0; at = at->next) {
             uint64_t amount = at->amounts[unit] + (at == newcomer ? more : 0);
@@ -193,7 +211,7 @@ static struct usage *usage_largest(struct usage *list, enum unit unit, const str
     return largest;
 }
 
-/* Releases a job that was taken out of the list. */
+/* Releases a job that was removed from the list. */
 static void table_drop(struct server_job_table *table, struct server_deferred_job *job)
 {
     job->usage->amounts[UNIT_BYTES] -= job->held;
@@ -202,8 +220,8 @@ static void table_drop(struct server_job_table *table, struct server_deferred_jo
     server_deferred_job_release(job);
 }
 
-/* Drops the oldest ended job of the largest user, which may be the newcomer with `more`. False: it
- * has none. */
+/* Drops the oldest ended job of the largest user. The newcomer counts with `more` added, and may be
+ * the largest itself. Returns false if the largest user has no ended job. */
 static bool table_evict(struct server_job_table *table, enum unit unit,
                         const struct usage *newcomer, uint64_t more)
 {
@@ -225,8 +243,8 @@ static bool job_is_expired(const struct server_deferred_job *job, uint64_t now_n
            now_ns >= job->ended_ns + ttl_ns; /* a job may end after `now_ns` was read */
 }
 
-/* Finds room for one more job of the usage, which counts it already. The problem shows a tenant no
- * numbers of others. */
+/* Makes room for one more job of the usage, which counts it already. The problem shows a tenant no
+ * numbers of other tenants. */
 static bool table_admit(struct server_job_table *table, const struct usage *usage,
                         struct proto_problem *problem)
 {
@@ -268,14 +286,15 @@ static bool table_add(struct server_job_table *table, struct server_deferred_job
 
 /* --- answers ---------------------------------------------------------------------------------- */
 
-/* Under the lock. A job that is not in the table any more has no usage. */
+/* Counts bytes of an answer, under the lock. A job that left the table has no usage. */
 static void answer_count(struct server_deferred_job *job, size_t bytes)
 {
     if (job->usage) job->usage->amounts[UNIT_BYTES] += bytes - job->held;
     job->held = bytes;
 }
 
-/* Drops ended jobs until the bytes of the job's answer fit, and counts them. False: no room. */
+/* Drops ended jobs until the bytes of the job's answer fit, and counts them. Returns false if there
+ * is no room. */
 static bool answer_reserve(struct server_deferred_job *job, size_t bytes)
 {
     struct server_job_table *table = job->table;
@@ -296,8 +315,8 @@ static bool answer_reserve(struct server_deferred_job *job, size_t bytes)
     return false;
 }
 
-/* Moves body and headers from the response to the job. False without memory, with nothing moved;
- * never without headers. */
+/* Moves body and headers from the response to the job. If there is no memory, returns false and
+ * moves nothing. Cannot fail if the response has no headers. */
 static bool answer_take(struct server_deferred_job *job, struct server_response *response)
 {
     size_t size = 0;
@@ -329,8 +348,8 @@ static void answer_save(struct server_deferred_job *job, struct server_exchange 
     server_exchange_drop_body(exchange);
     server_reply_refusal(exchange, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
                          "the answer of %zu bytes is more than can be kept for jobs at this "
-                         "moment; ask for less of it, "
-                         "ask without Prefer: respond-async, or raise --memory-budget",
+                         "moment; request less of it, send the request without Prefer: "
+                         "respond-async, or raise --memory-budget",
                          bytes);
     (void)answer_take(job, response); /* a refusal has no headers */
 }
@@ -342,7 +361,7 @@ static struct server_deferred_job *exchange_job(struct server_exchange *exchange
     return (struct server_deferred_job *)exchange->transport;
 }
 
-static void on_begin(struct server_exchange *exchange)
+static void job_on_begin(struct server_exchange *exchange)
 {
     struct server_deferred_job *job = exchange_job(exchange);
     pthread_mutex_lock(&job->table->lock);
@@ -352,7 +371,7 @@ static void on_begin(struct server_exchange *exchange)
     if (is_new) job_notify(job);
 }
 
-static void on_report(struct server_exchange *exchange, double part)
+static void job_on_report(struct server_exchange *exchange, double part)
 {
     struct server_deferred_job *job = exchange_job(exchange);
     unsigned step = part <= 0 ? 0 : part < 1 ? (unsigned)(part * PROGRESS_STEPS) : PROGRESS_STEPS;
@@ -372,8 +391,8 @@ static void job_log(const struct server_deferred_job *job, const struct server_e
     server_log_end(&line);
 }
 
-/* The exchange is answered. The answer of a cancelled job is dropped. */
-static void on_finish(struct server_exchange *exchange)
+/* Called when the exchange is answered. Drops the answer of a cancelled job. */
+static void job_on_finish(struct server_exchange *exchange)
 {
     struct server_deferred_job *job = exchange_job(exchange);
     if (server_deferred_job_describe(job).state != PROTO_JOB_CANCELLED) answer_save(job, exchange);
@@ -385,13 +404,13 @@ static void on_finish(struct server_exchange *exchange)
     pthread_mutex_unlock(&job->table->lock);
     job_log(job, exchange, state);
     server_exchange_destroy(exchange);
-    job_notify(job);
+    job_notify_end(job);
     server_deferred_job_release(job);
 }
 
 /* --- the start of a job ----------------------------------------------------------------------- */
 
-/* A job with one reference, not in the table yet. NULL without memory. */
+/* Creates a job with one reference, not yet in the table. NULL: out of memory. */
 static struct server_deferred_job *job_create(struct server_job_table *table,
                                               struct server_exchange *exchange)
 {
@@ -401,10 +420,10 @@ static struct server_deferred_job *job_create(struct server_job_table *table,
     size_t bytes = sizeof *job + exchange->target_size;
     job->table = table;
     job->references = 1;
-    job->transport = (struct server_transport){.finish = on_finish,
+    job->transport = (struct server_transport){.finish = job_on_finish,
                                                .is_gone = server_exchange_is_unwanted,
-                                               .begin = on_begin,
-                                               .report = on_report};
+                                               .begin = job_on_begin,
+                                               .report = job_on_report};
     snprintf(job->tenant, sizeof job->tenant, "%s", exchange->tenant);
     snprintf(job->key, sizeof job->key, "%s", key ? key : "");
     if (server_budget_take(table->host->budget, SERVER_BUDGET_RECORDS, bytes)) job->own = bytes;
@@ -436,7 +455,7 @@ struct server_deferred_job *server_job_table_start(struct server_job_table *tabl
         server_deferred_job_release(job);
         return NULL;
     }
-    server_deferred_job_retain(job); /* for the exchange */
+    server_deferred_job_retain(job); /* the exchange's reference */
     server_exchange_run(job->exchange);
     table->host->watch(table->host->watcher);
     return job;
@@ -444,7 +463,7 @@ struct server_deferred_job *server_job_table_start(struct server_job_table *tabl
 
 /* --- found, ended, dropped -------------------------------------------------------------------- */
 
-/* Under the lock: may the tenant see the job? */
+/* Under the lock: returns whether the tenant may see the job. */
 static bool job_is_visible(const struct server_deferred_job *job, const char *tenant,
                            uint64_t now_ns)
 {
@@ -458,13 +477,12 @@ struct server_deferred_job *server_job_table_find(struct server_job_table *table
     if (size != SERVER_JOB_ID - 1) return NULL;
     memcpy(text, id, size);
     text[size] = '\0';
-    pthread_mutex_lock(&table->lock);
+    SERVER_LOCK(&table->lock);
     struct server_deferred_job *job = server_sorted_find(&table->list, text);
     if (job && job_is_visible(job, tenant, gd_now_ns()))
         server_deferred_job_retain(job);
     else
         job = NULL;
-    pthread_mutex_unlock(&table->lock);
     return job;
 }
 
@@ -473,12 +491,11 @@ uint32_t server_job_table_list(struct server_job_table *table, const char *tenan
 {
     uint32_t count = 0;
     uint64_t now = gd_now_ns();
-    pthread_mutex_lock(&table->lock);
+    SERVER_LOCK(&table->lock);
     for (uint32_t at = server_sorted_after(&table->list, after ? after : "");
          at < table->list.count && count < most; at++)
         if (job_is_visible(table->list.items[at], tenant, now))
             out[count++] = server_deferred_job_retain(table->list.items[at]);
-    pthread_mutex_unlock(&table->lock);
     return count;
 }
 
@@ -494,12 +511,12 @@ void server_job_table_cancel(struct server_job_table *table, struct server_defer
         table_drop(table, job);
     }
     pthread_mutex_unlock(&table->lock);
-    if (!has_ended) job_notify(job);
+    if (!has_ended) job_notify_end(job);
 }
 
 void server_job_table_expire(struct server_job_table *table, uint64_t now_ns)
 {
-    pthread_mutex_lock(&table->lock);
+    SERVER_LOCK(&table->lock);
     if (now_ns - table->expired_ns >= EXPIRE_NS) {
         uint32_t kept = 0;
         for (uint32_t i = 0; i < table->list.count; i++) {
@@ -512,39 +529,35 @@ void server_job_table_expire(struct server_job_table *table, uint64_t now_ns)
         table->list.count = kept;
         table->expired_ns = now_ns;
     }
-    pthread_mutex_unlock(&table->lock);
 }
 
 void server_job_table_drain(struct server_job_table *table)
 {
-    pthread_mutex_lock(&table->lock);
+    SERVER_LOCK(&table->lock);
     table->is_draining = true;
     for (uint32_t i = 0; i < table->list.count; i++) {
         const struct server_deferred_job *job = table->list.items[i];
         if (job->state == PROTO_JOB_QUEUED) atomic_store(&job->exchange->job.is_unwanted, true);
+        server_workers_unpark(table->host->workers, job);
     }
-    pthread_mutex_unlock(&table->lock);
 }
 
 bool server_job_table_is_empty(struct server_job_table *table)
 {
-    pthread_mutex_lock(&table->lock);
-    bool is_empty = table->list.count == 0;
-    pthread_mutex_unlock(&table->lock);
-    return is_empty;
+    SERVER_LOCK(&table->lock);
+    return table->list.count == 0;
 }
 
 struct server_job_statistics server_job_table_statistics(struct server_job_table *table,
                                                          const char *tenant)
 {
     struct server_job_statistics statistics = {0};
-    pthread_mutex_lock(&table->lock);
+    SERVER_LOCK(&table->lock);
     for (uint32_t i = 0; i < table->list.count; i++) {
         const struct server_deferred_job *job = table->list.items[i];
         if (!tenant || strcmp(job->tenant, tenant) == 0) statistics.now[job->state]++;
     }
     if (!tenant) memcpy(statistics.ended, table->ended, sizeof statistics.ended);
-    pthread_mutex_unlock(&table->lock);
     return statistics;
 }
 

@@ -1,23 +1,24 @@
-/* Job table: the requests that were accepted to be answered later (202), and their answers.
+/* Job table: requests that were accepted to be answered later (202), and their answers.
  *
  *     job = server_job_table_start(table, exchange, &problem);
  *     state = server_deferred_job_describe(job);
  *     server_deferred_job_release(job);
  *
- * DESIGN. A deferred job is a transport (exchange.h): it carries an exchange of its own through
- * dispatch, handler and workers as a connection does, and saves the answer. Handlers know nothing
- * of jobs.
+ * DESIGN. A deferred job is a transport (exchange.h): like a connection, it carries its own
+ * exchange through dispatch, handler and workers; then it saves the answer. Handlers don't know of
+ * jobs.
  *
  * States: queued -> running -> done | failed, and cancelled from the first two. A cancelled job
- * shows its state at once; its exchange is refused where it waits or stopped by its control.
+ * shows its state at once; its exchange is then refused while it waits, or stopped by its control.
  *
  * Bounds: ended jobs are dropped when their time to live is over, and earlier when the table or the
- * memory for answers (SERVER_BUDGET_JOBS) is full: then the oldest job of the largest user. Jobs
- * that have not ended are never dropped; with keys a tenant has at most as many of them as it
- * leaves places free. Ids grow, so the table is sorted by both id and age.
+ * memory for answers (SERVER_BUDGET_JOBS) is full: then the oldest ended job of the largest user is
+ * dropped. Jobs that have not ended are never dropped; with keys, a tenant's unfinished jobs may
+ * take at most as many places as they leave free. Ids grow, so the table is sorted by both id and
+ * age.
  *
- * A job is counted, once for the table, once for its exchange, once for each holder. One mutex
- * guards the table and the states. Under it nothing is called that takes a lock. All functions are
+ * A job is reference-counted; table, exchange and each holder have a reference. One mutex guards
+ * the table and the states. Under it only the workers' lock is taken. All functions are
  * thread-safe. */
 #ifndef SERVER_JOBS_JOB_TABLE_H
 #define SERVER_JOBS_JOB_TABLE_H
@@ -30,41 +31,41 @@
 struct server_deferred_job;
 struct server_job_table;
 
-/* Writes an id of a job or a batch: 12 hexadecimal digits that grow with time and 12 random ones,
- * above all earlier ones of this process; returns the time, in seconds since 1970. Thread-safe. */
+/* Writes an id for a job or a batch: 12 hexadecimal digits that grow with time and 12 random ones,
+ * above all earlier ids of this process. Returns the time, in seconds since 1970. Thread-safe. */
 int64_t server_job_id_create(char id[SERVER_JOB_ID]);
 
 struct server_job_limits {
     uint32_t jobs;
     size_t answer_bytes;
-    uint64_t ttl_s;    /* after the end of a job */
-    bool are_tenanted; /* there are keys: tenants share the table */
+    uint64_t ttl_s;    /* how long an ended job is kept */
+    bool are_tenanted; /* the daemon has keys: tenants share the table */
 };
 
-/* The host is borrowed. NULL without memory. */
+/* Borrows the host. NULL: out of memory. */
 struct server_job_table *server_job_table_create(struct server_host *host,
                                                  const struct server_job_limits *limits);
 
-/* No exchange is deferred any more. NULL is harmless. */
+/* Call it when no exchange is deferred. NULL is harmless. */
 void server_job_table_destroy(struct server_job_table *table);
 
-/* Makes a job of a request whose body is read, and starts it; the caller gets a reference. The
- * exchange can still be answered, but its body belongs to the job. NULL with overloaded, draining
- * or insufficient_memory. */
+/* Creates and starts a job for a request whose body is read; the caller gets a reference. The
+ * exchange can still be answered, but its body now belongs to the job. Returns NULL with
+ * overloaded, draining or insufficient_memory. */
 struct server_deferred_job *server_job_table_start(struct server_job_table *table,
                                                    struct server_exchange *exchange,
                                                    struct proto_problem *problem);
 
-/* The tenant's job of that id, for the caller to release, or NULL. */
+/* Returns the tenant's job of that id, for the caller to release, or NULL. */
 struct server_deferred_job *server_job_table_find(struct server_job_table *table,
                                                   const char *tenant, const char *id, size_t size);
 
-/* Writes at most `most` of the tenant's jobs with ids above `after` (NULL: from the first), for the
- * caller to release; returns their number. */
+/* Lists at most `most` of the tenant's jobs with ids above `after` (NULL: from the first), for the
+ * caller to release. Returns their number. */
 uint32_t server_job_table_list(struct server_job_table *table, const char *tenant,
                                const char *after, uint32_t most, struct server_deferred_job **out);
 
-/* Cancels a job that has not ended, removes one that has. */
+/* Cancels a job that has not ended, or removes an ended one. */
 void server_job_table_cancel(struct server_job_table *table, struct server_deferred_job *job);
 
 bool server_job_table_is_empty(struct server_job_table *table);
@@ -80,17 +81,22 @@ struct server_job_statistics {
     uint64_t ended[PROTO_JOB_STATE_COUNT]; /* since the start; the last three states */
 };
 
-/* Of one tenant, without `ended`; NULL: of all. */
+/* Returns statistics of one tenant, without `ended`; NULL: of all tenants. */
 struct server_job_statistics server_job_table_statistics(struct server_job_table *table,
                                                          const char *tenant);
 
 struct server_deferred_job *server_deferred_job_retain(struct server_deferred_job *job);
 void server_deferred_job_release(struct server_deferred_job *job); /* NULL is harmless */
 
-/* The current state. Its pointers live as long as the caller's reference. */
+/* Returns the current state. Its pointers live as long as the caller's reference. */
 struct proto_job server_deferred_job_describe(struct server_deferred_job *job);
 
-/* The name of the key that started the job; "": the daemon has no keys. */
+/* Parks a worker's job until the deferred job has ended, the daemon drains, or `until_ns`. Returns
+ * false if it was not parked because one of these holds already. */
+bool server_deferred_job_wait(struct server_deferred_job *job, struct server_job *waiting,
+                              uint64_t until_ns);
+
+/* Returns the name of the key that started the job; "": the daemon has no keys. */
 const char *server_deferred_job_key(const struct server_deferred_job *job);
 
 #endif

@@ -1,5 +1,5 @@
-/* API: what the handlers use of the daemon, besides what every request needs (struct server_host).
- * The composition root fills it in. Everything outlives the exchanges. */
+/* API: the daemon's parts that handlers use in addition to those of every request (struct
+ * server_host). The composition root fills it in. All parts outlive the exchanges. */
 #ifndef SERVER_QUERY_API_H
 #define SERVER_QUERY_API_H
 
@@ -7,9 +7,10 @@
 #include "server/fields/cache.h"
 #include "server/exchange/exchange.h"
 #include "server/exchange/metrics.h"
-#include "server/surfaces/discretizations.h"
+#include "server/fields/discretizations.h"
 #include "server/surfaces/landmarks.h"
 #include "server/surfaces/loader.h"
+#include "server/surfaces/previews.h"
 #include "server/surfaces/registry.h"
 #include "server/work/budgeted_call.h"
 
@@ -18,17 +19,18 @@ struct server_job_table;
 
 struct server_api {
     const struct server_config *config;
-    struct server_access *access; /* NULL: there are no keys */
+    struct server_access *access; /* NULL: the daemon has no keys */
     struct server_registry *registry;
-    struct server_workers *writer; /* one thread: what waits for the store's disk */
+    struct server_workers *writer; /* one thread: work that waits for the store's disk */
     struct server_workers *lister; /* one thread: long lists */
     struct server_cache *cache;
     struct server_loader *loader;
-    struct server_landmarks *landmarks; /* NULL: there are none */
+    struct server_landmarks *landmarks; /* NULL: disabled */
+    struct server_previews *previews;
     struct server_discretizations *discretizations;
     struct server_job_table *jobs;
     struct server_batch_runner *batches;
-    /* Appends the metrics of the tenant, or with NULL of the whole daemon. */
+    /* Appends the metrics of the tenant; NULL: of the whole daemon. */
     void (*write_metrics)(void *source, const char *tenant, struct proto_writer *writer);
     void *metrics_source;
 };

@@ -13,11 +13,31 @@
 #define HEAD_BYTES  16
 #define ENTRY_BYTES 64
 #define NAME_BYTES  (SERVER_ARRAYS_NAME + 1)
-#define PIECE       1024 /* numbers that are written at a time */
+#define PIECE       1024 /* numbers written at a time */
 
 void server_arrays_add(struct server_arrays *arrays, const struct server_array *array)
 {
     arrays->list[arrays->count++] = *array;
+}
+
+void server_arrays_add_numbers(struct server_arrays *arrays, const char *name, uint32_t columns,
+                               uint64_t rows, const double *numbers)
+{
+    server_arrays_add(arrays, &(struct server_array){.name = name,
+                                                     .type = SERVER_ARRAY_NUMBERS,
+                                                     .columns = columns,
+                                                     .rows = rows,
+                                                     .source = numbers});
+}
+
+void server_arrays_add_indices(struct server_arrays *arrays, const char *name, uint32_t columns,
+                               uint64_t rows, const uint32_t *indices)
+{
+    server_arrays_add(arrays, &(struct server_array){.name = name,
+                                                     .type = SERVER_ARRAY_INDICES,
+                                                     .columns = columns,
+                                                     .rows = rows,
+                                                     .source = indices});
 }
 
 static uint64_t array_numbers(const struct server_array *array)
@@ -41,7 +61,7 @@ bool server_lines_count(struct server_lines *lines)
     return true;
 }
 
-/* The line of a point. */
+/* Returns the line of a point. */
 static uint32_t lines_find(const struct server_lines *lines, uint32_t point)
 {
     uint32_t low = 0, high = lines->count - 1;
@@ -78,10 +98,7 @@ void server_arrays_add_lines(struct server_arrays *arrays, const struct server_l
                                                      .rows = lines->first[lines->count],
                                                      .read = lines_read,
                                                      .source = lines});
-    server_arrays_add(arrays, &(struct server_array){.name = "first",
-                                                     .type = SERVER_ARRAY_INDICES,
-                                                     .rows = lines->count + UINT64_C(1),
-                                                     .source = lines->first});
+    server_arrays_add_indices(arrays, "first", 0, lines->count + UINT64_C(1), lines->first);
 }
 
 /* --- numbers as bytes ------------------------------------------------------------------------- */
@@ -149,7 +166,7 @@ static void crc_append(struct crc_writer *out, const void *bytes, size_t size)
     proto_append(out->writer, bytes, size);
 }
 
-/* Null is NaN, whatever stood for it. */
+/* Converts numbers. All numbers that are null in JSON become NaN. */
 static size_t numbers_convert(const double *numbers, size_t count, enum server_array_type type,
                               unsigned char *out)
 {
@@ -239,9 +256,9 @@ static void container_write(const struct server_arrays *arrays, enum server_arra
 
 /* --- npy and npz ------------------------------------------------------------------------------ */
 
-#define NPY_HEAD 128 /* bytes: a multiple of 64 that the longest shape fits into */
+#define NPY_HEAD 128 /* bytes; a multiple of 64 into which the longest shape fits */
 
-/* Format 1.0 of NumPy's `numpy.lib.format`. */
+/* Writes format 1.0 of NumPy's `numpy.lib.format`. */
 static void npy_write(const struct server_array *array, struct crc_writer *out)
 {
     unsigned char head[NPY_HEAD] = "\x93NUMPY\x01\x00", *at = head + 8;
@@ -263,7 +280,7 @@ static void npy_write(const struct server_array *array, struct crc_writer *out)
 #define ZIP_CENTRAL     0x02014b50
 #define ZIP_END         0x06054b50
 #define ZIP_VERSION     20
-#define ZIP_SUMS_BEHIND 8    /* flag: the descriptor has sum and sizes */
+#define ZIP_SUMS_BEHIND 8    /* flag: the data descriptor has sum and sizes */
 #define ZIP_DAY         0x21 /* 1980-01-01 */
 #define ZIP_NAME        (NAME_BYTES + 4)
 #define ZIP_HEAD        64
@@ -273,7 +290,7 @@ struct zip_entry {
     uint32_t crc, size, offset;
 };
 
-/* What the two heads of an entry have in common. */
+/* Writes the fields that both heads of an entry share. */
 static void zip_put_facts(unsigned char **at, const struct zip_entry *entry, uint16_t flags)
 {
     put16(at, ZIP_VERSION);
@@ -301,7 +318,7 @@ static void zip_write_entry(struct zip_entry *entry, const struct server_array *
     snprintf(entry->name, sizeof entry->name, "%s.npy", array->name);
     entry->size = NPY_HEAD + (uint32_t)array_bytes(array, SERVER_ARRAYS_NPZ);
     put32(&at, ZIP_LOCAL);
-    /* readers that go from the front find the sizes at once, the sum in the descriptor */
+    /* streaming readers find the sizes here and the sum in the descriptor */
     zip_put_facts(&at, entry, ZIP_SUMS_BEHIND);
     zip_append(writer, head, at);
     proto_append(writer, entry->name, strlen(entry->name));
@@ -321,7 +338,7 @@ static void zip_write_central(const struct zip_entry *entry, struct proto_writer
     put32(&at, ZIP_CENTRAL);
     put16(&at, ZIP_VERSION);
     zip_put_facts(&at, entry, ZIP_SUMS_BEHIND);
-    put16(&at, 0); /* no comment */
+    put16(&at, 0); /* length of the comment */
     put16(&at, 0); /* disk */
     put16(&at, 0); /* attributes */
     put32(&at, 0);
@@ -330,7 +347,8 @@ static void zip_write_central(const struct zip_entry *entry, struct proto_writer
     proto_append(writer, entry->name, strlen(entry->name));
 }
 
-/* The archive is shorter than 4 GiB, as the largest answer is by default; a longer one fails. */
+/* Writes the archive, which must be shorter than 4 GiB, as the largest answer is by default; a
+ * longer one fails. */
 static void npz_write(const struct server_arrays *arrays, struct proto_writer *writer)
 {
     struct zip_entry entries[SERVER_ARRAYS_MOST] = {0};
@@ -355,7 +373,7 @@ static void npz_write(const struct server_arrays *arrays, struct proto_writer *w
     put16(&at, (uint16_t)arrays->count);
     put32(&at, (uint32_t)(writer->flushed + writer->size - begun) - central);
     put32(&at, central);
-    put16(&at, 0); /* no comment */
+    put16(&at, 0); /* length of the comment */
     zip_append(writer, end, at);
 }
 
@@ -371,7 +389,9 @@ void server_arrays_write(const struct server_arrays *arrays, enum server_arrays_
                          struct proto_writer *writer)
 {
     struct crc_writer out = {.writer = writer};
-    if (form == SERVER_ARRAYS_NPY)
+    if (form == SERVER_ARRAYS_RAW)
+        array_write(&arrays->list[0], SERVER_ARRAYS_F64, &out);
+    else if (form == SERVER_ARRAYS_NPY)
         npy_write(&arrays->list[0], &out);
     else if (form == SERVER_ARRAYS_NPZ)
         npz_write(arrays, writer);
@@ -383,8 +403,9 @@ void server_arrays_write(const struct server_arrays *arrays, enum server_arrays_
 
 static bool refuse_bytes(struct proto_problem *problem, const char *why)
 {
-    return proto_problem_set(problem, PROTO_PROBLEM_INVALID_REQUEST,
-                             "the body is no arrays container, version 1: %s; see the guide", why);
+    return proto_problem_set(
+        problem, PROTO_PROBLEM_INVALID_REQUEST,
+        "the body is no arrays container, version 1: %s; see the reference at /docs", why);
 }
 
 static bool entry_read(const unsigned char *bytes, size_t size, const unsigned char *entry,

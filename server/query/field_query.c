@@ -6,15 +6,14 @@
 
 #include "server/fields/cache.h"
 #include "server/query/api.h"
-#include "server/surfaces/landmarks.h"
 
 #define WHAT        "the field"
-#define SET_SHARE   0.2 /* of the work, if the set takes time to locate */
-#define BUILD_SHARE 0.9 /* of the work, if the field is not cached */
+#define SET_SHARE   0.2 /* share of the work, if the set takes time to locate */
+#define BUILD_SHARE 0.9 /* share of the work, if the field is not cached */
 
-#define BYTES_A_CALL      ((size_t)1 << 20) /* on a mesh of any size */
-#define BYTES_AN_EDGE     1024              /* while two threads build; finished, 50 to 400 */
-#define SET_BYTES_AN_EDGE 224               /* as a search (query.c) */
+#define BYTES_A_CALL      ((size_t)1 << 20) /* further bytes on a mesh of any size */
+#define BYTES_AN_EDGE     1024 /* while two threads build; a finished field has 50 to 400 */
+#define SET_BYTES_AN_EDGE 224  /* as for a search (query.c) */
 
 /* --- locating the set ------------------------------------------------------------------------- */
 
@@ -23,11 +22,10 @@ bool server_query_locate_set(struct server_query *query, struct server_monitor *
                              struct proto_problem *problem)
 {
     const struct gd_mesh *mesh = query->surface->mesh;
-    const struct gd_landmarks *landmarks = server_query_landmarks(query);
     struct server_budgeted_call call = server_query_begin_call(
         query, part, BYTES_A_CALL + gd_mesh_summary(mesh)->edges * (size_t)SET_BYTES_AN_EDGE);
     while (server_budgeted_call_next(&call)) {
-        call.status = proto_set_locate(mesh, set, landmarks, &call.control, out, problem);
+        call.status = proto_set_locate(mesh, set, &call.control, out, problem);
         if (!call.status) call.kept = (*out)->bytes;
     }
     if (call.status == GD_BUDGET) server_query_fail(query, call.status, "the set", problem);
@@ -59,7 +57,7 @@ bool server_field_query_of_set(struct server_query *query, struct proto_set *set
     query->field.max_distance = max_distance;
     *set = (struct proto_set){0};
     if (!proto_set_is_quick(&query->field.pending)) return true;
-    return !proto_set_locate(query->surface->mesh, &query->field.pending, NULL, NULL, &located,
+    return !proto_set_locate(query->surface->mesh, &query->field.pending, NULL, &located,
                              problem) &&
            set_end(query, located, problem);
 }
@@ -133,8 +131,8 @@ size_t server_field_build_grant(const struct gd_mesh *mesh)
     return BYTES_A_CALL + (size_t)gd_mesh_summary(mesh)->edges * BYTES_AN_EDGE;
 }
 
-/* Builds the field, or resumes `nearer` (NULL: none). Counts the windows that were propagated, of a
- * resumed field the additional ones. */
+/* Builds the field, or resumes `nearer` (NULL: none). Counts the propagated windows; for a resumed
+ * field only the additional ones. */
 static enum gd_status field_make(struct server_query *query, struct server_monitor *part,
                                  const struct gd_field *nearer, struct gd_field **out)
 {
@@ -159,8 +157,8 @@ static enum gd_status field_make(struct server_query *query, struct server_monit
     return GD_OK;
 }
 
-/* Without memory for two fields, or when rounding has spoilt the nearer one, the field is built
- * from its seeds. */
+/* Builds the field from its seeds if memory for two fields is lacking, or if rounding has spoilt
+ * the nearer field. */
 enum gd_status server_query_build_field(struct server_query *query, struct server_monitor part,
                                         const struct server_cached **out)
 {
@@ -175,7 +173,10 @@ enum gd_status server_query_build_field(struct server_query *query, struct serve
     if (nearer && (status == GD_BUDGET || status == GD_INTERNAL))
         status = field_make(query, &part, NULL, &field);
     *out = NULL;
-    if (status)
+    if (status == GD_DEADLINE && gd_now_ns() < query->exchange->job.deadline_ns) {
+        server_cache_abandon(pending);
+        status = GD_BUDGET;
+    } else if (status)
         server_cache_fail(pending, status);
     else
         *out = server_cache_publish(pending, field);
@@ -184,8 +185,8 @@ enum gd_status server_query_build_field(struct server_query *query, struct serve
 
 /* --- the steps -------------------------------------------------------------------------------- */
 
-/* Answers by a field, which is unpinned. The field may reach farther than the query's, which must
- * not show. `begun`: the part of the query's work that is done. */
+/* Answers from a field and unpins it. The field may reach farther than the query allows; the answer
+ * must not show that. `begun`: the part of the query's work that is done. */
 static enum server_query_turn field_answer(struct server_query *query,
                                            const struct server_cached *cached, double begun,
                                            struct proto_problem *problem)
@@ -233,16 +234,16 @@ static enum server_cache_turn field_claim(struct server_query *query, enum gd_st
                               &query->field.build, why);
 }
 
-enum server_query_turn server_field_query_glance(struct server_query *query,
-                                                 struct proto_problem *problem)
+enum server_query_turn server_field_query_try_inline(struct server_query *query,
+                                                     struct proto_problem *problem)
 {
     return query->field.set && field_pin(query) && query->field.is_quick
                ? field_answer_by_pin(query, problem)
                : SERVER_QUERY_AGAIN;
 }
 
-/* A pending build begins here, before its builder is queued, so that later queries for the same
- * field take no place in the queue. */
+/* Begins a pending build before its builder is queued, so that later queries for the same field
+ * take no place in the queue. */
 bool server_field_query_join(struct server_query *query)
 {
     enum gd_status why;

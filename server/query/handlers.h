@@ -7,7 +7,7 @@
 #include "generated/handlers.h"
 #include "server/exchange/exchange.h"
 
-/* Any operation that is asked for with Prefer: respond-async. */
+/* Handles any operation with Prefer: respond-async. */
 void server_handle_async(struct server_exchange *exchange);
 
 #endif

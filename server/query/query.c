@@ -18,9 +18,9 @@
 #define JSON  "application/json"
 #define BYTES "application/octet-stream"
 
-/* of a search: the arrays of a workspace and the windows of a far pair; see doc/003 */
+/* bytes of a search: the arrays of a workspace and the windows of a distant pair; see doc/003 */
 #define BYTES_AN_EDGE  224
-#define BYTES_A_SEARCH ((size_t)1 << 20) /* on a mesh of any size */
+#define BYTES_A_SEARCH ((size_t)1 << 20) /* further bytes on a mesh of any size */
 
 enum { MOST_FORMS = 12 };
 
@@ -43,6 +43,8 @@ struct server_query *server_query_create(const struct server_query_kind *kind,
 void server_query_destroy(struct server_query *query)
 {
     if (!query) return;
+    if (query->relay) server_relay_end(query->relay, query->is_whole);
+    server_relay_release(query->relay);
     if (query->kind->release) query->kind->release(query);
     server_field_query_release(query);
     for (void **block = query->blocks, **next; block; block = next) {
@@ -57,12 +59,12 @@ void server_query_destroy(struct server_query *query)
     free(query);
 }
 
-enum server_query_turn server_query_glance(struct server_query *query,
-                                           struct proto_problem *problem)
+enum server_query_turn server_query_try_inline(struct server_query *query,
+                                               struct proto_problem *problem)
 {
     const struct server_query_kind *kind = query->kind;
-    if (kind->glance) return kind->glance(query, problem);
-    if (kind->answer) return server_field_query_glance(query, problem);
+    if (kind->try_inline) return kind->try_inline(query, problem);
+    if (kind->answer) return server_field_query_try_inline(query, problem);
     return kind->solve ? SERVER_QUERY_AGAIN : SERVER_QUERY_DONE;
 }
 
@@ -167,7 +169,7 @@ const struct gd_executor *server_query_executor(const struct server_query *query
 
 /* --- pairs ------------------------------------------------------------------------------------ */
 
-/* Keeps nothing: a path is small and soon freed. */
+/* Holds no bytes for the result: a path is small and soon freed. */
 enum gd_status server_pair_search(struct server_monitor *part, struct server_surface *surface,
                                   const struct server_pair *pair, struct gd_pair_answer *out)
 {
@@ -183,7 +185,7 @@ enum gd_status server_pair_search(struct server_monitor *part, struct server_sur
             gd_pair_solve(surface->mesh,
                           &(struct gd_pair_request){.from = pair->from,
                                                     .to = pair->to,
-                                                    .wish = pair->wish,
+                                                    .output = pair->output,
                                                     .landmarks = set ? set->landmarks : NULL},
                           &call.control, out, NULL);
     server_landmark_set_release(set);
@@ -203,12 +205,12 @@ enum gd_status server_pair_solve(struct server_monitor *part, struct server_surf
     const struct server_cached *cached = server_pair_find_field(surface, pair);
     if (!cached) return server_pair_search(part, surface, pair, out);
     enum gd_status status =
-        gd_pair_from_field(cached->field, pair->from, pair->to, pair->wish, out);
+        gd_pair_from_field(cached->field, pair->from, pair->to, pair->output, out);
     server_cache_unpin(cached);
     return status;
 }
 
-/* The leg's first point is the route's last one. */
+/* Appends the leg without its first point, which is the route's last one. */
 static enum gd_status path_append(struct gd_path *route, const struct gd_path *leg)
 {
     uint32_t more = leg->count - 1;
@@ -261,7 +263,25 @@ void server_query_encode(const struct server_query *query, struct proto_writer *
         proto_write_raw(writer, query->draft.data, query->draft.size);
 }
 
+bool server_query_can_flush(const struct server_query *query)
+{
+    const struct server_exchange *exchange = query->exchange;
+    return query->relay || (query->draft.size >= SERVER_RELAY_BLOCK && !query->form &&
+                            exchange->transport->can_stream && exchange->work &&
+                            !exchange->is_http10 && !server_exchange_is(exchange, "HEAD"));
+}
+
+static void draft_send(struct server_query *query)
+{
+    struct proto_writer *draft = &query->draft;
+    server_relay_write(query->relay, draft->data, draft->size);
+    draft->flushed += draft->size;
+    draft->size = 0;
+}
+
 /* --- the form of the answer ------------------------------------------------------------------- */
+
+const struct server_form server_array_forms[] = {SERVER_ARRAYS_FORMS, {NULL, NULL, false}};
 
 static const struct server_form *form_at(const struct server_query_kind *kind, unsigned form)
 {
@@ -277,7 +297,7 @@ static unsigned form_count(const struct server_query_kind *kind)
     return count;
 }
 
-/* Chooses by ?format= if it is there, else by Accept, where JSON wins a tie. */
+/* Chooses the form by ?format= if given, else by Accept, where JSON wins a tie. */
 static bool form_choose(const struct server_query_kind *kind, struct server_exchange *exchange,
                         unsigned *out, struct proto_problem *problem)
 {
@@ -285,7 +305,7 @@ static bool form_choose(const struct server_query_kind *kind, struct server_exch
     const char *accept = server_exchange_header(exchange, "Accept");
     const char *words[MOST_FORMS + 1] = {"json"};
     unsigned word = 0, best = 0, count = form_count(kind);
-    if (kind->forms && parameters.get(parameters.user, "format")) {
+    if (kind->forms && proto_parameters_get(&parameters, "format")) {
         for (unsigned i = SERVER_FORM_FIRST; i < count && i <= MOST_FORMS; i++)
             words[i - SERVER_FORM_BYTES] = form_at(kind, i)->name;
         if (!proto_parameters_choice(&parameters, "format", words, &word, problem)) return false;
@@ -294,7 +314,7 @@ static bool form_choose(const struct server_query_kind *kind, struct server_exch
     }
     for (unsigned i = 0; i < count; i++) {
         unsigned quality = proto_accept_quality(accept, form_at(kind, i)->media_type);
-        if (quality <= best || (i == SERVER_FORM_BYTES && !kind->bytes)) continue;
+        if (quality <= best || (i == SERVER_FORM_BYTES && !kind->has_bytes)) continue;
         best = quality;
         *out = i;
     }
@@ -304,42 +324,31 @@ static bool form_choose(const struct server_query_kind *kind, struct server_exch
                              kind->forms ? ", or a file: see format" : "");
 }
 
-/* Reads ?mesh=, which only forms with a mesh take. */
+/* Reads ?mesh=, which only forms with a mesh accept. */
 static bool form_read_mesh(struct server_query *query, const struct proto_parameters *parameters,
                            struct proto_problem *problem)
 {
-    static const char *const words[] = {"false", "true", NULL};
-    unsigned word = 0;
-    if (!proto_parameters_choice(parameters, "mesh", words, &word, problem)) return false;
-    query->with_mesh = word;
-    return !word || form_at(query->kind, query->form)->has_mesh ||
+    if (!proto_parameters_flag(parameters, "mesh", &query->with_mesh, problem)) return false;
+    return !query->with_mesh || form_at(query->kind, query->form)->has_mesh ||
            proto_problem_refuse(problem, "mesh",
                                 "this format can't have the mesh with it; glb and obj can");
 }
 
 enum server_arrays_form server_query_arrays_form(const struct server_query *query)
 {
+    if (query->form == SERVER_FORM_BYTES) return SERVER_ARRAYS_RAW;
     return query->kind->list_arrays && query->form >= SERVER_FORM_FIRST
                ? server_arrays_form(form_at(query->kind, query->form)->name)
                : SERVER_ARRAYS_NONE;
 }
 
-/* The name of the answer's form in its entity tag. */
+/* Returns the name of the answer's form in its entity tag. */
 static const char *form_name(const struct server_query *query)
 {
     return query->kind->reply ? query->kind->reply_form : form_at(query->kind, query->form)->name;
 }
 
 /* --- a request of its own --------------------------------------------------------------------- */
-
-static void query_reply_bytes(struct server_query *query)
-{
-    size_t size = query->kind->bytes(query, NULL);
-    void *bytes = server_reply_allocate(query->exchange, size);
-    if (!bytes) return;
-    query->kind->bytes(query, bytes);
-    server_reply_bytes(query->exchange, 200, BYTES, bytes, size);
-}
 
 bool server_query_list_lines(struct server_query *query, const struct server_lines *lines,
                              struct proto_problem *problem)
@@ -351,13 +360,32 @@ bool server_query_list_lines(struct server_query *query, const struct server_lin
         server_query_fail(query, GD_BUDGET, "the answer", problem);
         return false;
     }
-    if (!server_lines_count(&query->lines)) {
-        proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE,
-                          "the lines have more points than an array of indices can count");
-        return proto_problem_limit(problem, UINT32_MAX);
-    }
+    if (!server_lines_count(&query->lines))
+        return proto_problem_exceed(
+            problem, NULL, UINT32_MAX,
+            "the lines have more points than an array of indices can count");
     server_arrays_add_lines(&query->arrays, &query->lines);
     return true;
+}
+
+static const struct gd_point *line_points(const void *user, uint32_t line, uint32_t *count)
+{
+    const struct server_query *query = user;
+    (void)line;
+    *count = query->line_count;
+    return query->line;
+}
+
+bool server_query_list_line(struct server_query *query, const struct gd_point *points,
+                            uint32_t count, struct proto_problem *problem)
+{
+    const struct server_lines lines = {.mesh = query->surface->mesh,
+                                       .count = points != NULL,
+                                       .points = line_points,
+                                       .user = query};
+    query->line = points;
+    query->line_count = count;
+    return server_query_list_lines(query, &lines, problem);
 }
 
 static void query_encode_arrays(struct server_exchange *exchange, struct proto_writer *writer)
@@ -366,7 +394,7 @@ static void query_encode_arrays(struct server_exchange *exchange, struct proto_w
     server_arrays_write(&query->arrays, server_query_arrays_form(query), writer);
 }
 
-/* A stream may own the query when this returns. */
+/* Replies with the answer. Afterwards a stream may own the query. */
 static void query_reply_arrays(struct server_query *query)
 {
     const struct server_form *form = form_at(query->kind, query->form);
@@ -379,8 +407,9 @@ static void query_reply_arrays(struct server_query *query)
         server_reply_problem(exchange, &problem);
         return;
     }
-    server_reply_header(exchange, "Content-Disposition", "attachment; filename=\"%s.%s\"",
-                        query->kind->name, form->name);
+    if (query->form != SERVER_FORM_BYTES)
+        server_reply_header(exchange, "Content-Disposition", "attachment; filename=\"%s.%s\"",
+                            query->kind->name, form->name);
     server_reply_writer(exchange, &writer);
     server_answer_reply(exchange, 200, &writer, &encoder);
     proto_writer_free(&writer);
@@ -403,11 +432,11 @@ static void query_reply_form(struct server_query *query)
 static void query_encode(struct server_exchange *exchange, struct proto_writer *writer)
 {
     struct server_query *query = exchange->state;
-    query->exchange = exchange; /* a stream has another */
+    query->exchange = exchange; /* a stream has another exchange */
     query->kind->encode(query, writer);
 }
 
-/* A stream may own the query when this returns. */
+/* Replies with the answer. Afterwards a stream may own the query. */
 static void query_reply_json(struct server_query *query, unsigned status)
 {
     const struct server_answer_encoder encoder = {.encode = query_encode, .held = &query->held};
@@ -420,27 +449,38 @@ static void query_reply_json(struct server_query *query, unsigned status)
     proto_writer_free(&writer);
 }
 
+/* Adds the headers that belong to the form of the answer. */
+static void query_add_headers(const struct server_query *query, struct server_exchange *exchange)
+{
+    const struct server_query_kind *kind = query->kind;
+    server_reply_tag(exchange, query->surface->record->etag, form_name(query));
+    if (!kind->reply && (kind->forms || kind->has_bytes))
+        server_reply_header(exchange, "Vary", "Accept");
+}
+
 static void query_reply(struct server_query *query)
 {
     const struct server_query_kind *kind = query->kind;
     unsigned status = kind->status ? kind->status(query) : 200;
-    server_reply_tag(query->exchange, query->surface->record->etag, form_name(query));
-    if (!kind->reply && (kind->forms || kind->bytes))
-        server_reply_header(query->exchange, "Vary", "Accept");
+    if (query->relay) {
+        draft_send(query);
+        query->is_whole = true;
+        server_reply_empty(query->exchange, status);
+        return;
+    }
+    query_add_headers(query, query->exchange);
     if (kind->reply)
         kind->reply(query);
     else if (query->form == SERVER_FORM_JSON)
         query_reply_json(query, status);
-    else if (query->form == SERVER_FORM_BYTES)
-        query_reply_bytes(query);
     else if (server_query_arrays_form(query))
         query_reply_arrays(query);
     else
         query_reply_form(query);
 }
 
-/* False: another thread has the exchange. After AGAIN there is no reply, and the worker calls
- * again. */
+/* Processes a turn. Returns false if another thread has the exchange. After AGAIN there is no
+ * reply, and the worker calls again. */
 static bool query_take_turn(struct server_query *query, enum server_query_turn turn,
                             const struct proto_problem *problem)
 {
@@ -449,11 +489,54 @@ static bool query_take_turn(struct server_query *query, enum server_query_turn t
     return turn != SERVER_QUERY_PARKED;
 }
 
+static bool on_is_gone(struct server_exchange *exchange)
+{
+    return server_relay_is_over(((const struct server_query *)exchange->state)->relay);
+}
+
+static void query_free(void *query)
+{
+    server_query_destroy(query);
+}
+
+/* Answers the request with a stream, and moves the query to an exchange that outlives the request.
+ * Without memory for that, the draft is kept. The transport bounds how long the client reads. */
+static void query_start_stream(struct server_query *query)
+{
+    static const struct server_transport transport = {.finish = server_exchange_destroy,
+                                                      .is_gone = on_is_gone};
+    struct server_exchange *exchange = query->exchange;
+    struct server_exchange *rest = server_request_stream(exchange, &transport, JSON, &query->relay);
+    if (!rest) return;
+    query_add_headers(query, exchange);
+    rest->job.deadline_ns = UINT64_MAX;
+    server_exchange_keep(rest, query, query_free);
+    server_exchange_keep(exchange, NULL, NULL);
+    query->exchange = rest;
+    draft_send(query);
+    server_request_go_on(rest);
+}
+
+/* Sends the draft. Returns false if the query is parked until the client has read some of the
+ * answer. */
+static bool query_flush(struct server_query *query)
+{
+    struct server_exchange *exchange = query->exchange;
+    if (query->relay) {
+        draft_send(query);
+        return !server_relay_wait(query->relay, &exchange->job);
+    }
+    query_start_stream(query);
+    return true;
+}
+
 static bool query_work(struct server_exchange *exchange)
 {
     struct proto_problem problem;
-    enum server_query_turn turn = server_query_solve(exchange->state, &problem);
-    return query_take_turn(exchange->state, turn, &problem);
+    struct server_query *query = exchange->state;
+    enum server_query_turn turn = server_query_solve(query, &problem);
+    if (turn != SERVER_QUERY_FLUSH) return query_take_turn(query, turn, &problem);
+    return query_flush(query);
 }
 
 static bool query_join(struct server_exchange *exchange)
@@ -488,7 +571,9 @@ static bool query_read(struct server_query *query, struct proto_problem *problem
     if (!proto_options_parse(&parameters, route->fields, route->parameters, &query->options,
                              problem))
         return false;
-    if (kind->has_bare_points && !parameters.get(parameters.user, "geometry"))
+    if (!route->has_lines && query->options.geometry != PROTO_GEOMETRY_FULL)
+        return proto_options_refuse_geometry(problem, "geometry");
+    if (kind->has_bare_points && !proto_parameters_get(&parameters, "geometry"))
         query->options.geometry = PROTO_GEOMETRY_XYZ;
     if (kind->forms && !form_read_mesh(query, &parameters, problem)) return false;
     if (!has_body) return kind->parse(query, &parameters, problem);
@@ -507,11 +592,11 @@ static bool query_is_known(struct server_query *query)
     struct server_exchange *exchange = query->exchange;
     const char *etag = query->surface->record->etag;
     char tag[SERVER_ETAG_TEXT];
-    if (!query->kind->reply || !exchange->has_conditions) return false;
+    if (exchange->match.route->has_body || !exchange->has_conditions) return false;
     const struct server_precondition precondition = server_precondition_read(exchange);
     server_etag_write(tag, etag, form_name(query));
     if (!server_precondition_known(&precondition, tag)) return false;
-    server_reply_tag(exchange, etag, form_name(query));
+    query_add_headers(query, exchange);
     server_reply_header(exchange, "Vary", "Accept-Encoding");
     server_reply_empty(exchange, 304);
     return true;
@@ -528,14 +613,9 @@ static void query_start(struct server_exchange *exchange)
     }
     if (query_is_known(query)) return;
     server_exchange_shorten(exchange, query->options.timeout_ms);
-    if (!query->with_mesh) turn = server_query_glance(query, &problem);
+    if (!query->with_mesh) turn = server_query_try_inline(query, &problem);
     query_take_turn(query, turn, &problem);
     if (turn == SERVER_QUERY_AGAIN) server_exchange_defer(exchange, query_work, query_join);
-}
-
-static void query_free(void *query)
-{
-    server_query_destroy(query);
 }
 
 void server_query_handle(struct server_exchange *exchange, const struct server_query_kind *kind)

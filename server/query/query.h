@@ -1,11 +1,10 @@
-/* Query: a question about a surface. A request of its own and a line of a batch take the same
- * steps.
+/* Query: a question about a surface. Single requests and lines of a batch run the same steps.
  *
  * DESIGN. A kind of query is a table of steps. A kind's own struct begins with a struct
  * server_query and starts as zeros. The steps, in their order:
  * - decode or parse reads the question and locates its points.
- * - glance runs once, perhaps on an HTTP thread. It answers if that takes no time. A kind that only
- *   decodes needs no glance and no solve.
+ * - try_inline runs once, perhaps on an HTTP thread. It answers if that takes no time. A kind that
+ *   only decodes needs no try_inline and no solve.
  * - solve runs on a worker, again as long as the turn is AGAIN or, once the exchange is resumed,
  *   PARKED.
  * - encode, bytes, write or reply writes the answer when the turn is DONE. A kind without them has
@@ -14,7 +13,7 @@
  *
  * A kind with the step `answer` is answered from the field of a set. Its decoding ends with a
  * server_field_query_of_… function, which names the set. The field is found in the cache, built, or
- * waited for (field_query.c); then `answer` runs. Such a kind needs no glance, join and solve.
+ * waited for (field_query.c); then `answer` runs. Such a kind needs no try_inline, join and solve.
  *
  * A query belongs to the thread that has its exchange. After PARKED the caller touches neither. */
 #ifndef SERVER_QUERY_QUERY_H
@@ -38,13 +37,15 @@
 enum server_query_turn {
     SERVER_QUERY_DONE,   /* the answer can be written */
     SERVER_QUERY_FAILED, /* the problem is filled in */
-    SERVER_QUERY_AGAIN,  /* solve is to be called, perhaps again */
-    SERVER_QUERY_PARKED  /* the exchange waits for something; then solve is to be called */
+    SERVER_QUERY_AGAIN,  /* call solve, perhaps again */
+    SERVER_QUERY_FLUSH,  /* send the draft to the client, then call solve again */
+    SERVER_QUERY_PARKED  /* the exchange waits for an event; solve is called afterwards */
 };
 
-/* A form of an answer besides JSON: a file for another program, by ?format= or by Accept. */
+/* A form of an answer other than JSON: a file for another program, selected by ?format= or
+ * Accept. */
 struct server_form {
-    const char *name; /* in ?format= and the tag, and the file's suffix; NULL ends a list */
+    const char *name; /* in ?format= and the entity tag, and the file's suffix; NULL ends a list */
     const char *media_type;
     bool has_mesh; /* ?mesh=true adds the mesh */
 };
@@ -54,19 +55,20 @@ struct server_answer_file {
     size_t size;
 };
 
-enum { SERVER_FORM_JSON, SERVER_FORM_BYTES, SERVER_FORM_FIRST }; /* and on: forms[0], … */
+/* SERVER_FORM_FIRST + i: forms[i] */
+enum { SERVER_FORM_JSON, SERVER_FORM_BYTES, SERVER_FORM_FIRST };
 
-/* The field that a query is answered from; all zero: none is named. */
+/* The field that answers a query; all zero: none is named. */
 struct server_field_query {
     const struct proto_located_set *set; /* NULL: a worker has to locate it */
-    struct gd_field_request request;     /* of the set */
+    struct gd_field_request request;     /* request for the field of the set */
     bool is_quick;                       /* an answer from a cached field takes no time */
-    struct proto_set pending;            /* to be located */
+    struct proto_set pending;            /* set to be located */
     double max_distance;                 /* of `pending` */
     struct proto_located_set *own_set;   /* `set`, or NULL */
-    struct server_resource *resource;    /* a reference to the one that has `set`, or NULL */
-    const struct server_cached *pin; /* the field, if it was found before there was time, or NULL */
-    struct server_pending_build *build; /* that this query is to do, or NULL */
+    struct server_resource *resource;    /* a reference to the owner of `set`, or NULL */
+    const struct server_cached *pin;     /* the field if it was found but not yet used, or NULL */
+    struct server_pending_build *build;  /* that this query must do, or NULL */
 };
 
 struct server_query {
@@ -74,51 +76,54 @@ struct server_query {
     struct server_exchange *exchange;
     struct server_surface *surface; /* a reference */
     struct proto_options options;
-    unsigned form;       /* of the answer */
+    unsigned form;       /* form of the answer: enum above */
     bool with_mesh;      /* the form includes the mesh */
-    double begun, share; /* of the exchange's work, see struct server_monitor */
+    double begun, share; /* part of the exchange's work, see struct server_monitor */
     struct proto_writer draft;
     size_t held;                        /* bytes of SERVER_BUDGET_FLIGHT, without the draft's */
-    void *blocks;                       /* of server_query_allocate */
-    struct proto_located_points points; /* of server_query_locate */
+    void *blocks;                       /* allocations of server_query_allocate */
+    struct proto_located_points points; /* points of server_query_locate */
     struct server_field_query field;
-    struct server_monitor whole;           /* of a call that is all of the work */
-    struct server_landmark_set *landmarks; /* of server_query_landmarks */
-    struct server_arrays arrays;           /* of the answer, if its form is one of arrays */
-    struct server_lines lines;             /* of server_query_list_lines */
+    struct server_monitor whole;           /* monitor of a call that does all of the work */
+    struct server_landmark_set *landmarks; /* result of server_query_landmarks */
+    struct server_arrays arrays;           /* arrays of the answer, if its form is one of arrays */
+    struct server_lines lines;             /* lines of server_query_list_lines */
+    const struct gd_point *line;           /* points of server_query_list_line */
+    uint32_t line_count;
+    struct server_relay *relay; /* relay of an answer that is sent while it is computed, or NULL */
+    bool is_whole;              /* the relay has the whole answer */
 };
 
 struct server_query_kind {
     const char *name;                /* as in the path, and in a batch */
-    size_t size;                     /* of its own struct */
+    size_t size;                     /* bytes of the kind's own struct */
     const struct server_form *forms; /* the answer's other forms, or NULL */
     bool has_bare_points;            /* geometry is xyz by default, not full */
     bool (*decode)(struct server_query *query, const json_t *document,
                    struct proto_problem *problem);
     bool (*parse)(struct server_query *query, const struct proto_parameters *parameters,
                   struct proto_problem *problem);
-    /* Reads a request that is arrays (arrays.h), whose names are array_names, instead of JSON; both
-     * NULL: it is JSON always. */
+    /* Reads a request of arrays (arrays.h) instead of JSON, with names among array_names. Both
+     * NULL: requests are JSON only. */
     const char *const *array_names;
     bool (*read_arrays)(struct server_query *query, const struct server_arrays *arrays,
                         struct proto_problem *problem);
     /* NULL: a default, see above */
-    enum server_query_turn (*glance)(struct server_query *query, struct proto_problem *problem);
+    enum server_query_turn (*try_inline)(struct server_query *query, struct proto_problem *problem);
     bool (*join)(struct server_query *query); /* see server_exchange_defer; may be NULL */
     enum server_query_turn (*solve)(struct server_query *query, struct proto_problem *problem);
-    /* By a worker: names a set that takes time to locate; NULL: locates the pending one. */
+    /* Runs on a worker: names a set that takes time to locate; NULL: locates the pending set. */
     bool (*prepare)(struct server_query *query, struct proto_problem *problem);
     /* Runs when the pending set is located; may be NULL. */
     bool (*located)(struct server_query *query, struct proto_problem *problem);
-    /* Answers from the field; `part` is for long calls. DONE, FAILED, or AGAIN with another field
-     * named. */
+    /* Answers from the field; `part` is for long calls. Returns DONE, FAILED, or AGAIN with another
+     * field named. */
     enum server_query_turn (*answer)(struct server_query *query, const struct gd_field *field,
                                      struct server_monitor *part, struct proto_problem *problem);
     void (*encode)(const struct server_query *query, struct proto_writer *writer);
-    void (*reply)(struct server_query *query); /* for an answer that is no JSON */
-    const char *reply_form;                    /* in the tag of such an answer: "png" */
-    /* Writes the answer as float64 to `out`, unless that is NULL, and returns its bytes. */
-    size_t (*bytes)(const struct server_query *query, void *out);
+    void (*reply)(struct server_query *query); /* for answers in a form other than JSON */
+    const char *reply_form;                    /* form in the entity tag of such an answer: "png" */
+    bool has_bytes; /* application/octet-stream is the first array without a head */
     /* Writes the answer in the query's form; the exchange's `held` counts it. False with the
      * problem. */
     bool (*write)(const struct server_query *query, struct server_answer_file *out,
@@ -131,58 +136,69 @@ struct server_query_kind {
     unsigned (*status)(struct server_query *query);
 };
 
-/* A query before its first step, for all of the exchange's work; it retains the surface. NULL
- * without memory. */
+/* Creates a query, for all of the exchange's work; it retains the surface. NULL: out of memory. */
 struct server_query *server_query_create(const struct server_query_kind *kind,
                                          struct server_exchange *exchange,
                                          struct server_surface *surface);
 void server_query_destroy(struct server_query *query); /* NULL is harmless */
 
-/* DONE, FAILED or AGAIN. */
-enum server_query_turn server_query_glance(struct server_query *query,
-                                           struct proto_problem *problem);
+/* Runs the steps up to try_inline. Returns DONE, FAILED or AGAIN. */
+enum server_query_turn server_query_try_inline(struct server_query *query,
+                                               struct proto_problem *problem);
 enum server_query_turn server_query_solve(struct server_query *query,
                                           struct proto_problem *problem);
 
 /* Appends the answer of a query that is DONE, for a batch. */
 void server_query_encode(const struct server_query *query, struct proto_writer *writer);
 
-/* Handles a request of its own. The route table names server_handle_query for queries about meshes,
+/* Handles a single request. The route table names server_handle_query for queries about meshes,
  * whose kinds are declared in handlers.h. */
 void server_query_handle(struct server_exchange *exchange, const struct server_query_kind *kind);
 
 /* --- for the steps ---------------------------------------------------------------------------- */
 
-/* The monitor of a long call that is the part [begun, begun + share] of the query's work, or of the
- * work that another monitor watches. */
+/* Returns the monitor of a long call that does the part [begun, begun + share] of the query's work,
+ * or of the work that another monitor watches. */
 struct server_monitor server_query_monitor(const struct server_query *query, double begun,
                                            double share);
 struct server_monitor server_monitor_portion(const struct server_monitor *whole, double begun,
                                              double share);
 
-/* Makes the problem of an engine's failure and counts failed self-checks. `what` names what needs
- * memory ("the search"). FAILED. */
+/* Sets the problem of an engine failure and counts failed self-checks. `what` names the work that
+ * needs memory ("the search"). Returns FAILED. */
 enum server_query_turn server_query_fail(const struct server_query *query, enum gd_status status,
                                          const char *what, struct proto_problem *problem);
 
-/* The last turn of a query: DONE, or FAILED with the problem of `status` or of a draft that is too
- * large. */
+/* Returns the last turn of a query: DONE, or FAILED with the problem of `status` or of a draft that
+ * is too large. */
 enum server_query_turn server_query_end_draft(struct server_query *query, enum gd_status status,
                                               const char *what, struct proto_problem *problem);
 
-/* GD_BUDGET when the draft takes no more; else the control's (NULL: none) check of deadline and
- * cancellation. To be called now and then, so that no work is in vain. */
+/* Returns GD_BUDGET when the draft is full, else the result of the control's (NULL: none) check of
+ * deadline and cancellation. Call it from time to time during long work. */
 GD_MUST_USE enum gd_status server_query_pause(const struct server_query *query,
                                               const struct gd_control *control, double fraction);
 
-/* The form of arrays that the answer has, or SERVER_ARRAYS_NONE. */
+/* Returns whether FLUSH is worth a turn: the client reads the answer while it is computed, or will,
+ * because the draft is long. A failure after the first FLUSH cuts the answer. */
+bool server_query_can_flush(const struct server_query *query);
+
+/* Returns the answer's form of arrays, or SERVER_ARRAYS_NONE. */
 enum server_arrays_form server_query_arrays_form(const struct server_query *query);
+
+/* The forms of an answer whose only other forms are arrays. */
+extern const struct server_form server_array_forms[];
 
 /* Adds lines to the answer's arrays: `lines` without `first`. False with the problem. */
 bool server_query_list_lines(struct server_query *query, const struct server_lines *lines,
                              struct proto_problem *problem);
 
-/* Holds more bytes of the budget until the query ends. GD_BUDGET. */
+/* As server_query_list_lines, for one line of points, borrowed; NULL: there is no line. */
+bool server_query_list_line(struct server_query *query, const struct gd_point *points,
+                            uint32_t count, struct proto_problem *problem);
+
+/* take: takes bytes of the budget, which the query holds until give or its end. Error:
+ * GD_BUDGET. */
 GD_MUST_USE enum gd_status server_query_take(struct server_query *query, size_t bytes);
 void server_query_give(struct server_query *query, size_t bytes);
 
@@ -190,26 +206,27 @@ void server_query_give(struct server_query *query, size_t bytes);
 bool server_query_locate(struct server_query *query, struct proto_points *points,
                          struct proto_problem *problem);
 
-/* An array of zeros that the query holds, and its bytes, until it ends. NULL: too little memory,
- * for which GD_BUDGET stands. */
+/* Returns an array of zeros; the query holds it and its bytes until it ends. NULL: too little
+ * memory, which callers report as GD_BUDGET. */
 void *server_query_allocate(struct server_query *query, size_t count, size_t size);
 
-/* One long call of the engine (budgeted_call.h) for a part of the query's work; NULL: for all of
- * it. The query holds the bytes of its result. */
+/* Begins one long call of the engine (budgeted_call.h) for a part of the query's work; NULL: for
+ * all of it. The query holds the bytes of its result. */
 struct server_budgeted_call server_query_begin_call(struct server_query *query,
                                                     struct server_monitor *part, size_t grant);
 
-/* The landmarks of the mesh, as long as the query; NULL: there are none. */
+/* Returns the landmarks of the mesh, valid as long as the query; NULL: there are none. */
 const struct gd_landmarks *server_query_landmarks(struct server_query *query);
 
-/* Two threads for a call, for server_executor_stop; NULL: no second thread. */
+/* Returns an executor of two threads for a call; end it by server_executor_stop. NULL: no second
+ * thread. */
 const struct gd_executor *server_query_executor(const struct server_query *query);
 
 /* --- pairs of points -------------------------------------------------------------------------- */
 
 struct server_pair {
     const struct gd_point *from, *to;
-    enum gd_pair_wish wish;
+    enum gd_pair_output output;
 };
 
 /* Searches on behalf of the part's exchange, with the mesh's landmarks, within the memory budget.
@@ -219,7 +236,7 @@ GD_MUST_USE enum gd_status server_pair_search(struct server_monitor *part,
                                               const struct server_pair *pair,
                                               struct gd_pair_answer *out);
 
-/* The cached field of either point, pinned, or NULL. */
+/* Returns the cached field of either point, pinned, or NULL. */
 const struct server_cached *server_pair_find_field(struct server_surface *surface,
                                                    const struct server_pair *pair);
 
@@ -229,9 +246,9 @@ GD_MUST_USE enum gd_status server_pair_solve(struct server_monitor *part,
                                              const struct server_pair *pair,
                                              struct gd_pair_answer *out);
 
-/* Appends to a route (all zero at first) a leg that begins where the route ends: adds distances and
- * lengths, and joins the polylines. Frees the leg. A leg without a path (INFINITY) leaves a route
- * without. GD_NO_MEMORY. O(points of the leg). */
+/* Appends a leg to a route (all zero at first): adds distances and lengths, and joins the
+ * polylines. The leg begins where the route ends, and is freed. A leg without a path (INFINITY)
+ * makes the route one without a path. Error: GD_NO_MEMORY. O(points of the leg). */
 GD_MUST_USE enum gd_status server_pair_append(struct gd_pair_answer *route,
                                               struct gd_pair_answer *leg);
 
@@ -242,42 +259,43 @@ GD_MUST_USE enum gd_status server_pair_append(struct gd_pair_answer *route,
 bool server_field_query_of_set(struct server_query *query, struct proto_set *set,
                                double max_distance, struct proto_problem *problem);
 
-/* The same for a located set, which stays the caller's. */
+/* As server_field_query_of_set, for a located set, which the caller still owns. */
 void server_field_query_of_located(struct server_query *query, const struct proto_located_set *set,
                                    double max_distance);
 
-/* The same for a field resource: that of the request's path, or of an id, whose problems are at the
- * parameter `field`. False: not_found or field_evicted. */
+/* As server_field_query_of_set, for a field resource: that of the request's path, or of an id, with
+ * problems at the parameter `field`. False: not_found or field_evicted. */
 bool server_field_query_of_resource(struct server_query *query, struct proto_problem *problem);
 bool server_field_query_of_id(struct server_query *query, const char *id,
                               struct proto_problem *problem);
 
-/* The steps, for kinds that replace one of them. */
-enum server_query_turn server_field_query_glance(struct server_query *query,
-                                                 struct proto_problem *problem);
+/* The default steps, for kinds that replace one of them. */
+enum server_query_turn server_field_query_try_inline(struct server_query *query,
+                                                     struct proto_problem *problem);
 bool server_field_query_join(struct server_query *query);
 enum server_query_turn server_field_query_solve(struct server_query *query,
                                                 struct proto_problem *problem);
 void server_field_query_release(struct server_query *query);
 
-/* The resource that the path names on the record's mesh, retained; NULL: not_found or
+/* Returns the resource that the path names on the record's mesh, retained; NULL: not_found or
  * field_evicted. */
 struct server_resource *server_find_resource(const struct server_exchange *exchange,
                                              struct server_record *record,
                                              struct proto_problem *problem);
 
-/* Locates a set by a worker, since its curves take searches. The query holds its bytes; the caller
+/* Locates a set on a worker, since curves need searches. The query holds its bytes; the caller
  * frees it by free(). False with the problem. */
 bool server_query_locate_set(struct server_query *query, struct server_monitor *part,
                              const struct proto_set *set, struct proto_located_set **out,
                              struct proto_problem *problem);
 
-/* Bytes that building a field takes on most meshes. */
+/* Returns the bytes that building a field takes on most meshes. */
 size_t server_field_build_grant(const struct gd_mesh *mesh);
 
 /* Builds the field of query->field.request and publishes it as query->field.build, which ends in
  * any case. If the cache has a nearer field of these seeds, it is resumed. `*out` is pinned.
- * Errors: those of gd_field_build; GD_BUDGET: all memory that could be had was too little. */
+ * Errors: those of gd_field_build; GD_BUDGET: all available memory was too little, or the limit of
+ * `part` has passed. */
 GD_MUST_USE enum gd_status server_query_build_field(struct server_query *query,
                                                     struct server_monitor part,
                                                     const struct server_cached **out);

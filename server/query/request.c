@@ -7,14 +7,17 @@
 
 #include "server/store/kind.h"
 #include "server/surfaces/loader.h"
+#include "server/exchange/events.h"
 #include "server/exchange/reply.h"
 #include "server/query/api.h"
 
-#define KIND_SEGMENT     1                  /* of the path */
-#define PARSED_UNCOUNTED ((size_t)16 << 10) /* bytes of a text whose document is not counted */
-#define PARSED_TRIMMED   ((size_t)16 << 20) /* bytes of a document that malloc_trim follows */
+#define KIND_SEGMENT     1                    /* index of the path's segment */
+#define WAIT_MARGIN_NS   UINT64_C(1000000000) /* between the end of a wait and the deadline */
+#define PARSED_UNCOUNTED ((size_t)16 << 10)   /* bytes of a text whose document is not counted */
+/* bytes of a document after which malloc_trim is called */
+#define PARSED_TRIMMED ((size_t)16 << 20)
 
-/* The kind that the route's path "/v1/<plural>…" names, or NULL. */
+/* Returns the kind that the route's path "/v1/<plural>…" names, or NULL. */
 static const struct server_kind *request_find_kind(const struct proto_route *route)
 {
     const char *plural =
@@ -28,7 +31,7 @@ const struct server_kind *server_request_kind(const struct server_exchange *exch
     return kind ? kind : &server_kind_mesh;
 }
 
-/* Replies with the problem unless all is well; returns whether it is. */
+/* Replies with the problem unless `is_well`. Returns `is_well`. */
 static bool request_check(struct server_exchange *exchange, bool is_well,
                           const struct proto_problem *problem)
 {
@@ -57,6 +60,13 @@ bool server_request_is_plain(struct server_exchange *exchange)
     return request_check(exchange, is_plain, &problem);
 }
 
+uint64_t server_request_wait_end(const struct server_exchange *exchange, uint64_t wait_s)
+{
+    uint64_t until_ns = exchange->started_ns + wait_s * UINT64_C(1000000000);
+    uint64_t last_ns = exchange->job.deadline_ns - WAIT_MARGIN_NS;
+    return until_ns < last_ns ? until_ns : last_ns;
+}
+
 bool server_request_page(struct server_exchange *exchange, struct proto_page *page)
 {
     struct proto_parameters parameters = server_exchange_parameters(exchange);
@@ -80,7 +90,8 @@ static void reply_store_unavailable(struct server_exchange *exchange, const char
     server_reply_problem(exchange, &problem);
 }
 
-/* The same for every name, so that it does not show which names other tenants have. */
+/* Replies not_found. The answer is the same for every name, so that it does not show which names
+ * other tenants have. */
 static void reply_absent(struct server_exchange *exchange)
 {
     const struct server_kind *kind = server_request_kind(exchange);
@@ -106,7 +117,7 @@ bool server_request_record(struct server_exchange *exchange, struct server_liste
 
 /* --- what other daemons have changed ---------------------------------------------------------- */
 
-/* By a worker. */
+/* Runs on a worker. */
 static bool registry_follow(struct server_exchange *exchange)
 {
     struct server_registry *registry = exchange->host->api->registry;
@@ -134,7 +145,7 @@ bool server_request_follows_first(struct server_exchange *exchange)
     bool names_one = exchange->match.capture_count > 0;
     char name[PROTO_MESH_NAME + 1];
     if (!server_registry_is_shared(registry) || !kind) return false;
-    /* no name: the handler says so */
+    /* not a valid name: the handler reports that */
     if (names_one && capture->length > PROTO_MESH_NAME) return false;
     if (names_one) snprintf(name, sizeof name, "%.*s", (int)capture->length, capture->text);
     const struct server_key key = {exchange->tenant, kind, name};
@@ -145,8 +156,9 @@ bool server_request_follows_first(struct server_exchange *exchange)
 
 /* --- a surface that is not in memory ---------------------------------------------------------- */
 
-/* By a worker: loads the surface and runs the handler. If the name has another record by now, there
- * is no reply: the worker looks it up again. False: parked; runs again when the load has ended. */
+/* Runs on a worker: loads the surface and runs the handler. If the name has another record by then,
+ * looks it up again without a reply. Returns false if the exchange is parked; it runs again when
+ * the load has ended. */
 static bool surface_bring(struct server_exchange *exchange)
 {
     struct server_listed listed;
@@ -184,7 +196,7 @@ static bool surface_join(struct server_exchange *exchange)
     return joined;
 }
 
-/* The surface in memory, or NULL with the exchange deferred or a problem replied. */
+/* Returns the surface in memory, or NULL with the exchange deferred or a problem replied. */
 static struct server_surface *surface_find(struct server_exchange *exchange)
 {
     char name[PROTO_MESH_NAME + 1];
@@ -255,7 +267,8 @@ bool server_request_begin_parsing(struct server_exchange *exchange, const char *
     return true;
 }
 
-/* The allocator keeps freed memory below the last block in use, so a large document is trimmed. */
+/* Ends the parsing. Trims the heap after a large document, since the allocator keeps freed memory
+ * below the last block in use. */
 void server_request_end_parsing(struct server_exchange *exchange)
 {
     size_t parsed = exchange->parsed;
@@ -280,6 +293,33 @@ json_t *server_request_document(struct server_exchange *exchange, struct proto_p
     json_t *document = proto_decode_document_within(body->bytes, body->size, &control, problem);
     if (!document) server_request_end_parsing(exchange);
     return document;
+}
+
+struct server_exchange *server_request_stream(struct server_exchange *exchange,
+                                              const struct server_transport *transport,
+                                              const char *media_type, struct server_relay **relay)
+{
+    bool is_packed = server_reply_takes_gzip(exchange);
+    struct server_relay *made = server_relay_create(exchange->host, is_packed);
+    struct server_stream *stream = made ? server_relay_open(made) : NULL;
+    struct server_exchange *rest = stream ? server_exchange_detach(exchange, transport) : NULL;
+    if (!rest) {
+        server_stream_close(stream);
+        server_relay_release(made);
+        return NULL;
+    }
+    rest->job.deadline_ns = exchange->job.deadline_ns;
+    rest->work = exchange->work;
+    server_reply_coding(exchange, is_packed);
+    server_reply_stream(exchange, 200, media_type, stream);
+    *relay = made;
+    return rest;
+}
+
+void server_request_go_on(struct server_exchange *rest)
+{
+    server_exchange_count_deferred(rest->host);
+    server_workers_resume(rest->host->workers, &rest->job);
 }
 
 void server_request_fail(struct server_exchange *exchange, enum server_store_outcome outcome)

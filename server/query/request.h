@@ -1,60 +1,78 @@
-/* Request: what handlers read from requests, in one way. */
+/* Request: functions by which all handlers read requests. */
 #ifndef SERVER_QUERY_REQUEST_H
 #define SERVER_QUERY_REQUEST_H
 
 #include "proto/json/decode.h"
 #include "proto/http/page.h"
 #include "server/exchange/exchange.h"
+#include "server/exchange/relay.h"
 #include "server/surfaces/registry.h"
 
-/* The kind of surface that the route is about, "/v1/<plural>…". Other routes: meshes. */
+/* Returns the kind of surface that the route is about, "/v1/<plural>…". Other routes: meshes. */
 const struct server_kind *server_request_kind(const struct server_exchange *exchange);
 
-/* The key that the path names. Its name is written to `name`, which the key borrows. False: it is
- * no valid name; a problem is replied. */
+/* Reads the key of the surface (tenant, kind, name) from the path. Writes the surface's name to
+ * `name`, which the key borrows. Returns false, with a problem replied, if the name is invalid. */
 bool server_request_key(struct server_exchange *exchange, char name[PROTO_MESH_NAME + 1],
                         struct server_key *key);
 
-/* For operations without query-string parameters. False: there are some; a problem is replied. */
+/* For operations without query-string parameters: returns false, with a problem replied, if there
+ * are any. */
 bool server_request_is_plain(struct server_exchange *exchange);
 
-/* The page of a list that the parameters ask for, or of a list of names, which `prefix` may narrow.
- * False: a problem is replied. */
+/* Returns the time (as of gd_now_ns, in ns) at which a wait of `wait_s` seconds ends, or an earlier
+ * time if the deadline requires it. */
+uint64_t server_request_wait_end(const struct server_exchange *exchange, uint64_t wait_s);
+
+/* Reads the requested page of a list, or of a list of names, which `prefix` may narrow. False: a
+ * problem is replied. */
 bool server_request_page(struct server_exchange *exchange, struct proto_page *page);
 bool server_request_page_of_names(struct server_exchange *exchange, struct proto_page *page);
 
-/* The record of the surface that the path names, retained. False: a problem is replied. */
+/* Finds the record of the surface that the path names, retained. False: a problem is replied. */
 bool server_request_record(struct server_exchange *exchange, struct server_listed *out);
 
-/* The surface that the path names, in memory, retained. Checks the preconditions of a POST; those
- * of a GET are checked with its answer (reply.c). NULL: the handler returns at once, for a problem
- * is replied, or a worker loads the surface and then calls the handler again. */
+/* Returns the surface that the path names, in memory, retained. Checks the preconditions of a POST;
+ * those of a GET are checked with its answer (reply.c). On NULL the handler returns at once: either
+ * a problem is replied, or a worker loads the surface and then calls the handler again. */
 struct server_surface *server_request_surface(struct server_exchange *exchange);
 
-/* Before the handler of a request about a surface. True: a worker first learns what other daemons
- * have changed, then calls the handler; the exchange is deferred. */
+/* Called before the handler of a request about a surface. True: the exchange is deferred, and a
+ * worker applies the changes of other daemons before it calls the handler. */
 bool server_request_follows_first(struct server_exchange *exchange);
 
-/* Runs `work` on the registry's writer: the last act of work that stores something. False, for that
- * work to return. */
+/* Runs `work`, which stores something, on the registry's writer thread. Call it last in a worker's
+ * step. Always returns false, so that the step can end with `return server_request_write(…)`. */
 bool server_request_write(struct server_exchange *exchange,
                           bool (*work)(struct server_exchange *exchange));
 
-/* Runs `work`, which makes a list, on the registry's reader thread. The handler's last act. */
+/* Runs `work`, which makes a list, on the registry's reader thread. Call it last in a
+ * handler. */
 void server_request_list(struct server_exchange *exchange,
                          bool (*work)(struct server_exchange *exchange));
 
-#define SERVER_REQUEST_SHORT_LIST 16 /* items of a list that an HTTP thread makes */
+#define SERVER_REQUEST_SHORT_LIST 16 /* most items of a list that an HTTP thread makes */
 
-/* Holds the memory of a document that is parsed from this text, until server_request_end_parsing,
- * which follows when the document is freed. insufficient_memory. */
+/* Reserves, in the memory budget, what a document parsed from this text will need. When the caller
+ * frees the document, it calls server_request_end_parsing, which returns the memory. Problem:
+ * insufficient_memory. */
 bool server_request_begin_parsing(struct server_exchange *exchange, const char *text, size_t size,
                                   struct proto_problem *problem);
 void server_request_end_parsing(struct server_exchange *exchange);
 
-/* The body as a JSON document, owned by the caller (json_decref, then server_request_end_parsing).
- * NULL: unsupported_media_type, invalid_request or insufficient_memory. */
+/* Parses the body as a JSON document, owned by the caller (json_decref, then
+ * server_request_end_parsing). NULL: unsupported_media_type, invalid_request or
+ * insufficient_memory. */
 json_t *server_request_document(struct server_exchange *exchange, struct proto_problem *problem);
+
+/* Begins an answer that is a stream of that media type. The caller writes its text to `*relay`, and
+ * owns the relay. Returns an exchange for the rest of the work. The caller queues its job
+ * (server_request_go_on) after it has added the answer's headers. NULL: out of memory, and nothing
+ * has changed. */
+struct server_exchange *server_request_stream(struct server_exchange *exchange,
+                                              const struct server_transport *transport,
+                                              const char *media_type, struct server_relay **relay);
+void server_request_go_on(struct server_exchange *rest);
 
 /* Replies with the problem of a store's outcome. */
 void server_request_fail(struct server_exchange *exchange, enum server_store_outcome outcome);

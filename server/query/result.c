@@ -7,7 +7,8 @@
 
 #define WHAT "the file"
 
-/* A strip's faces and their edges, twice while they grow; a path goes around few vertices. */
+/* A strip's faces and edges, twice because arrays are copied as they grow; a path passes around few
+ * vertices. */
 #define STRIP_BYTES_A_POINT 512
 #define STRIP_BYTES_LEAST   ((size_t)1 << 20)
 
@@ -20,7 +21,7 @@ static bool file_hold(const struct server_query *query, size_t bytes, struct pro
     return true;
 }
 
-/* Replaces `bytes` that are held by `actual`, and returns whether there is no failure. */
+/* Replaces `bytes` of the held bytes by `actual`, and returns whether there is no failure. */
 static bool file_settle(const struct server_query *query, size_t bytes, size_t actual,
                         enum gd_status status, struct proto_problem *problem)
 {

@@ -1,5 +1,5 @@
-/* Result: an answer as a file of gd/result_file.h, within the memory budget. All functions return
- * false with the problem. */
+/* Result: writes an answer as a file of gd/result_file.h, within the memory budget. All functions
+ * return false with the problem. */
 #ifndef SERVER_QUERY_RESULT_H
 #define SERVER_QUERY_RESULT_H
 
@@ -12,7 +12,7 @@ bool server_result_write(const struct server_query *query, const struct gd_resul
                          enum gd_result_format format, struct server_answer_file *out,
                          struct proto_problem *problem);
 
-/* The formats of lines, the first of an answer's forms. */
+/* The forms of lines, which precede an answer's other forms. */
 #define SERVER_RESULT_LINE_FORMS                                                                   \
     {"obj", "model/obj", true}, {"glb", "model/gltf-binary", true},                                \
     {                                                                                              \
@@ -27,16 +27,17 @@ struct server_result_lines {
     uint32_t count;
 };
 
-/* The same for paths, a line each, in the query's form, which is one of those. */
+/* As server_result_write, for paths, one line each, in the query's form, which must be one of
+ * SERVER_RESULT_LINE_FORMS. */
 bool server_result_write_lines(const struct server_query *query,
                                const struct server_result_lines *lines,
                                struct server_answer_file *out, struct proto_problem *problem);
 
-/* The same for a path and the faces that it crosses, laid flat and drawn (proto/values/flat_strip.h). */
+/* Writes a path and the faces that it crosses, laid flat and drawn (proto/values/flat_strip.h). */
 bool server_result_write_strip(const struct server_query *query, const struct gd_path *path,
                                struct server_answer_file *out, struct proto_problem *problem);
 
-/* Refuses to write a file about nothing; `why` begins a sentence. */
+/* Refuses to write an empty file; `why` begins a sentence. */
 bool server_result_refuse_nothing(struct proto_problem *problem, const char *why);
 
 #endif

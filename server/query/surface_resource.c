@@ -11,10 +11,10 @@
 #include "server/query/request.h"
 #include "server/store/kind.h"
 
-#define FILE_OPTIONS "format=ply&triangulate=true" /* as the kind of meshes writes them */
+#define FILE_OPTIONS "format=ply&triangulate=true" /* in the canonical form of the kind `mesh` */
 #define COPY_BYTES   ((size_t)4 << 20)             /* between two checks of the control */
 
-/* Only a new record lacks a description; a record of the registry is immutable. */
+/* Adds the description. Only a new record lacks one; a record of the registry is immutable. */
 static bool record_describe(struct server_surface *surface)
 {
     struct server_record *record = surface->record;
@@ -30,17 +30,16 @@ static bool record_describe(struct server_surface *surface)
     return record->description != NULL;
 }
 
-struct server_surface *server_surface_resource_build(struct server_exchange *exchange,
+struct server_surface *server_surface_resource_build(struct server_monitor *part,
                                                      struct server_record *record,
                                                      const void *bytes, void *attachment,
                                                      struct proto_problem *problem)
 {
-    struct server_host *host = exchange->host;
-    struct server_monitor monitor = {.exchange = exchange};
+    struct server_host *host = part->exchange->host;
     const struct server_builder builder = {.budget = host->budget,
                                            .cache = host->api->cache,
                                            .max_faces = (uint32_t)host->api->config->max_faces,
-                                           .control = server_exchange_control(&monitor),
+                                           .control = server_exchange_control(part),
                                            .record = record,
                                            .bytes = bytes,
                                            .problem = problem};
@@ -62,19 +61,24 @@ void server_surface_resource_describe(struct proto_writer *writer,
                                       const struct server_listed *listed)
 {
     const char *remembered = listed->record->description;
+    char caption[SERVER_CAPTION];
     if (listed->surface)
         listed->record->kind->describe(writer, listed->surface);
     else
         proto_write_raw(writer, remembered, strlen(remembered));
+    server_record_caption(listed->record, caption);
+    proto_caption_encode(writer, caption);
 }
 
 void server_surface_resource_reply(struct server_exchange *exchange, unsigned status,
                                    const struct server_listed *listed)
 {
     struct proto_writer writer;
+    char caption[SERVER_CAPTION], form[SERVER_ETAG_CAPTION];
     server_reply_writer(exchange, &writer);
     server_surface_resource_describe(&writer, listed);
-    server_reply_tag(exchange, listed->record->etag, NULL);
+    server_record_caption(listed->record, caption);
+    server_reply_tag(exchange, listed->record->etag, server_etag_caption(form, caption));
     server_reply_json(exchange, status, &writer);
 }
 
@@ -127,7 +131,8 @@ static bool name_check(const struct server_derived_meshes *meshes, const char *n
     return true;
 }
 
-/* Upper bound of the file's bytes: doubles, and for each polygon its corners and their number. */
+/* Returns an upper bound of the file's bytes: doubles, and for each polygon its corners and their
+ * number. */
 static size_t file_cost(const struct gd_polygons *polygons)
 {
     return polygons->position_count * 3 * sizeof(double) +
@@ -148,7 +153,7 @@ enum gd_status server_derived_mesh_copy(void *to, const void *from, size_t size,
     return status;
 }
 
-/* A mesh before it is built. All borrowed. */
+/* A mesh before it is built; all borrowed. */
 struct draft {
     const char *name, *file;
     size_t size;
@@ -156,7 +161,7 @@ struct draft {
     const struct gd_control *control;
 };
 
-/* The record of the file: the registry's, if the name holds the same mesh already. */
+/* Returns the record of the file: the registry's, if the name holds the same mesh already. */
 static enum gd_status draft_record(const struct server_exchange *exchange,
                                    const struct draft *draft, struct server_record **out)
 {
@@ -187,7 +192,7 @@ static enum gd_status draft_record(const struct server_exchange *exchange,
     return record ? GD_OK : GD_NO_MEMORY;
 }
 
-/* A copy that is counted as SERVER_BUDGET_FLIGHT; NULL with the problem. */
+/* Returns a copy that is counted as SERVER_BUDGET_FLIGHT; NULL with the problem. */
 static void *attachment_copy(struct server_budget *budget, const struct draft *draft,
                              struct proto_problem *problem)
 {
@@ -212,12 +217,13 @@ static struct server_surface *draft_build(struct server_exchange *exchange,
 {
     struct server_surface *surface = NULL;
     struct server_record *record = NULL;
+    struct server_monitor all = {.exchange = exchange};
     void *copy = NULL;
     enum gd_status status = draft_record(exchange, draft, &record);
     if (status)
         proto_problem_from_status(problem, status, NULL);
     else if (!draft->attachment || (copy = attachment_copy(exchange->host->budget, draft, problem)))
-        surface = server_surface_resource_build(exchange, record, draft->file, copy, problem);
+        surface = server_surface_resource_build(&all, record, draft->file, copy, problem);
     server_record_release(record);
     return surface;
 }
@@ -249,7 +255,8 @@ bool server_derived_meshes_add(struct server_derived_meshes *meshes, const char 
     return surface != NULL;
 }
 
-/* Removes the first `count` meshes that were created, unless their names hold others by now. */
+/* Removes the created ones of the first `count` meshes, unless their names hold other surfaces by
+ * now. */
 static void meshes_undo(const struct server_derived_meshes *meshes, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) {
@@ -279,4 +286,25 @@ enum server_store_outcome server_derived_meshes_store(struct server_derived_mesh
         is_new &= mesh->is_new;
     }
     return is_new ? SERVER_STORE_CREATED : SERVER_STORE_REPLACED;
+}
+
+void server_derived_meshes_reply(const struct server_derived_meshes *meshes,
+                                 enum server_store_outcome outcome)
+{
+    struct proto_writer writer;
+    if (outcome != SERVER_STORE_CREATED && outcome != SERVER_STORE_REPLACED) {
+        server_request_fail(meshes->exchange, outcome);
+        return;
+    }
+    server_reply_writer(meshes->exchange, &writer);
+    proto_write_object_begin(&writer);
+    proto_member_array(&writer, "meshes");
+    for (uint32_t i = 0; i < meshes->count; i++) {
+        struct server_surface *surface = meshes->list[i].surface;
+        server_surface_resource_describe(&writer,
+                                         &(struct server_listed){surface->record, surface});
+    }
+    proto_write_array_end(&writer);
+    proto_write_object_end(&writer);
+    server_reply_json(meshes->exchange, outcome == SERVER_STORE_CREATED ? 201 : 200, &writer);
 }

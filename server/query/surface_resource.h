@@ -1,5 +1,5 @@
-/* Surface resource: a surface as clients see it. Builds it from the bytes of a file, describes it in
- * an answer, and stores meshes that the daemon makes. */
+/* Surface resource: a surface as clients see it. Builds it from a file's bytes, describes it in an
+ * answer, and stores meshes that the daemon makes. */
 #ifndef SERVER_QUERY_SURFACE_RESOURCE_H
 #define SERVER_QUERY_SURFACE_RESOURCE_H
 
@@ -8,10 +8,10 @@
 #include "server/exchange/exchange.h"
 #include "server/surfaces/registry.h"
 
-/* Builds the surface of a record from the bytes of its file and stores the description in the
- * record. `attachment` (NULL: none) is malloc'ed and counted as SERVER_BUDGET_FLIGHT; the call
- * takes it over, even when it fails. NULL with the problem. */
-struct server_surface *server_surface_resource_build(struct server_exchange *exchange,
+/* Builds the surface of a record from the bytes of its file, as `part` of the exchange's work, and
+ * stores the description in the record. `attachment` (NULL: none) is malloc'ed and counted as
+ * SERVER_BUDGET_FLIGHT; the call owns it, even when it fails. NULL with the problem. */
+struct server_surface *server_surface_resource_build(struct server_monitor *part,
                                                      struct server_record *record,
                                                      const void *bytes, void *attachment,
                                                      struct proto_problem *problem);
@@ -44,8 +44,8 @@ void server_surface_resource_reply_stored(struct server_exchange *exchange,
  * A derived mesh is stored as binary PLY with doubles, so no coordinate is rounded; vertices and
  * triangles keep the order of the polygons. */
 
-/* Bytes that the daemon stores with a mesh and that only their maker understands; loading the mesh
- * restores them as surface->attachment. They begin with a word that names their maker. */
+/* Bytes that the daemon stores with a mesh, in a format of the code that made the mesh. Loading the
+ * mesh restores them as surface->attachment. They begin with a word that names the format. */
 struct server_attachment {
     const void *bytes; /* borrowed */
     size_t size;       /* at least 1 */
@@ -54,10 +54,10 @@ struct server_attachment {
 struct server_derived_mesh {
     struct server_surface *surface;
     char *file;  /* record->size bytes */
-    bool is_new; /* once stored: the name was free */
+    bool is_new; /* once stored: whether the name was free */
 };
 
-#define SERVER_DERIVED_MESHES_MOST 64 /* in one request */
+#define SERVER_DERIVED_MESHES_MOST 64 /* most meshes of one request */
 
 struct server_derived_meshes { /* all zero: not begun */
     struct server_exchange *exchange;
@@ -68,11 +68,11 @@ struct server_derived_meshes { /* all zero: not begun */
 
 void server_derived_meshes_begin(struct server_derived_meshes *meshes,
                                  struct server_exchange *exchange);
-void server_derived_meshes_free(struct server_derived_meshes *meshes); /* all zero is harmless */
+void server_derived_meshes_free(struct server_derived_meshes *meshes); /* accepts all zero */
 
-/* Builds a mesh that is to be stored under that name of the exchange's tenant. Polygons and
- * attachment (NULL: none) are borrowed. False with the problem: an invalid or repeated name,
- * polygons that are no mesh or too large, more than SERVER_DERIVED_MESHES_MOST, memory. */
+/* Builds a mesh to be stored under that name of the exchange's tenant. Borrows polygons and
+ * attachment (NULL: none). False with the problem: an invalid or repeated name, polygons that are
+ * not a mesh or are too large, more than SERVER_DERIVED_MESHES_MOST, memory. */
 bool server_derived_meshes_add(struct server_derived_meshes *meshes, const char *name,
                                const struct gd_polygons *polygons,
                                const struct server_attachment *attachment,
@@ -82,9 +82,13 @@ bool server_derived_meshes_add(struct server_derived_meshes *meshes, const char 
 GD_MUST_USE enum gd_status server_derived_mesh_copy(void *to, const void *from, size_t size,
                                                     const struct gd_control *control);
 
-/* Stores all meshes, replacing what had their names: CREATED (all names were free) or REPLACED. By
- * the registry's writer. After an error, the outcome of server_registry_put, it removes the meshes
- * that it has created. */
+/* Stores all meshes and replaces surfaces of the same names: CREATED (all names were free) or
+ * REPLACED. Runs on the registry's writer thread. After an error, the outcome of
+ * server_registry_put, it removes the meshes that it has created. */
 enum server_store_outcome server_derived_meshes_store(struct server_derived_meshes *meshes);
+
+/* Replies with the descriptions of all meshes, 201 or 200, or with the problem of the outcome. */
+void server_derived_meshes_reply(const struct server_derived_meshes *meshes,
+                                 enum server_store_outcome outcome);
 
 #endif

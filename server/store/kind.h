@@ -38,23 +38,23 @@ struct server_kind {
     const char *noun;   /* "mesh": in sentences, after an article */
 
     /* Checks the parameters of an upload and writes them as one text in a canonical form. Record
-     * and ETag contain it: the same text and the same bytes are the same surface. An option that
-     * a later version adds is written only if it is set. `file` decides what the parameters leave
-     * open; NULL: they are a text that this function wrote. */
+     * and ETag contain it: the same text and the same bytes are the same surface. An option that a
+     * later version adds is written only if it is set. `file` decides options that the parameters
+     * omit; NULL: the parameters are a text that this function wrote. */
     bool (*read_options)(const struct proto_parameters *parameters, const struct server_file *file,
                          char text[SERVER_OPTIONS], struct proto_problem *problem);
 
     /* Builds the object from the builder's bytes and record->options. Takes memory from the
-     * builder's budget before use and leaves `out->size` bytes of it, which the object holds, in
-     * SERVER_BUDGET_FLIGHT. On failure a status and a problem (surface.h). */
+     * builder's budget before it uses it. On success leaves the object's `out->size` bytes in
+     * SERVER_BUDGET_FLIGHT; on failure sets a problem (surface.h). */
     enum gd_status (*build)(const struct server_builder *builder, struct server_built *out);
     void (*release)(void *object);
 
     /* Writes the answer of GET: one JSON object of at most SERVER_DESCRIPTION_MOST bytes. */
     void (*describe)(struct proto_writer *writer, const struct server_surface *surface);
 
-    /* Cuts a description that an earlier version stored to the length of today's; malloc'ed. NULL:
-     * it stays. May be NULL. */
+    /* Shortens a description that an earlier version stored; malloc'ed. Returns NULL if it need not
+     * be shortened. The function may be NULL. */
     char *(*shorten)(const char *description);
 };
 
@@ -63,24 +63,21 @@ extern const struct server_kind server_kind_mesh, server_kind_nurbs, server_kind
 /* All kinds, NULL-terminated. Defined in surfaces/kinds.c. */
 extern const struct server_kind *const server_kinds[];
 
-/* By word or plural; NULL: there is none. */
+/* Return the kind with that word or plural; NULL: there is none. */
 const struct server_kind *server_kind_by_word(const char *word);
 const struct server_kind *server_kind_by_plural(const char *plural);
 
-/* A text of options as pairs: "format=obj&triangulate=true". */
+/* A text of options, "format=obj&triangulate=true", as parameters. Not to be copied. */
 struct server_options {
     char text[SERVER_OPTIONS];
-    char *names[SERVER_OPTIONS_MOST], *values[SERVER_OPTIONS_MOST];
-    unsigned count;
+    struct proto_parameter pairs[SERVER_OPTIONS_MOST];
+    struct proto_parameters parameters;
 };
 
-/* False: the text is malformed. */
+/* Splits a text of options. Returns false if it is malformed. */
 bool server_options_split(const char *text, struct server_options *out);
 
-/* View of the options for proto's decoders; valid as long as `options` is not moved. */
-struct proto_parameters server_options_parameters(struct server_options *options);
-
-/* --- keys of surfaces --------------------------------------------------------------------------- */
+/* --- keys of surfaces ------------------------------------------------------------------------- */
 
 /* Key of a surface: tenant, kind and name. Names are unique within a kind of a tenant.
  *
@@ -93,7 +90,7 @@ struct proto_parameters server_options_parameters(struct server_options *options
  *
  * Tenants, words of kinds and names contain neither '@' nor '+'. */
 #define SERVER_TENANT   64 /* bytes at most, without the NUL */
-#define SERVER_KEY_WORD 16 /* of the word of a kind */
+#define SERVER_KEY_WORD 16 /* bytes of a kind's word */
 /* of the text, with the NUL */
 #define SERVER_KEY_TEXT (SERVER_TENANT + SERVER_KEY_WORD + PROTO_MESH_NAME + 3)
 
@@ -112,7 +109,7 @@ void server_key_write(const struct server_key *key, char text[SERVER_KEY_TEXT]);
 /* Returns whether `size` bytes have the form of a key; the kind need not exist. */
 bool server_key_check(const char *text, size_t size);
 
-/* Parses a text in place: the strings of `*out` point into `text`. False: the text is no key, or
+/* Parses a text in place: the strings of `*out` point into `text`. False: the text is not a key, or
  * its kind is unknown. */
 bool server_key_read(char text[SERVER_KEY_TEXT], struct server_key *out);
 

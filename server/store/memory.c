@@ -1,4 +1,4 @@
-/* See store.h: the store that forgets everything. */
+/* See store.h: the store that keeps nothing. */
 #include <stdlib.h>
 
 #include "server/store/store.h"

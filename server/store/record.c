@@ -2,26 +2,42 @@
 #include "server/store/record.h"
 
 #include <inttypes.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
-#define TITLE         "geodesicd record "
-#define VERSION       "2"
-#define FIRST_VERSION "1" /* has no kind, tenant and attachment */
-#define CHECKSUM_LINE (sizeof "checksum \n" - 1 + SERVER_SHA256_HEX - 1)
-#define SLOT_BYTES    128 /* of the registry, for each record */
+#include "server/base/thread.h"
+
+#define TITLE          "geodesicd record "
+#define VERSION        "3"
+#define SECOND_VERSION "2" /* has no caption */
+#define FIRST_VERSION  "1" /* has no kind, tenant and attachment either */
+#define CHECKSUM_LINE  (sizeof "checksum \n" - 1 + SERVER_SHA256_HEX - 1)
+#define SLOT_BYTES     128 /* bytes of the registry for each record */
 
 /* --- life ------------------------------------------------------------------------------------- */
 
-/* Sets key and ETag. The ETag leaves out what is absent, so that those of version 1 stay valid. */
+static void object_set(struct server_object *object, const char *sha256, uint64_t size,
+                       const char *tenant)
+{
+    if (!sha256[0]) return;
+    snprintf(object->id, sizeof object->id, "%s%s%s", sha256, tenant[0] ? "." : "", tenant);
+    object->size = size;
+}
+
+/* Sets objects, key and ETag. The ETag omits absent parts, so that those of version 1 stay
+ * valid. */
 static void record_complete(struct server_record *record)
 {
     const struct server_key key = server_record_key(record);
     char text[2 * SERVER_SHA256_HEX + SERVER_OPTIONS + SERVER_KEY_TEXT + 64],
         hex[SERVER_SHA256_HEX];
     bool has_attachment = record->attachment_sha256[0], is_mesh = record->kind == &server_kind_mesh;
+    object_set(&record->objects[SERVER_PART_FILE], record->sha256, record->size, record->tenant);
+    object_set(&record->objects[SERVER_PART_ATTACHMENT], record->attachment_sha256,
+               record->attachment_size, record->tenant);
     server_key_write(&key, record->key);
     int size = snprintf(text, sizeof text, "%s %s%s%s%s%s%s%s", record->sha256, record->options,
                         has_attachment ? " attachment " : "", record->attachment_sha256,
@@ -51,11 +67,16 @@ struct server_record *server_record_create(const struct server_origin *origin)
     return record;
 }
 
+static size_t text_bytes(const char *text)
+{
+    return text ? strlen(text) + 1 : 0;
+}
+
 static size_t record_bytes(const struct server_record *record)
 {
     const struct server_attached *attached = atomic_load(&record->attached);
-    size_t description = record->description ? strlen(record->description) + 1 : 0;
-    return sizeof *record + SLOT_BYTES + description + (attached ? attached->bytes : 0);
+    return sizeof *record + SLOT_BYTES + text_bytes(record->description) +
+           text_bytes(record->caption) + (attached ? attached->bytes : 0);
 }
 
 bool server_record_take(struct server_record *record, struct server_budget *budget)
@@ -87,7 +108,59 @@ void server_record_release(struct server_record *record)
         server_budget_give(record->budget, SERVER_BUDGET_RECORDS, record_bytes(record));
     if (attached) attached->destroy(attached);
     free(record->description);
+    free(record->caption);
     free(record);
+}
+
+/* --- caption ---------------------------------------------------------------------------------- */
+
+/* protects the captions of all shared records */
+static pthread_mutex_t caption_lock = PTHREAD_MUTEX_INITIALIZER;
+
+struct server_record *server_record_copy(const struct server_record *record, const char *caption)
+{
+    const bool has_attachment = record->attachment_sha256[0];
+    struct server_record *copy = server_record_create(&(struct server_origin){
+        .key = server_record_key(record),
+        .sha256 = record->sha256,
+        .size = record->size,
+        .options = record->options,
+        .attachment_sha256 = has_attachment ? record->attachment_sha256 : NULL,
+        .attachment_size = record->attachment_size});
+    if (!copy) return NULL;
+    copy->created = record->created;
+    copy->memory = record->memory;
+    copy->description = record->description ? strdup(record->description) : NULL;
+    if ((copy->description || !record->description) && server_record_set_caption(copy, caption))
+        return copy;
+    server_record_release(copy);
+    return NULL;
+}
+
+bool server_record_set_caption(struct server_record *record, const char *caption)
+{
+    char *text = *caption ? strdup(caption) : NULL;
+    if (*caption && !text) return false;
+    free(record->caption);
+    record->caption = text;
+    return true;
+}
+
+void server_record_caption(const struct server_record *record, char out[SERVER_CAPTION])
+{
+    SERVER_LOCK(&caption_lock);
+    snprintf(out, SERVER_CAPTION, "%s", record->caption ? record->caption : "");
+}
+
+void server_record_exchange_captions(struct server_record *to, struct server_record *from)
+{
+    SERVER_LOCK(&caption_lock);
+    char *before = to->caption;
+    size_t given = text_bytes(before), taken = text_bytes(from->caption);
+    to->caption = from->caption;
+    from->caption = before;
+    if (to->budget) server_budget_adjust(to->budget, SERVER_BUDGET_RECORDS, given, taken);
+    if (from->budget) server_budget_adjust(from->budget, SERVER_BUDGET_RECORDS, taken, given);
 }
 
 struct server_attached *server_record_attach(struct server_record *record,
@@ -113,32 +186,28 @@ bool server_record_equal(const struct server_record *a, const struct server_reco
     return strcmp(a->key, b->key) == 0 && strcmp(a->etag, b->etag) == 0;
 }
 
-bool server_record_object(const struct server_record *record, enum server_part part,
-                          struct server_object *out)
+bool server_record_is_same_upload(const struct server_record *a, const struct server_record *b)
 {
-    bool is_file = part == SERVER_PART_FILE;
-    const char *sha256 = is_file ? record->sha256 : record->attachment_sha256;
-    if (!sha256[0]) return false;
-    snprintf(out->id, sizeof out->id, "%s%s%s", sha256, record->tenant[0] ? "." : "",
-             record->tenant);
-    out->size = is_file ? record->size : record->attachment_size;
-    return true;
+    return server_record_equal(a, b) && a->created == b->created;
 }
 
 /* --- to text ---------------------------------------------------------------------------------- */
 
 char *server_record_write(const struct server_record *record, size_t *size)
 {
-    char checksum[SERVER_SHA256_HEX], *text = NULL;
+    char checksum[SERVER_SHA256_HEX], caption[SERVER_CAPTION], *text = NULL;
     FILE *out = open_memstream(&text, size);
     if (!out) return NULL;
-    fprintf(out, TITLE VERSION "\nkind %s\ntenant %s\nname %s\nsha256 %s\nsize %" PRIu64,
-            record->kind->word, record->tenant, record->name, record->sha256, record->size);
+    server_record_caption(record, caption);
+    fprintf(out, TITLE "%s\nkind %s\ntenant %s\nname %s\nsha256 %s\nsize %" PRIu64,
+            *caption ? VERSION : SECOND_VERSION, record->kind->word, record->tenant, record->name,
+            record->sha256, record->size);
     fprintf(out, "\nattachment %s", record->attachment_sha256);
     if (record->attachment_sha256[0]) fprintf(out, " %" PRIu64, record->attachment_size);
-    fprintf(out, "\ncreated %" PRId64 "\nmemory %" PRIu64 "\noptions %s\ndescription %s\n",
-            record->created, record->memory, record->options,
-            record->description ? record->description : "{}");
+    fprintf(out, "\ncreated %" PRId64 "\nmemory %" PRIu64 "\noptions %s\n", record->created,
+            record->memory, record->options);
+    if (*caption) fprintf(out, "caption %s\n", caption);
+    fprintf(out, "description %s\n", record->description ? record->description : "{}");
     bool is_written = fflush(out) == 0 && !ferror(out);
     if (is_written) server_sha256(text, *size, checksum);
     if (is_written) is_written = fprintf(out, "checksum %s\n", checksum) > 0;
@@ -158,7 +227,7 @@ static bool has_checksum(const char *text, size_t size)
     return memcmp(text + size - CHECKSUM_LINE, line, CHECKSUM_LINE) == 0;
 }
 
-/* Takes the next line off `*rest`. Returns its value; NULL: the line has another name. */
+/* Splits the next line off `*rest`. Returns its value; NULL: the line has another name. */
 static char *line_take(char **rest, const char *name)
 {
     char *line = strsep(rest, "\n");
@@ -196,24 +265,34 @@ static bool options_read(struct server_record *record, const char *text)
     struct server_options options;
     struct proto_problem problem;
     if (!text || !server_options_split(text, &options)) return false;
-    const struct proto_parameters parameters = server_options_parameters(&options);
-    return record->kind->read_options(&parameters, NULL, record->options, &problem) &&
+    return record->kind->read_options(&options.parameters, NULL, record->options, &problem) &&
            strcmp(record->options, text) == 0;
 }
 
-static bool lines_read(struct server_record *record, char *rest, bool is_first)
+/* Reads a caption. Empty ones are not stored. */
+static bool caption_read(struct server_record *record, const char *text)
+{
+    struct proto_problem problem;
+    if (!text || !*text || !proto_caption_check(text, &problem)) return false;
+    record->caption = strdup(text);
+    return true;
+}
+
+static bool lines_read(struct server_record *record, char *rest, char version)
 {
     uint64_t created = 0;
     struct proto_problem problem;
     const char *name = line_take(&rest, "name ");
     if (!name || !proto_mesh_name_check(name, strlen(name), &problem)) return false;
     strcpy(record->name, name);
-    bool is_read = hash_read(line_take(&rest, "sha256 "), record->sha256) &&
-                   number_read(line_take(&rest, "size "), &record->size) &&
-                   (is_first || attachment_read(record, line_take(&rest, "attachment "))) &&
-                   number_read(line_take(&rest, "created "), &created) &&
-                   number_read(line_take(&rest, "memory "), &record->memory) &&
-                   options_read(record, line_take(&rest, "options "));
+    bool is_read =
+        hash_read(line_take(&rest, "sha256 "), record->sha256) &&
+        number_read(line_take(&rest, "size "), &record->size) &&
+        (version == *FIRST_VERSION || attachment_read(record, line_take(&rest, "attachment "))) &&
+        number_read(line_take(&rest, "created "), &created) &&
+        number_read(line_take(&rest, "memory "), &record->memory) &&
+        options_read(record, line_take(&rest, "options ")) &&
+        (version != *VERSION || caption_read(record, line_take(&rest, "caption ")));
     const char *description = is_read ? line_take(&rest, "description ") : NULL;
     if (!description) return false;
     record->created = (int64_t)created;
@@ -224,9 +303,10 @@ static bool lines_read(struct server_record *record, char *rest, bool is_first)
     return true;
 }
 
-/* The first version lacks the lines of the owner. */
-static enum server_record_reading text_read(struct server_record *record, char *text, bool is_first)
+/* Reads all lines. Version 1 lacks kind and tenant. */
+static enum server_record_reading text_read(struct server_record *record, char *text, char version)
 {
+    bool is_first = version == *FIRST_VERSION;
     (void)line_take(&text, TITLE);
     const char *word = is_first ? server_kind_mesh.word : line_take(&text, "kind "),
                *tenant = is_first ? "" : line_take(&text, "tenant ");
@@ -235,24 +315,25 @@ static enum server_record_reading text_read(struct server_record *record, char *
     record->kind = server_kind_by_word(word);
     strcpy(record->tenant, tenant);
     if (!record->kind) return SERVER_RECORD_NEWER;
-    if (!lines_read(record, text, is_first)) return SERVER_RECORD_DAMAGED;
-    return record->description ? SERVER_RECORD_READ : SERVER_RECORD_NO_MEMORY;
+    if (!lines_read(record, text, version)) return SERVER_RECORD_DAMAGED;
+    bool is_whole = record->description && (record->caption || version != *VERSION);
+    return is_whole ? SERVER_RECORD_READ : SERVER_RECORD_NO_MEMORY;
 }
 
 enum server_record_reading server_record_read(const char *key, const char *text, size_t size,
                                               struct server_record **out)
 {
-    static const char first[] = TITLE FIRST_VERSION "\n", second[] = TITLE VERSION "\n";
-    if (size < sizeof first || strncmp(text, TITLE, strlen(TITLE)) != 0 ||
+    const char *version = text + strlen(TITLE);
+    if (size < sizeof TITLE VERSION "\n" || strncmp(text, TITLE, strlen(TITLE)) != 0 ||
         !has_checksum(text, size))
         return SERVER_RECORD_DAMAGED;
-    bool is_first = strncmp(text, first, strlen(first)) == 0;
-    if (!is_first && strncmp(text, second, strlen(second)) != 0) return SERVER_RECORD_NEWER;
+    if (version[1] != '\n' || !strchr(FIRST_VERSION SECOND_VERSION VERSION, *version))
+        return SERVER_RECORD_NEWER;
     struct server_record *record = calloc(1, sizeof *record);
     char *copy = strndup(text, size);
     enum server_record_reading reading = SERVER_RECORD_NO_MEMORY;
     if (record) record->references = 1;
-    if (record && copy) reading = text_read(record, copy, is_first);
+    if (record && copy) reading = text_read(record, copy, *version);
     free(copy);
     if (!reading && key && strcmp(record->key, key) != 0) reading = SERVER_RECORD_DAMAGED;
     if (reading == SERVER_RECORD_READ)

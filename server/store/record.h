@@ -1,7 +1,7 @@
-/* Record of a surface: its key, the objects that it is made from, and its description; neither the
- * surface nor its bytes. As text it is the manifest of a local store and the row of a database:
+/* Record of a surface: its key, its objects and its description, but neither the surface nor its
+ * bytes. As text it is the manifest of a local store and the row of a database:
  *
- *     geodesicd record 2
+ *     geodesicd record 3
  *     kind mesh                         word of the kind (kind.h)
  *     tenant                            empty: the daemon has no tenants
  *     name bunny
@@ -11,16 +11,18 @@
  *     created 1763730000                seconds since 1970
  *     memory 18402304                   bytes of the loaded surface
  *     options format=obj&weld=0         as in the query string of the upload
+ *     caption scan of the left hand     the `description` that the client gave
  *     description {"name":"bunny",…}    the answer of GET while the surface is not loaded
  *     checksum 9a0f…                    SHA-256 of all lines above
  *
- * Version 1 is read, too. It has no kind (mesh), no tenant and no attachment. A record is
- * reference-counted and, except for what is attached to it, immutable once it is shared.
+ * Version 2, which records without a caption have, lacks that line. Version 1, which is only read,
+ * also lacks kind (mesh), tenant and attachment. A record is reference-counted. Once it is shared,
+ * only its caption and its attached data change.
  *
- * A surface has up to two objects: the file that a client uploaded or the daemon wrote, and an
- * attachment: data of the maker of a derived mesh. Objects are named by their content. Surfaces of
- * one tenant share them; tenants share none, so that the time of an upload does not reveal what
- * others have. */
+ * A surface has up to two objects: the file that a client uploaded or the daemon wrote, and, for
+ * derived meshes, an attachment with data of their maker. Objects are named by their content.
+ * Surfaces of one tenant share them. Tenants share none, so that the time of an upload does not
+ * reveal what other tenants have. */
 #ifndef SERVER_STORE_RECORD_H
 #define SERVER_STORE_RECORD_H
 
@@ -36,14 +38,23 @@
 #define SERVER_ETAG   33                                      /* with the NUL */
 #define SERVER_OBJECT (SERVER_SHA256_HEX + SERVER_TENANT + 1) /* an object's id, with the NUL */
 
-#define SERVER_DESCRIPTION_MOST ((size_t)1 << 20) /* bytes */
+#define SERVER_CAPTION          (4 * PROTO_CAPTION + 1) /* bytes, with the NUL */
+#define SERVER_DESCRIPTION_MOST ((size_t)1 << 20)       /* bytes */
 /* A longer description is shortened when it is read, if the kind can do that. */
 #define SERVER_DESCRIPTION_USUAL ((size_t)16 << 10)
 
-/* First member of a structure that lives as long as a record. */
+/* First member of a struct that lives as long as its record. */
 struct server_attached {
     size_t bytes; /* counted as SERVER_BUDGET_RECORDS */
     void (*destroy)(struct server_attached *attached);
+};
+
+enum server_part { SERVER_PART_FILE, SERVER_PART_ATTACHMENT, SERVER_PARTS };
+
+struct server_object {
+    /* SHA-256 of the bytes, and for a tenant a dot and its name; empty: there is no object */
+    char id[SERVER_OBJECT];
+    uint64_t size;
 };
 
 struct server_record {
@@ -52,18 +63,21 @@ struct server_record {
     const struct server_kind *kind;
     char tenant[SERVER_TENANT + 1];
     char name[PROTO_MESH_NAME + 1];
-    char key[SERVER_KEY_TEXT];                                            /* of these three */
+    char key[SERVER_KEY_TEXT];                                            /* made of these three */
     char sha256[SERVER_SHA256_HEX], attachment_sha256[SERVER_SHA256_HEX]; /* empty: there is none */
     uint64_t size, attachment_size;
-    char etag[SERVER_ETAG]; /* of objects, options, kind and tenant; without quotes */
+    struct server_object objects[SERVER_PARTS]; /* derived from these four and the tenant */
+    char etag[SERVER_ETAG]; /* derived from objects, options, kind and tenant; without quotes */
     char options[SERVER_OPTIONS];
     uint64_t memory;
     int64_t created;
-    char *description;            /* JSON, NUL-terminated, one line, owned */
-    struct server_budget *budget; /* counts the record; NULL: none does */
+    char *caption; /* owned; NULL: empty. Read it with server_record_caption */
+    /* JSON without the caption, NUL-terminated, one line, owned */
+    char *description;
+    struct server_budget *budget; /* budget that counts the record, or NULL */
 };
 
-/* What a record is made from; all strings are borrowed. */
+/* The input of server_record_create; all strings are borrowed. */
 struct server_origin {
     struct server_key key;
     const char *sha256; /* of the file */
@@ -73,48 +87,52 @@ struct server_origin {
     size_t attachment_size;
 };
 
-/* Creates a record with one reference, now. The caller sets memory and description. NULL without
- * memory. */
+/* Creates a record with one reference; its time of creation is now. The caller sets memory and
+ * description. NULL: out of memory. */
 struct server_record *server_record_create(const struct server_origin *origin);
 
-/* Count the record as SERVER_BUDGET_RECORDS until it is freed, once; before it is shared. take
- * returns false if the budget is exhausted; count exceeds the limit if need be. */
+/* Count the record as SERVER_BUDGET_RECORDS until it is freed. Call one of them once, before the
+ * record is shared. take returns false if the budget is exhausted; count exceeds the limit if need
+ * be. */
 bool server_record_take(struct server_record *record, struct server_budget *budget);
 void server_record_count(struct server_record *record, struct server_budget *budget);
 
 struct server_record *server_record_retain(struct server_record *record);
 void server_record_release(struct server_record *record); /* NULL is harmless */
 
-/* Attaches `made`, or destroys it if another thread was first. Returns what is attached. */
+/* Returns a copy with that caption, one reference and nothing attached. NULL: out of memory. */
+struct server_record *server_record_copy(const struct server_record *record, const char *caption);
+
+/* Sets the caption. Call it before the record is counted and shared. False: out of memory. */
+bool server_record_set_caption(struct server_record *record, const char *caption);
+
+/* Writes the caption, one line of UTF-8; "": there is none. */
+void server_record_caption(const struct server_record *record, char out[SERVER_CAPTION]);
+
+/* Exchanges the captions of two records. `to` may be shared. */
+void server_record_exchange_captions(struct server_record *to, struct server_record *from);
+
+/* Returns whether both are of one upload: equal, with the same time of creation. */
+bool server_record_is_same_upload(const struct server_record *a, const struct server_record *b);
+
+/* Attaches `made`, or destroys it if another thread was first. Returns the attached struct. */
 struct server_attached *server_record_attach(struct server_record *record,
                                              struct server_attached *made);
 
-/* The key, borrowed from the record. */
+/* Returns the key, borrowed from the record. */
 struct server_key server_record_key(const struct server_record *record);
 
 /* Returns whether both have the same key, objects and options. */
 bool server_record_equal(const struct server_record *a, const struct server_record *b);
 
-enum server_part { SERVER_PART_FILE, SERVER_PART_ATTACHMENT, SERVER_PARTS };
-
-struct server_object {
-    /* SHA-256 of the bytes; for a tenant followed by a dot and the tenant */
-    char id[SERVER_OBJECT];
-    uint64_t size;
-};
-
-/* The object of a part; false: the surface has none. */
-bool server_record_object(const struct server_record *record, enum server_part part,
-                          struct server_object *out);
-
-/* The text, NUL-terminated, malloc'ed; NULL without memory. */
+/* Returns the record's text, NUL-terminated, malloc'ed; NULL: out of memory. */
 char *server_record_write(const struct server_record *record, size_t *size);
 
 enum server_record_reading {
     SERVER_RECORD_READ,
     SERVER_RECORD_DAMAGED,
     SERVER_RECORD_NEWER,    /* a later version wrote it, or only a later one has its kind */
-    SERVER_RECORD_NO_MEMORY /* of this process */
+    SERVER_RECORD_NO_MEMORY /* this process is out of memory */
 };
 
 /* Parses any bytes, however damaged. DAMAGED also if `key` is not NULL and the record has another

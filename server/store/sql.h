@@ -1,7 +1,7 @@
 /* SQL: statements and their values, for SQLite and PostgreSQL alike.
  *
- *     sql->run(sql, SERVER_SQL("UPDATE … WHERE key = $1 AND version = $2",
- *                              SERVER_VALUES(server_sql_text(key), server_sql_integer(version)))); */
+ *     sql->run(sql, SERVER_SQL("UPDATE … WHERE key = $1 AND number = $2",
+ *                              SERVER_VALUES(server_sql_text(key), server_sql_integer(n)))); */
 #ifndef SERVER_STORE_SQL_H
 #define SERVER_STORE_SQL_H
 
@@ -11,9 +11,9 @@
 
 enum server_sql_type { SERVER_SQL_NULL, SERVER_SQL_INTEGER, SERVER_SQL_TEXT, SERVER_SQL_BYTES };
 
-#define SERVER_SQL_VALUES 12 /* at most in a statement, and in a row */
+#define SERVER_SQL_VALUES 12 /* most values of a statement, and columns of a row */
 
-struct server_sql_value { /* borrowed; of a row: for the time of a visit */
+struct server_sql_value { /* borrowed; values of a row: until the visit returns */
     enum server_sql_type type;
     int64_t integer;
     const char *bytes; /* TEXT ends with a NUL */
@@ -24,7 +24,7 @@ struct server_sql_value { /* borrowed; of a row: for the time of a visit */
 typedef bool server_sql_visit(void *user, const struct server_sql_value *row);
 
 struct server_statement {
-    const char *text; /* contains each parameter, $1, $2, … */
+    const char *text; /* with the parameters $1, $2, … */
     const struct server_sql_value *values;
     int count;
     server_sql_visit *visit; /* NULL: ignore the rows */
@@ -45,7 +45,7 @@ static inline struct server_sql_value server_sql_integer(int64_t integer)
     return (struct server_sql_value){.type = SERVER_SQL_INTEGER, .integer = integer};
 }
 
-/* NULL: the SQL value NULL. */
+/* Returns a text value; NULL: the SQL value NULL. */
 static inline struct server_sql_value server_sql_text(const char *text)
 {
     if (!text) return (struct server_sql_value){.type = SERVER_SQL_NULL};
@@ -96,27 +96,27 @@ static inline bool server_sql_on_surface(void *user, const struct server_sql_val
 
 #define SERVER_SQL_BATCHES "batches.db" /* the file of batches in a data folder */
 
-/* Thread-safe; its callers may block for disk or network. Each statement is a transaction. It must
- * be harmless to repeat, since it runs again after a lost connection. */
+/* Thread-safe; calls may block for disk or network. Each statement is a transaction. It is repeated
+ * after a lost connection, so repeating it must be harmless. */
 struct server_store_sql {
     /* Runs a statement. DONE, UNAVAILABLE, FULL, NO_MEMORY, REFUSED, READ_ONLY. */
     enum server_store_outcome (*run)(struct server_store_sql *sql,
                                      const struct server_statement *statement);
-    bool is_shared; /* by several daemons */
-    /* The end of a statement that locks rows which other daemons may have locked: "" or
-     * " FOR UPDATE … SKIP LOCKED". */
+    bool is_shared; /* several daemons share the database */
+    /* The end of a statement that locks rows; skips rows that other daemons have locked. SQLite
+     * needs none. */
     const char *skip_locked;
     void (*close)(struct server_store_sql *sql); /* frees it */
 };
 
 /* Opens a SQLite file and creates it if need be; ":memory:": no file. `steps`: NULL-terminated
- * statements that make the tables; static. The file's version is the number of steps that it has
- * had. A damaged file is renamed, now or later, and an empty one replaces it. NULL with a sentence
- * in `error`; a file of a later daemon is left alone. */
+ * statements that make the tables; static. The file's version is the number of its steps. If a file
+ * turns out to be damaged, now or later, it is renamed and an empty one replaces it. NULL with a
+ * sentence in `error`, also for a file of a later daemon, which is left unchanged. */
 struct server_store_sql *server_store_sql_local_open(const char *path, const char *const *steps,
-                                                     char *error, size_t error_size);
+                                                     char error[SERVER_ERROR]);
 
-/* Opens the database of a PostgreSQL store, which has made the tables. NULL without memory. */
+/* Opens the database of a PostgreSQL store, which has made the tables. NULL: out of memory. */
 struct server_store_sql *server_store_sql_postgres_open(const char *url);
 
 #endif

@@ -5,12 +5,11 @@
  *
  * A shared store gives each change of a surface a version; versions grow in the order of the
  * changes. The registry passes the version that it knows. If the surface has another one, the
- * change is STALE: the registry calls follow and decides anew.
+ * outcome is STALE: the registry calls follow and decides again.
  *
- * Threads. One thread at a time calls stage, put, keep, remove, tidy and note_uses (under the
- * registry's writer lock), one at a time each and follow (under its follower's lock), and one
- * thread await. Any thread calls fetch, verify, damaged and health. each comes before all
- * others. */
+ * Threads. Under the registry's writer lock one thread at a time calls stage, put, keep, remove,
+ * tidy and note_uses; under its follower's lock, each and follow. One thread calls await. Any
+ * thread calls fetch, verify, damaged and health. The first call is each. */
 #ifndef SERVER_STORE_STORE_H
 #define SERVER_STORE_STORE_H
 
@@ -20,14 +19,15 @@
 #include <stdio.h>
 
 #include "server/base/disk.h"
+#include "server/base/error.h"
 #include "server/store/record.h"
 
-/* Bytes of a surface's objects, of the sizes in its record; borrowed. */
+/* The bytes of a surface's objects; their sizes are in the record. Borrowed. */
 struct server_content {
     const void *parts[SERVER_PARTS]; /* NULL: the surface has no such part */
 };
 
-/* Uses of a surface since it was created. They decide what is loaded first after a start. */
+/* Uses of a surface since it was created. The most used surfaces are loaded first after a start. */
 struct server_store_uses {
     uint64_t count;
     int64_t last; /* seconds since 1970 */
@@ -35,8 +35,8 @@ struct server_store_uses {
 
 /* A surface, or a change of it by another daemon or this one. */
 struct server_stored {
-    const char *key;              /* of a change */
-    struct server_record *record; /* the visitor retains it to keep it. NULL: it was removed */
+    const char *key;              /* set if it is a change */
+    struct server_record *record; /* the visitor retains it if need be. NULL: removed */
     struct server_store_uses uses;
     uint64_t version; /* 0: the store is not shared */
 };
@@ -45,69 +45,71 @@ struct server_stored {
 typedef bool server_stored_visit(void *user, const struct server_stored *stored);
 typedef bool server_pace(void *user, size_t bytes); /* called for each piece that was read */
 
-/* A back-end leaves out what it does not need: close is the only function that all have, put and
- * remove, fetch and verify, and follow and await come in pairs. Without put nothing is stored,
- * without fetch no bytes, so that surfaces can't be unloaded; without follow it is not shared. */
+/* The functions of a back-end. NULL: it does not need this one. All have close. put and remove come
+ * together, as do fetch and verify, and follow and await. A store without put stores nothing.
+ * Without fetch, surfaces can't be unloaded. Without follow, the store is not shared. */
 struct server_store {
     /* Visits all surfaces, in any order. DONE, UNAVAILABLE, NO_MEMORY. Of a shared store it is
      * called again when follow returns STALE. */
     enum server_store_outcome (*each)(struct server_store *store, server_stored_visit *visit,
                                       void *user);
-    /* Writes the objects and verifies those that exist; may be slow. put or keep comes next. */
+    /* Writes the objects and verifies those that exist; may be slow. The caller calls put or keep
+     * next. */
     enum server_store_outcome (*stage)(struct server_store *store,
                                        const struct server_record *record,
                                        const struct server_content *content);
-    /* Stores a surface, or replaces it; durable when it returns DONE. `*version`: in, the known
-     * version of the key, 0 for none; out, the new one. */
+    /* Stores a surface, or replaces it; durable when it returns DONE. `content` NULL: only the
+     * record changes, to one of the same upload (record.h). `*version`: in, the known version of
+     * the key, 0 for none; out, the new one. */
     enum server_store_outcome (*put)(struct server_store *store, const struct server_record *record,
                                      const struct server_content *content, uint64_t *version);
     /* Verifies the objects of a stored surface and rewrites damaged ones. */
     enum server_store_outcome (*keep)(struct server_store *store,
                                       const struct server_record *record,
                                       const struct server_content *content);
-    /* Durable when it returns DONE. `*version` as for put. */
+    /* Removes a surface; durable when it returns DONE. `*version` as for put. */
     enum server_store_outcome (*remove)(struct server_store *store,
                                         const struct server_record *record, uint64_t *version);
-    /* Deletes objects that the last put or remove left unused, after the registry has unlisted the
-     * surface. */
+    /* Deletes objects that the last put or remove left unused. Called after the registry has
+     * unlisted the surface. */
     void (*tidy)(struct server_store *store);
-    /* Reads and verifies a part, malloc'ed. DAMAGED; ABSENT; NO_MEMORY; REFUSED. */
+    /* Reads and verifies an object, malloc'ed. DAMAGED; ABSENT; NO_MEMORY; REFUSED. */
     enum server_store_outcome (*fetch)(struct server_store *store,
-                                       const struct server_record *record, enum server_part part,
-                                       void **bytes);
-    /* Verifies a part in little memory. DAMAGED: it is in quarantine now, so that fetch refuses the
-     * object without reading it. ABSENT; REFUSED: the system can't read it; UNAVAILABLE: ended
-     * early, rewritten meanwhile, or no memory. */
+                                       const struct server_object *object, void **bytes);
+    /* Verifies an object in little memory. DAMAGED: it is in quarantine now, and fetch refuses it
+     * without reading. ABSENT; REFUSED: the system can't read it; UNAVAILABLE: ended early,
+     * rewritten meanwhile, or out of memory. */
     enum server_store_outcome (*verify)(struct server_store *store,
-                                        const struct server_record *record, enum server_part part,
-                                        server_pace *pace, void *user);
-    /* The number of objects in quarantine. */
+                                        const struct server_object *object, server_pace *pace,
+                                        void *user);
+    /* Returns the number of objects in quarantine. */
     uint32_t (*damaged)(struct server_store *store);
     /* Visits the changes since the last call, in the order of versions. STALE: too many; call each,
-     * and drop what it does not visit. UNAVAILABLE, NO_MEMORY. */
+     * and drop surfaces that it does not visit. UNAVAILABLE, NO_MEMORY. */
     enum server_store_outcome (*follow)(struct server_store *store, server_stored_visit *visit,
                                         void *user);
-    /* Blocks for `ns`, or less if there is a change. */
+    /* Blocks until there is a change, at most for `ns`. */
     void (*await)(struct server_store *store, uint64_t ns);
     void (*note_uses)(struct server_store *store, const struct server_record *const *records,
                       const struct server_store_uses *uses, uint32_t count);
-    /* Why the store can't write or be reached, a sentence of the store's; NULL: all is well. */
+    /* Returns why the store can't write or be reached, a sentence owned by the store; NULL: it
+     * works. */
     const char *(*health)(struct server_store *store);
     void (*close)(struct server_store *store); /* frees it */
 };
 
-/* A store that forgets everything when it is closed. NULL without memory. */
+/* Creates a store that stores nothing. NULL: out of memory. */
 struct server_store *server_store_memory_create(void);
 
 /* Opens the store in a folder, creates it if need be, and locks it. Repairs and logs damage. NULL
- * with a sentence in `error`: another process has it, it can't be used, or a later version wrote
- * it. */
-struct server_store *server_store_local_open(const char *folder, char *error, size_t error_size);
+ * with a sentence in `error`: another process uses the folder, the folder is unusable, or a later
+ * version wrote it. */
+struct server_store *server_store_local_open(const char *folder, char error[SERVER_ERROR]);
 
 /* Opens the store in a PostgreSQL database ("postgresql://…") and makes or updates its tables. NULL
  * with a sentence in `error`: no answer within ten seconds, a refusal, or tables of a later
  * version. */
-struct server_store *server_store_postgres_open(const char *url, char *error, size_t error_size);
+struct server_store *server_store_postgres_open(const char *url, char error[SERVER_ERROR]);
 
 /* For the sandbox. Visits each port that the address of a database or the environment names, or
  * 5432. `visit` returns false to end it. False: it was ended, or the address is malformed. */
@@ -122,16 +124,17 @@ bool server_postgres_each_file(const char *url, void (*visit)(void *user, const 
 /* --- tools of the operator -------------------------------------------------------------------- */
 
 /* Reads every row, manifest, object, stored field and batch of a data folder that no daemon uses.
- * Prints to `out` one line for each fault, one for each kind of file that the next start tidies up,
- * and the sums. Changes nothing but SQLite's -shm of a killed daemon. False: there are faults, or
- * it can't be checked. */
+ * Prints to `out` one line for each fault, one for each kind of file that the next start deletes or
+ * writes, and the totals. Changes nothing except the -shm file that a killed daemon left. False:
+ * there are faults, or the folder can't be checked. */
 bool server_store_check(const char *folder, FILE *out);
 
-/* Likewise for a PostgreSQL store, in use or not: every row and every object that a row names. */
+/* As server_store_check, for a PostgreSQL store, in use or not: checks every row and every object
+ * that a row names. */
 bool server_store_check_postgres(const char *url, FILE *out);
 
-/* Copies the data folder `folder`, as it is at one moment, in use or not, to the new folder `copy`.
- * Objects become hard links where possible; each is verified. False with a sentence on `out`. */
+/* Copies the data folder `folder`, which may be in use, as of one moment, to the new folder `copy`.
+ * Makes hard links of objects where possible, and verifies each. False with a sentence on `out`. */
 bool server_store_backup(const char *folder, const char *copy, FILE *out);
 
 /* Makes the new data folder `folder` from a backup and verifies every file. Copies objects, so that

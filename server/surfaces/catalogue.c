@@ -9,8 +9,9 @@
 #include "proto/json/writer.h"
 #include "server/base/sha256.h"
 #include "server/base/sorted.h"
+#include "server/base/thread.h"
 
-#define VERSION_CHARACTERS 8 /* an id begins with so many of the ETag */
+#define VERSION_CHARACTERS 8 /* characters of the ETag at the beginning of an id */
 
 #define MEMSIZE                                                                                    \
     ((SERVER_CATALOGUE_RESOURCES + 1) * sizeof(void *) + sizeof(struct server_catalogue))
@@ -74,7 +75,7 @@ struct gd_field_request server_resource_request(const struct server_resource *re
                                      .radius = resource->description.max_distance};
 }
 
-/* Member by member, without the padding. */
+/* Appends member by member, without the padding. */
 static void text_append_seed(struct proto_writer *text, const struct gd_seed *seed)
 {
     proto_append(text, (const char *)&seed->point, sizeof seed->point);
@@ -112,8 +113,8 @@ static int resource_compare(const void *resource, const void *id)
     return strcmp(((const struct server_resource *)resource)->id, id);
 }
 
-/* A place of that id in the ring of forgotten ids; or NULL. */
-static char *find_forgotten(struct server_catalogue *catalogue, const char *id)
+/* Returns the place of that id in the ring of forgotten ids, or NULL. */
+static char *forgotten_find(struct server_catalogue *catalogue, const char *id)
 {
     for (uint32_t i = 0; i < SERVER_CATALOGUE_FORGOTTEN; i++)
         if (strcmp(catalogue->forgotten[i], id) == 0) return catalogue->forgotten[i];
@@ -128,13 +129,13 @@ static void resource_forget(struct server_catalogue *catalogue, uint32_t at)
     server_resource_release(resource);
 }
 
-struct usage {              /* of a key */
-    uint32_t count, oldest; /* oldest: index of the resource that was not used for longest */
+struct usage {              /* resources of a key */
+    uint32_t count, oldest; /* oldest: index of the least recently used resource */
     size_t bytes;
 };
 
-/* What a key (NULL: all keys) has listed. */
-static struct usage usage_of(const struct server_catalogue *catalogue, const char *key)
+/* Returns the usage of a key (NULL: of all keys). */
+static struct usage key_usage(const struct server_catalogue *catalogue, const char *key)
 {
     struct usage usage = {0};
     uint64_t oldest = 0;
@@ -149,19 +150,19 @@ static struct usage usage_of(const struct server_catalogue *catalogue, const cha
     return usage;
 }
 
-/* Without memory for one more, forgets one of the others. */
+/* Inserts a resource. Forgets another one if memory is short. */
 static void catalogue_insert(struct server_catalogue *catalogue, struct server_resource *resource)
 {
     struct server_sorted *resources = &catalogue->resources;
     struct usage usage;
-    char *forgotten = find_forgotten(catalogue, resource->id);
+    char *forgotten = forgotten_find(catalogue, resource->id);
     if (forgotten) forgotten[0] = '\0';
     if (!server_sorted_reserve(resources))
-        resource_forget(catalogue, usage_of(catalogue, NULL).oldest);
+        resource_forget(catalogue, key_usage(catalogue, NULL).oldest);
     server_sorted_insert(resources, server_sorted_index(resources, resource->id),
                          resource_retain(resource));
     resource->turn = ++catalogue->clock;
-    while ((usage = usage_of(catalogue, resource->key)).count > SERVER_CATALOGUE_RESOURCES ||
+    while ((usage = key_usage(catalogue, resource->key)).count > SERVER_CATALOGUE_RESOURCES ||
            usage.bytes > SERVER_CATALOGUE_BYTES)
         resource_forget(catalogue, usage.oldest);
 }
@@ -208,18 +209,14 @@ struct server_catalogue *server_record_catalogue(struct server_record *record)
 enum server_catalogue_finding server_catalogue_find(struct server_catalogue *catalogue,
                                                     const char *id, struct server_resource **out)
 {
-    enum server_catalogue_finding finding = SERVER_CATALOGUE_FOUND;
-    pthread_mutex_lock(&catalogue->lock);
+    SERVER_LOCK(&catalogue->lock);
     struct server_resource *found = server_sorted_find(&catalogue->resources, id);
-    if (found) {
-        *out = resource_retain(found);
-        found->turn = ++catalogue->clock;
-        atomic_fetch_add(&found->uses, 1);
-    } else {
-        finding = find_forgotten(catalogue, id) ? SERVER_CATALOGUE_FORGOT : SERVER_CATALOGUE_ABSENT;
-    }
-    pthread_mutex_unlock(&catalogue->lock);
-    return finding;
+    if (!found)
+        return forgotten_find(catalogue, id) ? SERVER_CATALOGUE_FORGOT : SERVER_CATALOGUE_ABSENT;
+    *out = resource_retain(found);
+    found->turn = ++catalogue->clock;
+    atomic_fetch_add(&found->uses, 1);
+    return SERVER_CATALOGUE_FOUND;
 }
 
 bool server_catalogue_add(struct server_catalogue *catalogue, const char *key,
@@ -241,10 +238,9 @@ bool server_catalogue_add(struct server_catalogue *catalogue, const char *key,
 struct server_resource *server_catalogue_remove(struct server_catalogue *catalogue, const char *id)
 {
     struct server_sorted *resources = &catalogue->resources;
-    pthread_mutex_lock(&catalogue->lock);
+    SERVER_LOCK(&catalogue->lock);
     struct server_resource *removed = server_sorted_find(resources, id);
     if (removed) server_sorted_remove(resources, server_sorted_index(resources, id));
-    pthread_mutex_unlock(&catalogue->lock);
     return removed;
 }
 
@@ -253,10 +249,9 @@ uint32_t server_catalogue_list(struct server_catalogue *catalogue, const char *a
 {
     const struct server_sorted *resources = &catalogue->resources;
     uint32_t count = 0;
-    pthread_mutex_lock(&catalogue->lock);
+    SERVER_LOCK(&catalogue->lock);
     uint32_t at = server_sorted_after(resources, after ? after : "");
     while (count < most && at < resources->count)
         out[count++] = resource_retain(resources->items[at++]);
-    pthread_mutex_unlock(&catalogue->lock);
     return count;
 }

@@ -15,6 +15,7 @@
 
 #define FIELD     ".field"
 #define LANDMARKS ".landmarks"
+#define PREVIEW   ".preview"
 #define TEMPORARY "new"
 #define FILE_NAME (SERVER_SHA256_HEX + sizeof LANDMARKS)
 
@@ -43,7 +44,7 @@ void server_field_store_close(struct server_field_store *store)
 
 /* --- files ------------------------------------------------------------------------------------ */
 
-struct folder { /* of a surface's files */
+struct folder { /* folder of a surface's files */
     char path[SERVER_DISK_PATH];
 };
 
@@ -54,6 +55,13 @@ static struct folder folder_of(const struct server_field_store *store,
     snprintf(folder.path, sizeof folder.path, "%s/" SERVER_VERSION "-%s", store->folder,
              record->etag);
     return folder;
+}
+
+static void folder_remove(const char *path)
+{
+    struct server_listing files = server_disk_list(path);
+    while (server_listing_next(&files)) unlink(files.path);
+    rmdir(path);
 }
 
 static bool file_has_suffix(const char *file, const char *suffix)
@@ -69,7 +77,7 @@ static void file_discard(const char *path, const char *why)
                        path, why);
 }
 
-struct image { /* of a stored file; as many bytes of SERVER_BUDGET_FLIGHT are taken */
+struct image { /* image of a stored file; as many bytes of SERVER_BUDGET_FLIGHT are taken */
     void *bytes;
     size_t size;
 };
@@ -80,7 +88,7 @@ static void image_free(struct server_field_store *store, const struct image *ima
     server_budget_give(store->budget, SERVER_BUDGET_FLIGHT, image->size);
 }
 
-/* Reads and verifies a file if there is free memory. Deletes it if it does not match its name. */
+/* Reads and verifies a file if memory is free. Deletes the file if it does not match its name. */
 static bool image_read(struct server_field_store *store, const struct server_listing *file,
                        struct image *out)
 {
@@ -100,8 +108,8 @@ static bool image_read(struct server_field_store *store, const struct server_lis
     return false;
 }
 
-/* Writes an image as `<folder>/<its checksum><suffix>`, whose name is `file`, unless it is there.
- * False: no room, or the path is too long. */
+/* Writes an image as `<folder>/<checksum><suffix>`, unless that exists, and sets `file` to its
+ * name. False: the disk is full, or the path too long. */
 static bool image_write(const struct image *image, const char *folder, const char *suffix,
                         char file[FILE_NAME])
 {
@@ -110,7 +118,8 @@ static bool image_write(const struct image *image, const char *folder, const cha
     snprintf(file, FILE_NAME, "%s%s", sha256, suffix);
     if ((mkdir(folder, 0700) < 0 && !server_disk_exists(folder)) ||
         snprintf(path, sizeof path, "%s/%s", folder, file) >= SERVER_DISK_PATH ||
-        snprintf(temporary, sizeof temporary, "%s/" TEMPORARY, folder) >= SERVER_DISK_PATH)
+        snprintf(temporary, sizeof temporary, "%s/" TEMPORARY "%s", folder, suffix) >=
+            SERVER_DISK_PATH)
         return false;
     if (server_disk_exists(path)) return true;
     FILE *stream = fopen(temporary, "wbe");
@@ -122,14 +131,36 @@ static bool image_write(const struct image *image, const char *folder, const cha
     return false;
 }
 
-/* --- surfaces that are gone ------------------------------------------------------------------- */
-
-static void folder_remove(const char *path)
+/* Allocates an image from free memory; false: there is too little. */
+static bool image_create(struct server_field_store *store, size_t size, struct image *out)
 {
-    struct server_listing files = server_disk_list(path);
-    while (server_listing_next(&files)) unlink(files.path);
-    rmdir(path);
+    if (!server_budget_take_spare(store->budget, SERVER_BUDGET_FLIGHT, size)) return false;
+    *out = (struct image){malloc(size), size};
+    if (!out->bytes) image_free(store, out);
+    return out->bytes;
 }
+
+/* Writes and frees an image. Deletes the surface's older ones of that suffix, and the new one if
+ * the registry no longer has the surface. */
+static void image_replace(struct server_field_store *store, struct server_registry *registry,
+                          const struct server_surface *surface, const struct image *image,
+                          const char *suffix)
+{
+    const struct folder folder = folder_of(store, surface->record);
+    struct server_listing older = server_disk_list(folder.path);
+    char file[FILE_NAME];
+    while (server_listing_next(&older))
+        if (file_has_suffix(older.name, suffix)) unlink(older.path);
+    if (!image_write(image, folder.path, suffix, file))
+        server_log_message(SERVER_LOG_WARN,
+                           strcmp(suffix, PREVIEW) ? "landmarks_not_stored" : "preview_not_stored",
+                           "%s can't be written to '%s': check its rights and the free space",
+                           strcmp(suffix, PREVIEW) ? "landmarks" : "the preview", folder.path);
+    if (!server_registry_holds(registry, surface->record->etag)) folder_remove(folder.path);
+    image_free(store, image);
+}
+
+/* --- surfaces that are gone ------------------------------------------------------------------- */
 
 static void on_gone(void *user, const struct server_record *record)
 {
@@ -159,7 +190,7 @@ void server_field_store_follow(struct server_field_store *store, struct server_r
 
 /* --- restoring fields ------------------------------------------------------------------------- */
 
-/* Puts the field of a file into the surface's mesh cache; false: it is not there. */
+/* Loads the field of a file into the surface's mesh cache. Returns whether that is done. */
 static bool field_restore(struct server_field_store *store, struct server_surface *surface,
                           const struct server_listing *file)
 {
@@ -174,7 +205,7 @@ static bool field_restore(struct server_field_store *store, struct server_surfac
         image_free(store, &image);
         return false;
     }
-    if (isfinite(gd_field_reach(field))) { /* only whole fields are wanted */
+    if (isfinite(gd_field_reach(field))) { /* only whole fields are restored */
         gd_field_release(field);
         server_budget_give(store->budget, SERVER_BUDGET_FLIGHT, image.size);
         return false;
@@ -206,7 +237,7 @@ struct saving {
     struct server_field_store *store;
     uint64_t until_ns;
     struct server_names kept; /* files */
-    bool is_over;             /* no more time or room */
+    bool is_over;             /* time or room has run out */
 };
 
 static void field_save(struct saving *saving, const char *folder, const struct gd_field *field)
@@ -239,7 +270,8 @@ static void surface_sweep(const struct saving *saving, const struct server_surfa
     const struct folder folder = folder_of(saving->store, surface->record);
     struct server_listing files = server_disk_list(folder.path);
     while (server_listing_next(&files))
-        if (!file_has_suffix(files.name, LANDMARKS) && !server_names_has(&saving->kept, files.name))
+        if (!file_has_suffix(files.name, LANDMARKS) && !file_has_suffix(files.name, PREVIEW) &&
+            !server_names_has(&saving->kept, files.name))
             unlink(files.path);
     rmdir(folder.path); /* if it is empty */
 }
@@ -291,20 +323,93 @@ void server_field_store_write_landmarks(struct server_field_store *store,
                                         const struct server_surface *surface,
                                         const struct gd_landmarks *landmarks)
 {
-    const struct folder folder = folder_of(store, surface->record);
-    struct image image = {.size = gd_landmarks_image_size(landmarks)};
-    char file[FILE_NAME];
-    if (!server_budget_take_spare(store->budget, SERVER_BUDGET_FLIGHT, image.size)) return;
-    image.bytes = malloc(image.size);
-    if (image.bytes) {
-        gd_landmarks_write_image(landmarks, image.bytes);
-        struct server_listing older = server_disk_list(folder.path);
-        while (server_listing_next(&older))
-            if (file_has_suffix(older.name, LANDMARKS)) unlink(older.path);
-        if (!image_write(&image, folder.path, LANDMARKS, file))
-            server_log_message(SERVER_LOG_WARN, "landmarks_not_stored", "'%s' can't be written",
-                               folder.path);
-        if (!server_registry_holds(registry, surface->record->etag)) folder_remove(folder.path);
+    struct image image;
+    if (!image_create(store, gd_landmarks_image_size(landmarks), &image)) return;
+    gd_landmarks_write_image(landmarks, image.bytes);
+    image_replace(store, registry, surface, &image, LANDMARKS);
+}
+
+/* --- previews --------------------------------------------------------------------------------- */
+
+/* In the byte order of this machine; positions and corners follow. */
+struct preview_head {
+    char word[8]; /* without a NUL */
+    uint32_t wanted, positions, faces, zero;
+    double largest_distance;
+};
+
+#define PREVIEW_WORD "preview1"
+
+static size_t preview_size(const struct preview_head *head)
+{
+    return head->positions * sizeof(double[3]) + head->faces * sizeof(uint32_t[3]);
+}
+
+/* Copies the polygons of an image. The caller has taken their bytes. */
+static bool preview_copy(const struct preview_head *head, struct server_stored_preview *out)
+{
+    size_t positions = head->positions * sizeof(double[3]);
+    struct gd_polygons polygons = {.positions = malloc(positions),
+                                   .position_count = head->positions,
+                                   .polygon_count = head->faces,
+                                   .corners = malloc(preview_size(head) - positions)};
+    if (!polygons.positions || !polygons.corners) {
+        gd_polygons_free(&polygons);
+        return false;
     }
-    image_free(store, &image);
+    memcpy(polygons.positions, head + 1, positions);
+    memcpy(polygons.corners, (const char *)(head + 1) + positions, preview_size(head) - positions);
+    *out = (struct server_stored_preview){head->wanted, head->largest_distance, polygons,
+                                          preview_size(head)};
+    return true;
+}
+
+static bool preview_open(struct server_field_store *store, const struct image *image,
+                         struct server_stored_preview *preview)
+{
+    const struct preview_head *head = image->bytes;
+    if (image->size < sizeof *head || memcmp(head->word, PREVIEW_WORD, sizeof head->word) ||
+        image->size != sizeof *head + preview_size(head) || head->wanted != preview->wanted ||
+        !server_budget_take_spare(store->budget, SERVER_BUDGET_FLIGHT, preview_size(head)))
+        return false;
+    if (preview_copy(head, preview)) return true;
+    server_budget_give(store->budget, SERVER_BUDGET_FLIGHT, preview_size(head));
+    return false;
+}
+
+bool server_field_store_read_preview(struct server_field_store *store,
+                                     const struct server_surface *surface,
+                                     struct server_stored_preview *preview)
+{
+    struct server_listing files = server_disk_list(folder_of(store, surface->record).path);
+    struct image image;
+    bool is_found = false;
+    while (server_listing_next(&files)) {
+        if (is_found || !file_has_suffix(files.name, PREVIEW) || !image_read(store, &files, &image))
+            continue;
+        is_found = preview_open(store, &image, preview);
+        image_free(store, &image);
+    }
+    return is_found;
+}
+
+void server_field_store_write_preview(struct server_field_store *store,
+                                      struct server_registry *registry,
+                                      const struct server_surface *surface,
+                                      const struct server_stored_preview *preview)
+{
+    const struct gd_polygons *polygons = &preview->polygons;
+    struct preview_head head = {.wanted = preview->wanted,
+                                .positions = polygons->position_count,
+                                .faces = polygons->polygon_count,
+                                .largest_distance = preview->largest_distance};
+    size_t positions = head.positions * sizeof(double[3]);
+    struct image image;
+    memcpy(head.word, PREVIEW_WORD, sizeof head.word);
+    if (!image_create(store, sizeof head + preview_size(&head), &image)) return;
+    char *at = image.bytes;
+    memcpy(at, &head, sizeof head);
+    memcpy(at + sizeof head, polygons->positions, positions);
+    memcpy(at + sizeof head + positions, polygons->corners, preview_size(&head) - positions);
+    image_replace(store, registry, surface, &image, PREVIEW);
 }

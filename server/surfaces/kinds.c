@@ -1,5 +1,5 @@
-/* The kinds of surfaces: see kind.h. Each reads the file, then builds the object, in steps. A step
- * takes memory from the budget before it is used, and runs again with more if that was too
+/* The kinds of surfaces: see kind.h. Each reads the file and then builds the object, in steps. A
+ * step takes memory from the budget before it runs, and runs again with more if that was too
  * little. */
 #include "server/surfaces/kinds.h"
 
@@ -11,25 +11,27 @@
 #include "proto/values/mesh.h"
 #include "proto/queries/subdivision.h"
 #include "server/store/kind.h"
+#include "server/surfaces/derived.h"
 
-/* Weak: a test has a table of its own. */
+/* Weak, because a test replaces it by its own table. */
 __attribute__((weak)) const struct server_kind *const server_kinds[] = {
     &server_kind_mesh, &server_kind_nurbs, &server_kind_subdivision, NULL};
 
 /* --- steps of a build ------------------------------------------------------------------------- */
 
-#define GROWTH 4 /* of the memory of a step that is repeated */
+#define GROWTH 4 /* factor by which a repeated step gets more memory */
 
 struct build {
     const struct server_builder *builder;
     bool is_refused; /* the problem is set */
     struct gd_detail detail;
     bool is_read;
-    double begun, share; /* the step under way is the part [begun, begun + share] of the work */
+    double begun, share; /* this step is the part [begun, begun + share] of the work */
     size_t held;         /* bytes of SERVER_BUDGET_FLIGHT */
     struct proto_mesh_options mesh_options;
+    struct gd_mended skipped; /* parts that the reader of a mesh skipped */
     struct proto_subdivision_options subdivision_options;
-    struct gd_control_mesh file; /* as it was read; of a mesh, its polygons */
+    struct gd_control_mesh file; /* contents of the file; for a mesh, its polygons */
     enum gd_scheme scheme;
     void *object; /* NULL: there is none yet */
 };
@@ -44,7 +46,8 @@ static bool build_progress(void *user, double fraction)
     return !whole->progress || whole->progress(whole->user, build->begun + build->share * fraction);
 }
 
-/* Runs a step in `cost` bytes. One that does not read may need more, and stops there. */
+/* Runs a step with a budget of `cost` bytes. The cost of reading is an upper bound, so reading has
+ * no limit. */
 static enum gd_status step_run(struct build *build, step *run, size_t cost)
 {
     const struct server_builder *builder = build->builder;
@@ -62,7 +65,7 @@ static enum gd_status step_run(struct build *build, step *run, size_t cost)
     return status;
 }
 
-/* Repeats a step with more memory while that was too little and more can be had. */
+/* Repeats a step with more memory while that was too little and more is available. */
 static enum gd_status step_run_growing(struct build *build, step *run, size_t cost)
 {
     enum gd_status status = step_run(build, run, cost);
@@ -70,7 +73,7 @@ static enum gd_status step_run_growing(struct build *build, step *run, size_t co
     return status;
 }
 
-/* Runs the step that reads the file, which takes that share of the time. */
+/* Runs the step that reads the file. `share`: its part of the time. */
 static enum gd_status build_read(struct build *build, step *run, size_t cost, double share)
 {
     build->share = share;
@@ -101,8 +104,7 @@ static size_t file_size(const struct gd_control_mesh *file)
            file->crease_count * sizeof *file->creases + file->corner_count * sizeof *file->corners;
 }
 
-/* Leaves the bytes of the object in SERVER_BUDGET_FLIGHT, if there is one, and gives the rest
- * back. */
+/* Ends a build: leaves the bytes of the object in SERVER_BUDGET_FLIGHT and gives back the rest. */
 static enum gd_status build_end(struct build *build, enum gd_status status,
                                 struct server_built *out)
 {
@@ -115,7 +117,7 @@ static enum gd_status build_end(struct build *build, enum gd_status status,
                                         : status;
 }
 
-/* The status of a problem that proto has set. */
+/* Returns the status of a problem that proto has set. */
 static enum gd_status read_status(struct build *build)
 {
     build->is_refused = true;
@@ -131,14 +133,6 @@ static enum gd_status read_status(struct build *build)
     }
 }
 
-/* The options of a record, which were checked before. */
-static struct proto_parameters options_of_record(const struct server_record *record,
-                                                 struct server_options *options)
-{
-    (void)server_options_split(record->options, options);
-    return server_options_parameters(options);
-}
-
 static size_t read_cost(const struct server_builder *builder, enum gd_format format)
 {
     const struct gd_read_options options = {.format = format, .max_faces = builder->max_faces};
@@ -152,7 +146,8 @@ static size_t json_cost(const struct server_builder *builder)
 
 /* --- meshes ----------------------------------------------------------------------------------- */
 
-/* Unset options are left out, so that later options do not change the ETags of others. */
+/* Omits unset options, so that options of later versions do not change the ETags of other
+ * meshes. */
 static bool mesh_read_options(const struct proto_parameters *parameters,
                               const struct server_file *file, char text[SERVER_OPTIONS],
                               struct proto_problem *problem)
@@ -174,8 +169,11 @@ static bool mesh_read_options(const struct proto_parameters *parameters,
 static enum gd_status mesh_read(struct build *build, const struct gd_control *control, size_t *kept)
 {
     const struct server_builder *builder = build->builder;
-    const struct gd_read_options options = {
-        .format = build->mesh_options.format, .max_faces = builder->max_faces, .control = control};
+    bool is_repaired = build->mesh_options.build.repair_split;
+    const struct gd_read_options options = {.format = build->mesh_options.format,
+                                            .max_faces = builder->max_faces,
+                                            .control = control,
+                                            .skipped = is_repaired ? &build->skipped : NULL};
     enum gd_status status = gd_read_polygons(builder->bytes, (size_t)builder->record->size,
                                              &options, &build->file.polygons, &build->detail);
     *kept = file_size(&build->file);
@@ -194,8 +192,9 @@ static enum gd_status mesh_connect(struct build *build, const struct gd_control 
     return GD_OK;
 }
 
-/* A repair copies vertices: nearly always few, at most one a corner. So the mesh is built once more
- * with the memory of the latter, or all that can be had. */
+/* Builds the mesh. A repair copies vertices: usually few, at most one for each corner. If memory is
+ * too little, the mesh is built again with memory for the most copies, or with all available
+ * memory. */
 static enum gd_status mesh_connect_growing(struct build *build)
 {
     const struct gd_polygons *polygons = &build->file.polygons;
@@ -223,8 +222,9 @@ static enum gd_status mesh_build(const struct server_builder *builder, struct se
 {
     struct build build = {.builder = builder, .mesh_options.format = GD_FORMAT_ANY};
     struct server_options text;
-    const struct proto_parameters options = options_of_record(builder->record, &text);
-    (void)proto_mesh_options_parse(&options, &build.mesh_options, builder->problem);
+    (void)server_options_split(builder->record->options, &text); /* checked at the upload */
+    (void)proto_mesh_options_parse(&text.parameters, &build.mesh_options, builder->problem);
+    build.mesh_options.build.lines_skipped = &build.skipped;
     size_t cost = read_cost(builder, build.mesh_options.format);
     enum gd_status status = build_read(&build, mesh_read, cost, 0.2);
     if (!status) status = mesh_connect_growing(&build);
@@ -242,7 +242,8 @@ static void mesh_release(void *object)
 static void mesh_describe(struct proto_writer *writer, const struct server_surface *surface)
 {
     const struct server_record *record = surface->record;
-    const struct proto_mesh_description description = {
+    const struct server_derived *derived = server_derived_of(surface);
+    struct proto_mesh_description description = {
         .name = record->name,
         .sha256 = record->sha256,
         .created = record->created,
@@ -251,6 +252,12 @@ static void mesh_describe(struct proto_writer *writer, const struct server_surfa
         .memory_bytes = surface->bytes,
         .mesh = surface->mesh,
     };
+    if (derived) {
+        description.derived.mesh = derived->mesh;
+        description.derived.etag = derived->etag;
+        description.derived.largest_distance = derived->largest_distance;
+        description.derived.operations = derived->operations;
+    }
     proto_mesh_encode(writer, &description);
 }
 
@@ -267,7 +274,7 @@ const struct server_kind server_kind_mesh = {
 
 /* --- NURBS ------------------------------------------------------------------------------------ */
 
-#define TESSELLATION_BYTES ((size_t)8 << 20) /* that most take while they are built */
+#define TESSELLATION_BYTES ((size_t)8 << 20) /* enough for most builds */
 
 static bool nurbs_read_options(const struct proto_parameters *parameters,
                                const struct server_file *file, char text[SERVER_OPTIONS],
@@ -288,8 +295,8 @@ static enum gd_status nurbs_read(struct build *build, const struct gd_control *c
     struct server_nurbs *nurbs = build->object;
     struct proto_nurbs_options options = {0};
     struct server_options text;
-    const struct proto_parameters parameters = options_of_record(builder->record, &text);
-    (void)proto_nurbs_options_parse(&parameters, &options, builder->problem);
+    (void)server_options_split(builder->record->options, &text);
+    (void)proto_nurbs_options_parse(&text.parameters, &options, builder->problem);
     options.control = control;
     if (!proto_nurbs_read(builder->bytes, (size_t)builder->record->size, &options, &nurbs->surface,
                           &nurbs->form, builder->problem))
@@ -317,8 +324,8 @@ static void nurbs_release(void *object)
     free(nurbs);
 }
 
-/* A surface without tessellation (flat somewhere, or too large) is kept: it can be evaluated, and
- * operations that need the tessellation say why there is none. */
+/* Builds a NURBS surface. One that can't be tessellated (flat somewhere, or too large) is kept,
+ * because it can be evaluated. Operations that need the tessellation report why there is none. */
 static enum gd_status nurbs_build(const struct server_builder *builder, struct server_built *out)
 {
     struct build build = {.builder = builder};
@@ -370,8 +377,8 @@ const struct server_kind server_kind_nurbs = {
 
 /* --- subdivision surfaces --------------------------------------------------------------------- */
 
-#define READ_FACTOR     33  /* bytes that reading takes at most for each byte of no JSON */
-#define BYTES_A_CORNER  400 /* that most take while the surface is built */
+#define READ_FACTOR     33  /* most bytes for each byte of a file that is not JSON */
+#define BYTES_A_CORNER  400 /* enough for most builds */
 #define BYTES_A_SURFACE ((size_t)1 << 20)
 
 static bool subdivision_read_options(const struct proto_parameters *parameters,
@@ -390,7 +397,7 @@ static bool subdivision_read_options(const struct proto_parameters *parameters,
     return true;
 }
 
-/* glTF may place a mesh many times. */
+/* Returns the cost of reading. glTF may place a mesh many times. */
 static size_t subdivision_read_cost(const struct server_builder *builder, enum gd_format format)
 {
     size_t placed = read_cost(builder, format);
@@ -436,8 +443,9 @@ static enum gd_status subdivision_build(const struct server_builder *builder,
 {
     struct build build = {.builder = builder, .subdivision_options.format = GD_FORMAT_ANY};
     struct server_options text;
-    const struct proto_parameters options = options_of_record(builder->record, &text);
-    (void)proto_subdivision_options_parse(&options, &build.subdivision_options, builder->problem);
+    (void)server_options_split(builder->record->options, &text);
+    (void)proto_subdivision_options_parse(&text.parameters, &build.subdivision_options,
+                                          builder->problem);
     enum gd_status status = object_create(&build, sizeof(struct server_subdivision));
     size_t cost = subdivision_read_cost(builder, build.subdivision_options.format);
     if (!status) status = build_read(&build, subdivision_read, cost, 0.5);

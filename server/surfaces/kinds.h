@@ -1,11 +1,11 @@
-/* The objects of surfaces that are no meshes. */
+/* The objects of NURBS and subdivision surfaces. */
 #ifndef SERVER_SURFACES_KINDS_H
 #define SERVER_SURFACES_KINDS_H
 
 #include "gd/subdivision.h"
 #include "gd/tessellation.h"
 #include "proto/queries/nurbs.h"
-#include "server/surfaces/discretizations.h"
+#include "server/fields/discretizations.h"
 #include "server/surfaces/surface.h"
 
 /* A parametric surface, and the mesh on which its shortest paths are first searched. */
@@ -23,7 +23,7 @@ struct server_subdivision {
     struct server_discretization_slot slot; /* has a lock of its own; the rest is immutable */
 };
 
-/* The object of a surface of that kind, borrowed. */
+/* Return the object of a surface of that kind, borrowed. */
 static inline const struct server_nurbs *server_nurbs_of(const struct server_surface *surface)
 {
     return surface->object;

@@ -4,32 +4,37 @@
 #include <pthread.h>
 #include <stdlib.h>
 
+#include "server/base/thread.h"
 #include "server/exchange/metrics.h"
 #include "server/surfaces/field_store.h"
+#include "server/work/workers.h"
 
-#define LEAST_FACES    2000 /* smaller meshes are searched in less than a tenth of a millisecond */
-#define BYTES_AN_EDGE  256  /* of a build: 60 to 160, see doc/003 */
+#define LEAST_FACES    2000 /* searching a smaller mesh takes less than 0.1 ms */
+#define BYTES_AN_EDGE  256  /* bytes of a build for each edge; see server/doc/003 */
 #define BYTES_A_BUILD  ((size_t)1 << 20)
 #define BYTES_A_VERTEX (16 * sizeof(float) + sizeof(double)) /* landmarks, and choosing them */
-#define LARGEST_PART   4  /* of the budget that a build may take */
-#define PAUSE_FACTOR   10 /* of what the last job cost */
+#define LARGEST_PART   4  /* a build may take 1/4 of the budget */
+#define PAUSE_FACTOR   10 /* times the cost of the last build */
 #define PAUSE_LEAST_NS UINT64_C(100000000)
+#define REST_NS        UINT64_C(10000000) /* a step takes about a millisecond */
 
 struct server_landmarks {
     struct server_landmarks_parts parts;
     struct server_budget *budget;
+    struct server_thread *thread;
     pthread_mutex_t lock;
     TAILQ_HEAD(, server_landmark_slot) by_use; /* the least recently used first */
+    LIST_HEAD(, server_landmark_slot) waiting; /* the latest first */
+    struct server_landmark_slot *building;     /* the slot whose set is built or read; or NULL */
     struct server_landmarks_statistics statistics;
     atomic_uint pressures; /* how often memory was short */
 };
 
-/* A job that builds or reads the set of a surface. */
-struct landmark_job {
-    struct server_job job; /* first */
+/* Builds or reads the set of a surface. */
+struct build {
     struct server_landmarks *owner;
-    struct server_surface *surface;
-    unsigned pressures; /* when it was submitted */
+    struct server_surface *surface; /* a reference */
+    unsigned pressures;             /* `landmarks->pressures` at the start */
     uint64_t begun_ns;
     bool was_built, is_hopeless;
     struct gd_landmarks *landmarks; /* the result; its bytes are in flight */
@@ -37,7 +42,7 @@ struct landmark_job {
 
 /* --- slots, under the lock -------------------------------------------------------------------- */
 
-/* Empties a slot; the caller releases the set, or NULL, without the lock. */
+/* Empties a slot. Returns the set, or NULL, for the caller to release without the lock. */
 static struct server_landmark_set *slot_empty(struct server_landmarks *landmarks,
                                               struct server_landmark_slot *slot)
 {
@@ -63,8 +68,8 @@ void server_landmark_set_release(struct server_landmark_set *set)
     free(set);
 }
 
-/* Takes over the landmarks (NULL is harmless) and their bytes, in flight so far. NULL without
- * memory: then both are released. */
+/* Makes a set: takes over the landmarks (NULL is harmless) and their bytes, so far in flight. NULL:
+ * out of memory; then both are released. */
 static struct server_landmark_set *set_create(struct server_budget *budget,
                                               struct gd_landmarks *landmarks)
 {
@@ -86,7 +91,6 @@ static void landmarks_reclaim(void *user, size_t bytes)
 {
     struct server_landmarks *landmarks = user;
     atomic_fetch_add(&landmarks->pressures, 1);
-    server_workers_refuse_background(landmarks->parts.workers, SERVER_REFUSAL_MEMORY);
     for (size_t freed = 0; freed < bytes;) {
         pthread_mutex_lock(&landmarks->lock);
         struct server_landmark_slot *slot = TAILQ_FIRST(&landmarks->by_use);
@@ -100,101 +104,101 @@ static void landmarks_reclaim(void *user, size_t bytes)
     }
 }
 
-/* --- the job ---------------------------------------------------------------------------------- */
+/* --- the thread ------------------------------------------------------------------------------- */
 
-/* Runs queued jobs first; false: the set is not wanted any more. */
-static bool job_progress(void *user, double fraction)
+/* Sleeps while all workers are busy. False: the set is not needed any more. */
+static bool build_progress(void *user, double fraction)
 {
-    const struct landmark_job *job = user;
-    struct server_workers *workers = job->owner->parts.workers;
+    const struct build *build = user;
+    struct server_landmarks *landmarks = build->owner;
+    struct server_workers_load load = server_workers_load(landmarks->parts.workers);
     (void)fraction;
-    server_workers_yield(workers);
-    return server_workers_go_on(workers) && !atomic_load(&job->surface->landmarks.is_closed) &&
-           atomic_load(&job->owner->pressures) == job->pressures;
+    return server_thread_sleep(landmarks->thread, load.running < load.threads ? 0 : REST_NS) &&
+           server_workers_go_on(landmarks->parts.workers) &&
+           !atomic_load(&build->surface->landmarks.is_closed) &&
+           atomic_load(&landmarks->pressures) == build->pressures;
 }
 
-static void job_build(struct landmark_job *job)
+static void build_run(struct build *build)
 {
-    const struct server_landmarks_parts *parts = &job->owner->parts;
-    const struct gd_mesh_summary *summary = gd_mesh_summary(job->surface->mesh);
+    const struct server_landmarks_parts *parts = &build->owner->parts;
+    const struct gd_mesh_summary *summary = gd_mesh_summary(build->surface->mesh);
     struct server_budgeted_call call = {.workspaces = parts->workspaces,
-                                        .control = {.progress = job_progress, .user = job},
+                                        .control = {.progress = build_progress, .user = build},
                                         .grant =
                                             BYTES_A_BUILD + (size_t)summary->edges * BYTES_AN_EDGE,
                                         .aside = (size_t)summary->vertices * BYTES_A_VERTEX,
                                         .is_modest = true,
                                         .status = GD_BUDGET};
-    bool is_affordable = call.grant + call.aside <= job->owner->budget->limit / LARGEST_PART;
+    bool is_affordable = call.grant + call.aside <= build->owner->budget->limit / LARGEST_PART;
     while (is_affordable && server_budgeted_call_next(&call)) {
-        call.status =
-            gd_landmarks_build(job->surface->mesh, parts->count, &call.control, &job->landmarks);
-        if (!call.status) call.kept = gd_landmarks_memsize(job->landmarks);
+        call.status = gd_landmarks_build(build->surface->mesh, parts->count, &call.control,
+                                         &build->landmarks);
+        if (!call.status) call.kept = gd_landmarks_memsize(build->landmarks);
     }
-    job->was_built = true;
-    job->is_hopeless = server_metrics_count_status(parts->metrics, call.status) || !is_affordable;
+    build->was_built = true;
+    build->is_hopeless = server_metrics_count_status(parts->metrics, call.status) || !is_affordable;
     if (!call.status && parts->field_store)
-        server_field_store_write_landmarks(parts->field_store, parts->registry, job->surface,
-                                           job->landmarks);
+        server_field_store_write_landmarks(parts->field_store, parts->registry, build->surface,
+                                           build->landmarks);
 }
 
-/* Puts the set (NULL: there is none) into the slot, and ends the job. */
-static void job_end(struct landmark_job *job, struct server_landmark_set *set)
+/* Puts the set (NULL: none) into the slot. */
+static void build_end(struct build *build, struct server_landmark_set *set)
 {
-    struct server_landmarks *landmarks = job->owner;
-    struct server_landmark_slot *slot = &job->surface->landmarks;
+    struct server_landmarks *landmarks = build->owner;
+    struct server_landmark_slot *slot = &build->surface->landmarks;
     pthread_mutex_lock(&landmarks->lock);
+    bool is_kept = set && !atomic_load(&slot->is_closed);
+    landmarks->building = NULL;
     slot->is_coming = false;
-    slot->waiting = NULL;
-    slot->cost_ns = job->begun_ns ? gd_now_ns() - job->begun_ns : 0;
-    if (set) {
+    slot->cost_ns = gd_now_ns() - build->begun_ns;
+    if (is_kept) {
         slot->set = set;
         TAILQ_INSERT_TAIL(&landmarks->by_use, slot, by_use);
-        *(job->was_built ? &landmarks->statistics.built : &landmarks->statistics.loaded) += 1;
+        *(build->was_built ? &landmarks->statistics.built : &landmarks->statistics.loaded) += 1;
     } else {
         slot_pause(slot);
-        if (job->is_hopeless) slot->not_before_ns = UINT64_MAX;
+        if (build->is_hopeless) slot->not_before_ns = UINT64_MAX;
     }
     pthread_mutex_unlock(&landmarks->lock);
-    if (atomic_load(&slot->is_closed)) server_landmark_slot_close(slot);
-    server_surface_release(job->surface);
-    free(job);
+    if (!is_kept) server_landmark_set_release(set);
+    server_surface_release(build->surface);
 }
 
-static void job_run(struct server_job *base)
+/* Takes the most recently queued slot. False: there is none. */
+static bool build_begin(struct server_landmarks *landmarks, struct build *build)
 {
-    struct landmark_job *job = (struct landmark_job *)base;
-    const struct server_landmarks_parts *parts = &job->owner->parts;
-    pthread_mutex_lock(&job->owner->lock);
-    job->surface->landmarks.waiting = NULL;
-    pthread_mutex_unlock(&job->owner->lock);
-    job->begun_ns = gd_now_ns();
-    if (parts->field_store)
-        job->landmarks =
-            server_field_store_read_landmarks(parts->field_store, job->surface, parts->count);
-    if (!job->landmarks) job_build(job);
-    job_end(job, set_create(job->owner->budget, job->landmarks));
+    SERVER_LOCK(&landmarks->lock);
+    for (struct server_landmark_slot *slot; (slot = LIST_FIRST(&landmarks->waiting));) {
+        LIST_REMOVE(slot, waiting);
+        *build = (struct build){.owner = landmarks,
+                                .surface = server_surface_of_slot(slot),
+                                .pressures = atomic_load(&landmarks->pressures),
+                                .begun_ns = gd_now_ns()};
+        slot->is_coming = build->surface != NULL;
+        landmarks->building = slot->is_coming ? slot : NULL;
+        if (slot->is_coming) return true;
+    }
+    return false;
 }
 
-static void job_refuse(struct server_job *base, enum server_refusal why)
+static void landmarks_run(void *user, struct server_thread *thread)
 {
-    (void)why;
-    job_end((struct landmark_job *)base, NULL);
-}
-
-static void job_submit(struct server_landmarks *landmarks, struct server_surface *surface)
-{
-    struct landmark_job *job = malloc(sizeof *job);
-    if (!job) return; /* the surface does without */
-    *job = (struct landmark_job){
-        .job = {.run = job_run, .refuse = job_refuse, .deadline_ns = UINT64_MAX},
-        .owner = landmarks,
-        .surface = server_surface_retain(surface),
-        .pressures = atomic_load(&landmarks->pressures)};
-    pthread_mutex_lock(&landmarks->lock);
-    surface->landmarks.waiting = &job->job;
-    pthread_mutex_unlock(&landmarks->lock);
-    server_workers_submit_background(landmarks->parts.workers, &job->job);
-    if (atomic_load(&surface->landmarks.is_closed)) server_landmark_slot_close(&surface->landmarks);
+    struct server_landmarks *landmarks = user;
+    const struct server_landmarks_parts *parts = &landmarks->parts;
+    struct build build;
+    while (server_thread_pause(thread, SERVER_THREAD_FOREVER)) {
+        server_workers_begin_guest(parts->workers);
+        while (server_thread_sleep(thread, 0) && build_begin(landmarks, &build)) {
+            if (parts->field_store)
+                build.landmarks = server_field_store_read_landmarks(parts->field_store,
+                                                                    build.surface, parts->count);
+            if (!build.landmarks) build_run(&build);
+            build_end(&build, set_create(landmarks->budget, build.landmarks));
+        }
+        server_workers_end_guest(parts->workers);
+    }
 }
 
 /* --- finding ---------------------------------------------------------------------------------- */
@@ -209,15 +213,19 @@ struct server_landmark_set *server_landmarks_find(struct server_landmarks *landm
     atomic_store(&slot->owner, landmarks);
     pthread_mutex_lock(&landmarks->lock);
     struct server_landmark_set *set = slot->set;
-    bool is_first = !set && !slot->is_coming && gd_now_ns() >= slot->not_before_ns;
-    slot->is_coming |= is_first;
+    bool is_wanted = !set && !slot->is_coming && !atomic_load(&slot->is_closed) &&
+                     gd_now_ns() >= slot->not_before_ns;
+    if (is_wanted) {
+        slot->is_coming = true;
+        LIST_INSERT_HEAD(&landmarks->waiting, slot, waiting);
+    }
     if (set) {
         TAILQ_REMOVE(&landmarks->by_use, slot, by_use);
         TAILQ_INSERT_TAIL(&landmarks->by_use, slot, by_use);
         atomic_fetch_add(&set->references, 1);
     }
     pthread_mutex_unlock(&landmarks->lock);
-    if (is_first) job_submit(landmarks, surface);
+    if (is_wanted) server_thread_wake(landmarks->thread);
     return set;
 }
 
@@ -228,12 +236,12 @@ void server_landmark_slot_close(struct server_landmark_slot *slot)
     if (!landmarks) return;
     pthread_mutex_lock(&landmarks->lock);
     struct server_landmark_set *set = slot_empty(landmarks, slot);
-    struct server_job *waiting = slot->waiting;
-    if (waiting && !server_workers_withdraw(landmarks->parts.workers, waiting)) waiting = NULL;
+    if (slot->is_coming && slot != landmarks->building) {
+        LIST_REMOVE(slot, waiting);
+        slot->is_coming = false;
+    }
     pthread_mutex_unlock(&landmarks->lock);
     server_landmark_set_release(set);
-    /* the job holds the surface, which may be large */
-    if (waiting) waiting->refuse(waiting, SERVER_REFUSAL_DRAINING);
 }
 
 struct server_landmarks *server_landmarks_create(const struct server_landmarks_parts *parts)
@@ -246,12 +254,23 @@ struct server_landmarks *server_landmarks_create(const struct server_landmarks_p
     TAILQ_INIT(&landmarks->by_use);
     landmarks->budget->reclaimers[SERVER_RECLAIM_LANDMARKS] =
         (struct server_reclaimer){landmarks_reclaim, NULL, landmarks};
-    return landmarks;
+    landmarks->thread = server_thread_start(landmarks_run, landmarks);
+    if (landmarks->thread) return landmarks;
+    server_landmarks_destroy(landmarks);
+    return NULL;
+}
+
+void server_landmarks_stop(struct server_landmarks *landmarks)
+{
+    if (!landmarks) return;
+    server_thread_stop(landmarks->thread);
+    landmarks->thread = NULL;
 }
 
 void server_landmarks_destroy(struct server_landmarks *landmarks)
 {
     if (!landmarks) return;
+    server_landmarks_stop(landmarks);
     landmarks->budget->reclaimers[SERVER_RECLAIM_LANDMARKS] = (struct server_reclaimer){0};
     pthread_mutex_destroy(&landmarks->lock);
     free(landmarks);
@@ -261,8 +280,8 @@ struct server_landmarks_statistics server_landmarks_statistics(struct server_lan
 {
     struct server_landmarks_statistics statistics = {0};
     if (!landmarks) return statistics;
-    pthread_mutex_lock(&landmarks->lock);
+    SERVER_LOCK(&landmarks->lock);
     statistics = landmarks->statistics;
-    pthread_mutex_unlock(&landmarks->lock);
+    statistics.is_building = landmarks->building || !LIST_EMPTY(&landmarks->waiting);
     return statistics;
 }

@@ -10,12 +10,12 @@
 #include "server/store/kind.h"
 
 #define NOTE_NS     UINT64_C(60000000000)
-#define LOAD_FACTOR 3 /* a load takes at most so many times the memory of the surface */
+#define LOAD_FACTOR 3 /* memory of a load, at most, in sizes of the surface */
 
 struct server_loader {
     struct server_loader_parts parts;
     pthread_mutex_t lock;
-    LIST_HEAD(, load) loads;      /* under way: one a worker, and one of the thread, at most */
+    LIST_HEAD(, load) loads;      /* under way: at most one per worker, and one of the thread */
     struct server_thread *thread; /* NULL: it was not started */
 };
 
@@ -24,7 +24,7 @@ struct load {
     struct server_loader *loader;
     struct server_builder builder; /* its `bytes` are unset until they are fetched */
     void *parts[SERVER_PARTS];
-    size_t held; /* by the parts, of SERVER_BUDGET_FLIGHT */
+    size_t held; /* bytes of SERVER_BUDGET_FLIGHT that the parts hold */
 };
 
 static bool load_progress(void *user, double fraction)
@@ -34,7 +34,7 @@ static bool load_progress(void *user, double fraction)
     return server_workers_go_on(load->loader->parts.workers);
 }
 
-/* Logs a fault of the stored data for the operator, and tells the client in general terms. */
+/* Logs a fault of the stored data for the operator, and sets a general problem for the client. */
 static enum server_loader_outcome load_report_damage(const struct load *load, const char *what)
 {
     const struct server_record *record = load->builder.record;
@@ -56,7 +56,7 @@ static enum server_loader_outcome load_fetch_part(struct load *load, enum server
 {
     struct server_registry *registry = load->loader->parts.registry;
     struct server_store *store = server_registry_store(registry);
-    switch (store->fetch(store, load->builder.record, part, &load->parts[part])) {
+    switch (store->fetch(store, &load->builder.record->objects[part], &load->parts[part])) {
     case SERVER_STORE_DONE:
         return SERVER_LOADER_LOADED;
     case SERVER_STORE_ABSENT:
@@ -74,7 +74,7 @@ static enum server_loader_outcome load_fetch_part(struct load *load, enum server
         load->builder.problem->retry_after = 1;
         return SERVER_LOADER_FAILED;
     case SERVER_STORE_DAMAGED:
-        return load_report_damage(load, "it is damaged: its SHA-256 is another one");
+        return load_report_damage(load, "it is damaged: its SHA-256 differs");
     default:
         return load_report_damage(load, "it can't be read");
     }
@@ -84,12 +84,11 @@ static enum server_loader_outcome load_fetch(struct load *load)
 {
     const struct server_record *record = load->builder.record;
     enum server_loader_outcome outcome = SERVER_LOADER_LOADED;
-    struct server_object object;
     size_t bytes = (size_t)(record->size + record->attachment_size);
     if (server_build_take(&load->builder, bytes)) return SERVER_LOADER_FAILED;
     load->held = bytes;
     for (int part = 0; !outcome && part < SERVER_PARTS; part++)
-        if (server_record_object(record, part, &object)) outcome = load_fetch_part(load, part);
+        if (record->objects[part].id[0]) outcome = load_fetch_part(load, part);
     return outcome;
 }
 
@@ -127,13 +126,12 @@ static bool load_park(struct server_loader *loader, const struct server_record *
 bool server_loader_join(struct server_loader *loader, const struct server_record *record,
                         struct server_job *job)
 {
-    pthread_mutex_lock(&loader->lock);
-    bool is_parked = load_park(loader, record, job);
-    pthread_mutex_unlock(&loader->lock);
-    return is_parked;
+    SERVER_LOCK(&loader->lock);
+    return load_park(loader, record, job);
 }
 
-/* Only want of memory is the same for all parked jobs. */
+/* Ends a load. Refuses the parked jobs if memory is short; else they are resumed, since other
+ * failures may not concern them. */
 static void load_end(struct load *load, enum server_loader_outcome outcome)
 {
     struct server_loader *loader = load->loader;
@@ -181,7 +179,7 @@ enum server_loader_outcome server_loader_load(struct server_loader *loader,
     return outcome;
 }
 
-/* Loads the most used first, until the next one would need memory that is in use. */
+/* Loads the most used surfaces first, until the next one would need memory that is in use. */
 static void loader_preload_all(struct server_loader *loader)
 {
     const struct server_loader_parts *parts = &loader->parts;
@@ -201,7 +199,7 @@ static void loader_preload_all(struct server_loader *loader)
     }
 }
 
-/* Of many daemons on one store, each loads only what it is asked for. */
+/* Daemons that share a store load surfaces only on demand. */
 static void loader_run(void *user, struct server_thread *thread)
 {
     struct server_loader *loader = user;

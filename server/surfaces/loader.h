@@ -1,9 +1,9 @@
-/* Loader: brings stored surfaces into memory, with their stored fields. Each is loaded once however
- * many jobs ask for it: the others are parked, and resumed to look again when the load ends. Its
- * thread loads the most used surfaces after the start, as far as memory has room, and then stores
- * every minute how often surfaces were used.
+/* Loader: loads stored surfaces and their stored fields into memory. Of several jobs that need the
+ * same surface, one loads it; the others are parked and look it up again when the load ends. The
+ * loader's thread loads the most used surfaces after the start, as far as memory permits, and then
+ * stores the numbers of uses every minute.
  *
- * One mutex guards the list of loads under way. All functions are thread-safe. */
+ * One mutex guards the list of current loads. All functions are thread-safe. */
 #ifndef SERVER_SURFACES_LOADER_H
 #define SERVER_SURFACES_LOADER_H
 
@@ -19,10 +19,10 @@ struct server_loader_parts { /* all borrowed */
     uint32_t max_faces;
 };
 
-/* Without its thread. NULL without memory. */
+/* Creates a loader without its thread. NULL: out of memory. */
 struct server_loader *server_loader_create(const struct server_loader_parts *parts);
 
-/* Starts the thread; false without memory or thread. */
+/* Starts the thread; false: no memory or thread. */
 bool server_loader_preload(struct server_loader *loader);
 
 /* Stops the thread, after the workers were cancelled. */
@@ -32,12 +32,12 @@ void server_loader_destroy(struct server_loader *loader); /* stops it; NULL is h
 enum server_loader_outcome {
     SERVER_LOADER_LOADED,  /* the caller has a reference of `*out` */
     SERVER_LOADER_WAITING, /* another job loads it: this one is parked */
-    SERVER_LOADER_GONE,    /* the key was replaced or removed: look again */
-    SERVER_LOADER_FAILED   /* with the problem; without memory the parked jobs are refused, too */
+    SERVER_LOADER_GONE,    /* the surface was replaced or removed: look it up again */
+    SERVER_LOADER_FAILED   /* with the problem; if memory is short, parked jobs are refused, too */
 };
 
-/* Fetches, verifies and builds a surface on behalf of a job (NULL: without deadline, and without
- * waiting), and gives it to the registry. */
+/* Fetches, verifies and builds a surface for a job (NULL: no deadline, and no waiting), and hands
+ * it to the registry. */
 enum server_loader_outcome server_loader_load(struct server_loader *loader,
                                               struct server_record *record, struct server_job *job,
                                               struct server_surface **out,

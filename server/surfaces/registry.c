@@ -11,19 +11,19 @@
 #include "server/base/sorted.h"
 #include "server/base/thread.h"
 
-#define ATTEMPTS      8                    /* of a change, when other daemons are quicker */
-#define NOTED_AT_ONCE 256                  /* uses, while the writer lock is held */
-#define FRESH_NS      UINT64_C(1000000000) /* see doc/014 */
+#define ATTEMPTS      8   /* most attempts of a change while other daemons make changes */
+#define NOTED_AT_ONCE 256 /* uses, while the writer lock is held */
+#define FRESH_NS      UINT64_C(1000000000) /* see server/doc/014 */
 #define AWAIT_NS      UINT64_C(200000000)
 
 struct slot {
     struct server_listed now; /* its surface is NULL: not in memory */
     atomic_uint_least64_t uses;
     atomic_int_least64_t last;  /* use, seconds since 1970 */
-    atomic_uint_least64_t turn; /* of the registry's clock at the last use */
+    atomic_uint_least64_t turn; /* registry's clock at the last use */
     uint64_t noted;             /* uses that the store knows; under the writer lock */
-    uint64_t version;           /* of the record in a shared store */
-    atomic_bool was_tried;      /* by server_registry_hottest */
+    uint64_t version;           /* version of the record in a shared store */
+    atomic_bool was_tried;      /* set by server_registry_hottest */
 };
 
 struct server_registry {
@@ -58,7 +58,7 @@ static int slot_compare_items(const void *a, const void *b)
     return slot_compare(*(const struct slot *const *)a, &key);
 }
 
-/* The slot of that record; NULL: its key has another one or none. */
+/* Returns the slot of that record; NULL: its key has another record or none. */
 static struct slot *slot_of_record(const struct server_registry *registry,
                                    const struct server_record *record)
 {
@@ -67,8 +67,8 @@ static struct slot *slot_of_record(const struct server_registry *registry,
     return slot && slot->now.record == record ? slot : NULL;
 }
 
-/* Inserts a slot, for which room was reserved, and returns NULL. If its key has a slot already,
- * exchanges what they hold, and returns `slot`, which now holds what left. */
+/* Inserts a slot, for which room was reserved, and returns NULL. If its key already has a slot,
+ * exchanges the contents of the two, and returns `slot` with the old contents. */
 static struct slot *slot_enter(struct server_registry *registry, struct slot *slot)
 {
     const struct server_key key = server_record_key(slot->now.record);
@@ -102,8 +102,8 @@ static struct server_listed slot_share(const struct slot *slot)
 
 /* --- slots, without a lock -------------------------------------------------------------------- */
 
-/* A slot of that record, and of that surface (NULL: it is not in memory), both retained. NULL
- * without memory. */
+/* Creates a slot of that record and surface (NULL: not in memory), both retained. NULL: out of
+ * memory. */
 static struct slot *slot_create(struct server_record *record, struct server_surface *surface)
 {
     struct slot *slot = calloc(1, sizeof *slot);
@@ -113,14 +113,14 @@ static struct slot *slot_create(struct server_record *record, struct server_surf
     return slot;
 }
 
-/* NULL is harmless. */
+/* Frees a slot; NULL is harmless. */
 static void slot_free(struct slot *slot)
 {
     if (slot) server_listed_release(&slot->now);
     free(slot);
 }
 
-/* Destroys a slot that has left, with its surface, and calls the watcher; NULL is harmless. */
+/* Destroys a removed slot with its surface, and calls the watcher. NULL is harmless. */
 static void slot_leave(struct server_registry *registry, struct slot *slot)
 {
     if (!slot) return;
@@ -133,7 +133,7 @@ static void slot_leave(struct server_registry *registry, struct slot *slot)
 /* Slots that are read from the store. */
 struct collection {
     struct server_sorted slots;
-    bool is_incomplete; /* without memory */
+    bool is_incomplete; /* memory was short */
 };
 
 static bool on_stored(void *user, const struct server_stored *stored)
@@ -150,7 +150,7 @@ static bool on_stored(void *user, const struct server_stored *stored)
     return true;
 }
 
-/* Collects what the store holds; on failure `*out` has a part of it. */
+/* Collects slots of all surfaces in the store. On failure `*out` has some of them. */
 static enum server_store_outcome slots_collect(struct server_registry *registry,
                                                struct server_sorted *out)
 {
@@ -171,27 +171,27 @@ static bool can_unload(const struct server_surface *surface)
     return surface && atomic_load(&surface->references) == 1;
 }
 
-/* Bytes of the surfaces that could be unloaded at this moment. */
-static size_t slot_unloadable(void *user)
+/* Returns the bytes of the surfaces that could be unloaded at this moment. */
+static size_t registry_unloadable(void *user)
 {
     struct server_registry *registry = user;
     size_t bytes = 0;
-    pthread_rwlock_rdlock(&registry->lock);
+    SERVER_READ_LOCK(&registry->lock);
     for (uint32_t i = 0; i < registry->all.count; i++) {
         const struct slot *slot = registry->all.items[i];
         if (can_unload(slot->now.surface)) bytes += slot->now.surface->bytes;
     }
-    pthread_rwlock_unlock(&registry->lock);
     return bytes;
 }
 
-/* Takes the least recently used surface that can be unloaded; or NULL. */
+/* Removes the least recently used surface that can be unloaded from its slot, and returns it; NULL:
+ * there is none. */
 static struct server_surface *surface_take_coldest(struct server_registry *registry,
                                                    bool without_fields)
 {
     struct slot *coldest = NULL;
     struct server_surface *surface = NULL;
-    pthread_rwlock_wrlock(&registry->lock);
+    SERVER_WRITE_LOCK(&registry->lock);
     for (uint32_t i = 0; i < registry->all.count; i++) {
         struct slot *slot = registry->all.items[i];
         if (!can_unload(slot->now.surface) || (coldest && slot->turn >= coldest->turn)) continue;
@@ -202,7 +202,6 @@ static struct server_surface *surface_take_coldest(struct server_registry *regis
         surface = coldest->now.surface;
         coldest->now.surface = NULL;
     }
-    pthread_rwlock_unlock(&registry->lock);
     return surface;
 }
 
@@ -238,33 +237,30 @@ void server_listed_release(struct server_listed *listed)
 bool server_registry_holds(struct server_registry *registry, const char *etag)
 {
     bool found = false;
-    pthread_rwlock_rdlock(&registry->lock);
+    SERVER_READ_LOCK(&registry->lock);
     for (uint32_t i = 0; i < registry->all.count && !found; i++)
         found = strcmp(((struct slot *)registry->all.items[i])->now.record->etag, etag) == 0;
-    pthread_rwlock_unlock(&registry->lock);
     return found;
 }
 
 bool server_registry_find(struct server_registry *registry, const struct server_key *key,
                           struct server_listed *out)
 {
-    pthread_rwlock_rdlock(&registry->lock);
+    SERVER_READ_LOCK(&registry->lock);
     const struct slot *slot = server_sorted_find(&registry->all, key);
     if (slot) *out = slot_share(slot);
-    pthread_rwlock_unlock(&registry->lock);
     return slot != NULL;
 }
 
 bool server_registry_use(struct server_registry *registry, const struct server_key *key,
                          struct server_surface **out)
 {
-    pthread_rwlock_rdlock(&registry->lock);
+    SERVER_READ_LOCK(&registry->lock);
     struct slot *slot = server_sorted_find(&registry->all, key);
     if (slot) {
         slot_touch(registry, slot);
         *out = slot->now.surface ? server_surface_retain(slot->now.surface) : NULL;
     }
-    pthread_rwlock_unlock(&registry->lock);
     return slot != NULL;
 }
 
@@ -275,8 +271,8 @@ uint32_t server_registry_list(struct server_registry *registry, const struct ser
     const struct server_key from = {after->tenant, after->kind, name};
     const struct server_key first = {after->tenant, after->kind, begin};
     uint32_t listed = 0;
-    pthread_rwlock_rdlock(&registry->lock);
-    /* In byte order the names that begin with `begin` follow each other. */
+    SERVER_READ_LOCK(&registry->lock);
+    /* In byte order, names with the prefix `begin` are adjacent. */
     uint32_t at = strcmp(name, begin) < 0 ? server_sorted_index(&registry->all, &first)
                                           : server_sorted_after(&registry->all, &from);
     for (; listed < most && at < registry->all.count; at++) {
@@ -287,7 +283,6 @@ uint32_t server_registry_list(struct server_registry *registry, const struct ser
             break;
         out[listed++] = slot_share(slot);
     }
-    pthread_rwlock_unlock(&registry->lock);
     return listed;
 }
 
@@ -311,11 +306,10 @@ struct server_registry_statistics server_registry_statistics(struct server_regis
     struct server_registry_statistics statistics = {.loads = registry->loads,
                                                     .unloads = registry->unloads};
     if (registry->store->damaged) statistics.damaged = registry->store->damaged(registry->store);
-    pthread_rwlock_rdlock(&registry->lock);
+    SERVER_READ_LOCK(&registry->lock);
     statistics.surfaces = registry->all.count;
     for (uint32_t i = 0; i < registry->all.count; i++)
         statistics.loaded += ((struct slot *)registry->all.items[i])->now.surface != NULL;
-    pthread_rwlock_unlock(&registry->lock);
     return statistics;
 }
 
@@ -333,19 +327,18 @@ struct server_store *server_registry_store(const struct server_registry *registr
 
 void server_registry_keep(struct server_registry *registry, struct server_surface *surface)
 {
-    pthread_rwlock_wrlock(&registry->lock);
+    SERVER_WRITE_LOCK(&registry->lock);
     struct slot *slot = slot_of_record(registry, surface->record);
     if (slot && !slot->now.surface) {
         slot->now.surface = server_surface_retain(surface);
         atomic_fetch_add(&registry->loads, 1);
     }
-    pthread_rwlock_unlock(&registry->lock);
 }
 
 struct server_record *server_registry_hottest(struct server_registry *registry)
 {
     struct slot *hottest = NULL;
-    pthread_rwlock_rdlock(&registry->lock);
+    SERVER_READ_LOCK(&registry->lock);
     for (uint32_t i = 0; i < registry->all.count; i++) {
         struct slot *slot = registry->all.items[i];
         if (slot->now.surface || slot->was_tried) continue;
@@ -354,18 +347,17 @@ struct server_record *server_registry_hottest(struct server_registry *registry)
             hottest = slot;
     }
     if (hottest) atomic_store(&hottest->was_tried, true);
-    struct server_record *record = hottest ? server_record_retain(hottest->now.record) : NULL;
-    pthread_rwlock_unlock(&registry->lock);
-    return record;
+    return hottest ? server_record_retain(hottest->now.record) : NULL;
 }
 
-/* Under the writer lock, which keeps the records: collects up to NOTED_AT_ONCE changed uses. */
+/* Collects up to NOTED_AT_ONCE changed numbers of uses, under the writer lock, which keeps the
+ * records. */
 static uint32_t slots_collect_uses(struct server_registry *registry,
                                    const struct server_record **records,
                                    struct server_store_uses *uses)
 {
     uint32_t count = 0;
-    pthread_rwlock_rdlock(&registry->lock);
+    SERVER_READ_LOCK(&registry->lock);
     for (uint32_t i = 0; i < registry->all.count && count < NOTED_AT_ONCE; i++) {
         struct slot *slot = registry->all.items[i];
         uint64_t now = atomic_load(&slot->uses);
@@ -374,7 +366,6 @@ static uint32_t slots_collect_uses(struct server_registry *registry,
         records[count] = slot->now.record;
         uses[count++] = (struct server_store_uses){now, atomic_load(&slot->last)};
     }
-    pthread_rwlock_unlock(&registry->lock);
     return count;
 }
 
@@ -394,14 +385,20 @@ void server_registry_note_uses(struct server_registry *registry)
 
 /* --- following a shared store ----------------------------------------------------------------- */
 
-/* Applies a change, unless this daemon made it itself; `*left` is the slot that it replaces or
- * removes. False without memory. */
+/* Applies a change, unless this daemon made it. Sets `*left` to the slot that is replaced or
+ * removed. False: out of memory. */
 static bool change_follow(struct server_registry *registry, const struct server_key *key,
                           const struct server_stored *change, struct slot **left)
 {
     struct server_sorted *all = &registry->all;
-    const struct slot *before = server_sorted_find(all, key);
+    struct slot *before = server_sorted_find(all, key);
     if (before && before->version >= change->version) return true;
+    if (before && change->record &&
+        server_record_is_same_upload(before->now.record, change->record)) {
+        server_record_exchange_captions(before->now.record, change->record);
+        before->version = change->version;
+        return true;
+    }
     if (!change->record) {
         if (before) *left = server_sorted_remove(all, server_sorted_index(all, key));
         return true;
@@ -422,7 +419,8 @@ static bool on_change(void *user, const struct server_stored *change)
     char text[SERVER_KEY_TEXT];
     if (strlen(change->key) >= sizeof text) return true;
     strcpy(text, change->key);
-    if (!server_key_read(text, &key)) return true; /* of a later version of this program */
+    /* the key is from a later version of this program */
+    if (!server_key_read(text, &key)) return true;
     pthread_rwlock_wrlock(&registry->lock);
     bool is_applied = change_follow(registry, &key, change, &left);
     pthread_rwlock_unlock(&registry->lock);
@@ -431,8 +429,9 @@ static bool on_change(void *user, const struct server_stored *change)
     return is_applied;
 }
 
-/* Exchanges the slots whose version did not change, so that their surfaces stay in memory. */
-static void keep_unchanged(struct server_sorted *all, struct server_sorted *fresh)
+/* Moves slots whose version did not change from `all` to `fresh`, so that their surfaces stay in
+ * memory. */
+static void slots_keep_unchanged(struct server_sorted *all, struct server_sorted *fresh)
 {
     for (uint32_t i = 0; i < fresh->count; i++) {
         struct slot *new = fresh->items[i], *slot;
@@ -444,20 +443,20 @@ static void keep_unchanged(struct server_sorted *all, struct server_sorted *fres
     }
 }
 
-/* Reads all of the store again: it no longer knows what was changed, after a long absence or when a
- * backup was restored. */
+/* Reads the whole store again: after a long absence, or when a backup was restored, the store no
+ * longer knows the changes. */
 static enum server_store_outcome registry_reread(struct server_registry *registry)
 {
     struct server_sorted fresh;
     enum server_store_outcome outcome = slots_collect(registry, &fresh);
     if (!outcome) {
         pthread_rwlock_wrlock(&registry->lock);
-        keep_unchanged(&registry->all, &fresh);
+        slots_keep_unchanged(&registry->all, &fresh);
         struct server_sorted before = registry->all;
         registry->all = fresh;
         fresh = before;
         pthread_rwlock_unlock(&registry->lock);
-        registry->seen = 0; /* the slots are not of one moment: each version is compared */
+        registry->seen = 0; /* slots may differ in time: compare each version */
     }
     for (uint32_t i = 0; i < fresh.count; i++) slot_leave(registry, fresh.items[i]);
     free(fresh.items);
@@ -474,14 +473,13 @@ enum server_store_outcome server_registry_follow(struct server_registry *registr
 {
     enum server_store_outcome outcome = SERVER_STORE_DONE;
     if (!server_registry_is_shared(registry)) return outcome;
-    pthread_mutex_lock(&registry->following);
+    SERVER_LOCK(&registry->following);
     if (atomic_load(&registry->followed_ns) <= since_ns) {
         uint64_t begun_ns = gd_now_ns();
         outcome = registry->store->follow(registry->store, on_change, registry);
         if (outcome == SERVER_STORE_STALE) outcome = registry_reread(registry);
         if (!outcome) atomic_store(&registry->followed_ns, begun_ns);
     }
-    pthread_mutex_unlock(&registry->following);
     return outcome;
 }
 
@@ -490,20 +488,16 @@ bool server_registry_is_fresh(struct server_registry *registry, const struct ser
     if (!server_registry_is_shared(registry) || server_registry_health(registry)) return true;
     if (gd_now_ns() - atomic_load(&registry->followed_ns) > FRESH_NS) return false;
     if (!key) return true;
-    pthread_rwlock_rdlock(&registry->lock);
-    bool is_known = server_sorted_find(&registry->all, key) != NULL;
-    pthread_rwlock_unlock(&registry->lock);
-    return is_known;
+    SERVER_READ_LOCK(&registry->lock);
+    return server_sorted_find(&registry->all, key) != NULL;
 }
 
 bool server_registry_is_current(struct server_registry *registry,
                                 const struct server_record *record)
 {
     (void)server_registry_follow(registry, gd_now_ns());
-    pthread_rwlock_rdlock(&registry->lock);
-    bool is_current = slot_of_record(registry, record) != NULL;
-    pthread_rwlock_unlock(&registry->lock);
-    return is_current;
+    SERVER_READ_LOCK(&registry->lock);
+    return slot_of_record(registry, record) != NULL;
 }
 
 static void follow_changes(void *user, struct server_thread *thread)
@@ -515,19 +509,43 @@ static void follow_changes(void *user, struct server_thread *thread)
     }
 }
 
-/* --- putting and removing --------------------------------------------------------------------- */
+/* --- changes by this daemon ------------------------------------------------------------------- */
 
-struct change { /* by this daemon */
+struct change {
     struct server_key key;
-    struct server_surface *surface; /* to be put; NULL: the key's is removed */
+    /* surface to store; NULL: the current one is amended or removed */
+    struct server_surface *surface;
     struct server_content content;
-    const struct server_precondition *precondition; /* NULL: the key has to have this record */
-    struct slot *slot, *left;                       /* that is to enter, that has left; or NULL */
+    const char *caption;           /* the new caption; NULL: not an amendment */
+    struct server_record *amended; /* the record with that caption, once it exists */
+    const struct server_precondition *precondition; /* NULL: the key must have this record */
+    struct slot *slot, *left; /* slot: to insert; left: replaced or removed; each may be NULL */
 };
 
-/* Has the store make the change of `now`, of that version, into which it writes the new one. */
+bool server_registry_allows(const struct server_precondition *precondition,
+                            const struct server_record *record)
+{
+    char caption[SERVER_CAPTION];
+    if (!record) return server_precondition_holds(precondition, NULL);
+    server_record_caption(record, caption);
+    return server_precondition_allows(precondition, record->etag, caption);
+}
+
+/* Stores a copy of the present record with the new caption; `*version` as for the store's put. */
+static enum server_store_outcome change_amend(struct server_store *store, struct change *change,
+                                              const struct server_record *present,
+                                              uint64_t *version)
+{
+    server_record_release(change->amended); /* the record of an earlier attempt */
+    change->amended = server_record_copy(present, change->caption);
+    if (!change->amended) return SERVER_STORE_NO_MEMORY;
+    return store->put ? store->put(store, change->amended, NULL, version) : SERVER_STORE_DONE;
+}
+
+/* Makes the store apply the change to `now`, which has `*version`; sets `*version` to the new
+ * one. */
 static enum server_store_outcome change_store(const struct server_registry *registry,
-                                              const struct change *change,
+                                              struct change *change,
                                               const struct server_listed *now, uint64_t *version)
 {
     struct server_store *store = registry->store;
@@ -535,17 +553,17 @@ static enum server_store_outcome change_store(const struct server_registry *regi
     bool is_same = now->record && now->record == record;
     if (!record && !now->record) return SERVER_STORE_ABSENT;
     if (!change->precondition && !is_same) return SERVER_STORE_ABSENT;
-    if (change->precondition &&
-        !server_precondition_holds(change->precondition, now->record ? now->record->etag : NULL))
+    if (change->precondition && !server_registry_allows(change->precondition, now->record))
         return SERVER_STORE_PRECONDITION;
+    if (change->caption) return change_amend(store, change, now->record, version);
     if (is_same && store->keep) return store->keep(store, record, &change->content);
-    if (is_same || !store->put) return SERVER_STORE_DONE; /* it is staged, or forgets */
+    if (is_same || !store->put) return SERVER_STORE_DONE; /* staged already, or stored nowhere */
     return record ? store->put(store, record, &change->content, version)
                   : store->remove(store, now->record, version);
 }
 
-/* Brings a stored change to the slots, unless they have it or a later one (version 0: the store is
- * not shared). */
+/* Applies a stored change to the slots, unless they already have it or a later one. Version 0: the
+ * store is not shared. */
 static void change_apply(struct server_registry *registry, struct change *change, uint64_t version)
 {
     struct server_sorted *all = &registry->all;
@@ -560,6 +578,11 @@ static void change_apply(struct server_registry *registry, struct change *change
         change->slot->version = version;
         change->left = slot_enter(registry, change->slot);
         change->slot = NULL;
+    } else if (change->caption) {
+        if (is_news && found && server_record_is_same_upload(found->now.record, change->amended)) {
+            server_record_exchange_captions(found->now.record, change->amended);
+            found->version = version;
+        }
     } else if (enters && found && !change->surface) {
         change->left = server_sorted_remove(all, server_sorted_index(all, &change->key));
     }
@@ -567,7 +590,7 @@ static void change_apply(struct server_registry *registry, struct change *change
     pthread_mutex_unlock(&registry->following);
 }
 
-/* STALE: another daemon was quicker. */
+/* Makes a change. STALE: another daemon has changed the surface meanwhile. */
 static enum server_store_outcome change_make(struct server_registry *registry,
                                              struct change *change)
 {
@@ -637,6 +660,16 @@ enum server_store_outcome server_registry_remove(struct server_registry *registr
     return change_run(registry, &change);
 }
 
+enum server_store_outcome server_registry_caption(struct server_registry *registry,
+                                                  const struct server_key *key, const char *caption,
+                                                  const struct server_precondition *precondition)
+{
+    struct change change = {.key = *key, .caption = caption, .precondition = precondition};
+    enum server_store_outcome outcome = change_run(registry, &change);
+    server_record_release(change.amended);
+    return outcome;
+}
+
 /* --- life ------------------------------------------------------------------------------------- */
 
 void server_registry_watch(struct server_registry *registry,
@@ -673,11 +706,11 @@ struct server_registry *server_registry_create(struct server_store *store,
         server_registry_destroy(registry);
         return NULL;
     }
-    if (!store->fetch) return registry; /* what is unloaded would be lost */
+    if (!store->fetch) return registry; /* an unloaded surface would be lost */
     budget->reclaimers[SERVER_RECLAIM_IDLE] =
         (struct server_reclaimer){unload_idle, NULL, registry};
     budget->reclaimers[SERVER_RECLAIM_MESHES] =
-        (struct server_reclaimer){unload_any, slot_unloadable, registry};
+        (struct server_reclaimer){unload_any, registry_unloadable, registry};
     return registry;
 }
 

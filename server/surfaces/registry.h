@@ -1,20 +1,20 @@
 /* Registry: the surfaces by key (kind.h), those in memory and those that can be loaded.
  *
- * DESIGN. Slots, sorted by key, have a record, and the surface while that is in memory. A change
- * holds the writer lock until the store has made it durable: so preconditions are checked together
- * with the write. The slots have a reader-writer lock that is held for moments only: readers never
+ * DESIGN. Slots, sorted by key, hold a record, and the surface while it is in memory. A change
+ * holds the writer lock until the store has made it durable, so that preconditions are checked
+ * together with the write. The slots have a reader-writer lock that is held briefly: readers never
  * wait for the disk. Order of locks: writer, follower, slots. Surfaces are retired and released
  * without the slots' lock, since that frees fields.
  *
  * Shared store: a thread applies the changes of other daemons to the slots, under the follower's
- * lock: when the database signals a change, and every 200 ms. A request has a worker follow first
- * if the last following is older than a second or the name is unknown (server_registry_is_fresh),
- * unless the store is out of reach. So, while the store is in reach, no answer rests on a surface
- * that was replaced or removed more than a second before.
+ * lock, when the database signals a change and every 200 ms. If the last change was applied more
+ * than a second ago, or the name is unknown (server_registry_is_fresh), a worker first applies
+ * changes for a request. So no answer uses a surface that was replaced or removed more than a
+ * second before, while the store can be reached.
  *
- * Under memory pressure unused surfaces are unloaded if the store can load them again: first those
- * without cached fields, the least recently used first; then fields go (cache.h); then any unused
- * surface. All functions are thread-safe. */
+ * When memory is short, unused surfaces are unloaded if the store can load them again: first those
+ * without cached fields, the least recently used first; then fields are evicted (cache.h); then any
+ * unused surface. All functions are thread-safe. */
 #ifndef SERVER_SURFACES_REGISTRY_H
 #define SERVER_SURFACES_REGISTRY_H
 
@@ -24,24 +24,24 @@
 
 struct server_registry;
 
-/* Lists what the store holds, loads nothing. The registry owns the store and becomes a reclaimer of
- * the budget, which is borrowed. NULL without memory or thread: then the store is closed. */
+/* Lists the surfaces of the store, but loads none. The registry owns the store, borrows the budget
+ * and becomes its reclaimer. NULL: no memory or thread; the store is closed then. */
 struct server_registry *server_registry_create(struct server_store *store,
                                                struct server_budget *budget);
 void server_registry_destroy(struct server_registry *registry); /* NULL is harmless */
 
-/* Has `gone` called, without any lock, when a record has left and no other has its ETag. Before the
- * first change. */
+/* Registers `gone`, which is called without a lock when a record has left the registry and no other
+ * record has its ETag. Call it before the first change. */
 void server_registry_watch(struct server_registry *registry,
                            void (*gone)(void *user, const struct server_record *record),
                            void *user);
 
-/* Both wait for the disk. put stores a surface under its record's key, durably, with its attachment
- * and `bytes`, the file that it was made from (borrowed): CREATED or REPLACED. If the key has this
- * record already, the surface is kept in memory and its stored bytes are repaired if need be:
- * REPLACED. Without a precondition (NULL) only that is done, and ABSENT means that the key has
- * another record or none. Else PRECONDITION, NO_MEMORY, FULL, REFUSED, READ_ONLY, UNAVAILABLE;
- * remove: DONE, ABSENT or one of these. */
+/* put and remove wait for the disk. put stores a surface under its record's key, durably, with its
+ * attachment and `bytes`, the file that it was made from (borrowed). Returns CREATED or REPLACED.
+ * If the key already has this record, put keeps the surface in memory, repairs its stored bytes if
+ * need be, and returns REPLACED. Without a precondition (NULL) it does nothing else, and returns
+ * ABSENT if the key has another record or none. Errors: PRECONDITION, NO_MEMORY, FULL, REFUSED,
+ * READ_ONLY, UNAVAILABLE. remove returns DONE, ABSENT or one of these errors. */
 enum server_store_outcome server_registry_put(struct server_registry *registry,
                                               struct server_surface *surface, const void *bytes,
                                               const struct server_precondition *precondition);
@@ -49,66 +49,78 @@ enum server_store_outcome server_registry_remove(struct server_registry *registr
                                                  const struct server_key *key,
                                                  const struct server_precondition *precondition);
 
+/* Changes the caption of the surface of that key, durably; keeps its fields. Waits for the disk.
+ * DONE, ABSENT or an error of put. */
+enum server_store_outcome server_registry_caption(struct server_registry *registry,
+                                                  const struct server_key *key, const char *caption,
+                                                  const struct server_precondition *precondition);
+
+/* Returns whether the preconditions allow a change of that record (NULL: there is none). */
+bool server_registry_allows(const struct server_precondition *precondition,
+                            const struct server_record *record);
+
 struct server_listed {
     struct server_record *record;
     struct server_surface *surface; /* NULL: not in memory */
 };
-void server_listed_release(struct server_listed *listed); /* all zero is harmless */
+void server_listed_release(struct server_listed *listed); /* accepts all zero */
 
-/* True when a record has that ETag. Time linear in the number of records. */
+/* Returns whether a record has that ETag. O(records). */
 bool server_registry_holds(struct server_registry *registry, const char *etag);
 
-/* The surface of that key, record and surface retained; false: there is none. */
+/* Finds the record and, if it is in memory, the surface of that key, both retained. False: there is
+ * none. */
 bool server_registry_find(struct server_registry *registry, const struct server_key *key,
                           struct server_listed *out);
 
-/* The surface of that key if it is in memory (else NULL), retained; counts a use. False: there is
- * no such key. */
+/* Sets `*out` to the surface of that key, retained, or to NULL if it is not in memory; counts a
+ * use. False: there is no such key. */
 bool server_registry_use(struct server_registry *registry, const struct server_key *key,
                          struct server_surface **out);
 
-/* Up to `most` surfaces of the tenant and kind of `after`, with names after its name (NULL: all)
- * that begin with `prefix` (NULL: any), in byte order, each retained; returns how many. */
+/* Lists up to `most` surfaces of the tenant and kind of `after`: those with names after its name
+ * (NULL: all) that begin with `prefix` (NULL: any), in byte order, each retained. Returns their
+ * number. */
 uint32_t server_registry_list(struct server_registry *registry, const struct server_key *after,
                               const char *prefix, uint32_t most, struct server_listed *out);
 
-/* All surfaces in the order of their keys, each retained until the next call:
+/* Visits all surfaces in the order of their keys, each retained until the next call:
  *
  *     struct server_listed listed = {0};
  *     while (server_registry_next(registry, &listed)) ...
  *
- * A loop that ends before releases `listed`. It may release listed.surface and set it to NULL. */
+ * A loop that ends early releases `listed`. It may release listed.surface and set it to NULL. */
 bool server_registry_next(struct server_registry *registry, struct server_listed *listed);
 
-/* True when other daemons write to the store, too. */
+/* Returns whether other daemons write to the store, too. */
 bool server_registry_is_shared(const struct server_registry *registry);
 
-/* True when the slots may answer for this key (NULL: for all): see DESIGN. */
+/* Returns whether the slots are current enough for this key (NULL: for all); see DESIGN. */
 bool server_registry_is_fresh(struct server_registry *registry, const struct server_key *key);
 
-/* Applies the changes of other daemons up to `since_ns`, unless that is done. Not in threads of
- * HTTP. DONE, also if the store is not shared; UNAVAILABLE, NO_MEMORY. */
+/* Applies the changes that other daemons made up to `since_ns`, unless that is done. HTTP threads
+ * don't call it. DONE, also if the store is not shared; UNAVAILABLE, NO_MEMORY. */
 enum server_store_outcome server_registry_follow(struct server_registry *registry,
                                                  uint64_t since_ns);
 
-/* True when the record still is its key's; follows a shared store first. The store removes bytes
- * only after the registry has dropped the record: so bytes are missing by a fault if this is true
- * afterwards. */
+/* Returns whether the key still has this record; applies changes of a shared store first. The store
+ * removes bytes only after the registry has dropped the record. So if bytes are missing and this is
+ * true afterwards, the store is damaged. */
 bool server_registry_is_current(struct server_registry *registry,
                                 const struct server_record *record);
 
-/* The store that the registry owns, to fetch from and to verify (store.h). */
+/* Returns the registry's store, for fetch and verify (store.h). */
 struct server_store *server_registry_store(const struct server_registry *registry);
 
-/* Keeps a loaded surface in memory if its record still is its key's and no other thread was
- * quicker. */
+/* Keeps a loaded surface in memory, unless its key has another record or another surface is in
+ * memory already. */
 void server_registry_keep(struct server_registry *registry, struct server_surface *surface);
 
-/* The record of the surface that was used most of those not in memory, retained; NULL: there is
- * none. Returns each record once. */
+/* Returns the record of the most used surface that is not in memory, retained; NULL: there is none.
+ * Returns each record once. */
 struct server_record *server_registry_hottest(struct server_registry *registry);
 
-/* Stores how often surfaces were used, where that has changed since the last time. */
+/* Stores the numbers of uses that have changed since the last call. */
 void server_registry_note_uses(struct server_registry *registry);
 
 struct server_registry_statistics {
@@ -116,7 +128,7 @@ struct server_registry_statistics {
 };
 struct server_registry_statistics server_registry_statistics(struct server_registry *registry);
 
-/* Why nothing can be written, a sentence; NULL: all is well. */
+/* Returns why the store can't write, a sentence; NULL: it can. */
 const char *server_registry_health(struct server_registry *registry);
 
 #endif

@@ -10,24 +10,23 @@
 #include "server/surfaces/registry.h"
 
 #define SECOND_NS UINT64_C(1000000000)
-#define FIRST_NS  (60 * SECOND_NS) /* the most used surfaces are loaded before */
-#define LOOK_NS   (SECOND_NS / 20) /* between two looks whether requests are at work */
-#define LOOKS     20               /* after so many a piece is read in any case */
+#define FIRST_NS  (60 * SECOND_NS) /* time to load the most used surfaces first */
+#define LOOK_NS   (SECOND_NS / 20) /* between two checks whether requests run */
+#define LOOKS     20               /* checks after which the next piece is read anyway */
 
 struct server_scrub {
     struct server_registry *registry;
     struct server_workers *workers;
     uint64_t period_ns, rate;
     struct server_thread *thread, *self; /* the same; `self` is for the thread itself */
-    uint32_t position, faults;           /* in the round under way */
+    uint32_t position, faults;           /* in the current round */
     atomic_uint_least64_t bytes, files, rounds, last_faults;
     atomic_int_least64_t ended;
     _Atomic double progress;
 };
 
-/* Sleeps as long as reading so many bytes may take, and while requests are at work. False: the
- * scrub is to end. */
-static bool on_piece(void *user, size_t bytes)
+/* Sleeps as long as the rate demands, and while requests run. False: the scrub must end. */
+static bool scrub_on_piece(void *user, size_t bytes)
 {
     struct server_scrub *scrub = user;
     double seconds = (double)bytes / (double)scrub->rate;
@@ -41,16 +40,16 @@ static bool on_piece(void *user, size_t bytes)
     return true;
 }
 
-static void scrub_part(struct server_scrub *scrub, const struct server_record *record,
-                       enum server_part part)
+static void scrub_object(struct server_scrub *scrub, const struct server_record *record,
+                         const struct server_object *object)
 {
     static const char *const messages[SERVER_STORE_UNAVAILABLE + 1] = {
-        [SERVER_STORE_DAMAGED] = "its stored file is damaged: its SHA-256 is another one; upload "
+        [SERVER_STORE_DAMAGED] = "its stored file is damaged: its SHA-256 differs; upload "
                                  "it again, or restore a backup",
         [SERVER_STORE_ABSENT] = "its stored file is missing; upload it again, or restore a backup",
-        [SERVER_STORE_REFUSED] = "its stored file can't be read; look after the disk"};
+        [SERVER_STORE_REFUSED] = "its stored file can't be read; check the disk"};
     struct server_store *store = server_registry_store(scrub->registry);
-    enum server_store_outcome outcome = store->verify(store, record, part, on_piece, scrub);
+    enum server_store_outcome outcome = store->verify(store, object, scrub_on_piece, scrub);
     struct server_log_line line;
     if (outcome && !messages[outcome]) return;
     atomic_fetch_add(&scrub->files, 1);
@@ -67,16 +66,15 @@ static void scrub_part(struct server_scrub *scrub, const struct server_record *r
 
 static void scrub_surface(struct server_scrub *scrub, const struct server_record *record)
 {
-    struct server_object object;
     for (int part = 0; part < SERVER_PARTS; part++)
-        if (server_record_object(record, part, &object)) scrub_part(scrub, record, part);
+        if (record->objects[part].id[0]) scrub_object(scrub, record, &record->objects[part]);
     uint64_t count = server_registry_statistics(scrub->registry).surfaces;
     scrub->position++;
     atomic_store(&scrub->progress,
                  scrub->position < count ? (double)scrub->position / (double)count : 1);
 }
 
-/* Reads all that is stored. */
+/* Reads all stored files once. */
 static void scrub_round(struct server_scrub *scrub)
 {
     uint64_t begun_ns = gd_now_ns();
@@ -85,7 +83,8 @@ static void scrub_round(struct server_scrub *scrub)
     scrub->position = scrub->faults = 0;
     atomic_store(&scrub->progress, 0);
     while (server_registry_next(scrub->registry, &listed)) {
-        server_surface_release(listed.surface); /* it may be unloaded meanwhile */
+        /* released so that the surface may be unloaded meanwhile */
+        server_surface_release(listed.surface);
         listed.surface = NULL;
         scrub_surface(scrub, listed.record);
         if (server_thread_sleep(scrub->self, 0)) continue;

@@ -1,6 +1,7 @@
 /* See surface.h. */
 #include "server/surfaces/surface.h"
 
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -41,6 +42,17 @@ struct server_surface *server_surface_retain(struct server_surface *surface)
     return surface;
 }
 
+struct server_surface *server_surface_of_slot(struct server_landmark_slot *slot)
+{
+    struct server_surface *surface =
+        (struct server_surface *)((char *)slot - offsetof(struct server_surface, landmarks));
+    unsigned references = atomic_load(&surface->references);
+    while (references)
+        if (atomic_compare_exchange_weak(&surface->references, &references, references + 1))
+            return surface;
+    return NULL;
+}
+
 void server_surface_release(struct server_surface *surface)
 {
     if (!surface || atomic_fetch_sub(&surface->references, 1) != 1) return;
@@ -57,9 +69,10 @@ void server_surface_retire(struct server_surface *surface)
 {
     server_mesh_cache_close(surface->fields);
     server_landmark_slot_close(&surface->landmarks);
+    server_preview_slot_close(&surface->preview);
 }
 
-/* Sets the problem that the budget has no room for the record's surface; GD_BUDGET. */
+/* Sets the problem that the budget lacks memory for the surface. Returns GD_BUDGET. */
 static enum gd_status build_refuse_budget(const struct server_builder *builder, size_t bytes)
 {
     char noun[64];

@@ -1,8 +1,8 @@
-/* Surface: an object of some kind in memory (a mesh for instance), with its record, attachment,
- * cached fields and landmarks; and how it is built from a file.
+/* Surface: an object in memory (for instance a mesh) with its record, attachment, cached fields and
+ * landmarks. Also builds surfaces from files.
  *
- * Immutable but for its count, its mesh cache and its slot. Cached fields and landmarks hold the
- * mesh: retiring the surface releases both. */
+ * Immutable except its count, mesh cache and slots. Cached fields and landmarks hold references of
+ * the mesh; retiring the surface releases them. */
 #ifndef SERVER_SURFACES_SURFACE_H
 #define SERVER_SURFACES_SURFACE_H
 
@@ -16,53 +16,78 @@
 #include "server/fields/cache.h"
 #include "server/store/record.h"
 
-struct server_job;
 struct server_landmarks;
 struct server_landmark_set;
+struct server_preview;
+struct server_previews;
 
 struct server_landmark_slot {                 /* see landmarks.h; all zero is empty */
-    _Atomic(struct server_landmarks *) owner; /* NULL: no search has asked */
+    _Atomic(struct server_landmarks *) owner; /* NULL: never used by a search */
     atomic_bool is_closed;
     /* under the owner's lock: */
     struct server_landmark_set *set;          /* NULL: empty */
     TAILQ_ENTRY(server_landmark_slot) by_use; /* while there is a set */
-    struct server_job *waiting;               /* the job that builds the set, until it begins */
-    bool is_coming;                           /* a job builds or reads a set */
-    uint64_t cost_ns;                         /* of the last job */
+    bool is_coming;                           /* its set waits to be built, or is being built */
+    LIST_ENTRY(server_landmark_slot) waiting; /* until the build begins */
+    uint64_t cost_ns;                         /* cost of the last build */
     uint64_t not_before_ns;                   /* the earliest begin of the next one */
 };
 
-/* Empties the slot for good. May be called again. */
+/* Empties the slot permanently. May be called again. */
 void server_landmark_slot_close(struct server_landmark_slot *slot);
+
+#define SERVER_PREVIEW_DONE 1000000 /* the progress of a build that has ended */
+
+struct server_preview_slot {                 /* see previews.h; all zero is empty */
+    _Atomic(struct server_previews *) owner; /* NULL: never used by a request */
+    atomic_bool is_closed;
+    atomic_uint progress; /* progress of the build, up to SERVER_PREVIEW_DONE */
+    /* under the owner's lock: */
+    struct server_preview *preview;          /* NULL: empty */
+    TAILQ_ENTRY(server_preview_slot) by_use; /* while there is a preview */
+    struct server_surface *coming; /* retained while a preview is wanted or made; or NULL */
+    uint32_t wanted;               /* faces of that preview */
+    LIST_ENTRY(server_preview_slot) waiting; /* until the build begins */
+    enum gd_status failure; /* failure of the last build; cleared when a request gets it */
+};
+
+/* Empties the slot permanently. May be called again. */
+void server_preview_slot_close(struct server_preview_slot *slot);
 
 struct server_surface {
     atomic_uint references;
     struct server_record *record;
-    union { /* of record->kind */
+    union { /* object of record->kind */
         void *object;
         struct gd_mesh *mesh;
     };
     void *attachment; /* record->attachment_size bytes, owned; NULL: there is none */
-    size_t bytes;     /* of both, in SERVER_BUDGET_MESHES until the last reference goes */
+    /* bytes of object and attachment, in SERVER_BUDGET_MESHES until the last release */
+    size_t bytes;
     struct server_budget *budget;
     struct server_mesh_cache *fields;
     struct server_landmark_slot landmarks;
+    struct server_preview_slot preview;
 };
 
-/* Takes over the object, which is of the record's kind, and `bytes` of SERVER_BUDGET_FLIGHT, and
- * retains the record. NULL without memory: object and bytes stay the caller's. */
+/* Takes over the object, which has the record's kind, and `bytes` of SERVER_BUDGET_FLIGHT; retains
+ * the record. NULL: out of memory; then the caller still owns object and bytes. */
 struct server_surface *server_surface_create(struct server_record *record, void *object,
                                              size_t bytes, struct server_budget *budget,
                                              struct server_cache *cache);
 
-/* Takes over the record's attachment, malloc'ed, and as many bytes of SERVER_BUDGET_FLIGHT. Once,
- * before the surface is shared. */
+/* Takes over the record's attachment, malloc'ed, and its bytes of SERVER_BUDGET_FLIGHT. Call it
+ * once, before the surface is shared. */
 void server_surface_attach(struct server_surface *surface, void *attachment);
 
 struct server_surface *server_surface_retain(struct server_surface *surface);
 void server_surface_release(struct server_surface *surface); /* NULL is harmless */
 
-/* Drops the surface's fields and landmarks for good, when it leaves the registry. */
+/* Retains the surface of a slot; NULL: it is being freed. Call it before server_landmark_slot_close
+ * returns. */
+struct server_surface *server_surface_of_slot(struct server_landmark_slot *slot);
+
+/* Drops the surface's fields and landmarks permanently, when it leaves the registry. */
 void server_surface_retire(struct server_surface *surface);
 
 struct server_builder { /* all borrowed */
@@ -83,7 +108,8 @@ GD_MUST_USE enum gd_status server_build_surface(const struct server_builder *bui
 /* For kinds: takes bytes of SERVER_BUDGET_FLIGHT. GD_BUDGET with the problem. */
 GD_MUST_USE enum gd_status server_build_take(const struct server_builder *builder, size_t bytes);
 
-/* For kinds: sets the problem of a status of the engine; `detail` may be NULL. The status. */
+/* For kinds: sets the problem for a status of the engine, which it returns. `detail` may be
+ * NULL. */
 enum gd_status server_build_refuse(const struct server_builder *builder, enum gd_status status,
                                    const struct gd_detail *detail);
 

@@ -6,12 +6,12 @@
 #define SMALL_ANSWER ((size_t)64 << 10) /* bytes of one take */
 #define REMEDY       "delete meshes, or raise --memory-budget"
 
-static bool answer_take(void *budget, size_t bytes)
+static bool account_take(void *budget, size_t bytes)
 {
     return server_budget_take_answer(budget, bytes);
 }
 
-static void answer_give(void *budget, size_t bytes)
+static void account_give(void *budget, size_t bytes)
 {
     server_budget_give(budget, SERVER_BUDGET_ANSWERS, bytes);
 }
@@ -20,7 +20,7 @@ void server_budget_init(struct server_budget *budget, size_t limit)
 {
     *budget = (struct server_budget){.limit = limit,
                                      .largest_answer = limit - limit / SERVER_BUDGET_ANSWERS_PART,
-                                     .answers = {answer_take, answer_give, budget}};
+                                     .answers = {account_take, account_give, budget}};
 }
 
 bool server_budget_take_spare(struct server_budget *budget, enum server_budget_class class,
@@ -34,7 +34,7 @@ bool server_budget_take_spare(struct server_budget *budget, enum server_budget_c
     return true;
 }
 
-/* Bytes to reclaim before `bytes` can be taken. */
+/* Returns how many bytes must be reclaimed before `bytes` can be taken. */
 static size_t budget_shortage(struct server_budget *budget, size_t bytes)
 {
     size_t total = atomic_load(&budget->total);
@@ -60,7 +60,8 @@ bool server_budget_take(struct server_budget *budget, enum server_budget_class c
     return false;
 }
 
-/* Answers that grow at the same time may exceed their part by a step each, but not the limit. */
+/* Checks the part of answers. Answers that grow at the same time may exceed it by one step each;
+ * the limit holds in any case. */
 static bool admits_answer(struct server_budget *budget, size_t bytes)
 {
     size_t part =
@@ -86,7 +87,7 @@ bool server_budget_move_to_answers(struct server_budget *budget, size_t bytes)
 
 void server_budget_give(struct server_budget *budget, enum server_budget_class class, size_t bytes)
 {
-    if (!bytes) return; /* keeps the counters' cache line unshared */
+    if (!bytes) return; /* saves a write to a shared cache line */
     size_t before = atomic_fetch_sub(&budget->used[class], bytes);
     assert(before >= bytes);
     (void)before;
@@ -134,12 +135,12 @@ bool server_budget_refuse(struct server_budget *budget, const char *what, size_t
     if (bytes)
         proto_problem_set(problem, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
                           "%s needs about %zu bytes, and %zu of the %zu bytes of the memory budget "
-                          "can be had; " REMEDY,
+                          "are available; " REMEDY,
                           what, bytes, available, budget->limit);
     else
-        proto_problem_set(problem, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
-                          "%s needs more than the %zu of the %zu bytes of the memory budget that "
-                          "can be had; " REMEDY,
-                          what, available, budget->limit);
+        proto_problem_set(
+            problem, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
+            "%s needs more than the available %zu of the %zu bytes of the memory budget; " REMEDY,
+            what, available, budget->limit);
     return proto_problem_limit(problem, budget->limit);
 }

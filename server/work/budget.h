@@ -5,9 +5,9 @@
  *     server_budget_give(budget, SERVER_BUDGET_FLIGHT, bytes);
  *
  * DESIGN. One atomic total, and one atomic count per class. A take that would exceed the limit
- * calls the reclaimers in the order of server_reclaim_turn until enough is free: the cheapest to
- * compute again goes first. Reclaimers take locks of their own, so hold no lock around a take. A
- * give calls nothing and is allowed everywhere. All functions are thread-safe. */
+ * calls the reclaimers in the order of server_reclaim_turn until enough is free. The order begins
+ * with the data that is cheapest to compute again. Reclaimers take locks of their own, so a caller
+ * of take holds no lock. A give calls no other part. All functions are thread-safe. */
 #ifndef SERVER_WORK_BUDGET_H
 #define SERVER_WORK_BUDGET_H
 
@@ -21,11 +21,12 @@
 enum server_budget_class {
     SERVER_BUDGET_MESHES,
     SERVER_BUDGET_FIELDS,
-    SERVER_BUDGET_FLIGHT,     /* calls that run, and their results until a cache counts them */
+    SERVER_BUDGET_FLIGHT,     /* running calls, and their results until a cache counts them */
     SERVER_BUDGET_ANSWERS,    /* texts, until their last byte is sent; never reclaimed */
     SERVER_BUDGET_RECORDS,    /* metadata of surfaces and jobs; never reclaimed */
     SERVER_BUDGET_WORKSPACES, /* idle ones */
     SERVER_BUDGET_LANDMARKS,
+    SERVER_BUDGET_PREVIEWS,
     SERVER_BUDGET_DISCRETIZATIONS, /* cached ones */
     SERVER_BUDGET_JOBS,            /* answers stored for jobs; never reclaimed */
     SERVER_BUDGET_SPARE,           /* reserve for the memory of released fields; never reclaimed */
@@ -35,6 +36,7 @@ enum server_budget_class {
 enum server_reclaim_turn {
     SERVER_RECLAIM_WORKSPACES,
     SERVER_RECLAIM_LANDMARKS,
+    SERVER_RECLAIM_PREVIEWS,
     SERVER_RECLAIM_DISCRETIZATIONS,
     SERVER_RECLAIM_IDLE,
     SERVER_RECLAIM_FIELDS,
@@ -48,7 +50,8 @@ struct server_reclaimer {
     void *user;
 };
 
-/* Answers together leave one half of the budget to other classes; small answers, one quarter. */
+/* All answers together leave one half of the budget to other classes; small answers may fill the
+ * budget up to one quarter. */
 #define SERVER_BUDGET_ANSWERS_PART       2
 #define SERVER_BUDGET_SMALL_ANSWERS_PART 4
 
@@ -68,12 +71,12 @@ void server_budget_init(struct server_budget *budget, size_t limit);
  * bring the total below the limit. */
 bool server_budget_take(struct server_budget *budget, enum server_budget_class class, size_t bytes);
 
-/* The same without reclaiming. */
+/* As server_budget_take, without reclaiming. */
 bool server_budget_take_spare(struct server_budget *budget, enum server_budget_class class,
                               size_t bytes);
 
-/* Takes for an answer, or moves bytes from SERVER_BUDGET_FLIGHT to SERVER_BUDGET_ANSWERS. Returns
- * false, with nothing taken or moved, also when all answers together would exceed their part. */
+/* Takes bytes for an answer, or moves them from SERVER_BUDGET_FLIGHT to SERVER_BUDGET_ANSWERS.
+ * Returns false and changes nothing if all answers together would exceed their part. */
 bool server_budget_take_answer(struct server_budget *budget, size_t bytes);
 bool server_budget_move_to_answers(struct server_budget *budget, size_t bytes);
 
@@ -83,12 +86,13 @@ void server_budget_give(struct server_budget *budget, enum server_budget_class c
 void server_budget_move(struct server_budget *budget, enum server_budget_class from,
                         enum server_budget_class to, size_t bytes);
 
-/* Corrects an estimate: the class counts `actual` bytes instead of `held`, even past the limit. */
+/* Corrects an estimate: the class counts `actual` bytes instead of `held`, even beyond the
+ * limit. */
 void server_budget_adjust(struct server_budget *budget, enum server_budget_class class, size_t held,
                           size_t actual);
 
-/* Returns an upper bound of what a take can get now: the bytes that are free or reclaimable. Walks
- * all meshes. could_take: is it at least `bytes`? Walks the meshes only when fewer are free. */
+/* Returns an upper bound of what a take can get now: the bytes that are free or reclaimable.
+ * O(meshes). could_take returns whether that is at least `bytes`; O(1) if so many are free. */
 size_t server_budget_available(struct server_budget *budget);
 bool server_budget_could_take(struct server_budget *budget, size_t bytes);
 

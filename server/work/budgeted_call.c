@@ -7,14 +7,14 @@
 
 #include "server/base/thread.h"
 
-#define GRANT_FACTOR 4                  /* from one attempt to the next */
-#define PATIENCE_NS  UINT64_C(10000000) /* between two looks at the control of a call that waits */
+#define GRANT_FACTOR 4                  /* growth of the grant from one attempt to the next */
+#define PATIENCE_NS  UINT64_C(10000000) /* between two checks of a waiting call's deadline */
 
 struct server_workspaces {
     struct server_budget *budget;
     pthread_mutex_t lock;
-    pthread_cond_t none_runs; /* of the calls, but for those that wait */
-    uint32_t running;         /* calls that hold memory or may take it */
+    pthread_cond_t none_runs; /* signalled when all running calls wait */
+    uint32_t running;         /* calls that may take memory; those that wait are not counted */
     uint32_t count, most;
     struct server_space idle[]; /* [count - 1] was used last */
 };
@@ -25,7 +25,7 @@ static void space_destroy(struct server_workspaces *workspaces, struct server_sp
     server_budget_give(workspaces->budget, SERVER_BUDGET_WORKSPACES, space.bytes);
 }
 
-/* The workspace that was idle for longest goes first. */
+/* Frees idle workspaces, the longest idle first. */
 static void workspaces_reclaim(void *user, size_t bytes)
 {
     struct server_workspaces *workspaces = user;
@@ -85,7 +85,7 @@ static struct server_space workspaces_borrow(struct server_workspaces *workspace
     return space;
 }
 
-/* Its bytes count as idle before other threads can see it. */
+/* Counts the bytes as idle before other threads can borrow the workspace. */
 static void workspaces_return(struct server_workspaces *workspaces, struct server_space space)
 {
     server_budget_move(workspaces->budget, SERVER_BUDGET_FLIGHT, SERVER_BUDGET_WORKSPACES,
@@ -104,7 +104,7 @@ static void call_trim(struct server_budgeted_call *call)
     call->space.bytes = 0;
 }
 
-/* Frees the memory of the workspace only when the budget is too small otherwise. */
+/* Frees the memory of the workspace only if the budget is too small without it. */
 static bool call_can_take(struct server_budgeted_call *call, size_t bytes)
 {
     struct server_budget *budget = call->workspaces->budget;
@@ -113,51 +113,37 @@ static bool call_can_take(struct server_budgeted_call *call, size_t bytes)
     return server_budget_could_take(budget, bytes);
 }
 
-static void running_add(struct server_workspaces *workspaces)
+static void running_change(struct server_workspaces *workspaces, int change)
 {
-    pthread_mutex_lock(&workspaces->lock);
-    workspaces->running++;
-    pthread_mutex_unlock(&workspaces->lock);
-}
-
-static void running_remove_locked(struct server_workspaces *workspaces)
-{
-    if (!--workspaces->running) pthread_cond_broadcast(&workspaces->none_runs);
-}
-
-static void running_remove(struct server_workspaces *workspaces)
-{
-    pthread_mutex_lock(&workspaces->lock);
-    running_remove_locked(workspaces);
-    pthread_mutex_unlock(&workspaces->lock);
+    SERVER_LOCK(&workspaces->lock);
+    workspaces->running += (uint32_t)change;
+    if (!workspaces->running) pthread_cond_broadcast(&workspaces->none_runs);
 }
 
 static bool other_calls_run(struct server_workspaces *workspaces)
 {
-    pthread_mutex_lock(&workspaces->lock);
-    bool others = workspaces->running > 1;
-    pthread_mutex_unlock(&workspaces->lock);
-    return others;
+    SERVER_LOCK(&workspaces->lock);
+    return workspaces->running > 1;
 }
 
-/* Waits until no other call runs; of those that wait, one goes on. GD_DEADLINE, GD_CANCELLED. */
-static enum gd_status others_wait(struct server_workspaces *workspaces,
-                                  const struct gd_control *control)
+/* Waits until no other call runs; one of several waiting calls continues. Errors: GD_DEADLINE,
+ * GD_CANCELLED. */
+static enum gd_status other_calls_wait(struct server_workspaces *workspaces,
+                                       const struct gd_control *control)
 {
     enum gd_status status;
-    pthread_mutex_lock(&workspaces->lock);
-    running_remove_locked(workspaces);
+    SERVER_LOCK(&workspaces->lock);
+    if (!--workspaces->running) pthread_cond_broadcast(&workspaces->none_runs);
     while (!(status = gd_control_check(control, 0)) && workspaces->running)
         (void)server_condition_wait(&workspaces->none_runs, &workspaces->lock,
                                     gd_now_ns() + PATIENCE_NS);
     workspaces->running++;
-    pthread_mutex_unlock(&workspaces->lock);
     return status;
 }
 
-/* Takes the memory of an attempt: the grant, or all that can be had. To the engine, a grant of 0 is
- * no limit. */
-static bool attempt_begin(struct server_budgeted_call *call)
+/* Takes the memory of an attempt: the grant, or all available memory if that is less. Fails if none
+ * is left, since the engine regards a budget of 0 as no limit. */
+static bool call_attempt_begin(struct server_budgeted_call *call)
 {
     struct server_budget *budget = call->workspaces->budget;
     size_t bytes = call->grant + call->aside;
@@ -177,9 +163,9 @@ static bool attempt_begin(struct server_budgeted_call *call)
     return true;
 }
 
-/* The workspace counts beside the grant: its old memory and what the call allocates overlap, but
- * only the engine knows by how much. */
-static void attempt_end(struct server_budgeted_call *call)
+/* The budget counts the workspace in addition to the grant. The two overlap, but only the engine
+ * knows by how much. */
+static void call_attempt_end(struct server_budgeted_call *call)
 {
     struct server_space *space = &call->space;
     size_t left = space->workspace ? gd_workspace_bytes(space->workspace) : 0;
@@ -190,8 +176,8 @@ static void attempt_end(struct server_budgeted_call *call)
     call->taken = 0;
 }
 
-/* After an attempt that had too little memory: false if no other is to be made. */
-static bool attempt_prepare(struct server_budgeted_call *call)
+/* Prepares the next attempt after one that had too little memory. False: there is none. */
+static bool call_attempt_prepare(struct server_budgeted_call *call)
 {
     call->status = GD_BUDGET;
     if (call->is_modest || call->is_last) return false;
@@ -200,7 +186,7 @@ static bool attempt_prepare(struct server_budgeted_call *call)
         return true;
     }
     call_trim(call);
-    call->status = others_wait(call->workspaces, &call->control);
+    call->status = other_calls_wait(call->workspaces, &call->control);
     return !call->status;
 }
 
@@ -208,16 +194,16 @@ bool server_budgeted_call_next(struct server_budgeted_call *call)
 {
     bool goes_on = true;
     if (call->taken) {
-        attempt_end(call);
-        goes_on = call->status == GD_BUDGET && attempt_prepare(call);
+        call_attempt_end(call);
+        goes_on = call->status == GD_BUDGET && call_attempt_prepare(call);
     } else {
-        running_add(call->workspaces);
+        running_change(call->workspaces, 1);
         call->space = workspaces_borrow(call->workspaces);
     }
-    for (; goes_on; goes_on = attempt_prepare(call))
-        if (attempt_begin(call)) return true;
+    for (; goes_on; goes_on = call_attempt_prepare(call))
+        if (call_attempt_begin(call)) return true;
     workspaces_return(call->workspaces, call->space);
-    running_remove(call->workspaces);
+    running_change(call->workspaces, -1);
     if (call->held) *call->held += call->kept;
     return false;
 }

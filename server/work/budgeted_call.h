@@ -7,14 +7,14 @@
  *     }
  *     return call.status;
  *
- * DESIGN. The memory of a call is known only when the call ends. So a call gets a grant that most
- * calls of its kind need. A call that fails for lack of memory runs again with several times as
- * much: the wasted work is a fraction of the last attempt's. If other calls hold that memory, it
- * runs with the rest; if that is too little, it waits until no other runs. So a call must not be
- * made within another.
+ * DESIGN. The memory of a call is known only when the call ends. So a call gets a grant that
+ * suffices for most calls of its kind. A call that fails for lack of memory runs again with several
+ * times as much, so the failed attempts cost a fraction of the last one. If other calls hold that
+ * memory, it runs with the rest. If that is too little, it waits until no other call runs. So a
+ * call must not be made within another.
  *
- * Workspaces keep the scratch memory of a call for the next one, in a stack: a call borrows the one
- * whose memory was touched last. Idle ones are reclaimed first of all classes, the longest idle
+ * Workspaces keep the scratch memory of a call for the next one. They form a stack: a call borrows
+ * the most recently used workspace. Idle ones are reclaimed first of all classes, the longest idle
  * first. The bytes of a borrowed workspace are SERVER_BUDGET_FLIGHT. All functions are
  * thread-safe. */
 #ifndef SERVER_WORK_BUDGETED_CALL_H
@@ -27,10 +27,10 @@
 struct server_workspaces;
 
 /* Keeps at most `most` idle workspaces. Borrows `budget`, which must outlive them, and registers a
- * reclaimer there. NULL without memory. */
+ * reclaimer there. NULL: out of memory. */
 struct server_workspaces *server_workspaces_create(struct server_budget *budget, uint32_t most);
 
-/* The budget that they were created with. */
+/* Returns the budget that the workspaces were created with. */
 struct server_budget *server_workspaces_budget(const struct server_workspaces *workspaces);
 
 /* Call it when no call runs. NULL is harmless. */
@@ -38,28 +38,28 @@ void server_workspaces_destroy(struct server_workspaces *workspaces);
 
 struct server_space {               /* private: a borrowed workspace */
     struct gd_workspace *workspace; /* NULL: no memory; the call allocates its own */
-    size_t bytes;                   /* that the budget counts for it */
+    size_t bytes;                   /* bytes that the budget counts for the workspace */
 };
 
 struct server_budgeted_call {
     struct server_workspaces *workspaces;
     struct gd_control control; /* its budget and workspace are those of the attempt */
     size_t grant;              /* bytes that most such calls need */
-    size_t aside;              /* bytes that the call allocates beside its budget */
-    bool is_modest;            /* uses free memory only: reclaims nothing, and makes one attempt */
+    size_t aside;              /* bytes that the call allocates in addition to its budget */
+    bool is_modest;            /* uses only free memory, reclaims nothing, makes one attempt */
     size_t *held;              /* grows by `kept` at the end of a call that succeeds; or NULL */
     enum gd_status status;     /* the loop sets that of an attempt; in the end, of the call */
     size_t kept;               /* the loop sets the bytes of the result */
     struct server_space space; /* this and the rest are private */
-    size_t taken;              /* by the attempt under way; 0: there is none */
-    bool is_last;              /* it has all that can be had, and runs alone */
-    bool is_crowded;           /* it has what other calls left */
+    size_t taken;              /* bytes taken by the current attempt; 0: none */
+    bool is_last;              /* the attempt has all available memory, and runs alone */
+    bool is_crowded;           /* the attempt has the memory that other calls left */
 };
 
 /* Ends an attempt and begins the next. False: the call has succeeded or failed. The loop must not
- * end before. On success the caller owns the `kept` bytes of SERVER_BUDGET_FLIGHT: it moves them to
- * another class or gives them back. Errors are those of the call. GD_BUDGET: all available memory
- * was not enough. */
+ * end before. On success the caller owns the `kept` bytes of SERVER_BUDGET_FLIGHT, to move them to
+ * another class or to give them back. Errors: those of the call; GD_BUDGET: all available memory
+ * was too little. */
 bool server_budgeted_call_next(struct server_budgeted_call *call);
 
 #endif

@@ -8,9 +8,9 @@
 #include "gd/control.h"
 #include "server/base/thread.h"
 
-#define SPINS      20000   /* before a thread sleeps: about ten microseconds */
-#define SLEEP_NS   1000000 /* until a helper looks at the queue again */
-#define QUANTUM_NS 1000000 /* of a helper, while other jobs wait */
+#define SPINS      20000   /* spins before a thread sleeps: about ten microseconds */
+#define SLEEP_NS   1000000 /* sleep after which a helper checks the queue of jobs */
+#define QUANTUM_NS 1000000 /* time after which a helper yields to waiting jobs */
 
 struct executor;
 
@@ -75,7 +75,7 @@ static void executor_run_task(struct executor *executor)
     if (--executor->running == 0) executor_signal(executor);
 }
 
-/* Serves until the stop, or until other jobs need the worker: then it queues itself again. */
+/* Runs tasks until the stop, or until other jobs need the worker. Then it queues itself again. */
 static void helper_run(struct server_job *job)
 {
     struct executor *executor = ((struct helper *)job)->executor;
@@ -103,7 +103,7 @@ static void executor_run(void *user, void (*task)(void *context, uint32_t index)
                          uint32_t count)
 {
     struct executor *executor = user;
-    pthread_mutex_lock(&executor->lock);
+    SERVER_LOCK(&executor->lock);
     executor->task = task;
     executor->context = context;
     executor->count = count;
@@ -111,7 +111,6 @@ static void executor_run(void *user, void (*task)(void *context, uint32_t index)
     executor_signal(executor);
     while (executor->next < executor->count) executor_run_task(executor);
     while (executor->running) executor_wait(executor);
-    pthread_mutex_unlock(&executor->lock);
 }
 
 const struct gd_executor *server_executor_start(struct server_workers *workers, uint32_t width,

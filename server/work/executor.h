@@ -6,8 +6,8 @@
  *
  * DESIGN. The executor queues one helper job for each thread beyond the caller's. A helper serves
  * all runs until the stop: a field build has thousands of runs, and queueing a job costs as much as
- * one of them. Between runs a helper spins for some microseconds, then it sleeps. One that has
- * worked for a millisecond while other jobs wait queues itself again behind them.
+ * one of them. Between runs a helper spins for some microseconds, then it sleeps. If other jobs
+ * wait, a helper that has run for a millisecond queues itself again behind them.
  *
  * The caller runs every task that no helper has begun: it finishes without helpers too. Caller and
  * helpers share the executor by reference count: a helper that leaves the queue after the stop
@@ -18,9 +18,9 @@
 #include "gd/executor.h"
 #include "server/work/workers.h"
 
-/* Returns an executor of at most `width` threads, the caller's included, and no more than there are
- * workers. NULL, which runs all tasks on the calling thread: this is one thread, or memory is
- * short. To be called by a job; for its thread only. */
+/* Returns an executor of at most `width` threads, the caller's included, and at most as many as
+ * there are workers. NULL if that is one thread, or memory is short; the engine then runs all tasks
+ * on the calling thread. Call and use it only in the thread of a job. */
 const struct gd_executor *server_executor_start(struct server_workers *workers, uint32_t width,
                                                 uint64_t deadline_ns);
 

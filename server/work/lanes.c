@@ -74,7 +74,7 @@ static uint64_t lanes_least_used(const struct server_lanes *lanes)
     return least;
 }
 
-/* Without memory for its lane, a tenant shares the lane "". */
+/* Returns the lane of a tenant. A tenant whose lane can't be allocated shares the lane "". */
 struct server_lane *server_lanes_of(struct server_lanes *lanes, const char *tenant)
 {
     if (!tenant) tenant = "";

@@ -5,13 +5,13 @@
  * list in which it is parked. `next` belongs to the owner. A job ends in one call of `refuse`, or
  * of a `run` that does not park it.
  *
- * A worker takes the job of the tenant with the fewest running jobs, and among those of the tenant
+ * A worker takes a job of the tenant with the fewest running jobs. Among equals it takes the tenant
  * that has used the least time (start-time fair queueing: a lane that becomes active starts at the
- * least time of the others). A lane is first in, first out. Urgent jobs, whose clients wait for
- * them, go before patient ones, but a patient job follows every 16 urgent ones.
+ * least time of the others). Each lane is first in, first out. Urgent jobs, for which clients wait,
+ * precede patient ones, but a patient job follows every 16 urgent ones.
  *
  * Limits, for each kind: all lanes together hold `length` jobs. A tenant takes at most as many
- * places as it leaves free (dynamic thresholds: Choudhury and Hahne, 1998).
+ * places as it leaves free (dynamic thresholds, Choudhury and Hahne, 1998).
  *
  * Spare workers are threads beyond the number of workers. A spare worker takes an urgent job while
  * patient jobs occupy workers, or a job whose tenant has none running.
@@ -29,17 +29,17 @@ enum server_refusal { SERVER_REFUSAL_DEADLINE, SERVER_REFUSAL_DRAINING, SERVER_R
 struct server_job {
     struct server_job *next;
     uint64_t deadline_ns;     /* on the clock of gd_now_ns() */
-    const char *tenant;       /* whose share of the workers it uses; NULL: its submitter's */
-    struct server_lane *lane; /* of the workers */
+    const char *tenant;       /* tenant whose lane the job uses; NULL: the submitter's */
+    struct server_lane *lane; /* used by the workers */
     const void *parked_at;    /* see server_workers_park */
     uint64_t parked_until_ns; /* 0: no limit */
     bool is_patient;          /* no client waits for it on a connection */
-    atomic_bool is_unwanted;  /* any thread may set it: acts like a deadline that has passed */
+    atomic_bool is_unwanted;  /* set by any thread; acts like a passed deadline */
     void (*run)(struct server_job *job);
     void (*refuse)(struct server_job *job, enum server_refusal why);
 };
 
-/* Is the deadline at most `now_ns`, or the job unwanted? */
+/* Returns whether the deadline is at most `now_ns`, or the job is unwanted. */
 bool server_job_is_late(const struct server_job *job, uint64_t now_ns);
 
 /* Removes the late jobs from a list and returns them as a list. */
@@ -52,22 +52,22 @@ enum server_lane_kind { SERVER_LANE_URGENT, SERVER_LANE_PATIENT, SERVER_LANE_KIN
 
 struct server_lane {
     struct server_lane *next;
-    const char *tenant; /* in the memory of the lane */
+    const char *tenant; /* stored in the lane's allocation */
     struct server_lane_queue {
         struct server_job *head, **tail; /* `tail` points to the last `next` */
         uint32_t count;
     } queues[SERVER_LANE_KINDS];
     uint32_t running[SERVER_LANE_KINDS];
-    uint64_t used_ns; /* by its ended jobs, plus the time at which the lane started */
+    uint64_t used_ns; /* time used by ended jobs, plus the virtual time at which the lane started */
 };
 
 struct server_lanes {
-    struct server_lane own; /* of the tenant "", and of jobs without a tenant */
+    struct server_lane own; /* lane of the tenant "" and of jobs without a tenant */
     struct server_lane *active;
     uint32_t queued[SERVER_LANE_KINDS], running[SERVER_LANE_KINDS];
     uint32_t length, workers;
-    bool is_shared; /* by tenants */
-    unsigned turns; /* urgent jobs taken since a patient one waits */
+    bool is_shared; /* tenants share the queue */
+    unsigned turns; /* urgent jobs that were taken while a patient one waited */
 };
 
 /* Starts with `*lanes` all zero. */
@@ -76,8 +76,8 @@ void server_lanes_init(struct server_lanes *lanes, uint32_t workers, uint32_t le
 /* Returns the lane of a tenant (NULL: ""). A new lane must get a job before the next call. */
 struct server_lane *server_lanes_of(struct server_lanes *lanes, const char *tenant);
 
-/* Queues a job at the end of the lane, or ahead of it. Returns false when the queue is full, which
- * it never is for a job that goes first. */
+/* Queues a job at the end of the lane, or ahead of it. Returns false if the queue is full. A job
+ * that is put ahead is always accepted. */
 bool server_lanes_push(struct server_lanes *lanes, struct server_lane *lane, struct server_job *job,
                        bool is_first);
 

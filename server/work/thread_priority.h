@@ -1,39 +1,41 @@
-/* Thread priority: the priorities of HTTP threads and workers, and the cores of HTTP threads. What
- * the system refuses stays as it was. Figures: server/doc/008.
+/* Thread priority: the priorities of HTTP threads and workers, and the cores of HTTP threads. Calls
+ * that the system refuses change nothing. Figures: server/doc/008.
  *
- * DESIGN. HTTP threads run a little before other programs: otherwise a client on the same machine
- * preempts them at every answer. While no worker is busy, each has a core of its own, if there are
- * as many cores as HTTP threads: the kernel often runs all of them on one core and their clients on
- * the other. While workers are busy, it may run on all cores: a worker would leave its core at the
- * next tick only.
+ * DESIGN. HTTP threads have a slightly higher priority than other programs. Otherwise a client on
+ * the same machine preempts them at every answer. While no worker is busy, each has a core of its
+ * own, if there are as many cores as HTTP threads. Otherwise the kernel often runs all of them on
+ * one core and their clients on another. While workers are busy, an HTTP thread may run on all
+ * cores, since a worker leaves a core only at the next tick.
  *
- * Workers run at nice 10. A job that runs for long gets idle priority (SCHED_IDLE): the kernel
- * treats its core as an idle one, and a thread that wakes there runs at once. So that it does not
- * starve on a full machine, a job that gets less than an eighth of its time returns to normal
- * priority for one second, later for two, then four. Leaving idle priority needs a right
- * (CAP_SYS_NICE, LimitNICE=): without it a worker never enters it. */
+ * Workers run at nice 10. A long job gets idle priority (SCHED_IDLE): the kernel treats its core as
+ * idle, so a thread that wakes there runs at once. To prevent starvation on a busy machine, a job
+ * that gets less than an eighth of the time returns to normal priority for one second, then for
+ * two, then four. Leaving idle priority needs a right (CAP_SYS_NICE, LimitNICE=). Without it a
+ * worker never enters idle priority. */
 #ifndef SERVER_WORK_THREAD_PRIORITY_H
 #define SERVER_WORK_THREAD_PRIORITY_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-#define SERVER_HTTP_NICE   (-3) /* the lowest nice value that a thread of the daemon asks for */
+#define SERVER_HTTP_NICE   (-3) /* the lowest nice value of the daemon's threads */
 #define SERVER_WORKER_NICE 10
 
-/* Places the calling thread, one of `threads` HTTP threads, for the request that it begins. */
+/* Called by each of `threads` HTTP threads when it begins a request: sets the cores that it may
+ * use. */
 void server_thread_place(uint32_t threads, bool are_workers_busy, uint64_t now_ns);
 
 /* Lowers the calling thread, a new worker. */
 void server_worker_lower(void);
 
-/* Gives the calling thread idle or normal priority. Does nothing where it could not return. */
+/* Gives the calling thread idle or normal priority. Does nothing if it could not leave idle
+ * priority. */
 void server_worker_set_idle(bool is_idle);
 
 /* The priority of one job; not shared. */
 struct server_priority {
     bool is_idle;
-    uint64_t not_before_ns;    /* normal until then */
+    uint64_t not_before_ns;    /* normal priority until then */
     uint64_t return_ns;        /* length of the next return to normal */
     uint64_t since_ns, cpu_ns; /* start of the period in which its share is measured */
 };

@@ -16,20 +16,19 @@ struct server_workers {
     pthread_mutex_t lock;
     pthread_cond_t work, spare_work;
     struct server_lanes lanes;
-    uint32_t thread_count;     /* without spare ones */
-    atomic_uint working;       /* threads that run a job, without spare ones; set under the lock */
+    uint32_t thread_count; /* without spare ones */
+    atomic_uint working;   /* threads that run a job, without spare ones; set under the lock */
+    atomic_uint guests;
+    atomic_uint started;       /* threads; those after the first `thread_count` are spare */
     struct server_job *parked; /* see server_workers_park */
-    struct server_job *background; /* jobs for idle times, the latest first */
-    bool is_hosting;               /* a thread runs one of them */
-    bool is_leaving;               /* threads end after the job that they run */
+    bool is_leaving;           /* each thread ends after its current job */
     atomic_bool cancelled;
-    struct server_thread *threads[]; /* first those that are not spare, then as many spare ones */
+    struct server_thread *threads[]; /* twice `thread_count` */
 };
 
-/* The job that this thread runs; all zero: none. Jobs that a queued job submits get its lane and
- * kind. */
+/* The job that this thread runs; all zero: none. Jobs that it submits get its lane and kind. */
 static _Thread_local struct running {
-    const struct server_workers *workers; /* NULL: a background job */
+    const struct server_workers *workers;
     struct server_lane *lane;
     bool is_patient;
     struct server_priority priority;
@@ -42,7 +41,7 @@ static bool workers_are_all_at_work(const struct server_workers *workers)
     return workers->working == workers->thread_count;
 }
 
-/* Wakes a thread for a queued job: a spare one if all others are at work. */
+/* Wakes a thread for a queued job: a spare one if all others are busy. */
 static void workers_wake(struct server_workers *workers)
 {
     pthread_cond_signal(workers_are_all_at_work(workers) ? &workers->spare_work : &workers->work);
@@ -61,20 +60,25 @@ static bool workers_put(struct server_workers *workers, struct server_job *job, 
     return true;
 }
 
-/* Removes the job from the list. Returns NULL if it is not in there. */
-static struct server_job *list_remove(struct server_job **list, const struct server_job *job)
-{
-    while (*list && *list != job) list = &(*list)->next;
-    struct server_job *found = *list;
-    if (found) *list = found->next;
-    return found;
-}
-
 /* --- threads ---------------------------------------------------------------------------------- */
 
 bool server_workers_are_busy(const struct server_workers *workers)
 {
-    return atomic_load_explicit(&workers->working, memory_order_relaxed) > 0;
+    return atomic_load_explicit(&workers->working, memory_order_relaxed) > 0 ||
+           atomic_load_explicit(&workers->guests, memory_order_relaxed) > 0;
+}
+
+void server_workers_begin_guest(struct server_workers *workers)
+{
+    server_worker_lower();
+    server_priority_begin(&own.priority, gd_now_ns());
+    atomic_fetch_add(&workers->guests, 1);
+}
+
+void server_workers_end_guest(struct server_workers *workers)
+{
+    server_worker_set_idle(false);
+    atomic_fetch_sub(&workers->guests, 1);
 }
 
 bool server_workers_go_on(struct server_workers *workers)
@@ -91,15 +95,14 @@ bool server_workers_go_on(struct server_workers *workers)
     return !server_workers_cancelled(workers);
 }
 
-/* Runs a job, perhaps within a longer one (server_workers_yield). Releases the lock meanwhile. */
-static void workers_run(struct server_workers *workers, struct server_job *job,
-                        struct running running)
+/* Runs a job that was taken from the lanes, without the lock. */
+static void workers_run(struct server_workers *workers, struct server_job *job)
 {
-    const struct running outer = own;
     uint64_t begun_ns = gd_now_ns();
-    own = running;
+    if (server_lanes_queued(&workers->lanes))
+        workers_wake(workers); /* perhaps for a spare thread */
+    own = (struct running){workers, job->lane, job->is_patient, {0}};
     pthread_mutex_unlock(&workers->lock);
-    server_worker_set_idle(false);
     server_priority_begin(&own.priority, begun_ns);
     if (server_workers_cancelled(workers))
         job->refuse(job, SERVER_REFUSAL_DRAINING);
@@ -107,65 +110,41 @@ static void workers_run(struct server_workers *workers, struct server_job *job,
         job->refuse(job, SERVER_REFUSAL_DEADLINE);
     else
         job->run(job);
-    own = outer;
-    server_worker_set_idle(own.priority.is_idle);
-    uint64_t ns = gd_now_ns() - begun_ns;
+    server_worker_set_idle(false);
+    const struct running ended = own;
+    own = (struct running){0};
     pthread_mutex_lock(&workers->lock);
-    if (running.lane) server_lanes_end(&workers->lanes, running.lane, running.is_patient, ns);
+    server_lanes_end(&workers->lanes, ended.lane, ended.is_patient, gd_now_ns() - begun_ns);
 }
 
-/* Runs a job that was taken from the lanes. */
-static void workers_run_taken(struct server_workers *workers, struct server_job *job)
+/* Runs jobs until the workers are destroyed. */
+static void worker_run(void *user, struct server_thread *thread)
 {
-    if (server_lanes_queued(&workers->lanes))
-        workers_wake(workers); /* perhaps for a spare thread */
-    workers_run(workers, job, (struct running){workers, job->lane, job->is_patient, {0}});
-}
-
-/* Runs the latest background job, unless one runs already. Returns false if it ran none. */
-static bool workers_run_background(struct server_workers *workers)
-{
-    struct server_job *job = workers->background;
-    if (!job || workers->is_hosting) return false;
-    workers->background = job->next;
-    workers->is_hosting = true;
-    workers_run(workers, job, (struct running){0});
-    workers->is_hosting = false;
-    return true;
-}
-
-/* Runs jobs until the end. */
-static void workers_serve(struct server_workers *workers, bool is_spare)
-{
+    struct server_workers *workers = user;
+    bool is_spare = atomic_fetch_add(&workers->started, 1) >= workers->thread_count;
+    (void)thread;
     server_worker_lower();
-    pthread_mutex_lock(&workers->lock);
+    SERVER_LOCK(&workers->lock);
     while (!workers->is_leaving) {
-        bool has_run = false;
         struct server_job *job = !is_spare || workers_are_all_at_work(workers)
                                      ? server_lanes_take(&workers->lanes, is_spare)
                                      : NULL;
-        workers->working += !is_spare;
-        if (job)
-            workers_run_taken(workers, job);
-        else if (!is_spare)
-            has_run = workers_run_background(workers);
-        workers->working -= !is_spare;
-        if (!job && !has_run)
+        if (job) {
+            workers->working += !is_spare;
+            workers_run(workers, job);
+            workers->working -= !is_spare;
+        } else {
             pthread_cond_wait(is_spare ? &workers->spare_work : &workers->work, &workers->lock);
+        }
     }
-    pthread_mutex_unlock(&workers->lock);
 }
 
-static void worker_run(void *user, struct server_thread *thread)
+/* Starts as many threads as there are workers. */
+static bool threads_start(struct server_workers *workers, uint32_t first)
 {
-    (void)thread;
-    workers_serve(user, false);
-}
-
-static void spare_run(void *user, struct server_thread *thread)
-{
-    (void)thread;
-    workers_serve(user, true);
+    for (uint32_t i = first; i < first + workers->thread_count; i++)
+        if (!(workers->threads[i] = server_thread_start(worker_run, workers))) return false;
+    return true;
 }
 
 struct server_workers *server_workers_create(uint32_t count, uint32_t queue_length)
@@ -178,20 +157,14 @@ struct server_workers *server_workers_create(uint32_t count, uint32_t queue_leng
     pthread_cond_init(&workers->spare_work, NULL);
     server_lanes_init(&workers->lanes, count, queue_length);
     workers->thread_count = count;
-    bool has_all = true;
-    for (uint32_t i = 0; i < count && has_all; i++)
-        has_all = (workers->threads[i] = server_thread_start(worker_run, workers)) != NULL;
-    if (has_all) return workers;
+    if (threads_start(workers, 0)) return workers;
     server_workers_destroy(workers);
     return NULL;
 }
 
 bool server_workers_add_spare(struct server_workers *workers)
 {
-    bool has_all = true;
-    for (uint32_t i = workers->thread_count; i < 2 * workers->thread_count && has_all; i++)
-        has_all = (workers->threads[i] = server_thread_start(spare_run, workers)) != NULL;
-    return has_all;
+    return threads_start(workers, workers->thread_count);
 }
 
 void server_workers_share(struct server_workers *workers)
@@ -218,21 +191,6 @@ void server_workers_destroy(struct server_workers *workers)
 
 /* --- jobs in and out -------------------------------------------------------------------------- */
 
-/* Lists the job unless there was a cancel. */
-static bool workers_list(struct server_workers *workers, struct server_job **list,
-                         struct server_job *job)
-{
-    pthread_mutex_lock(&workers->lock);
-    bool is_listed = !server_workers_cancelled(workers);
-    if (is_listed) {
-        job->next = *list;
-        *list = job;
-        pthread_cond_signal(&workers->work);
-    }
-    pthread_mutex_unlock(&workers->lock);
-    return is_listed;
-}
-
 static bool workers_queue(struct server_workers *workers, struct server_job *job, bool is_first)
 {
     pthread_mutex_lock(&workers->lock);
@@ -253,29 +211,20 @@ void server_workers_resume(struct server_workers *workers, struct server_job *jo
     (void)workers_queue(workers, job, true);
 }
 
-void server_workers_submit_background(struct server_workers *workers, struct server_job *job)
-{
-    if (!workers_list(workers, &workers->background, job))
-        job->refuse(job, SERVER_REFUSAL_DRAINING);
-}
-
-bool server_workers_withdraw(struct server_workers *workers, struct server_job *job)
-{
-    pthread_mutex_lock(&workers->lock);
-    bool is_found = list_remove(&workers->background, job) != NULL;
-    pthread_mutex_unlock(&workers->lock);
-    return is_found;
-}
-
 bool server_workers_park(struct server_workers *workers, struct server_job *job, const void *at,
                          uint64_t until_ns)
 {
+    SERVER_LOCK(&workers->lock);
+    if (server_workers_cancelled(workers)) return false;
     job->parked_at = at;
     job->parked_until_ns = until_ns;
-    return workers_list(workers, &workers->parked, job);
+    job->next = workers->parked;
+    workers->parked = job;
+    return true;
 }
 
-/* Under the lock: the link to the first job that is parked there; it points to NULL: none is. */
+/* Under the lock: returns the link to the first job that is parked at that address; the link is
+ * NULL if there is none. */
 static struct server_job **parked_find(struct server_workers *workers, const void *at)
 {
     struct server_job **link = &workers->parked;
@@ -285,12 +234,11 @@ static struct server_job **parked_find(struct server_workers *workers, const voi
 
 void server_workers_unpark(struct server_workers *workers, const void *at)
 {
-    pthread_mutex_lock(&workers->lock);
+    SERVER_LOCK(&workers->lock);
     for (struct server_job **link, *job; (job = *(link = parked_find(workers, at)));) {
         *link = job->next;
         (void)workers_put(workers, job, true);
     }
-    pthread_mutex_unlock(&workers->lock);
 }
 
 void server_workers_refuse_parked(struct server_workers *workers, const void *at,
@@ -309,29 +257,8 @@ void server_workers_refuse_parked(struct server_workers *workers, const void *at
 
 bool server_workers_await(struct server_workers *workers, const void *at)
 {
-    pthread_mutex_lock(&workers->lock);
-    bool is_awaited = *parked_find(workers, at) != NULL;
-    pthread_mutex_unlock(&workers->lock);
-    return is_awaited;
-}
-
-void server_workers_yield(struct server_workers *workers)
-{
-    struct server_job *job;
-    pthread_mutex_lock(&workers->lock);
-    while (server_lanes_running(&workers->lanes) + 1 >= workers->thread_count &&
-           (job = server_lanes_take(&workers->lanes, false)))
-        workers_run_taken(workers, job);
-    pthread_mutex_unlock(&workers->lock);
-}
-
-void server_workers_refuse_background(struct server_workers *workers, enum server_refusal why)
-{
-    pthread_mutex_lock(&workers->lock);
-    struct server_job *background = workers->background;
-    workers->background = NULL;
-    pthread_mutex_unlock(&workers->lock);
-    server_jobs_refuse(background, why);
+    SERVER_LOCK(&workers->lock);
+    return *parked_find(workers, at) != NULL;
 }
 
 static void workers_refuse_late(struct server_workers *workers, uint64_t now_ns,
@@ -360,12 +287,11 @@ void server_workers_expire(struct server_workers *workers, uint64_t now_ns)
     workers_refuse_late(workers, now_ns, SERVER_REFUSAL_DEADLINE);
 }
 
-/* A job that is queued later sees the cancel, since that comes before the lock. */
+/* Sets the flag before it takes the lock, so that a job that is queued later is refused. */
 void server_workers_cancel(struct server_workers *workers)
 {
     atomic_store(&workers->cancelled, true);
     workers_refuse_late(workers, UINT64_MAX, SERVER_REFUSAL_DRAINING);
-    server_workers_refuse_background(workers, SERVER_REFUSAL_DRAINING);
 }
 
 bool server_workers_cancelled(struct server_workers *workers)
@@ -375,11 +301,8 @@ bool server_workers_cancelled(struct server_workers *workers)
 
 struct server_workers_load server_workers_load(struct server_workers *workers)
 {
-    pthread_mutex_lock(&workers->lock);
-    struct server_workers_load load = {.threads = workers->thread_count,
-                                       .running = server_lanes_running(&workers->lanes),
-                                       .queued = server_lanes_queued(&workers->lanes),
-                                       .background = workers->is_hosting};
-    pthread_mutex_unlock(&workers->lock);
-    return load;
+    SERVER_LOCK(&workers->lock);
+    return (struct server_workers_load){.threads = workers->thread_count,
+                                        .running = server_lanes_running(&workers->lanes),
+                                        .queued = server_lanes_queued(&workers->lanes)};
 }

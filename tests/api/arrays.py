@@ -5,7 +5,7 @@ TYPES = {1: "d", 2: "f", 3: "I"}
 
 
 def read(content):
-    """Name to (columns, flat list)."""
+    """Returns a dictionary: name to (columns, flat list)."""
     magic, version, count = struct.unpack_from("<8sII", content)
     assert (magic, version) == (b"GDARRAYS", 1), (magic, version)
     arrays = {}
@@ -18,7 +18,7 @@ def read(content):
 
 
 def write(**arrays):
-    """Of name=(type letter, columns, flat list)."""
+    """Returns the container of the arrays name=(type letter, columns, flat list)."""
     kinds = {letter: kind for kind, letter in TYPES.items()}
     head, data = struct.pack("<8sII", b"GDARRAYS", 1, len(arrays)), b""
     for name, (letter, columns, numbers) in arrays.items():
@@ -30,11 +30,11 @@ def write(**arrays):
 
 
 def read_npy(content):
-    """(shape, flat list)."""
+    """Returns (shape, flat list)."""
     assert content[:8] == b"\x93NUMPY\x01\x00"
     size, = struct.unpack_from("<H", content, 8)
     assert (10 + size) % 64 == 0 and content[9 + size:10 + size] == b"\n"
-    head = eval(content[10:10 + size])  # a literal of ours
+    head = eval(content[10:10 + size])  # the daemon wrote this literal
     letter = {"<f8": "d", "<u4": "I"}[head["descr"]]
     number = 1
     for length in head["shape"]:

@@ -1,8 +1,9 @@
-"""The contract, proto/openapi.yaml, as something that requests can be made of and answers be held against.
+"""The contract, proto/openapi.yaml: makes its requests, and checks answers against it.
 
-An answer is right when its operation documents the status, the media type, the problem's code, the headers and the body, and nothing of
-them is missing that it promises. Answers are open in the document. Here they are closed: a member that is not documented is a fault. A
-required member may be missing only where the request could leave it out by `select`. Needs Debian's python3-yaml and python3-jsonschema.
+An answer is right if its operation documents the status, the media type, the problem's code, the
+headers and the body, and if nothing required is missing. Answers are open in the document. Here
+they are closed: an undocumented member is a fault. A required member may be missing only where
+`select` in the request could omit it. Needs Debian's python3-yaml and python3-jsonschema.
 """
 import functools
 import gzip
@@ -18,22 +19,23 @@ DOCUMENT = pathlib.Path(__file__).resolve().parents[2] / "proto" / "openapi.yaml
 sys.path.append(str(DOCUMENT.parent))
 import members  # noqa: E402
 
-METHODS = ("get", "head", "put", "post", "delete")
+METHODS = ("get", "head", "put", "post", "patch", "delete")
 JSON_TYPES = ("application/json", "application/problem+json")
 PROBLEM = {"$ref": "#/components/schemas/Problem"}
 # Any answer may have these; all other headers are documented.
 COMMON_HEADERS = {"cache-control", "connection", "content-encoding", "content-length", "content-security-policy", "content-type",
                   "cross-origin-resource-policy", "date", "deprecation", "link", "referrer-policy", "strict-transport-security", "transfer-encoding", "vary",
                   "x-content-type-options", "x-request-id"}
-PAGE_HEADERS = ("access-control-",)  # what a page of a listed origin is told
-# Of answers that belong to no operation.
+PAGE_HEADERS = ("access-control-",)  # for pages of an origin in --cors-origin
+# Problems of requests that match no operation, by status.
 NOWHERE = {400: "invalid_request", 401: "unauthorized", 403: "forbidden", 404: "not_found", 405: "method_not_allowed", 429: "rate_limited"}
-THIN = 8  # items of a long array that are looked at, where a glance is enough
-THIN_BYTES = 1 << 20  # of a body; larger ones are not looked at then
+NUMBER = re.compile(r"\d+(\.\d+)?(e[+-]?\d+)?")  # a number in a header
+THIN = 8  # items of a long array that a quick check covers
+THIN_BYTES = 1 << 20  # larger bodies are not checked in a quick check
 
 
 def resolved(document, item):
-    """The item that a reference within the document stands for."""
+    """Returns the item that a reference within the document stands for."""
     while isinstance(item, dict) and "$ref" in item:
         node = document
         for part in item["$ref"][2:].split("/"):
@@ -43,7 +45,8 @@ def resolved(document, item):
 
 
 def thinned(value):
-    """The value with some items of each long array, from its begin to its end, so that checking it costs little."""
+    """Returns the value with only some items of each long array, from its beginning to its end, so
+    that checking costs little."""
     if isinstance(value, dict):
         return {key: thinned(item) for key, item in value.items()}
     if isinstance(value, list):
@@ -52,7 +55,8 @@ def thinned(value):
 
 
 def checked(node, optional):
-    """A copy of a schema whose objects are closed, and do not require the members that `optional` names."""
+    """Returns a copy of a schema whose objects are closed, and do not require the members that
+    `optional` names."""
     if isinstance(node, list):
         return [checked(item, optional) for item in node]
     if not isinstance(node, dict):
@@ -65,14 +69,15 @@ def checked(node, optional):
 
 
 def shown(document, content):
-    """The values of the examples of a media type or a parameter."""
+    """Yields the values of the examples of a media type or a parameter."""
     if "example" in content:
         return [content["example"]]
     return [resolved(document, example)["value"] for example in content.get("examples", {}).values()]
 
 
 class Operation:
-    """A method of a path. `codes` are the problems of each status, which the responses' descriptions name between backticks."""
+    """A method of a path. `codes` are the problems of each status; the responses' descriptions name
+    them between backticks."""
 
     def __init__(self, document, path, method, item, operation):
         self.path, self.method, self.name = path, method, operation["operationId"]
@@ -93,20 +98,21 @@ class Operation:
 
     @property
     def success(self):
-        """The first status of those that are no problem and no job."""
+        """Returns the first status that is neither a problem nor a job."""
         return min(int(status) for status in self.responses if status.isdigit() and status[0] == "2" and status != "202")
 
     def words(self, name):
-        """That a query parameter may be, or a list of."""
+        """Returns the words that a query parameter, or its list items, may be."""
         schemas = [parameter["schema"] for parameter in self.parameters if parameter["in"] == "query" and parameter["name"] == name]
         return [word for schema in schemas for word in schema.get("items", schema).get("enum", ())]
 
     def left_out(self, target):
-        """Names of the members that a request to the target may leave out of its answer. The lines of `queries` have a `select` of their own."""
+        """Returns the names of the members that a request to the target may omit from its answer.
+        The lines of `queries` have their own `select`."""
         return tuple(self.words("select")) if re.search(r"(?:^|&)(?:select|fields)=", target.partition("?")[2]) else ()
 
     def examples(self, document):
-        """(media type, bytes) of each request body that is shown."""
+        """Yields (media type, bytes) of each example of a request body."""
         for kind, content in (self.body or {}).get("content", {}).items():
             for value in shown(document, content):
                 yield kind, (value if isinstance(value, str) else json.dumps(value)).encode()
@@ -117,7 +123,7 @@ class Contract:
         self.document = document
         self.operations = [Operation(document, path, method, item, item[method])
                            for path, item in document["paths"].items() for method in METHODS if method in item]
-        # names before captures, so that of two paths that fit the more literal one is found
+        # names before captures, so that the more literal of two matching paths is found
         self.paths = sorted({each.path for each in self.operations}, key=lambda path: path.count("{"))
         self.patterns = [(path, re.compile(re.sub(r"\{\w+\}", "[^/]+", path))) for path in self.paths]
         self.by_place = {(each.path, each.method): each for each in self.operations}
@@ -125,14 +131,14 @@ class Contract:
         self.schemas = {}
 
     def operation(self, method, target):
-        """That a request is for, or None. HEAD is answered wherever GET is."""
+        """Returns the operation of a request, or None. HEAD matches wherever GET does."""
         path = urllib.parse.unquote(target.partition("?")[0])
         found = next((each for each, pattern in self.patterns if pattern.fullmatch(path)), None)
         method = method.lower()
         return self.by_place.get((found, method)) or (self.by_place.get((found, "get")) if method == "head" else None)
 
     def invalid(self, value, schema, place, optional=()):
-        """What is wrong about a value, if anything. `optional`: names of members that may be missing."""
+        """Yields the faults of a value. `optional`: names of members that may be missing."""
         from jsonschema import Draft202012Validator, exceptions
         key = json.dumps(schema, sort_keys=True) + " ".join(optional)
         if key not in self.schemas:
@@ -144,7 +150,7 @@ class Contract:
             yield f"{place}: at /{where} {error.message[:300]}"
 
     def faults(self, method, target, answer, is_thin=False):
-        """Sentences that tell where an answer to a request differs from the contract."""
+        """Yields sentences that say where an answer differs from the contract."""
         operation = self.operation(method, target)
         place = f"{method} {target[:120]} -> {answer.status}"
         if operation is None:
@@ -155,18 +161,19 @@ class Contract:
         return [*self.faults_of_headers(response, answer, place), *self.faults_of_body(operation, response, method, target, answer, place, is_thin)]
 
     def shown_answers(self, operation, answer):
-        """The JSON documents that the contract shows of such an answer."""
+        """Returns the example documents that the contract has for such an answer."""
         content = operation.response(answer.status).get("content", {}).get("application/json", {})
         return shown(self.document, content) if answer.headers.get("Content-Type") == "application/json" else []
 
     def faults_of_examples(self, operation):
-        """What is shown of an operation fits what is told of it."""
+        """Checks that the examples of an operation match its schemas."""
         for parameter in operation.parameters:
             for value in shown(self.document, parameter):
                 yield from self.invalid(value, parameter["schema"], f"{operation}: the example of {parameter['name']}")
         for place, item in [("request", operation.body or {}), *operation.responses.items()]:
             for kind, content in item.get("content", {}).items():
-                for value in shown(self.document, content) if "contentSchema" not in content.get("schema", {}) else ():  # lines, one of them wrong
+                # examples of NDJSON lines, one of which is wrong
+                for value in shown(self.document, content) if "contentSchema" not in content.get("schema", {}) else ():
                     yield from self.invalid(value, content["schema"], f"{operation}: the example of {place}, {kind}")
 
     def faults_of_nowhere(self, method, answer, place):
@@ -189,7 +196,8 @@ class Contract:
                 if header.get("required", True):
                     yield f"{place}: the header {name} is missing"
                 continue
-            value = int(sent[name]) if header["schema"].get("type") == "integer" and sent[name].isdigit() else sent[name]
+            kind = {"integer": int, "number": float}.get(header["schema"].get("type"))
+            value = kind(sent[name]) if kind and NUMBER.fullmatch(sent[name]) else sent[name]
             yield from self.invalid(value, header["schema"], f"{place}: header {name}")
 
     def faults_of_body(self, operation, response, method, target, answer, place, is_thin):
@@ -233,7 +241,7 @@ class Contract:
             yield f"{place}: {operation.name} documents {documented}, not {problem['code']} ({problem['detail']})"
 
     def faults_of_job(self, job, place):
-        """What a job holds is what its operation would have answered."""
+        """Checks that a job holds the answer that its operation would have given."""
         if "result" not in job or "response" not in job:
             return
         operation = self.operation(*job["request"].split(" ", 1))
@@ -242,7 +250,7 @@ class Contract:
         if content is None:
             yield f"{place}: {operation.name} does not document the job's {job['response']['status']} {job['response']['media_type']}"
         elif job["response"]["media_type"] in JSON_TYPES:
-            # a job's `request` has no query
+            # a job's `request` lacks the query string
             yield from self.invalid(thinned(job["result"]), content["schema"], f"{place}, the job's result", tuple(operation.words("select")))
 
 

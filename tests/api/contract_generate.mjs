@@ -1,4 +1,5 @@
-// Makes TypeScript of an OpenAPI document with one generator, and compiles it strictly; exit status 1 and the errors if that fails.
+// Generates TypeScript from an OpenAPI document with one generator, and compiles it strictly. On
+// failure prints the errors and exits with status 1.
 //
 //     node contract_generate.mjs NODE_MODULES GENERATOR DOCUMENT FOLDER
 import { execFileSync } from "node:child_process";
@@ -19,7 +20,7 @@ const generators = {
     writeFileSync(`${folder}/settings.mjs`, `export default ${JSON.stringify(settings)};`);
     run("openapi-ts", "--file", `${folder}/settings.mjs`);
   },
-  // Its own validation is a house style (IBM's), which knows no OpenAPI 3.1.
+  // orval's own validation follows a house style (IBM's) that does not know OpenAPI 3.1.
   orval: () => require("orval").generate({ input: { target: document }, output: { target: `${folder}/api.ts`, client: "fetch", mode: "single" } }, folder),
 };
 

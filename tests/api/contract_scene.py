@@ -1,8 +1,9 @@
-"""What the documented requests are asked about: for each operation the request that the contract shows, on surfaces that it shows, too.
+"""The requests of the contract's examples, for each operation, and the surfaces that they use.
 
-A new operation needs nothing here when its parameters and its body have examples that work on the surfaces of `Scene.fill`: the mesh
-`tetrahedron`, the control mesh `cube`, the NURBS surface `sheet`, what their examples of `tessellate` make, a field and a
-job. What these can't tell stands in the tables below.
+A new operation needs no change here if the examples of its parameters and its body work on the
+surfaces of `Scene.fill`: the mesh `tetrahedron`, the control mesh `cube`, the NURBS surface
+`sheet`, the meshes that the examples of `tessellate` make from them, a field and a job. The tables
+below hold the exceptions.
 """
 import json
 import typing
@@ -15,7 +16,7 @@ FIELD = b'{"set": {"points": [{"vertex": 0}]}}'
 
 
 class Ask(typing.NamedTuple):
-    """A request. `body` None: none, and no Content-Length either."""
+    """A request. `body` None: no body and no Content-Length."""
 
     method: str
     target: str
@@ -23,21 +24,22 @@ class Ask(typing.NamedTuple):
     headers: dict
 
     def plus(self, body=None, query="", **headers):
-        """The same with other headers (`If_Match` is If-Match; None takes one away), more of a query, or another body."""
+        """Returns a copy with changed headers (`If_Match` is If-Match; None removes one), an
+        extended query string, or another body."""
         sign = "&" if "?" in self.target else "?"
         merged = {name: value for name, value in {**self.headers, **header_fields(headers)}.items() if value is not None}
         return Ask(self.method, self.target + (sign + query if query else ""), self.body if body is None else body, merged)
 
 
 def send(daemon, ask):
-    """http.client's `request` would add a Content-Length to each POST."""
-    if ask.body is not None or ask.method not in ("POST", "PUT"):
+    """Sends a request. http.client's `request` would add a Content-Length to each POST."""
+    if ask.body is not None or ask.method not in ("POST", "PUT", "PATCH"):
         return daemon.request(ask.method, ask.target, ask.body, ask.headers)
     return daemon.request_bare(ask.method, ask.target, ask.headers)
 
 
 class Scene:
-    """A daemon with all that the contract's requests ask about."""
+    """A daemon with all surfaces that the contract's requests use."""
 
     def __init__(self, daemon, contract, **headers):
         self.daemon, self.contract, self.headers = daemon, contract, headers
@@ -57,18 +59,19 @@ class Scene:
             self.must("PUT", self.path(self.by_name[put]), self.shown_body(put), JSON)
 
     def fill(self):
-        """Each time anew; what is there already is not changed by it."""
+        """Creates everything. May be repeated: existing surfaces stay unchanged."""
         self.put_surfaces()
-        for operation in ("post_nurbs_tessellate", "post_subdivision_tessellate"):
+        for operation in ("post_nurbs_tessellate", "post_subdivision_tessellate", "post_derive"):
             self.must("POST", self.path(self.by_name[operation]), self.shown_body(operation), JSON)
         self.field = self.must("POST", self.path(self.by_name["create_field"]), FIELD, JSON).json["id"]
         self.job = self.finished_job()
-        self.daemon.request("DELETE", f"/v1/batches/{self.batch or 'none'}", headers=self.headers)  # there may be a thousand at most
+        # deleted first: there may be at most a thousand batches
+        self.daemon.request("DELETE", f"/v1/batches/{self.batch or 'none'}", headers=self.headers)
         self.batch = self.end_of_job(self.must("POST", "/v1/batches", self.shown_body("create_batch"), JSON))
         return self
 
     def pretend(self):
-        """Of a daemon that was started again: it has the surfaces, and forgot the rest."""
+        """Sets the state of a restarted daemon, which has its surfaces but lost fields and jobs."""
         self.field, self.job, self.batch = "0" * 32, "0" * 24, "0" * 24
         return self
 
@@ -80,12 +83,12 @@ class Scene:
         return self.end_of_job(self.must("POST", target, self.shown_body("post_distance"), {**JSON, "Prefer": "respond-async"}))
 
     def end_of_job(self, accepted):
-        """The job's id, or the batch's, once it has ended."""
+        """Waits for a job or a batch to end and returns its id."""
         job = wait_until(lambda: (job := self.must("GET", accepted.headers["Location"]).json)["state"] not in ("queued", "running") and job)
         return job["id"]
 
     def path(self, operation):
-        """Its path, with the examples of its parameters."""
+        """Returns the operation's path, with the examples of its parameters."""
         path = operation.path
         for parameter in operation.parameters:
             if parameter["in"] != "path":
@@ -101,15 +104,15 @@ class Scene:
         return urllib.parse.urlencode([(each["name"], query_text(each["example"])) for each in (shown if optional else needed or shown)], safe=":,")
 
     def ask(self, operation, example=None, optional=True):
-        """The documented request; `example` is one of its bodies, the first if None. `optional`: with all parameters that have an example, not only
-        those that are required, if any is."""
+        """Returns the documented request; `example` is one of its bodies, None the first.
+        `optional`: with all parameters that have an example, not only the required ones."""
         query = self.query(operation, optional)
         kind, body = example or next(iter(operation.examples(self.contract.document)), (None, None))
         headers = {**self.headers, **({"Content-Type": kind} if kind else {})}
         return Ask(operation.method.upper(), self.path(operation) + ("?" + query if query else ""), body, headers)
 
     def asks(self, operation):
-        """All documented requests."""
+        """Yields all documented requests."""
         for example in list(operation.examples(self.contract.document)) or [None]:
             yield self.ask(operation, example)
 
@@ -119,7 +122,7 @@ def query_text(value):
 
 
 def points_replaced(value, replacement):
-    """The JSON value with every point of a mesh replaced."""
+    """Returns the JSON value with every point of a mesh replaced."""
     if isinstance(value, dict):
         if value.keys() in ({"vertex"}, {"edge", "t"}, {"face", "barycentric"}, {"xyz", "max_snap"}):
             return replacement

@@ -1,7 +1,8 @@
-"""What a daemon can be like, and what can be done to a request: each brings about problems that the contract documents.
+"""States of a daemon and changes of a request that cause the problems that the contract documents.
 
-A situation is tried on every operation that it concerns: `try_...` makes a daemon of a kind, a change makes a right request a wrong one. What
-comes is noted by operation. test_contract_problems.py compares it with what is documented.
+Each situation is tried on every operation that it concerns. A function `try_...` starts a daemon in
+some state; a change turns a valid request into a wrong one. The problems are recorded by operation.
+test_contract_problems.py compares them with the documented ones.
 """
 import collections
 import contextlib
@@ -27,18 +28,18 @@ from common import Shimmed, build_shim  # noqa: E402
 
 FEW_SECONDS = 60
 LATE = (504, "deadline_exceeded")
-ROUNDS = 50  # until one of a hundred requests at once is late
+ROUNDS = 50  # most attempts until one of a hundred simultaneous requests is late
 
 
 def documented(operation):
-    """(status, code) of each problem; HEAD has no body to tell a code in."""
+    """Yields (status, code) of each problem; without a code for HEAD, which has no body."""
     for status, codes in operation.codes.items():
         for code in codes:
             yield status, code
 
 
 class Situations:
-    """What has come: `seen` by operation, and `faults`."""
+    """Records the problems `seen` for each operation, and the `faults`."""
 
     def __init__(self):
         self.contract = contract.load()
@@ -54,7 +55,8 @@ class Situations:
             self.seen[operation.name].add((answer.status, answer.json["code"]))
 
     def try_all(self, daemon, scene, change, operations=None):
-        """The documented request of each operation, changed: to one Ask, to several, or to None where the situation does not concern it."""
+        """Sends the documented request of each operation, changed into one Ask or several; None:
+        the change does not concern the operation."""
         for operation in operations or self.contract.operations:
             changed = change(scene, operation, scene.ask(operation))
             for ask in [changed] if isinstance(changed, Ask) else changed or ():
@@ -66,7 +68,7 @@ class Situations:
                 yield operation, *pair
 
 
-# --- what is done to a request that would be right --------------------------------------------------------------------------
+# --- what is done to a request that would be right ----------------------------------------------
 
 
 def as_it_is(scene, operation, ask):
@@ -75,19 +77,19 @@ def as_it_is(scene, operation, ask):
 
 
 def twice(scene, operation, ask):
-    """Of uploads: new, and the same again."""
+    """Uploads a new surface, and then the same one again."""
     if operation.success != 200 or operation.response(201) is None:
         return None
     for kind in ("meshes", "nurbs", "subdivisions"):
         for item in scene.must("GET", f"/v1/{kind}").json[kind]:
             scene.must("DELETE", f"/v1/{kind}/{item['name']}")
-    if "queries" in operation.tags or "fields" in operation.path:
+    if not is_upload(operation):
         scene.put_surfaces()
     return [ask, ask]
 
 
 def absent(scene, operation, ask):
-    """Names and ids of nothing."""
+    """Replaces names and ids by absent ones."""
     if "{id}" in operation.path:
         return [ask._replace(target=ask.target.replace(scene.field, "0" * 32)), ask._replace(target=ask.target.replace(scene.field, "x"))]
     if "{job}" in operation.path:
@@ -104,12 +106,12 @@ def absent(scene, operation, ask):
 
 
 def oversized(scene, operation, ask):
-    """A body that is announced, and never sent."""
+    """Announces a body that is never sent."""
     return ask.plus(Content_Length=str(1 << 50))._replace(body=None) if operation.body else None
 
 
 def misplaced(scene, operation, ask):
-    """Places that are not on the surface."""
+    """Replaces points by points that are not on the surface."""
     if not operation.body:
         return ask._replace(target=ask.target.replace("v:0", "f:0:2,2,2").replace("p:0.2,0.1,-0.5", "f:0:2,2,2"))
     if is_upload(operation):
@@ -121,7 +123,7 @@ def misplaced(scene, operation, ask):
 
 
 def moved(value):
-    """Parameters outside of any domain."""
+    """Moves parameters outside of any domain."""
     if isinstance(value, dict):
         return {key: [9, 9] if key in ("uv", "a", "b", "point", "from", "to") and numbers(item) else moved(item) for key, item in value.items()}
     if numbers(value) and len(value) == 2:
@@ -152,21 +154,21 @@ PLAIN = {
 }
 
 
-# --- what the daemon is like ------------------------------------------------------------------------------------------------
+# --- what the daemon is like --------------------------------------------------------------------
 
 
 def asking(scene, operation, ask):
-    """What leaves surfaces and jobs as they are."""
+    """Keeps requests that change neither surfaces nor jobs."""
     return None if operation.method == "delete" or is_upload(operation) or operation.path.startswith("/v1/jobs") else ask
 
 
 def uploading(scene, operation, ask):
-    """Something large."""
+    """Uploads something large."""
     return ask.plus(large(operation)) if is_upload(operation) else None
 
 
 def is_upload(operation):
-    """Of a surface."""
+    """Returns whether the operation uploads a surface."""
     return operation.name.startswith(("put_", "create_")) and operation.name not in ("create_field", "create_batch")
 
 
@@ -190,19 +192,20 @@ def try_plain(found):
         try_conflicts(found, daemon, scene)
         try_degenerate(found, daemon, scene)
         scene.fill()
-        for number in range(1100):  # more than a mesh's catalogue remembers
+        for number in range(1100):  # more fields than a mesh's catalogue remembers
             scene.must("POST", "/v1/meshes/tetrahedron/fields", dumps({"set": {"points": [{"edge": [0, 1], "t": number / 2000}]}}), JSON)
         found.try_all(daemon, scene, lambda scene, operation, ask: ask if "{id}" in operation.path else instead(scene, operation, "field", scene.field))
 
 
 def instead(scene, operation, name, value):
-    """With that parameter alone, where the operation has it."""
+    """Returns the request with that parameter alone; None if the operation lacks the parameter."""
     has = any(parameter["name"] == name for parameter in operation.parameters)
     return scene.ask(operation)._replace(target=f"{scene.path(operation)}?{name}={value}") if has else None
 
 
 def try_conflicts(found, daemon, scene):
-    """A job that has not ended has no answer; what one holds is answered with its status; pieces don't take the place of their mesh."""
+    """Provokes conflicts: a job that has not ended has no answer; a saved answer is returned with
+    its own status; pieces must not replace their own mesh."""
     result, cut, events, isolines = (scene.by_name[name] for name in ("get_job_result", "post_cut", "get_job_events", "get_isolines"))
     scene.fill()
     daemon.put("tetrahedron-1", TETRAHEDRON)
@@ -210,6 +213,8 @@ def try_conflicts(found, daemon, scene):
     found.try_all(daemon, scene, lambda scene, operation, ask: ask.plus(dumps(unnamed)), [cut])
     found.try_all(daemon, scene, lambda scene, operation, ask: ask._replace(target=scene.path(operation) + "?count=1000&tolerance=1e-9"), [isolines])
     daemon.put("ball", sample("icosphere", level=5))
+    preview = scene.by_name["get_preview"]
+    found.try_all(daemon, scene, lambda scene, operation, ask: ask._replace(target="/v1/meshes/ball/preview?faces=1000"), [preview])
     hog = scene.start_job("/v1/meshes/ball/farthest-points", {"count": 10000})
     found.try_all(daemon, scene, lambda scene, operation, ask: ask._replace(target=f"/v1/jobs/{hog}/result"), [result])
     scene.must("DELETE", f"/v1/jobs/{hog}")
@@ -221,7 +226,8 @@ def try_conflicts(found, daemon, scene):
 
 
 def try_degenerate(found, daemon, scene):
-    """Surfaces that can be evaluated, and have parts without area: five squares and a line; two strips and a line."""
+    """Tries surfaces that can be evaluated but have parts without area: five squares and a line;
+    two strips and a line."""
     squares = [[[3 * i + x, y, 0] for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))] for i in range(5)] + [[[x, 9, 0] for x in range(4)]]
     control = {"points": sum(squares, []), "faceVertexCounts": [4] * 6, "faceVertexIndices": list(range(24))}
     strips = {"degreeU": 1, "degreeV": 1, "knotsU": [0, 0, 1, 2, 2], "knotsV": [0, 0, 1, 1],
@@ -232,14 +238,14 @@ def try_degenerate(found, daemon, scene):
 
 
 def try_crowd(found):
-    """As many batches as there may be, and one more."""
+    """Creates the maximal number of batches, and one more."""
     with Daemon() as daemon:
         scene = Scene(daemon, found.contract).fill()
         found.try_all(daemon, scene, lambda scene, operation, ask: [ask] * 1000, [scene.by_name["create_batch"]])
 
 
 def try_keys(found, place):
-    """Nobody, who may only read, and who asks too often."""
+    """Sends requests without a key, with a read key, and beyond the rate of a key."""
     keys = pathlib.Path(place) / "keys"
     keys.write_text(line("writer", "role=write") + line("reader") + line("hasty", "role=write rate=1"))
     with Daemon("--keys", str(keys)) as daemon:
@@ -255,7 +261,7 @@ def try_keys(found, place):
 
 @contextlib.contextmanager
 def hogged(daemon, count):
-    """While requests keep the only worker, and stand in its queue."""
+    """Keeps the only worker and its queue busy with requests."""
     daemon.put("ball", sample("icosphere", level=5))
     connections = [daemon.connect() for _ in range(count)]
     for number, connection in enumerate(connections):
@@ -267,19 +273,23 @@ def hogged(daemon, count):
 
 
 def store_large(place):
-    """A data folder with large surfaces under the names that are asked about. `sheet` is the largest and the most used."""
+    """Makes a data folder with large surfaces under the names of the requests. `sheet` is the
+    largest and the most used."""
     folder, ball = pathlib.Path(place) / "data", sample("icosphere", level=6)
     with Daemon("--data-dir", str(folder)) as daemon:
         for name in ("tetrahedron", "sheet-mesh", "cube-mesh"):
             assert daemon.put(name, ball).status == 201
         assert daemon.request("PUT", "/v1/subdivisions/cube?scheme=loop", sample("icosphere", level=5)).status == 201
         assert daemon.request("PUT", "/v1/nurbs/sheet", dumps(bumps(250, 250, 0.1, 1)), JSON).status == 201
+        derivation = {"mesh": "tetrahedron-edited", "operations": [{"operation": "components", "keep": 1}]}
+        assert daemon.request("POST", "/v1/meshes/tetrahedron/derive", dumps(derivation), JSON).status == 201
         for _ in range(500):
             assert daemon.request("POST", "/v1/nurbs/sheet/evaluate", b'{"uv": [[0, 0]]}', JSON).status == 200
     return folder
 
 
-# After a start the most used surfaces are loaded unasked, until one would take a third of the memory: here that is the first.
+# After a start the most used surfaces are loaded without a request, until one would take a third of
+# the memory. Here the first one does.
 ASLEEP = ("--memory-budget", "140MiB", "--max-body", "64MiB", "--landmarks", "0")
 
 
@@ -292,14 +302,14 @@ def try_overload(found, folder):
 
 
 def await_calm(daemon):
-    """Until no more requests come to wait."""
+    """Waits until the number of queued requests stays constant."""
     waiting = None
     while waiting != (waiting := daemon.metric("requests_deferred")):
         time.sleep(0.3)
 
 
 def try_drain(found, folder):
-    """All wait for the worker when the time to drain is over."""
+    """Sends all requests, which still wait for the worker at the drain deadline."""
     with Daemon("--data-dir", str(folder), "--workers", "1", "--drain-ms", "100", *ASLEEP) as daemon:
         scene = Scene(daemon, found.contract).pretend()
         answers = []
@@ -319,13 +329,22 @@ def try_drain(found, folder):
             found.note(*each)
 
 
+def try_waits(found, folder):
+    """Sends a request that waits for a job beyond its own deadline."""
+    with Daemon("--data-dir", str(folder), "--workers", "1", "--timeout-ms", "1", *ASLEEP) as daemon:
+        scene = Scene(daemon, found.contract).pretend()
+        scene.job = scene.start_job("/v1/meshes/tetrahedron/farthest-points", {"count": 10000})
+        found.try_all(daemon, scene, lambda scene, operation, ask: ask.plus(query="wait=1"), [scene.by_name["get_job"]])
+
+
 def try_haste(found, folder):
-    """A millisecond for what takes many."""
+    """Allows one millisecond for requests that take many."""
     with Daemon("--data-dir", str(folder), "--timeout-ms", "1", *ASLEEP) as daemon:
         scene = Scene(daemon, found.contract).pretend()
         found.try_all(daemon, scene, asking)
         found.try_all(daemon, scene, uploading)
-        for operation in [each for each in found.contract.operations if "batches" in each.path]:  # which are in a database, read within the millisecond
+        # batches are in a database, which is read within the millisecond
+        for operation in [each for each in found.contract.operations if "batches" in each.path]:
             asks = [scene.ask(operation)] * 100
             for _ in range(ROUNDS):
                 for ask, answer in zip(asks, all_at_once(daemon, asks)):
@@ -351,37 +370,43 @@ def try_damage(found, folder):
 
 
 def try_refusing_store(found, folder):
-    """From the first write on that fails: files may have no more than ten bytes."""
+    """Makes writes of the store fail: files may have at most ten bytes."""
     with Daemon("--data-dir", str(folder)) as daemon:
         scene = Scene(daemon, found.contract).fill()
         resource.prlimit(daemon.process.pid, resource.RLIMIT_FSIZE, (10, 10))
         for change in (uploading, removing, asking):
             found.try_all(daemon, scene, change)
-        found.try_all(daemon, scene, lambda scene, operation, ask: ask.plus(ask.body.replace(b"-mesh", b"-other").replace(b"base", b"bottom"))
-                      if operation.name in ("post_cut", "post_nurbs_tessellate", "post_subdivision_tessellate", "post_subdivision_discretize") else None)
+        found.try_all(daemon, scene, lambda scene, operation, ask: ask.plus(ask.body.replace(b"-mesh", b"-other").replace(b"base", b"bottom").replace(b"-edited", b"-other"))
+                      if operation.name in ("post_cut", "post_derive", "post_nurbs_tessellate", "post_subdivision_tessellate", "post_subdivision_discretize") else None)
 
 
-def try_late_removals(found, place):
-    """So many at once that the store's writer has no time for the last within a millisecond."""
-    operations = [each for each in found.contract.operations if each.method == "delete" and (each.path, "put") in found.contract.by_place]
+def try_late_changes(found, place):
+    """Sends so many changes at once that the store's writer has no time for the last within a
+    millisecond."""
+    operations = [each for method in ("patch", "delete") for each in found.contract.operations
+                  if each.method == method and (each.path, "put") in found.contract.by_place]
+    surfaces = {operation.path for operation in operations}
     names = [f"n{number}" for number in range(100)]
     folder = pathlib.Path(place) / "many"
     with Daemon("--data-dir", str(folder)) as daemon:
         scene = Scene(daemon, found.contract)
-        for operation in operations:
+        for path in surfaces:
             for name in names:
-                put = found.contract.by_place[operation.path, "put"]
-                scene.must("PUT", operation.path.replace("{name}", name), scene.shown_body(put.name), JSON)
+                put = found.contract.by_place[path, "put"]
+                scene.must("PUT", path.replace("{name}", name), scene.shown_body(put.name), JSON)
     with Daemon("--data-dir", str(folder), "--timeout-ms", "1") as daemon:
         try_late_lists(found, daemon)
+        change = {"patch": (b'{"description": "late"}', JSON), "delete": (None, {})}
         for operation in operations:
-            asks = [Ask("DELETE", operation.path.replace("{name}", name), None, {}) for name in names]
+            method, content = operation.method.upper(), change[operation.method]
+            asks = [Ask(method, operation.path.replace("{name}", name), *content) for name in names]
             for ask, answer in zip(asks, all_at_once(daemon, asks)):
                 found.note(operation, ask, answer)
 
 
 def try_late_lists(found, daemon):
-    """So many at once that the thread that makes lists has no time for the last within a millisecond."""
+    """Sends so many list requests at once that the lister's thread has no time for the last within
+    a millisecond."""
     for _ in range(100):
         daemon.request("POST", "/v1/meshes/n0/farthest-points", b'{"count": 2}', {**JSON, "Prefer": "respond-async"})
     for name in ("list_meshes", "list_nurbs", "list_subdivisions", "list_jobs"):
@@ -395,7 +420,7 @@ def try_late_lists(found, daemon):
 
 
 def all_at_once(daemon, asks):
-    """The answers to requests that are sent before any is waited for."""
+    """Sends all requests before it reads the first answer. Returns the answers."""
     connections = [daemon.connect() for _ in asks]
     for connection in connections:
         connection.connect()
@@ -408,7 +433,8 @@ def all_at_once(daemon, asks):
 
 
 def try_failing_memory(found, place):
-    """Each allocation of a request fails once, until all operations have told of it that would."""
+    """Makes each allocation of a request fail once, until all operations have reported the failures
+    that they document."""
     library = build_shim("alloc_preload", place)
     file = pathlib.Path(place) / "control"
     control = open_control(file)

@@ -1,5 +1,5 @@
-// Reads GLB files as others do: the Khronos validator's verdict, and what three.js makes of them. One line of JSON a file, named as arguments behind the
-// folder that the packages are in.
+// Reads GLB files by the Khronos validator and by three.js. Arguments: the folder of the packages,
+// then the files. Prints one line of JSON for each file.
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { pathToFileURL } from "node:url";

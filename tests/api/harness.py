@@ -20,8 +20,8 @@ FORMAT_VERSION = "1"  # SERVER_FORMAT_VERSION of server/exchange/etag.h
 PROGRAM = pathlib.Path(os.environ.get("GEODESICD", "build/geodesicd")).resolve()
 START_SECONDS = 20  # sanitizers are slow to start
 PATIENCE_SECONDS = 60
-SEARCHES = 16  # questions about a source before its field is built: SERVER_CACHE_SEARCHES
-LARGE = 10000  # characters of a value
+SEARCHES = 16  # queries of a source before its field is built: SERVER_CACHE_SEARCHES
+LARGE = 10000  # characters of a value that is large
 
 TETRAHEDRON = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
 SQUARE = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n"
@@ -42,23 +42,24 @@ class Answer:
 
 @functools.cache
 def sample(name, **parameters):
-    """The OBJ file of a sample mesh."""
+    """Returns the OBJ file of a sample mesh."""
     arguments = [f"{key}={value}" for key, value in parameters.items()]
     return subprocess.run([PROGRAM.parent / "gd_sample", name, *arguments], check=True, stdout=subprocess.PIPE).stdout
 
 
 def header_fields(keywords):
-    """If_None_Match="*" as a keyword is the header If-None-Match."""
+    """Returns headers of keywords: If_None_Match="*" is the header If-None-Match."""
     return {name.replace("_", "-"): value for name, value in keywords.items()}
 
 
 def form_tag(etag, form):
-    """The ETag of a computed answer in that form; `etag` is the ETag of the mesh."""
+    """Returns the ETag of a computed answer in that form; `etag` is the ETag of the mesh."""
     return f'{etag[:-1]}-{form}.{FORMAT_VERSION}"'
 
 
 def hold_against_contract(method, path, answer):
-    """In the API's suite (run.py) whatever any test is answered has to be documented, not only what test_contract asks for."""
+    """Checks an answer against the contract. The API's suite (run.py) does so for every answer, not
+    only for those of test_contract."""
     if os.environ.get("GEODESICD_CONTRACT") != "1":
         return
     import contract
@@ -68,7 +69,7 @@ def hold_against_contract(method, path, answer):
 
 
 def wait_until(look, seconds=PATIENCE_SECONDS):
-    """What the function finds, once that is something; it is asked again and again."""
+    """Calls the function until its result is true, and returns the result."""
     until = time.monotonic() + seconds
     while not (found := look()):
         if time.monotonic() > until:
@@ -84,7 +85,8 @@ class Daemon:
         store = () if "--data-dir" in flags else ("--store", "memory")
         self.log = []
         self.process = subprocess.Popen([PROGRAM, "--listen", listen, *store, *flags], stderr=subprocess.PIPE, text=True)
-        weakref.finalize(self, self.process.kill)  # a test that fails leaves no daemon behind to hold its output open
+        # a failed test must not leave a daemon that holds its output open
+        weakref.finalize(self, self.process.kill)
         self._listening = threading.Event()
         self._reader = threading.Thread(target=self._read_log, daemon=True)
         self._reader.start()
@@ -102,7 +104,7 @@ class Daemon:
                 self.log.append({"event": "not JSON", "message": text})
             if self.log[-1]["event"] == "listening":
                 self._listening.set()
-        self._listening.set()  # it ended: there is nothing to wait for
+        self._listening.set()  # the daemon ended: nothing to wait for
 
     def __enter__(self):
         return self
@@ -123,7 +125,7 @@ class Daemon:
             try:
                 own.request(method, path, body, headers or {})
             except (BrokenPipeError, ConnectionResetError):
-                pass  # refused before the body was sent: the answer is there
+                pass  # refused before the body was sent: the answer has arrived
             response = own.getresponse()
             answer = Answer(response.status, response.headers, response.read())
         finally:
@@ -133,7 +135,8 @@ class Daemon:
         return answer
 
     def request_bare(self, method, path, headers):
-        """Without a body, and without the Content-Length that http.client would add."""
+        """Sends a request without a body, and without the Content-Length that http.client would
+        add."""
         connection = self.connect()
         try:
             connection.putrequest(method, path, skip_host="Host" in headers)
@@ -156,7 +159,8 @@ class Daemon:
         return self.request("POST", f"/v1/meshes/{name}/{query}", json.dumps(document), headers)
 
     def ask_often(self, name, source):
-        """Asks about a source as often as can be without a field being built: the next question builds it."""
+        """Queries a source as often as possible without building its field: the next query builds
+        it."""
         connection = self.connect()
         for _ in range(SEARCHES - 1):
             answer = self.request("GET", f"/v1/meshes/{name}/distance?from={source}&to={source}", connection=connection)
@@ -164,7 +168,8 @@ class Daemon:
         connection.close()
 
     def raw(self, text, shut=False):
-        """Sends bytes as they are; all that comes back until the daemon closes or falls silent."""
+        """Sends bytes unchanged. Returns all bytes until the daemon closes the connection or falls
+        silent."""
         with socket.create_connection(("127.0.0.1", self.port), timeout=3) as connection:
             received = b""
             try:
@@ -178,18 +183,18 @@ class Daemon:
             return received
 
     def metric(self, name):
-        """The value of a metric without labels."""
+        """Returns the value of a metric without labels."""
         for line in self.get("/metrics").body.decode().splitlines():
             if line.startswith(f"geodesicd_{name} "):
                 return float(line.split()[1])
         raise KeyError(name)
 
     def wait_for(self, name, least=1):
-        """Until the metric has that value; returns it."""
+        """Waits until the metric has at least that value; returns it."""
         return wait_until(lambda: (value := self.metric(name)) >= least and value)
 
     def ended(self, accepted):
-        """The job that a request was accepted as, once it has ended."""
+        """Waits for the job of an accepted request to end, and returns it."""
         assert accepted.status == 202, accepted
         return wait_until(lambda: (job := self.get(accepted.headers["Location"]).json)["state"] not in ("queued", "running") and job)
 
@@ -197,7 +202,7 @@ class Daemon:
         self.process.send_signal(signal.SIGTERM)
 
     def reload(self):
-        """Sends SIGHUP; the event that the daemon logs about it."""
+        """Sends SIGHUP and returns the event that the daemon logs about it."""
         before = len(self.reloads())
         self.process.send_signal(signal.SIGHUP)
         return wait_until(lambda: self.reloads()[before:])[-1]
@@ -206,7 +211,8 @@ class Daemon:
         return [line for line in self.log if line["event"] in ("reloaded", "reload_failed")]
 
     def stop(self):
-        """Ends the daemon as an operator would; returns its exit status. It may have said nothing but its log: so sanitizers have their say."""
+        """Ends the daemon as an operator would; returns its exit status. Fails if it has printed
+        anything but its log, for example a sanitizer's report."""
         if self.process.poll() is None:
             self.terminate()
         try:
@@ -223,7 +229,7 @@ class Daemon:
 
 
 class Folder(unittest.TestCase):
-    """Each test has a data folder of its own."""
+    """Gives each test its own data folder."""
 
     def setUp(self):
         self.place = tempfile.TemporaryDirectory()
@@ -237,7 +243,8 @@ class Folder(unittest.TestCase):
 
 
 class TestCase(unittest.TestCase):
-    """Tests that share a daemon, started with the class's `flags`. It has to end well."""
+    """Tests that share a daemon, started with the class's `flags`. The daemon must exit with status
+    0."""
 
     flags = ()
 
@@ -259,19 +266,20 @@ class TestCase(unittest.TestCase):
 
     @classmethod
     def put_all(cls, meshes):
-        """Uploads meshes by name; their descriptions by name."""
+        """Uploads meshes by name; returns their descriptions by name."""
         answers = {name: cls.daemon.put(name, body) for name, body in meshes.items()}
         assert all(answer.status == 201 for answer in answers.values()), answers
         return {name: answer.json for name, answer in answers.items()}
 
     def asked(self, mesh, query, document, status=200, headers=None):
-        """The answer to a question, which has that status, as JSON."""
+        """Returns a query's answer as JSON; asserts its status."""
         answer = self.daemon.ask(mesh, query, document, headers)
         self.assertEqual(answer.status, status, answer)
         return answer.json
 
     def assertEqual(self, first, second, msg=None):
-        """As unittest's. Of large values only the first difference is printed: unittest computes a complete one, which can take hours."""
+        """As unittest's, but prints only the first difference of large values: unittest computes a
+        complete one, which can take hours."""
         if first == second:
             return
         texts = repr(first), repr(second)

@@ -1,4 +1,5 @@
-"""What tests of jobs share: how they are started, awaited, cancelled and watched, and a daemon with one worker and a mesh that keeps it busy."""
+"""Helpers of the tests of jobs: to start, await, cancel and watch jobs, and a daemon with one
+worker and a mesh that keeps it busy."""
 import json
 import time
 
@@ -6,11 +7,11 @@ from harness import PATIENCE_SECONDS, SQUARE, TestCase, sample, wait_until
 
 ASYNC = {"Prefer": "respond-async"}
 JSON = {"Content-Type": "application/json"}
-SANITIZED_SECONDS = 2  # what may pass for "at once" where everything is slow
+SANITIZED_SECONDS = 2  # longest time that counts as "at once" under sanitizers
 
 
 def big_mesh():
-    """A mesh on which one field takes seconds."""
+    """Returns a mesh on which one field takes seconds."""
     return sample("terrain", cells=400, amplitude=1)
 
 
@@ -19,7 +20,7 @@ def pair(source, target):
 
 
 class Jobs(TestCase):
-    """What tests about jobs share."""
+    """Helpers of tests about jobs."""
 
     def start(self, path, document=None, method="POST", daemon=None, **headers):
         """Starts a job; returns its location."""
@@ -33,7 +34,7 @@ class Jobs(TestCase):
         return location
 
     def start_field(self, source, name="big", daemon=None):
-        """Starts the slowest job there is: the question that the field of a source is built for."""
+        """Starts the slowest job: the query for which the field of a source is built."""
         (daemon or self.daemon).ask_often(name, f"v:{source}")
         return self.start(f"/v1/meshes/{name}/distance", pair(source, 160000 - source), daemon=daemon)
 
@@ -51,7 +52,7 @@ class Jobs(TestCase):
 
 
 class OneWorker(Jobs):
-    """Jobs that take their time, on the only worker."""
+    """Long jobs on the only worker."""
 
     flags = ("--workers", "1", "--queue-length", "2", "--landmarks", "0")
 
@@ -71,7 +72,7 @@ class OneWorker(Jobs):
 
 
 def events_of(response):
-    """(event, data) of each message of a stream, comments left out, as they come."""
+    """Yields (event, data) of each message of a stream, without comments, as they arrive."""
     event = data = None
     for line in response:
         line = line.decode().rstrip("\n")

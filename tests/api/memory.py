@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Memory of the daemon against its budget, and its first field against later ones: figures, no verdict.
+"""Measures the daemon's memory against its budget, and its first field against later ones. Prints
+figures, not a verdict.
 
     tests/api/memory.py [OBJ ...]
 
-Without files it takes sample meshes. Each row: fields asked for, resident memory against the budget and against what the
-daemon counts, both above what a daemon without meshes has.
+Without files it uses sample meshes. Each row: number of requested fields, and resident memory
+relative to the budget and to the counted bytes, both less the memory of a daemon without meshes.
 """
 import pathlib
 import statistics
@@ -16,7 +17,7 @@ from harness import Daemon, sample
 FIELDS = 200
 BUDGETS = ("96MiB", "512MiB", "2GiB")
 FRESH = 7  # daemons
-STRIDE = 7919  # from one source to the next, in faces
+STRIDE = 7919  # faces from one source to the next
 CLASSES = ("meshes", "fields", "flight", "answers", "records", "workspaces", "landmarks", "spare")
 
 
@@ -30,7 +31,7 @@ def sample_files():
 
 
 def resident(daemon):
-    """Bytes of resident memory that are not backed by a file."""
+    """Returns the bytes of resident memory that are not backed by a file."""
     for line in pathlib.Path(f"/proc/{daemon.process.pid}/status").read_text().splitlines():
         if line.startswith("RssAnon:"):
             return int(line.split()[1]) << 10
@@ -45,7 +46,8 @@ def counted(daemon):
 
 
 def ask(daemon, name, count, number):
-    """Has a field built of a source that was not asked for before; seconds of the question that it is built for."""
+    """Queries a new source until its field is built; returns the seconds of the query that builds
+    it."""
     source, target = f"f:{STRIDE * number % count}:0.2,0.3,0.5", (STRIDE * number + count // 2) % count
     daemon.ask_often(name, source)
     begin = time.monotonic()

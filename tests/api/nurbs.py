@@ -1,4 +1,4 @@
-"""Surfaces, curves and an evaluation of its own, and the questions that all tests of NURBS ask."""
+"""Surfaces, curves, an independent evaluation, and queries that all tests of NURBS share."""
 import json
 import math
 import random
@@ -8,7 +8,7 @@ from harness import TestCase, header_fields
 PI = math.pi
 JSON = {"Content-Type": "application/json"}
 
-# --- surfaces ------------------------------------------------------------------------------------------------------------
+# --- surfaces ------------------------------------------------------------------------------------
 
 CIRCLE = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1), (1, 0)]
 CIRCLE_KNOTS = [0, 0, 0, 0.25, 0.25, 0.5, 0.5, 0.75, 0.75, 1, 1, 1]
@@ -19,14 +19,14 @@ def circle_weight(i):
 
 
 def rational_torus(major=2, minor=1):
-    """A torus of 9 x 9 control points: u around the axis, v around the tube."""
+    """Returns a torus of 9 x 9 control points: u around the axis, v around the tube."""
     points = [[[(major + minor * c) * x, (major + minor * c) * y, minor * s] for c, s in CIRCLE] for x, y in CIRCLE]
     weights = [[circle_weight(i) * circle_weight(j) for j in range(9)] for i in range(9)]
     return {"degreeU": 2, "degreeV": 2, "knotsU": CIRCLE_KNOTS, "knotsV": CIRCLE_KNOTS, "controlPoints": points, "weights": weights}
 
 
 def rational_sphere():
-    """The unit sphere: v from the south pole to the north pole."""
+    """Returns the unit sphere: v from the south pole to the north pole."""
     profile = [(0, -1), (1, -1), (1, 0), (1, 1), (0, 1)]
     points = [[[r * x, r * y, h] for r, h in profile] for x, y in CIRCLE]
     weights = [[circle_weight(i) * circle_weight(j) for j in range(5)] for i in range(9)]
@@ -40,7 +40,7 @@ def clamped(count, degree):
 
 
 def bumps(rows, columns, height, seed):
-    """An open bicubic B-spline over cells of size 1."""
+    """Returns an open bicubic B-spline over cells of size 1."""
     chance = random.Random(seed)
     points = [[[i, j, chance.uniform(-height, height)] for j in range(columns)] for i in range(rows)]
     return {"degreeU": 3, "degreeV": 3, "knotsU": clamped(rows, 3), "knotsV": clamped(columns, 3), "controlPoints": points}
@@ -62,11 +62,11 @@ CONE = revolution([1, 0], [2, 3])
 ANNULUS = revolution([1, 0], [3, 0])
 
 
-# --- an evaluation of its own --------------------------------------------------------------------------------------------
+# --- an evaluation of its own -------------------------------------------------------------------
 
 
 def spline_at(degree, knots, points, t):
-    """De Boor's algorithm."""
+    """Evaluates a B-spline by De Boor's algorithm."""
     span = max(i for i in range(degree, len(points)) if knots[i] <= t and knots[i] < knots[i + 1])
     d = [points[span - degree + i] for i in range(degree + 1)]
     for r in range(1, degree + 1):
@@ -82,7 +82,7 @@ def torus_at(u, v, major=2, minor=1):
 
 
 def wavy(count, u, v, radius, amplitude, waves):
-    """A closed polyline around (u, v)."""
+    """Returns a closed polyline around (u, v)."""
     corners = []
     for i in range(count):
         t = 2 * PI * i / count

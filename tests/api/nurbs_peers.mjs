@@ -1,14 +1,17 @@
-// Evaluates NURBS surfaces by programs of others: verb-nurbs (position and derivatives), three (position), rhino3dm (position).
+// Evaluates NURBS surfaces by other programs: verb-nurbs (position and derivatives), three
+// (position), rhino3dm (position).
 //
 //     node nurbs_peers.mjs NODE_MODULES < question > answer
 //
-// Question: {"surfaces": [surface in the canonical form, with weights, and "uv": [[u, v], ...]]}. Answer, the last line: a list of {name: {"file", "values"}}, where
-// `file` is the surface as that program holds it, read back from the program, and `values` are rows of position and, for verb, derivatives by u, v, uu, uv, vv.
+// Question: {"surfaces": [surface in the canonical form, with weights, and "uv": [[u, v], ...]]}.
+// Answer, the last line: a list of {name: {"file", "values"}}, where `file` is the surface read
+// back from that program, and `values` are rows of position and, for verb, derivatives by u, v, uu,
+// uv, vv.
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { pathToFileURL } from "node:url";
 
-globalThis.window = globalThis; // verb wants one
+globalThis.window = globalThis; // verb needs `window`
 const modules = `${process.argv[2]}/`;
 const require = createRequire(modules);
 const load = (path) => import(pathToFileURL(modules + path));
@@ -28,7 +31,7 @@ function byVerb(s) {
   return { file: { degreeU: held.degreeU, degreeV: held.degreeV, knotsU: held.knotsU, knotsV: held.knotsV, controlPoints: held.controlPoints }, values };
 }
 
-// Its parameters are parts of the domain.
+// Evaluates by three, whose parameters are fractions of the domain.
 function byThree(s) {
   const points = s.controlPoints.map((row, i) => row.map((p, j) => new Vector4(...p, s.weights[i][j])));
   const surface = new NURBSSurface(s.degreeU, s.degreeV, s.knotsU, s.knotsV, points);

@@ -1,4 +1,4 @@
-"""How tests are found, run and told of: one line a test, a total."""
+"""Finds and runs tests and reports them: one line for each test, and a total."""
 import time
 import unittest
 
@@ -10,7 +10,8 @@ class LineResult(unittest.TestResult):
 
     def report(self, verdict, test):
         now = time.monotonic()
-        print(f"{verdict:5} {now - getattr(self, 'started', now):7.3f} s  {test.id()}", flush=True)  # a class that fails or is skipped as a whole has not started
+        # a class that fails or is skipped as a whole has not started
+        print(f"{verdict:5} {now - getattr(self, 'started', now):7.3f} s  {test.id()}", flush=True)
 
     def addSuccess(self, test):
         super().addSuccess(test)
@@ -35,7 +36,8 @@ class LineResult(unittest.TestResult):
 
 
 def run(folder, names):
-    """Those of the names, or all that the folder has. The status to exit with: 1 if any failed."""
+    """Runs the tests of these names, or all tests of the folder. Returns the exit status: 1 if any
+    failed."""
     loader = unittest.TestLoader()
     suite = loader.loadTestsFromNames(names) if names else loader.discover(str(folder))
     result = LineResult()

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs the API tests: one line a test, a total, exit status 1 if any failed.
+"""Runs the API tests: one line for each test, a total, exit status 1 if any failed.
 
     tests/api/run.py [module or module.Class or module.Class.test ...]
 """
@@ -15,7 +15,8 @@ from reporting import run  # noqa: E402
 
 
 def watch_the_contract():
-    """Every answer is held against the contract, if there is what that takes. GEODESICD_CONTRACT=0: only where a test is about it."""
+    """Checks every answer against the contract, if its modules are installed. GEODESICD_CONTRACT=0:
+    only tests of the contract check."""
     if importlib.util.find_spec("yaml") and importlib.util.find_spec("jsonschema"):
         os.environ.setdefault("GEODESICD_CONTRACT", "1")
     else:

@@ -1,4 +1,5 @@
-"""What tests of clients share: the scenario that each of them goes through (clients/scenario.json), and a daemon that is busy."""
+"""Helpers of the tests of clients: the scenario that each client runs (clients/scenario.json), and
+a busy daemon."""
 import contextlib
 import http.server
 import json
@@ -11,7 +12,7 @@ STEPS = json.loads((CLIENTS / "scenario.json").read_text())["steps"]
 
 
 def check(test, answer, expected, where=""):
-    """The answer has all that is expected."""
+    """Asserts that the answer has all that is expected."""
     if isinstance(expected, dict):
         for name, value in expected.items():
             test.assertIn(name, answer, where)
@@ -27,13 +28,14 @@ def check(test, answer, expected, where=""):
 
 
 class Busy(http.server.BaseHTTPRequestHandler):
-    """Turns the first requests away, as the server's `answers` say."""
+    """Answers the first requests with the refusals in the server's `answers`."""
     protocol_version = "HTTP/1.1"
 
     def do_GET(self):
         self.rfile.read(int(self.headers.get("Content-Length", 0)))
         status, header, body = self.server.answers.pop(0) if self.server.answers else (200, {}, {"version": "1"})
         self.server.seen.append(time.monotonic())
+        self.server.codings.append(self.headers.get("Accept-Encoding"))
         if status == 0:  # hangs up
             self.close_connection = True
             return
@@ -53,8 +55,8 @@ class Busy(http.server.BaseHTTPRequestHandler):
 @contextlib.contextmanager
 def busy(*answers):
     server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Busy)
-    server.answers, server.seen = list(answers), []
-    server.handle_error = lambda *_: None  # who asked has gone
+    server.answers, server.seen, server.codings = list(answers), [], []
+    server.handle_error = lambda *_: None  # ignores clients that have disconnected
     threading.Thread(target=server.serve_forever, daemon=True).start()
     try:
         yield server, "http://127.0.0.1:%d" % server.server_address[1]

@@ -1,4 +1,4 @@
-"""What tests of data folders share."""
+"""Helpers of the tests of data folders."""
 import subprocess
 
 from harness import PATIENCE_SECONDS, PROGRAM, Folder

@@ -1,10 +1,11 @@
-"""What tests of subdivision surfaces share: control meshes, what is known of them, and a daemon that has them."""
+"""Helpers of the tests of subdivision surfaces: control meshes, known values, and a daemon that has
+the surfaces."""
 import json
 import math
 
 from harness import SQUARE, TestCase
 
-# [-1,1]^3; face 0 is z = 1 from (-,-) on
+# the cube [-1,1]^3; face 0 is z = 1 and starts at (-,-)
 CUBE = (b"v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n"
         b"f 5 6 8 7\nf 1 3 4 2\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n")
 CUBE_USD = {"points": [[x, y, z] for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)], "faceVertexCounts": [4] * 6,
@@ -15,7 +16,8 @@ PRISM = b"v 1 0 0\nv 0 1 0\nv -1 -1 0\nv 1 0 2\nv 0 1 2\nv -1 -1 2\nf 3 2 1\nf 4
 TWO_QUADS = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 5 0 0\nv 6 0 0\nv 6 1 0\nv 5 1 0\nf 1 2 3 4\nf 5 6 7 8\n"
 MIDDLE = {"face": 0, "uv": [0.5, 0.5]}
 MIRROR = 5.344803240448  # length of the closed geodesic of the smoothed cube in the plane y = 0
-DIAGONAL = 5.384418260817  # and of the one in x = y, through four vertices of valence 3
+# length of the one in the plane x = y, through four vertices of valence 3
+DIAGONAL = 5.384418260817
 
 
 class Subdivisions(TestCase):

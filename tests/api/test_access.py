@@ -1,4 +1,4 @@
-"""Who may do what: keys, roles, expiry, limits, reload, pages of other origins."""
+"""Access: keys, roles, expiry, limits, reload, pages of other origins."""
 import base64
 import concurrent.futures
 import gzip
@@ -19,7 +19,8 @@ def digest(key):
 
 
 def line(name, settings=""):
-    """A line of the file for the key whose text is the name. All share the names of meshes; for others see test_tenants.py."""
+    """Returns a key's line of the file; the key's text is its name. All keys share the names of
+    meshes; for separate tenants see test_tenants.py."""
     return f"{name} sha256:{digest(key_of(name))} tenant=all {settings}\n"
 
 
@@ -46,7 +47,7 @@ class Files(unittest.TestCase):
                     make(file)
                     told = daemon.reload()
                     self.assertEqual(told["event"], "reload_failed")
-                    self.assertIn("it is no regular file", told["message"])
+                    self.assertIn("it is not a regular file", told["message"])
                     self.assertEqual(daemon.get("/v1", **bearer("first")).status, 200)
                     os.rmdir(file) if file.is_dir() else file.unlink()
                     file.write_text(line("first"))
@@ -57,7 +58,7 @@ class Files(unittest.TestCase):
             for flag in ("--keys", "--config"):
                 refused = subprocess.run([PROGRAM, "--store", "memory", flag, str(file)], capture_output=True, text=True, timeout=PATIENCE_SECONDS)
                 self.assertNotEqual(refused.returncode, 0)
-                self.assertIn("it is no regular file", refused.stderr)
+                self.assertIn("it is not a regular file", refused.stderr)
 
 
 class Keyed(TestCase):
@@ -82,7 +83,7 @@ class Keyed(TestCase):
         return self.daemon.request(method, path, body, {**own, **header_fields(headers)})
 
     def logged(self, request_id):
-        """The line of a request, which is written a little later."""
+        """Returns the log line of a request, which is written slightly later."""
         return wait_until(lambda: [entry for entry in self.daemon.log if entry.get("request_id") == request_id])[0]
 
 
@@ -104,7 +105,7 @@ class Roles(Keyed):
         paths = self.ask("GET", "/openapi.json").json["paths"]
         asked = 0
         for path, item in paths.items():
-            for method in set(item) & {"get", "put", "post", "delete"}:
+            for method in set(item) & {"get", "put", "post", "patch", "delete"}:
                 if not item[method]["security"]:
                     continue
                 concrete = path.replace("{name}", "square").replace("{id}", "x").replace("{job}", "x")
@@ -200,7 +201,7 @@ class Limits(Keyed):
         for answer in set(answers) - set(entered):
             problem = self.assert_problem(answer, 429, "rate_limited")
             self.assertEqual((problem["limit"], answer.headers["Retry-After"]), (3, "1"))
-        self.assertEqual(self.ask("GET", "/v1", "fast").status, 200)  # nobody else is kept waiting
+        self.assertEqual(self.ask("GET", "/v1", "fast").status, 200)  # other keys are not delayed
         time.sleep(int(answers[-1].headers["Retry-After"] or 1))
         self.assertEqual(self.ask("GET", "/v1", "slow").status, 200)
 
@@ -216,7 +217,8 @@ class Limits(Keyed):
             if answer.status == 429:
                 self.assertEqual(self.assert_problem(answer, 429, "rate_limited")["limit"], 2)
                 self.assertGreaterEqual(int(answer.headers["Retry-After"]), 1)
-        self.assertEqual(self.ask("GET", "/v1", "narrow").status, 200)  # places are given back
+        # the places of ended requests are free
+        self.assertEqual(self.ask("GET", "/v1", "narrow").status, 200)
 
     def test_a_job_keeps_its_place(self):
         self.ask("PUT", "/v1/meshes/wide", "fast", sample("terrain", cells=96, amplitude=1))
@@ -248,7 +250,7 @@ class Reload(Keyed):
         self.assertEqual(self.daemon.reload()["event"], "reloaded")
 
     def test_reloads_under_load(self):
-        """Requests are answered as their key wants it, whenever the file is read again."""
+        """Requests are answered by the rights of their key, whenever the file is read again."""
         stop = time.monotonic() + 1
         def ask(_):
             connection, statuses = self.daemon.connect(), set()
@@ -318,7 +320,7 @@ class Origins(Keyed):
         answer = self.preflight("/v1/meshes/x", "PUT", self.origin)
         self.assertEqual(answer.status, 204)
         self.assertEqual(answer.headers["Access-Control-Allow-Origin"], self.origin)
-        self.assertEqual(answer.headers["Access-Control-Allow-Methods"], "GET, HEAD, PUT, DELETE")
+        self.assertEqual(answer.headers["Access-Control-Allow-Methods"], "GET, HEAD, PUT, PATCH, DELETE")
         allowed = answer.headers["Access-Control-Allow-Headers"].lower().split(", ")
         self.assertLessEqual({"authorization", "content-type", "if-match", "prefer"}, set(allowed))
         self.assertGreater(int(answer.headers["Access-Control-Max-Age"]), 0)
@@ -342,7 +344,7 @@ class Origins(Keyed):
                 self.assertIsNone(answer.headers["Access-Control-Allow-Origin"])
 
     def test_who_has_no_origin_gets_no_leave(self):
-        """Nor does the daemon's own page, which needs none."""
+        """Pages of other origins get no CORS headers. The daemon's own page needs none."""
         for headers in ({}, {"Host": "meshes.example", "Origin": "http://meshes.example"}):
             answer = self.ask("GET", "/v1", "reader", **headers)
             self.assertEqual(answer.status, 200)

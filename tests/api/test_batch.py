@@ -1,4 +1,4 @@
-"""Batches: each line is answered as the query would be alone."""
+"""Batches: each line gets the answer that the query would get alone."""
 import gzip
 import http.client
 import json
@@ -198,7 +198,7 @@ class Batches(TestCase):
 
 
 class Streams(TestCase):
-    """Answers leave as they are there, if any takes time."""
+    """If any line takes time, answers are sent as soon as they are ready."""
     QUICK = {"query": "nearest", "point": {"vertex": 0}}
 
     @classmethod
@@ -210,7 +210,7 @@ class Streams(TestCase):
         cls.slow = {"query": "matrix", "sources": some, "targets": some, "select": "distances"}
 
     def begin(self, mesh, body, query="", **headers):
-        """A connection whose answer is not read yet."""
+        """Sends a batch; returns the connection and the unread answer."""
         connection = http.client.HTTPConnection("127.0.0.1", self.daemon.port, timeout=60)
         connection.request("POST", f"/v1/meshes/{mesh}/batch{query}", body, {**NDJSON, **headers})
         answer = connection.getresponse()
@@ -231,7 +231,7 @@ class Streams(TestCase):
         self.assertEqual(found[1], found[3])
         self.assertGreater(times[1] - times[0], 0.02)
         self.assertGreater(times[3] - times[2], 0.02)
-        connection.request("GET", "/livez")  # the connection goes on
+        connection.request("GET", "/livez")  # the connection stays usable
         self.assertEqual(connection.getresponse().status, 200)
 
     def test_quick_lines_leave_as_a_whole(self):
@@ -284,7 +284,7 @@ class Streams(TestCase):
         every = [{"vertex": number} for number in range(642)]
         row = {"query": "matrix", "sources": every, "targets": every, "select": "distances"}  # 7 MB
         connection, answer = self.begin("ball", lines_of(*[row] * 6))
-        wait_until(self.is_idle)  # the work waits, and no worker with it
+        wait_until(self.is_idle)  # the work is parked and occupies no worker
         self.assertLess(self.daemon.metric('memory_bytes{class="flight"}'), 24 << 20)
         found = [json.loads(line)["status"] for line in answer]
         self.assertEqual(found, [200] * 6)

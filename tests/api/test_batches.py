@@ -1,4 +1,5 @@
-"""Batches: many-source work, item by item. By several daemons that share a database: tests/cluster/test_spread.py."""
+"""Batches: many-source work, item by item. tests/cluster/test_spread.py tests several daemons that
+share a database."""
 import json
 import pathlib
 import tempfile
@@ -14,7 +15,7 @@ def begin(node, document):
 
 
 def results(node, id, limit=1000):
-    """All answers, page by page."""
+    """Returns all answers, page by page."""
     found, after = [], ""
     while True:
         page = node.get(f"/v1/batches/{id}/results?limit={limit}{after}")
@@ -26,7 +27,7 @@ def results(node, id, limit=1000):
 
 
 def follow(node, id, cursor=0, limit=100, seconds=30):
-    """All answers in the order in which they came, page by page: (items, the cursors)."""
+    """Returns all answers in the order of their arrival, page by page: (items, the cursors)."""
     found, cursors = [], []
     while cursor is not None:
         page = node.get(f"/v1/batches/{id}/results?cursor={cursor}&limit={limit}&wait={seconds}").json
@@ -38,7 +39,7 @@ def follow(node, id, cursor=0, limit=100, seconds=30):
 
 
 def wait(node, id, seconds=PATIENCE_SECONDS):
-    """Until it has ended, as long as an item is done in so many seconds."""
+    """Waits until the batch has ended. Fails if no item ends within `seconds`."""
     done, since = -1, 0
     while (told := node.get(f"/v1/batches/{id}").json)["state"] == "running":
         if told["done"] > done:
@@ -50,7 +51,7 @@ def wait(node, id, seconds=PATIENCE_SECONDS):
 
 
 class Alone:
-    """What a daemon does, whatever its store; `self.daemon` is it."""
+    """Tests of a single daemon with any store; `self.daemon` is the daemon."""
 
     def test_all_pairs(self):
         vertices = [0, 5, 17, 100, 41]
@@ -229,5 +230,6 @@ class InAFolder(Alone, unittest.TestCase):
         begun = begin(self.daemon, {"query": "all-pairs", "mesh": "sphere", "vertices": list(range(200))})
         self.assertEqual(self.daemon.stop(), 0)
         self.daemon = self.start()
-        told = wait(self.daemon, begun.json["id"], 10)  # what was under way was given back: no lease is waited for
+        # running items were returned, so no lease delays them
+        told = wait(self.daemon, begun.json["id"], 10)
         self.assertEqual((told["done"], told["failed"]), (200, 0))

@@ -1,4 +1,4 @@
-"""Bulk: many pairs, or many points, in one request; each is what it would be alone."""
+"""Bulk: many pairs or many points in one request. Each answer equals that of a single query."""
 import gzip
 import json
 import math
@@ -37,7 +37,7 @@ class Bulk(TestCase):
         for a, b in zip(found, wanted):
             self.assertTrue((a is None or math.isnan(a)) if b is None else abs(a - b) <= 1e-12 * max(1, b), (a, b))
 
-    # --- pairs --------------------------------------------------------------------------------------------------------
+    # --- pairs -----------------------------------------------------------------------------------
 
     def test_pairs_of_all_kinds(self):
         chance = random.Random(1)
@@ -51,8 +51,22 @@ class Bulk(TestCase):
             answer = self.daemon.ask("ball", "pairs", {one: [{"vertex": 5}], many: b})
             self.assert_near(answer.json["distances"], [self.alone("ball", {"vertex": 5}, point) for point in b])
 
+    def test_list_of_pairs(self):
+        pairs = [["v:0", "f:7:0.5,0.25,0.25"], [{"xyz": [0, 0, 2]}, "p:1,0,0"], [{"vertex": 3}, {"vertex": 3}]]
+        answer = self.daemon.ask("ball", "pairs", {"pairs": pairs})
+        self.assertEqual(answer.status, 200, answer)
+        self.assert_near(answer.json["distances"], [self.alone("ball", *pair) for pair in pairs])
+        binary = self.daemon.ask("ball", "pairs?format=f64", {"pairs": pairs})
+        self.assertEqual(list(arrays.read(binary.body)["distances"][1]), answer.json["distances"])
+        for body, pointer in (({"pairs": []}, "/pairs"), ({"pairs": {}}, "/pairs"), ({"pairs": None}, "/pairs"),
+                              ({"pairs": [["v:0", "v:1"], ["v:0"]]}, "/pairs/1"), ({"pairs": ["v:0"]}, "/pairs/0"),
+                              ({"pairs": [["v:0", "v:1", "v:2"]]}, "/pairs/0"), ({"pairs": [["v:0", "v:99999"]]}, "/pairs/0/1"),
+                              ({"pairs": [["v:0", 7]]}, "/pairs/0/1"), ({"pairs": pairs, "from": ["v:0"]}, "/pairs")):
+            refused = self.daemon.ask("ball", "pairs", body)
+            self.assertEqual((refused.status, refused.json["pointer"]), (400, pointer), (body, refused))
+
     def test_groups(self):
-        """Few and many pairs of a point, with and without its field, from either end."""
+        """Tests few and many pairs of a point, with and without its field, from either end."""
         chance = random.Random(2)
         self.daemon.ask("ball", "fields", {"set": {"points": [{"vertex": 3}]}})
         rows = [3] * 40 + [4] * 20 + [5] * 3 + [6]
@@ -110,7 +124,8 @@ class Bulk(TestCase):
         self.assertEqual(self.daemon.request("POST", "/v1/meshes/ball/pairs", whole, {"Content-Type": "text/plain"}).status, 415)
 
     def test_many(self):
-        """In pieces, by all workers, packed or not, and within the limits of the daemon."""
+        """Many pairs are answered in pieces, by all workers, compressed or not, and within the
+        limits of the daemon."""
         count, chance = 100000, random.Random(3)
         self.daemon.ask("ball", "fields", {"set": {"points": [{"vertex": 0}]}})
         to = [chance.randrange(2562) for _ in range(count)]
@@ -130,7 +145,7 @@ class Bulk(TestCase):
             self.assertEqual(answer.status, 507, answer)
             self.assertEqual(small.metric('memory_bytes{class="flight"}'), 0)
 
-    # --- nearest points -----------------------------------------------------------------------------------------------
+    # --- nearest points --------------------------------------------------------------------------
 
     def test_nearest_points(self):
         chance = random.Random(4)

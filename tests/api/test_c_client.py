@@ -1,6 +1,10 @@
-"""The C client: the scenario and its own functions, by scenario.c; its example."""
+"""Tests the C client by scenario.c: the scenario and the client's own functions. Also runs the
+examples of all clients."""
 import os
+import pathlib
+import shutil
 import subprocess
+import sys
 import tempfile
 import unittest
 
@@ -31,12 +35,68 @@ class CClient(TestCase):
         with scenario.busy(*[(503, {"Retry-After": "0"}, {"code": "overloaded"})] * 3, (0, {}, {})) as (server, url):
             self.run_scenario(url, "busy")
             self.assertEqual(len(server.seen), 4)
+            self.assertEqual(set(server.codings), {None})  # on this machine nothing is compressed
 
-    def test_example(self):
-        path = BUILD / "client-example.obj"
-        path.write_bytes(SQUARE)
-        printed = self.run_program("gd_client_example", str(path), GEODESICD_URL="http://" + self.daemon.address)
-        self.assertRegex(printed, r"distance: 0.70710678118654\d+, a path of \d points\nfarthest vertex: 2, 1.41421356237309\d+ away\n")
+    def test_cmake_finds_it(self):
+        """Builds a C++ program against the installed client by cmake."""
+        if not shutil.which("cmake"):
+            raise unittest.SkipTest("cmake is not installed")
+        with tempfile.TemporaryDirectory() as folder:
+            place = pathlib.Path(folder)
+            for name in ("geodesicd-client-config.cmake", "geodesicd-client-config-version.cmake"):
+                text = (scenario.CLIENTS / "c" / f"{name}.in").read_text()
+                (place / name).write_text(text.replace("@LIBDIR@", str(BUILD)).replace("@PREFIX@", folder).replace("@VERSION@", "0.1.0"))
+            (place / "include").symlink_to(scenario.CLIENTS / "c")
+            (place / "CMakeLists.txt").write_text("""
+                cmake_minimum_required(VERSION 3.16)
+                project(example LANGUAGES C CXX)
+                find_package(geodesicd-client 0.1 REQUIRED CONFIG PATHS ${CMAKE_SOURCE_DIR} NO_DEFAULT_PATH)
+                add_executable(example include/example.cc)
+                target_compile_features(example PRIVATE cxx_std_17)
+                target_link_libraries(example geodesicd::client)
+            """)
+            for arguments in (["-S", place, "-B", place / "build"], ["--build", place / "build"]):
+                done = subprocess.run(["cmake", *arguments], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=120)
+                self.assertEqual(done.returncode, 0, done.stdout)
+            self.assertTrue((place / "build" / "example").exists())
+
+    def test_headers_need_nothing_else(self):
+        """The headers need no other library, compile as C99 and C++17 without extensions, and may
+        be included twice."""
+        for compiler, standard, language in (("cc", "c99", "c"), ("c++", "c++17", "c++")):
+            header = "geodesicd.h" if language == "c" else "geodesicd.hpp"
+            done = subprocess.run([compiler, f"-std={standard}", "-pedantic-errors", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", "-I", scenario.CLIENTS / "c",
+                                   "-x", language, "-"], input=f'#include "{header}"\n' * 2, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+            self.assertEqual(done.returncode, 0, done.stdout)
+        included = [line.split()[1] for line in (scenario.CLIENTS / "c/geodesicd.h").read_text().splitlines() if line.startswith("#include")]
+        self.assertEqual(included, ["<stddef.h>", "<stdint.h>"])
+
+
+class Examples(TestCase):
+    """One program in each language; all print the same."""
+
+    def programs(self, folder):
+        yield "C", [BUILD / "gd_client_example"]
+        yield "C++", [BUILD / "gd_client_example_cc"]
+        yield "Python", [sys.executable, scenario.CLIENTS / "python/example.py"]
+        if shutil.which("node"):
+            (folder / "node_modules").mkdir()
+            (folder / "node_modules/geodesicd").symlink_to(scenario.CLIENTS / "js")
+            shutil.copy(scenario.CLIENTS / "js/example.js", folder / "example.mjs")
+            yield "JavaScript", ["node", folder / "example.mjs"]
+
+    def test_examples(self):
+        environment = {**os.environ, "GEODESICD_URL": "http://" + self.daemon.address, "PYTHONDONTWRITEBYTECODE": "1"}
+        with tempfile.TemporaryDirectory() as folder:
+            good, bad = pathlib.Path(folder) / "good.obj", pathlib.Path(folder) / "bad.obj"
+            good.write_bytes(SQUARE)
+            bad.write_text("v 0 0 0\nf 1 1 1\n")
+            for language, program in self.programs(pathlib.Path(folder)):
+                for path, status, printed in ((good, 0, "^0.707106781187 over 2 points\n$"), (bad, 1, ".")):
+                    with self.subTest(f"{language}, {path.name}"):
+                        done = subprocess.run([*program, path], env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=60)
+                        self.assertEqual(done.returncode, status, done.stdout)
+                        self.assertRegex(done.stdout, printed)
 
 
 if __name__ == "__main__":

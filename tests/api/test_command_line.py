@@ -1,6 +1,7 @@
 """The command-line client: the scenario, what it prints, and its completion."""
 import json
 import os
+import shutil
 import subprocess
 import tempfile
 import unittest
@@ -30,11 +31,26 @@ class CommandLine(TestCase):
         if "upload" in step:
             with tempfile.TemporaryDirectory() as folder:
                 path = os.path.join(folder, step["upload"])
+                arrays = step.get("arrays", {"vertices": [], "faces": []})
+                rows = [("v", *row) for row in arrays["vertices"]] + [("f", *(corner + 1 for corner in row)) for row in arrays["faces"]]
                 with open(path, "w") as file:
-                    file.write(step["file"])
-                return self.geodesic("upload", path, "--json", status=status)
+                    file.write(step.get("file") or "".join(" ".join(map(str, row)) + "\n" for row in rows))
+                edits = [word for edit, number in step.get("edits", {}).items() for word in (f"--{edit}", number)]
+                return self.geodesic("upload", path, "--json", *edits, status=status)
         if "delete" in step:
             return self.geodesic("delete", step["delete"]) or "null"
+        if "derive" in step:
+            return self.geodesic("derive", "scenario", step["derive"], *map(json.dumps, step["operations"]), "--json", status=status)
+        if "split" in step:
+            printed = self.geodesic("derive", "scenario", step["split"], *map(json.dumps, step["operations"]), "--split", "--json")
+            return json.dumps(json.loads(printed)["meshes"])
+        if "preview" in step:
+            return json.dumps(self.geodesic("preview", step["preview"], "--faces", step["faces"], errors="replace")[:4])
+        if step.get("call") == "matrix":
+            return self.geodesic("matrix", step["mesh"], *step["sources"], "--targets", *step["targets"], "--json", status=status)
+        if step.get("call") == "field":
+            rows = self.geodesic("field", step["mesh"], *step["sources"]).splitlines()[1:]
+            return json.dumps([float(row.split(",")[1]) for row in rows])
         return self.geodesic("query", "scenario", step["query"], "-", status=status, input=json.dumps(step["body"]))
 
     def test_scenario(self):
@@ -50,7 +66,7 @@ class CommandLine(TestCase):
         self.assertIn("faces: 2", self.upload("square.obj", SQUARE.decode()))
         self.assertRegex(self.geodesic("list"), r"name +vertices +faces.*\n(.*\n)*square +4 +2 ")
         self.assertEqual(self.geodesic("distance", "square", "v:0", "v:2"), "1.4142135623730951\n")
-        self.assertEqual(self.geodesic("distance", "square", "v:1", "v:3", "--via", "v:0"), "2\n")
+        self.assertEqual(self.geodesic("distance", "square", 1, "v:3", "--via", "0"), "2\n")
         self.assertEqual(self.geodesic("path", "square", "v:0", "v:1"), "0 0 0\n1 0 0\n")
         self.assertEqual(self.geodesic("path", "square", "v:0", "v:1", "--obj"), "v 0 0 0\nv 1 0 0\nl 1 2\n")
         self.assertEqual(len(self.geodesic("path", "square", "v:0", "v:2", "--format", "csv").splitlines()), 3)
@@ -76,7 +92,11 @@ class CommandLine(TestCase):
     def test_mistakes(self):
         self.upload("square.obj", SQUARE.decode())
         self.assertIn("there is no vertex 9", self.geodesic("distance", "square", "v:0", "v:9", status=1))
-        self.assertIn("write v:12", self.geodesic("distance", "square", "0", "v:9", status=1))
+        for arguments, told in ((("distance", "square", "w:0", "v:9"), "write v:12"), (("distance", "square", 0, 1, 2), "unrecognized arguments: 2"),
+                                (("distance", "square"), "required: from, to"), (("nearest", "square", 0, "--nonsense"), "unrecognized arguments: --nonsense")):
+            printed = self.geodesic(*arguments, status=2)
+            self.assertTrue(printed.startswith(f"usage: geodesic {arguments[0]} "), printed)
+            self.assertIn(told, printed)
         self.assertIn("No such file", self.geodesic("upload", "/there/is/none", status=1))
         self.assertIn("no JSON", self.geodesic("query", "square", "distance", "{", status=1))
         self.assertIn("usage", self.geodesic("nonsense", status=2))
@@ -110,6 +130,44 @@ class CommandLine(TestCase):
         self.assertEqual(complete("di"), ["distance"])
         self.assertEqual(complete("distance", "sq"), ["square"])
         self.assertIn("--via", complete("path", "--"))
+
+    def complete_by(self, shell, script, *words):
+        if not shutil.which(shell):
+            raise unittest.SkipTest(f"{shell} is not installed")
+        environment = {**os.environ, "GEODESICD_URL": "http://" + self.daemon.address, "PATH": f"{PROGRAM.parent}:{os.environ['PATH']}"}
+        done = subprocess.run([shell, "-c", script, *words], env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=60)
+        self.assertEqual(done.returncode, 0, done.stdout)
+        return done.stdout.split()
+
+    def test_completion_of_fish(self):
+        self.upload("square.obj", SQUARE.decode())
+
+        def complete(line):
+            return self.complete_by("fish", f"source {PROGRAM}.fish; complete -C '{line}' | string split -f 1 \\t; true")
+
+        self.assertEqual(complete("geodesic di"), ["distance"])
+        self.assertEqual(complete("geodesic --url http://nobody distance sq"), [])
+        self.assertEqual(complete("geodesic distance sq"), ["square"])
+        self.assertIn("--via", complete("geodesic path --"))
+        self.assertIn("geodesic.fish", "".join(complete(f"geodesic upload {PROGRAM.parent}/")))
+
+    def test_completion_of_zsh(self):
+        self.upload("square.obj", SQUARE.decode())
+        script = "compadd() { shift; print -l -- $@ }; _files() { print files }; words=($@); CURRENT=$#; source " + f"{PROGRAM}.zsh"
+
+        def complete(*words):
+            return self.complete_by("zsh", script, "zsh", PROGRAM, *words)
+
+        self.assertIn("distance", complete("di"))
+        self.assertIn("square", complete("distance", "sq"))
+        self.assertIn("--via", complete("path", "--"))
+        self.assertEqual(complete("upload", ""), ["files"])
+        self.assertEqual(complete("jobs", ""), [])
+
+    def test_manual(self):
+        manual = subprocess.run([PROGRAM.parent / "manual.py", PROGRAM], check=True, stdout=subprocess.PIPE, text=True).stdout
+        for line in ("split: separate parts that are not a surface.", "auto, front, back,", "Default: the sources.", "A point: 12 or v:12"):
+            self.assertIn("\n" + line.replace("-", "\\-"), manual)
 
 
 if __name__ == "__main__":

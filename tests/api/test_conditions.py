@@ -8,7 +8,8 @@ from harness import FORMAT_VERSION, TestCase, form_tag, sample
 JSON = {"Content-Type": "application/json"}
 MESH = "/v1/meshes/bent"
 
-# The forms of the answer of each URL: name in the tag, Accept. A form of None is the mesh itself, which has the base tag.
+# The forms of each URL's answer: name in the tag, Accept header. The form None is the mesh itself,
+# which has the base tag.
 ANSWERS = {
     "": {None: "application/json"},
     "/content": {"obj": "model/obj", "ply": "application/x-ply", "stl": "model/stl", "glb": "model/gltf-binary"},
@@ -27,8 +28,9 @@ QUERIES = {
 }
 CODINGS = ("identity", "gzip")
 
-# Status of GET and HEAD by If-Match and If-None-Match. `{own}` is the tag of the plain representation, `{sent}` that of the answer as it is sent,
-# `{other}` that of another form, `{past}` that of another format version, `{mesh}` the mesh's.
+# Status of GET and HEAD by If-Match and If-None-Match. `{own}` is the tag of the plain
+# representation, `{sent}` that of the answer as it is sent, `{other}` that of another form,
+# `{past}` that of another format version, `{mesh}` the mesh's.
 READS = (
     (None, None, 200),
     (None, '"{sent}"', 304),
@@ -54,13 +56,13 @@ READS = (
     ('W/"{mesh}"', None, 412),
     ('"x"', None, 412),
     ('"{past}"', None, 412),
-    # RFC 9110, 13.2.2: If-Match comes first
+    # RFC 9110, 13.2.2: If-Match is evaluated first
     ('"x"', '"{sent}"', 412),
     ('"x"', '"x"', 412),
     ('"{mesh}"', '"{sent}"', 304),
     ('"{mesh}"', '"x"', 200),
 )
-# Status of methods that change the mesh, or 200 for queries by POST: any tag of the mesh names it.
+# Status of methods that change the mesh (200: of queries by POST): they accept any tag of the mesh.
 WRITES = (
     ('"{mesh}"', None, 200),
     ('"{mesh}-gzip"', None, 200),

@@ -1,6 +1,8 @@
-"""The contract's examples against the daemon: each documented request works as it stands, and is answered as documented.
+"""Tests the contract's examples against the daemon: each documented request works unchanged, and
+gets a documented answer.
 
-A new operation takes part when its parameters and its body have examples (contract_scene.py tells on what they have to work).
+A new operation takes part when its parameters and its body have examples (contract_scene.py says
+which surfaces they must use).
 """
 import json
 import re
@@ -11,15 +13,15 @@ import generate
 from contract_scene import Scene, send
 from harness import TestCase
 
-# Differ from one time to the next, or from one machine to another.
+# Members that differ between runs or machines.
 VOLATILE = {"created", "build_ms", "bytes", "memory_bytes", "fields_cached", "id", "etag"}
 CLOSE = 1e-12
-# Whose answers tell of the daemon, or show another name or state.
+# Operations whose answers describe the daemon, or have another name or state.
 NOT_REPEATED = {"get_service", "create_mesh", "create_nurbs", "create_subdivision", "list_jobs", "get_job", "get_readyz"}
 
 
 def differences(shown, answered, place=""):
-    """Where an answer is another than the one that the contract shows."""
+    """Yields where an answer differs from the one that the contract shows."""
     if isinstance(shown, dict) and isinstance(answered, dict):
         for key in sorted(shown.keys() | answered.keys()):
             if key not in shown or key not in answered:
@@ -37,7 +39,7 @@ def differences(shown, answered, place=""):
 
 
 def objects(node):
-    """Every object of a JSON document."""
+    """Yields every object of a JSON document."""
     if isinstance(node, dict):
         yield node
     for item in node.values() if isinstance(node, dict) else node if isinstance(node, list) else ():
@@ -52,14 +54,14 @@ class Examples(TestCase):
         cls.scene = Scene(cls.daemon, cls.contract)
 
     def each(self, check):
-        """Checks each operation, with all there that it asks about."""
+        """Checks each operation on a daemon that has all that it needs."""
         for operation in self.contract.operations:
             with self.subTest(operation=operation.name):
                 self.scene.fill()
                 check(operation)
 
     def right(self, operation, ask):
-        """The answer, which is a success, and as documented."""
+        """Returns the answer; asserts that it is a success and as documented."""
         answer = send(self.daemon, ask)
         self.assertIn(answer.status, (200, 201, 204), f"{ask}: {answer}")
         self.assertEqual(self.contract.faults(ask.method, ask.target, answer), [])
@@ -104,7 +106,7 @@ class Examples(TestCase):
         self.each(check)
 
     def test_every_field_can_be_asked_for(self):
-        """`select` takes the names that are listed, one by one, and no other; `geometry` its words."""
+        """`select` accepts each listed name, and no other; `geometry` accepts its words."""
         def check(operation):
             for name in ("select", "geometry"):
                 for word in operation.words(name):
@@ -116,7 +118,8 @@ class Examples(TestCase):
         self.each(check)
 
     def test_booleans_of_queries(self):
-        """A parameter that takes true and false is described as a boolean, and takes nothing else."""
+        """A parameter that accepts true and false is described as a boolean, and accepts nothing
+        else."""
         def check(operation):
             for parameter in operation.parameters:
                 name, schema = parameter["name"], parameter["schema"]
@@ -162,7 +165,8 @@ class Examples(TestCase):
 
 
 class Checker(unittest.TestCase):
-    """It sees what it is there to see: an answer that is right by the document is wrong by one that differs a little."""
+    """The checker detects faults: an answer that is right by the document is wrong by a slightly
+    changed one."""
 
     POINT = b'{"face":0,"barycentric":[1,0,0],"xyz":[0,0,0],"vertex":0}'
     ANSWER = b'{"distance":1,"from":' + POINT + b',"to":' + POINT + b"}"
@@ -190,7 +194,7 @@ class Checker(unittest.TestCase):
         self.assertRegex(self.faults(body=self.ANSWER.replace(b'"distance":1', b'"distance":"1"'))[0], "/distance")
 
     def test_a_required_member(self):
-        """`select` leaves out members of the answer itself, none of the points in it."""
+        """`select` omits members of the answer itself, never members of the points in it."""
         projected = self.TARGET + "&select=distance,from"
         for body in (b'{"distance":1}', b'{"distance":1,"from":' + self.POINT + b"}"):
             self.assertRegex(self.faults(body=body)[0], "required")

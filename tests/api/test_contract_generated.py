@@ -1,4 +1,5 @@
-"""What is made from the contract: a member that is added to an answer, or to a request, arrives everywhere by one change."""
+"""Code generated from the contract: one change of the contract adds a member of an answer or a
+request everywhere."""
 import json
 import pathlib
 import re
@@ -14,30 +15,20 @@ from harness import PROGRAM
 ROOT = contract.DOCUMENT.parents[1]
 LIBRARIES = [PROGRAM.parent / f"lib{name}.a" for name in ("gd_proto", "geodesic-smooth", "geodesic-tools", "geodesic")]
 INCLUDE = ["-I", ROOT / "engine" / "include", "-I", ROOT / "engine", "-I", ROOT]
-# Decodes the body of a mean and prints what came of it; then a projection of the answer.
+# C program that decodes the body of a mean and prints the result; then a projection of the answer.
 READER = r"""
 #include <stdio.h>
 #include <string.h>
 #include "generated/requests.h"
 #include "proto/http/options.h"
 
-static const char *get(void *user, const char *name)
-{
-    return strcmp(name, "select") ? NULL : user;
-}
-
-static void each(void *user, bool (*visit)(void *context, const char *name), void *context)
-{
-    (void)user;
-    if (visit(context, "select")) visit(context, "colour");
-}
-
 int main(int count, char **texts)
 {
     struct proto_problem problem = {0};
     struct proto_mean_request request;
     struct proto_options options;
-    const struct proto_parameters parameters = {get, each, texts[2]};
+    const struct proto_parameter query[] = {{"select", texts[2]}, {"colour", ""}};
+    const struct proto_parameters parameters = {query, 2};
     json_t *document = proto_decode_document(texts[1], strlen(texts[1]), &problem);
     if (count != 3 || !document) return 2;
     if (!proto_mean_request_decode(document, &request, &problem) ||
@@ -56,7 +47,7 @@ def run(*command):
 
 
 def changed(text, schema, line):
-    """The contract with one more property in a schema."""
+    """Returns the contract with one more property in a schema."""
     return re.sub(rf"(\n    {schema}:\n(?:      .*\n)*?      properties:\n)", rf"\g<1>        {line}\n", text, count=1)
 
 
@@ -85,7 +76,8 @@ class Generated(unittest.TestCase):
     def test_routes(self):
         routes = (self.folder / "routes.c").read_text()
         row = next(line for line in routes.splitlines() if '"post_mean"' in line)
-        self.assertIn(".fields = proto_mean_fields, .parameters = proto_post_mean_parameters", row)
+        self.assertIn(".fields = proto_mean_fields, ", row)
+        self.assertIn(".parameters = proto_post_mean_parameters, ", row)
         self.assertRegex((self.folder / "parameters.c").read_text(), r'proto_post_mean_parameters\[\] = \{[^}]*"colour", NULL\};')
 
     def test_documents(self):
@@ -104,7 +96,7 @@ class Generated(unittest.TestCase):
         source, program = pathlib.Path(self.place.name, "reader.c"), pathlib.Path(self.place.name, "reader")
         source.write_text(READER)
         run("cc", "-D_GNU_SOURCE", "-I", self.place.name, *INCLUDE, "-o", program, source, *(self.folder / f"{name}.c" for name in ("requests", "fields", "parameters")), *LIBRARIES,
-            "-ljansson", "-lstdc++", "-lz", "-lm", "-pthread")
+            "-ljansson", "-lstdc++", "-lz", "-lm", "-lminizip", "-lexpat", "-lOpenMeshTools", "-lOpenMeshCore", "-pthread")
         point = '"points": [{"vertex": 1}]'
         for body, fields, expected in (("{%s}" % point, "spread", "depth 4, skew 0"), ('{%s, "depth": 9}' % point, "skew", "depth 9, skew 1"),
                                        ('{%s, "depth": 10}' % point, "skew", "/depth: depth is a whole number from 1 to 9"),

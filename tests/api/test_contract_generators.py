@@ -1,6 +1,8 @@
-"""The served contract, read by code generators that others wrote, and what they make of it, compiled strictly.
+"""Runs code generators of other projects on the served contract, and compiles their output
+strictly.
 
-They are npm packages: `make contract-generators` installs them below the build's directory. Without them, or without node, this is skipped.
+The generators are npm packages: `make contract-generators` installs them below the build's
+directory. Without them or without node, this is skipped.
 """
 import json
 import pathlib
@@ -14,13 +16,13 @@ from harness import PROGRAM, TestCase
 GENERATORS = PROGRAM.parent / "generators"
 SCRIPT = pathlib.Path(__file__).with_name("contract_generate.mjs")
 PATIENCE_SECONDS = 300
-HEY_API_NODE = 20  # the least major version
+HEY_API_NODE = 20  # the lowest major version of node
 
 
 @unittest.skipUnless(shutil.which("node") and (GENERATORS / "complete").exists(), "needs node and `make contract-generators`")
 class Generators(TestCase):
     def generate(self, generator, document):
-        """The exit status, what the generator printed, and the TypeScript that it made."""
+        """Returns the exit status, the generator's output, and the TypeScript that it made."""
         with tempfile.TemporaryDirectory() as place:
             source, folder = pathlib.Path(place, "openapi.json"), pathlib.Path(place, "made")
             folder.mkdir()

@@ -1,6 +1,7 @@
-"""The contract by the rules of a linter that others wrote.
+"""Lints the contract by a linter of another project.
 
-It is an npm package: `make contract-linter` installs it below the build's directory. Without it, or without node, this is skipped.
+The linter is an npm package: `make contract-linter` installs it below the build's directory.
+Without it or without node, this is skipped.
 """
 import pathlib
 import shutil
@@ -25,7 +26,7 @@ class Lint(unittest.TestCase):
         self.assertEqual(self.lint(contract.DOCUMENT), "")
 
     def test_a_fault_is_found(self):
-        """A description of a flow mapping that ends at its comma, as YAML has it."""
+        """The fault: an unquoted description in a flow mapping, which YAML ends at its comma."""
         text = contract.DOCUMENT.read_text(encoding="utf-8")
         with tempfile.TemporaryDirectory() as place:
             wrong = pathlib.Path(place) / "openapi.yaml"

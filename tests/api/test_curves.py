@@ -1,4 +1,4 @@
-"""Curves: as members of sets, exactly; and how far two of them are from each other."""
+"""Curves: exact distances to them as members of sets, and the distance between two curves."""
 import json
 import math
 import random
@@ -127,7 +127,8 @@ class Curves(TestCase):
         self.assertEqual(answer.status, 200, answer)
         (bisector,) = answer.json["bisectors"]
         self.assertEqual(bisector["members"], [0, 1])
-        self.assertAlmostEqual(bisector["length"], 0.5 * (math.sqrt(2) + math.asinh(1)), 5)  # a parabola
+        # the bisector is a parabola
+        self.assertAlmostEqual(bisector["length"], 0.5 * (math.sqrt(2) + math.asinh(1)), 5)
         self.assertEqual(set(answer.json["labels"]), {0, 1})
 
     def test_curve_to_curve(self):

@@ -1,4 +1,4 @@
-"""Cuts: pieces that are meshes, their maps, selections, names, what is refused, and that pieces last."""
+"""Cuts: pieces as meshes, their maps, selections, names, refusals, and durability."""
 import json
 import random
 import time
@@ -11,13 +11,13 @@ TIP = {"points": [{"edge": [0, 3], "t": 0.5}, {"edge": [1, 3], "t": 0.5}, {"edge
 
 
 def square(low, high):
-    """A closed curve in the unit square."""
+    """Returns a closed curve in the unit square."""
     corners = [(low, low), (high, low), (high, high), (low, high)]
     return {"points": [{"xyz": [x, y, 0], "max_snap": 1e-9} for x, y in corners], "closed": True}
 
 
 def vertices(mesh):
-    """Positions of a mesh's OBJ file."""
+    """Returns the positions of a mesh's OBJ file."""
     return [tuple(map(float, line.split()[1:])) for line in mesh.decode().splitlines() if line.startswith("v ")]
 
 
@@ -49,7 +49,7 @@ class Cut(TestCase):
     def refusal(self, mesh, document, code="invalid_request", status=400):
         return self.assert_problem(self.daemon.ask(mesh, "cut", document), status, code)
 
-    # --- pieces ----------------------------------------------------------------------------------------------------------
+    # --- pieces ----------------------------------------------------------------------------------
 
     def test_the_example(self):
         operation = self.daemon.get("/openapi.json").json["paths"]["/v1/meshes/{name}/cut"]["post"]
@@ -83,7 +83,7 @@ class Cut(TestCase):
         self.assertEqual(faces, set(range(200)))
 
     def test_pieces_answer_queries(self):
-        """Round the hole it is farther than across it; elsewhere never nearer."""
+        """Distances around the hole are longer than across it, and nowhere shorter."""
         [frame] = self.cut("grid", square(0.15, 0.65), inside={"vertex": 0}, names=["holed"])["pieces"]
         ask = lambda name, a, b: self.daemon.get(f"/v1/meshes/{name}/distance?from={a}&to={b}").json["distance"]
         across = ask("holed", "p:0.1,0.4,0", "p:0.7,0.4,0")
@@ -130,7 +130,7 @@ class Cut(TestCase):
         self.assertEqual([piece["vertex_map"] for piece in answer["pieces"]], [[0, None, None], [1, 2, None, None], [3, 4, 5]]
                          if answer["pieces"][0]["faces"] == 1 else [[1, 2, None, None], [0, None, None], [3, 4, 5]])
 
-    # --- selections ------------------------------------------------------------------------------------------------------
+    # --- selections ------------------------------------------------------------------------------
 
     def test_selections_make_no_meshes(self):
         names = {mesh["name"] for mesh in self.daemon.get("/v1/meshes?limit=1000").json["meshes"]}
@@ -156,17 +156,18 @@ class Cut(TestCase):
         self.assertEqual(list(pieces), ["pieces"])
         self.assertEqual(list(pieces["pieces"][0]), ["name", "vertices", "faces", "area", "vertex_map", "face_map"])
 
-    # --- names -----------------------------------------------------------------------------------------------------------
+    # --- names -----------------------------------------------------------------------------------
 
     def test_names(self):
         self.daemon.put("mine", sample("grid", columns=4, rows=4))
         answer = self.cut("mine", square(0.25, 0.5))
         self.assertEqual([piece["name"] for piece in answer["pieces"]], ["mine-1", "mine-2"])
-        self.assertEqual(self.cut("mine", square(0.25, 0.5)), answer)  # once more: nothing changes
+        self.assertEqual(self.cut("mine", square(0.25, 0.5)), answer)  # repeated: nothing changes
         problem = self.refusal("mine", {"curve": square(0.25, 0.75)}, "conflict", 409)
         self.assertIn("mine-1", problem["detail"])
         self.assertAlmostEqual(self.describe("mine-2")["area"], 0.0625, 12)
-        answer = self.cut("mine", square(0.25, 0.75), names=["mine-2", "mine"])  # given names are replaced, as by PUT
+        # meshes of the requested names are replaced, as by PUT
+        answer = self.cut("mine", square(0.25, 0.75), names=["mine-2", "mine"])
         self.assertAlmostEqual(self.describe("mine")["area"], 0.25, 12)
         self.assertAlmostEqual(self.describe("mine-2")["area"], 0.75, 12)
 
@@ -182,7 +183,7 @@ class Cut(TestCase):
         self.assertEqual(self.daemon.get("/v1/meshes/same").status, 404)
 
     def test_more_pieces_than_names(self):
-        """65 pieces are too many at a time; one of them is not."""
+        """65 pieces exceed the limit; the selection of one of them does not."""
         triangles = [f"v {3 * i} 0 0\nv {3 * i + 1} 0 0\nv {3 * i} 1 0\nf -3 -2 -1\n" for i in range(64)]
         self.daemon.put("many", "".join(triangles).encode())
         corner = {"points": [{"edge": [0, 1], "t": 0.5}, {"edge": [0, 2], "t": 0.5}]}
@@ -190,7 +191,7 @@ class Cut(TestCase):
         self.assertEqual(len(self.cut("many", corner, inside={"vertex": 0})["pieces"]), 1)
         self.assertEqual(len(self.cut("many", corner, select_only=True)["pieces"]), 65)
 
-    # --- refusals --------------------------------------------------------------------------------------------------------
+    # --- refusals --------------------------------------------------------------------------------
 
     def test_curves_that_can_not_be(self):
         point = {"vertex": 0}
@@ -236,7 +237,7 @@ class Cut(TestCase):
         stale = {"Content-Type": "application/json", "If-Match": '"stale"'}
         self.assertEqual(self.daemon.request("POST", "/v1/meshes/grid/cut", "{}", stale).status, 412)
 
-    # --- jobs ------------------------------------------------------------------------------------------------------------
+    # --- jobs ------------------------------------------------------------------------------------
 
     def test_as_a_job(self):
         headers = {"Content-Type": "application/json", "Prefer": "respond-async"}
@@ -251,7 +252,7 @@ class Narrow(TestCase):
     flags = ("--memory-budget", "24MiB", "--max-body", "4MiB", "--landmarks", "0")
 
     def test_over_the_budget(self):
-        """A cut that does not fit is refused, and nothing is left of it."""
+        """A cut that exceeds the memory budget is refused and leaves nothing behind."""
         self.assertEqual(self.daemon.put("grid", sample("grid", columns=126, rows=126)).status, 201)
         before = self.daemon.get("/v1/meshes").json
         answer = self.daemon.ask("grid", "cut", {"curve": square(0.2, 0.6)})
@@ -265,7 +266,7 @@ class Roles(Keyed):
             f"stranger sha256:{digest(key_of('stranger'))} tenant=another role=write\n")
 
     def test_a_cut_makes_meshes(self):
-        """So it takes a key that may, and the pieces are of its tenant."""
+        """A cut needs a key that may write, and the pieces belong to the key's tenant."""
         body = json.dumps({"curve": square(0.2, 0.6)})
         self.assertEqual(self.ask("PUT", "/v1/meshes/square", "writer", SQUARE).status, 201)
         self.assert_problem(self.ask("POST", "/v1/meshes/square/cut", "reader", body), 403, "forbidden")

@@ -1,4 +1,5 @@
-"""Former names of paths and parameters: they answer as their replacements do, and say that they are deprecated."""
+"""Former names of paths and parameters: they give the answers of their replacements, and a
+Deprecation header."""
 import json
 import re
 import unittest
@@ -12,7 +13,8 @@ PAIR = {"from": {"vertex": 0}, "to": {"vertex": 1}}
 LINE = {"query": "distance", **PAIR}
 ENDS = {"from": [0.1, 0.2], "to": [0.8, 0.9]}
 FIELD = {"set": {"points": [{"vertex": 0}]}}
-# method, target and body with the former name; target, and body if it differs, with the new one; a list is a body of lines
+# method, target and body with the former name; target with the new one, and the body if it differs;
+# a list is a body of lines
 FORMER = [
     ("GET", "/v1/meshes/tetrahedron/distance?from=v:0&to=v:1&fields=distance", None, {"target": "/v1/meshes/tetrahedron/distance?from=v:0&to=v:1&select=distance"}),
     ("POST", "/v1/meshes/tetrahedron/path?fields=distance", PAIR, {"target": "/v1/meshes/tetrahedron/path?select=distance"}),
@@ -48,7 +50,7 @@ class Deprecations(TestCase):
         self.assertIsNone(answer.headers.get("Link"))
 
     def body(self, answer):
-        """Without what is different each time."""
+        """Returns the body without members that differ between requests."""
         if answer.headers["Content-Type"] != "application/json":
             return answer.body
         return {key: value for key, value in answer.json.items() if key not in VOLATILE}
@@ -56,7 +58,8 @@ class Deprecations(TestCase):
     def test_a_former_name_answers_as_the_new_one(self):
         for method, target, body, new in FORMER:
             with self.subTest(target):
-                self.ask(method, target, body)  # what it makes is there from now on
+                # creates the result, so that both requests below find it
+                self.ask(method, target, body)
                 former = self.ask(method, target, body)
                 current = self.ask(method, new["target"], new.get("body", body))
                 self.assertIn(former.status, (200, 201), former.body)

@@ -1,4 +1,5 @@
-"""What a load balancer sees of a daemon that is told to end: first 503 of /readyz, and only later no connections any more."""
+"""A stopping daemon as a load balancer sees it: first /readyz answers 503; only later are
+connections refused."""
 import time
 import unittest
 
@@ -22,7 +23,7 @@ class DrainDelay(unittest.TestCase):
         self.assertEqual(daemon.get("/readyz").json["status"], "draining")
         self.assertEqual(daemon.get("/livez").status, 200)
         self.assertLess(time.monotonic() - begun, DELAY_MS / 1000)
-        self.assertEqual(daemon.stop(), 0)  # which tells it once more: that changes nothing
+        self.assertEqual(daemon.stop(), 0)  # stop() signals again, which changes nothing
         self.assertGreaterEqual(time.monotonic() - begun, DELAY_MS / 1000)
         self.assertRaises(ConnectionRefusedError, daemon.get, "/livez")
 

@@ -1,4 +1,5 @@
-"""Exactness: recorded cases beside vertices and in the smallest faces, each as often as it says; and one pair asked in every way that the API has."""
+"""Exactness: recorded cases beside vertices and in the smallest faces, each repeated as recorded;
+and one pair queried in every way that the API has."""
 import json
 import math
 import os
@@ -11,7 +12,7 @@ from harness import SEARCHES, Daemon, TestCase, sample
 SHARED = pathlib.Path(os.environ.get("GEODESICD_SHARED", "../shared")) / "exactness"
 
 PROMISE = 1e-9  # relative error of a distance
-ONE_LANE = 1e-12  # relative difference of two ways to ask
+ONE_LANE = 1e-12  # relative difference between two ways to query a pair
 
 
 def cases(kind):
@@ -30,7 +31,7 @@ def positions(mesh):
 
 
 class Asking(TestCase):
-    """One question in each of its forms: a distance each."""
+    """Returns the distance of one pair from each operation that answers it."""
 
     def pair(self, mesh, start, end, query="distance"):
         answer = self.asked(mesh, query, {"from": start, "to": end})
@@ -58,7 +59,8 @@ class Asking(TestCase):
         return result["distance"]
 
     def all_lanes(self, mesh, start, end):
-        """The first ones are searches; fields answer from the sixteenth question about a source on, and after `field`."""
+        """Queries a pair in all ways. The first queries are searches; fields answer from the
+        sixteenth query of a source on, and after `field`."""
         yield from (self.pair(mesh, start, end)[0] for _ in range(SEARCHES + 4))
         yield self.matrix(mesh, start, end)
         yield self.matrix(mesh, end, start)
@@ -128,11 +130,12 @@ class Recorded(Asking):
         self.each(lambda case: "set" in case, self.check_set)
 
     def test_rounded_vertices(self):
-        """A source beside a vertex is no farther from anything than the vertex and the way there."""
+        """A source beside a vertex is no farther from any point than the vertex, plus the distance
+        to the vertex."""
         self.each(lambda case: "beside_vertex" in case, self.check_rounded_vertex)
 
     def test_logs(self):
-        """exp and transport take what log answers, cut_locus included."""
+        """exp and transport accept the vectors that log answers, cut_locus included."""
         self.each(lambda case: case["ask"] == "log", self.check_log)
 
 

@@ -1,4 +1,5 @@
-"""Fields as resources: their life, what they say of vertices, points and edges, and what becomes of them when memory is short."""
+"""Fields as resources: their life cycle, their values at vertices, points and edges, and their
+eviction when memory is short."""
 import concurrent.futures
 import math
 import random
@@ -104,7 +105,7 @@ class Life(Fields):
         for change in ("replaced", "deleted"):
             self.daemon.put(change, SQUARE)
             field = self.make(change, vertices(0))["id"]
-            self.daemon.put(change, SQUARE)  # the same again changes nothing
+            self.daemon.put(change, SQUARE)  # uploading the same file again changes nothing
             self.assertEqual(self.get(change, field).status, 200)
             if change == "replaced":
                 self.daemon.put(change, TETRAHEDRON)
@@ -185,7 +186,7 @@ class Values(Fields):
             field = self.make(mesh, {"set": {"points": [source]}})["id"]
             points = [random_point(chance, self.faces[mesh]) for _ in range(30)] + [{"vertex": 5}, source]
             for point, result in zip(points, self.evaluate(mesh, field, points, path=True)):
-                # the other way round, which is searched for, not looked up
+                # in the opposite direction, which is searched, not looked up
                 other = self.daemon.ask(mesh, "distance", {"from": point, "to": source | {"barycentric": source["barycentric"][:]}})
                 self.assertLess(abs(result["distance"] - other.json["distance"]), 1e-12 * (1 + result["distance"]))
                 self.assertAlmostEqual(result["path"]["length"], result["distance"], 12)
@@ -264,14 +265,16 @@ class Values(Fields):
             self.assertIsNone(self.evaluate(mesh, field, [source], gradient=True)[0]["gradient"])
 
     def test_the_gradient_is_a_direction(self):
-        """In the unit square, away from its corner 0: the angle is counted from where the point's angles begin."""
+        """In the unit square the gradient leads away from corner 0. Its angle is measured from the
+        direction 0 of the point."""
         self.daemon.put("square", SQUARE)
         field = self.make("square", vertices(0))["id"]
         places = (
             ({"face": 0, "barycentric": [0.5, 0.25, 0.25]}, (0.5, 0.25), 0),  # 0 -> 1
             ({"face": 1, "barycentric": [0.25, 0.25, 0.5]}, (0.25, 0.75), 1 / 4),  # 0 -> 2
             ({"edge": [2, 0], "t": 0.5}, (0.5, 0.5), 1 / 4),
-            ({"edge": [1, 2], "t": 0.25}, (1, 0.25), 1 / 2),  # leads off the surface, as do all of the boundary
+            # leads off the surface, as do all below
+            ({"edge": [1, 2], "t": 0.25}, (1, 0.25), 1 / 2),
             ({"edge": [3, 2], "t": 0.25}, (0.25, 1), 1),  # 2 -> 3
             ({"vertex": 1}, (1, 0), 1 / 2),
             ({"vertex": 2}, (1, 1), 1),
@@ -327,7 +330,8 @@ class Memory(Fields):
         builds = self.daemon.metric("cache_builds_total")
         for number, field in enumerate(fields):
             self.assertEqual(self.get("sphere", field["id"]).json, field)
-        self.assertEqual(self.daemon.metric("cache_builds_total"), builds)  # to tell of them needs no wedges
+        # creating fields needs only a description, no wedges
+        self.assertEqual(self.daemon.metric("cache_builds_total"), builds)
         for number, field in enumerate(fields):
             result = self.daemon.ask("sphere", f"fields/{field['id']}/evaluate", {"points": [{"vertex": number}]}).json["results"][0]
             self.assertEqual((result["distance"], result["nearest"]["point"]["vertex"]), (0, number))
@@ -348,13 +352,14 @@ class Memory(Fields):
         self.assertEqual(self.daemon.put("large", sample("terrain", cells=120, amplitude=1)).status, 201)
         problem = self.assert_problem(self.daemon.ask("large", "fields", vertices(9)), 507, "insufficient_memory")
         self.assertEqual(problem["limit"], 24 << 20)
-        self.assertRegex(problem["detail"], r"^the field needs more than the \d+ of the \d+ bytes")
+        self.assertRegex(problem["detail"], r"^the field needs more than the available \d+ of the \d+ bytes")
         builds = self.daemon.metric("cache_builds_total")
         with concurrent.futures.ThreadPoolExecutor(8) as pool:
             answers = list(pool.map(lambda _: self.daemon.ask("large", "fields", vertices(9)), range(8)))
         for answer in answers:
             self.assert_problem(answer, 507, "insufficient_memory")
-        self.assertLess(self.daemon.metric("cache_builds_total"), builds + 8)  # most are told what another met with
+        # most requests get the failure of another request's build
+        self.assertLess(self.daemon.metric("cache_builds_total"), builds + 8)
         self.daemon.request("DELETE", "/v1/meshes/large")
 
 

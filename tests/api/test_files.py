@@ -1,4 +1,5 @@
-"""Answers as files for other programs: fields as PLY, GLB and CSV, paths as OBJ, GLB, CSV and SVG, isolines as OBJ, GLB and CSV; glTF in and out; and what others make of it."""
+"""Answers as files for other programs: fields as PLY, GLB and CSV, paths as OBJ, GLB, CSV and SVG,
+isolines as OBJ, GLB and CSV; glTF in and out; and other programs that read them."""
 import csv
 import io
 import json
@@ -10,6 +11,7 @@ import subprocess
 import tempfile
 import unittest
 import xml.etree.ElementTree
+import zipfile
 
 from harness import PROGRAM, SQUARE, TWO_TRIANGLES, TestCase, sample
 
@@ -20,7 +22,8 @@ KINDS = {"ply": "application/x-ply", "glb": "model/gltf-binary", "csv": "text/cs
 
 
 def read_glb(body):
-    """The document and its accessors' numbers, each list flat. Asserts what the container promises."""
+    """Returns the document and its accessors' numbers, each list flat. Asserts the rules of the
+    container."""
     magic, version, length, size, kind = struct.unpack_from("<4sIII4s", body)
     assert (magic, version, length, kind) == (b"glTF", 2, len(body), b"JSON") and size % 4 == 0, body[:20]
     document, rest = json.loads(body[20:20 + size]), body[20 + size:]
@@ -132,7 +135,8 @@ class Paths(Files):
         self.assertEqual([p.get("mode", 4) for p in document["meshes"][0]["primitives"]], [4, 3])
 
     def test_svg_is_the_strip_laid_flat(self):
-        """On a line of the drawing's own coordinates: as long as the path, and straight where it passes through no vertex."""
+        """In the drawing's own coordinates the line is as long as the path, and straight where it
+        passes through no vertex."""
         path = self.path()
         drawing = xml.etree.ElementTree.fromstring(self.get_file(self.QUESTION, "svg"))
         group = drawing.find(f"{SVG}g")
@@ -231,7 +235,8 @@ class Gltf(Files):
             self.assertIn(words, problem["detail"])
 
     def test_a_mesh_in_many_places_is_counted_as_often(self):
-        """A small file that comes to more than the daemon takes is refused before it is made."""
+        """A small file whose instances exceed the daemon's limits is refused before they are
+        built."""
         body = self.daemon.get("/v1/meshes/torus/content?format=gltf").json
         body["nodes"] = [{"mesh": 0, "translation": [10 * i, 0, 0]} for i in range(300)]
         body["scenes"] = [{"nodes": list(range(300))}]
@@ -243,7 +248,7 @@ class Gltf(Files):
 
 
 @unittest.skipUnless((PEERS / "node_modules" / "gltf-validator").exists() and shutil.which("node"),
-                     "without node, and gltf-validator and three from npm (make nurbs-peers), nobody else reads our GLB")
+                     "without node, and gltf-validator and three from npm (make nurbs-peers), no other program reads our GLB")
 class Others(Files):
     def test_others_read_what_is_written(self):
         path, values = self.values_of("torus")
@@ -267,6 +272,88 @@ class Others(Files):
         for value, distance in zip(values, reports["field"]["objects"][0]["distances"]):
             self.assertAlmostEqual(value, distance, 6)
         self.assertEqual(reports["field"]["objects"][0]["colours"], len(values))
+
+
+CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
+TRIANGLE = ('<mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="1" y="0" z="0"/>'
+            '<vertex x="0" y="1" z="0"/></vertices><triangles><triangle v1="0" v2="1" v3="2"/>'
+            '</triangles></mesh>')
+
+
+def package(model, **others):
+    """Returns a 3MF package of that model part and other files."""
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("3D/3dmodel.model", model)
+        for name, text in others.items():
+            archive.writestr(name, text)
+    return out.getvalue()
+
+
+def model(resources, build='<item objectid="1"/>', before=""):
+    return (f'{before}<model xmlns="{CORE}"><resources>{resources}</resources>'
+            f"<build>{build}</build></model>")
+
+
+ONE = model(f'<object id="1">{TRIANGLE}</object>')
+
+
+class Packages(Files):
+    """3MF: supported content, and malicious archives."""
+
+    def refused(self, body, status, code, says):
+        problem = self.assert_problem(self.daemon.put("harm", body), status, code)
+        self.assertIn(says, problem["detail"])
+
+    def test_a_package_is_a_mesh(self):
+        for headers, options in (
+                ({}, ""), ({"Content_Type": "model/3mf"}, ""), ({}, "?format=3mf")):
+            made = self.daemon.put("printed", package(ONE), options, **headers)
+            self.assertIn(made.status, (200, 201), made)
+            self.assertEqual(made.json["area"], 0.5)
+        self.assertEqual(self.daemon.get("/v1/meshes/printed/content?format=3mf").status, 400)
+
+    def test_prefixes_may_stand_for_nothing(self):
+        for text in (ONE.replace("<resources>", "<resources><m:colorgroup m:id='4'/>"),
+                     ONE.replace("<", "<c:").replace("<c:/", "</c:").replace("xmlns=", "xmlns:c=")):
+            self.assertIn(self.daemon.put("prefixed", package(text)).status, (200, 201))
+
+    def test_entities_are_refused(self):
+        laughs = "".join(f'<!ENTITY e{i} "{f"&e{i - 1};" * 10}">' for i in range(1, 10))
+        for inner in (f'<!ENTITY e0 "ha">{laughs}', '<!ENTITY e9 SYSTEM "file:///etc/passwd">'):
+            body = package(model("&e9;", before=f"<!DOCTYPE model [{inner}]>"))
+            self.refused(body, 422, "invalid_mesh", "document type")
+
+    def test_bombs_are_refused(self):
+        blanks = package(ONE + " " * (64 << 20))
+        self.assertLess(len(blanks), 1 << 17)
+        self.refused(blanks, 413, "too_large", "more than 256 times")
+        twice = ('<object id="%d"><components><component objectid="%d"/><component objectid="%d"/>'
+                 "</components></object>")
+        pairs = "".join(twice % (i, i - 1, i - 1) for i in range(2, 40))
+        chain = f'<object id="1">{TRIANGLE}</object>{pairs}'
+        many = package(model(chain, '<item objectid="39"/>'))
+        self.refused(many, 413, "too_large", "triangles")
+        names = "".join(f"<a{i}/>" for i in range(500000))
+        self.refused(package(model(names)), 413, "too_large", "names of elements")
+        long = "".join(map(str, range(40000)))
+        self.refused(package(model(f'<a b="{long}"/>')), 422, "invalid_mesh", "tag")
+
+    def test_paths_stay_in_the_package(self):
+        rels = ('<Relationships '
+                'xmlns="http://schemas.openxmlformats.org/package/2006/relationships">'
+                '<Relationship Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel" '
+                'Target="%s" Id="a"/></Relationships>')
+        for target in ("/etc/passwd", "../../etc/passwd", "file:///etc/passwd"):
+            body = package(ONE, **{"_rels/.rels": rels % target})
+            self.refused(body, 422, "invalid_mesh", "no part")
+
+    def test_damage_is_found(self):
+        body = bytearray(package(ONE))
+        at = body.index(b"3D/3dmodel.model") + 40
+        body[at] ^= 0x55
+        self.assert_problem(self.daemon.put("harm", bytes(body)), 422, "invalid_mesh")
+        self.refused(bytes(body[:-30]), 422, "invalid_mesh", "cut short")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Server-sent events of jobs: what they tell, and those who watch and go away."""
+"""Server-sent events of jobs: their content, and watchers that leave."""
 import time
 import unittest
 
@@ -11,7 +11,7 @@ class Events(OneWorker):
         location = self.start_field(900)
         watch = Watch(self.daemon, location)
         self.assertEqual((watch.response.status, watch.response.headers["Content-Type"]), (200, "text/event-stream"))
-        events = list(watch.events)  # ends with the job
+        events = list(watch.events)  # the stream ends with the job
         self.assertEqual([event for event, _ in events], ["progress"] * (len(events) - 1) + ["done"])
         self.assertGreater(len(events), 3)
         parts = [data["progress"] for _, data in events]
@@ -54,7 +54,8 @@ class Events(OneWorker):
         self.assertEqual(self.daemon.wait_for("event_streams", 200), 200)
         for watch in watches[:100]:
             watch.close()
-        wait_until(lambda: self.daemon.metric("event_streams") <= 100, 5)  # who went away is not watched for
+        # streams of clients that have left are closed
+        wait_until(lambda: self.daemon.metric("event_streams") <= 100, 5)
         self.cancel(location)
         for watch in watches[100:]:
             *_, (event, data) = watch.events
@@ -64,7 +65,8 @@ class Events(OneWorker):
             time.sleep(0.001)
 
     def test_who_goes_away_while_nothing_happens(self):
-        """A job that waits tells nothing: so its watchers are looked for."""
+        """A waiting job sends no events, so the daemon must detect by itself that its watchers have
+        left."""
         self.daemon.ask_often("big", "v:927")
         running = self.start_field(925)
         next_one = self.start("/v1/meshes/big/distance", pair(927, 5001))
@@ -73,7 +75,8 @@ class Events(OneWorker):
         stays, goes = Watch(self.daemon, queued), Watch(self.daemon, queued)
         next(stays.events)
         goes.close()
-        wait_until(lambda: self.daemon.metric("event_streams") <= 1, 5)  # who went away is not watched for
+        # streams of clients that have left are closed
+        wait_until(lambda: self.daemon.metric("event_streams") <= 1, 5)
         self.cancel(queued)
         *_, (event, data) = stays.events
         self.assertEqual((event, data["state"]), ("done", "cancelled"))

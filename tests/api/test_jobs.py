@@ -1,4 +1,4 @@
-"""Jobs: Prefer: respond-async, what becomes of it, cancels, expiry, bounds, drain."""
+"""Jobs: Prefer: respond-async, results, cancels, expiry, bounds, drain."""
 import concurrent.futures
 import http.client
 import json
@@ -8,7 +8,7 @@ import time
 import unittest
 
 from harness import PATIENCE_SECONDS, SQUARE, TETRAHEDRON, Daemon, sample, wait_until
-from jobs import ASYNC, JSON, Jobs, OneWorker, Watch, big_mesh, pair
+from jobs import ASYNC, JSON, SANITIZED_SECONDS, Jobs, OneWorker, Watch, big_mesh, pair
 
 
 class Answers(Jobs):
@@ -204,7 +204,8 @@ class Work(OneWorker):
         builds, waits = self.daemon.metric("cache_builds_total"), self.daemon.metric("cache_waits_total")
         first = self.start_field(400)
         self.wait(first, "running")
-        others = [self.start("/v1/meshes/big/distance", pair(400, target)) for target in range(5)]  # more than the queue holds
+        # more jobs than the queue holds
+        others = [self.start("/v1/meshes/big/distance", pair(400, target)) for target in range(5)]
         with concurrent.futures.ThreadPoolExecutor(1) as pool:
             direct = pool.submit(self.daemon.ask, "big", "distance", pair(400, 159600))
             result = self.wait(first, "done")["result"]
@@ -259,6 +260,53 @@ class Work(OneWorker):
         self.wait(f"/v1/jobs/{job['id']}", "done")
 
 
+class Waiting(OneWorker):
+    """GET with ?wait=."""
+
+    def ask(self, location, seconds):
+        since = time.monotonic()
+        answer = self.daemon.get(f"{location}?wait={seconds}")
+        self.assertEqual(answer.status, 200, answer)
+        return answer.json["state"], time.monotonic() - since
+
+    def test_the_answer_comes_with_the_end(self):
+        location = self.start_field(0)
+        job = self.daemon.get(location + "?wait=60").json
+        self.assertEqual((job["state"], job["progress"]), ("done", 1))
+        self.assertIn("distance", job["result"])
+        state, seconds = self.ask(location, 60)
+        self.assertEqual(state, "done")
+        self.assertLess(seconds, SANITIZED_SECONDS)
+
+    def test_the_answer_comes_when_the_time_is_over(self):
+        locations = [self.start_field(1), self.start_field(2)]  # one runs, one is queued
+        with concurrent.futures.ThreadPoolExecutor(40) as pool:
+            told = list(pool.map(lambda turn: self.ask(locations[turn % 2], 1), range(40)))
+            for turn, (state, seconds) in enumerate(told):
+                self.assertIn(state, ("queued", "running", "done"))
+                if state != "done":
+                    self.assertGreater(seconds, 0.9)
+            for location in locations:
+                self.wait(location, "done")
+            for source in (3, 4):
+                self.daemon.ask_often("big", f"v:{source}")
+            locations = [self.start("/v1/meshes/big/distance", pair(source, 160000 - source)) for source in (3, 4)]
+            waiting = [pool.submit(self.ask, location, 60) for location in locations]
+            time.sleep(0.05)
+            since = time.monotonic()
+            self.assertEqual(self.daemon.get("/v1/meshes/square/nearest?point=v:0").status, 200)
+            for location in reversed(locations):
+                self.cancel(location)
+            self.assertEqual([each.result()[0] for each in waiting], ["cancelled", "cancelled"])
+            self.assertLess(time.monotonic() - since, SANITIZED_SECONDS)
+
+    def test_parameters(self):
+        location = self.start("/v1/meshes/square/distance", pair(0, 2))
+        for query in ("wait=61", "wait=-1", "wait=", "wait=1.5", "wait=1&wait=2"):
+            self.assert_problem(self.daemon.get(f"{location}?{query}"), 400, "invalid_request")
+        self.assert_problem(self.daemon.get("/v1/jobs/0123456789abcdef01234567?wait=1"), 404, "not_found")
+
+
 class Expiry(Jobs):
     flags = ("--job-ttl-s", "1", "--max-jobs", "5", "--memory-budget", "16MiB", "--max-body", "8MiB")
 
@@ -268,7 +316,8 @@ class Expiry(Jobs):
         self.wait(location, "done")
         time.sleep(1.05)
         self.assert_problem(self.daemon.get(location), 404, "not_found")
-        wait_until(lambda: b'class="jobs"} 0\n' in self.daemon.get("/metrics").body, 5)  # its answer has gone, too
+        # its answer is freed, too
+        wait_until(lambda: b'class="jobs"} 0\n' in self.daemon.get("/metrics").body, 5)
 
     def test_the_oldest_go_when_there_are_too_many(self):
         self.daemon.put("square", SQUARE)
@@ -293,7 +342,8 @@ class Drain(Jobs):
     flags = ()
 
     def busy(self, *flags):
-        """A daemon with a job under way, one that waits, a connection, and a watcher of the first."""
+        """Starts a daemon with a running job, a waiting job, a connection, and a watcher of the
+        first job."""
         daemon = Daemon("--workers", "1", "--landmarks", "0", *flags)
         daemon.put("big", sample("terrain", cells=256, amplitude=1))
         daemon.ask_often("big", "v:0")
@@ -324,12 +374,26 @@ class Drain(Jobs):
         watch.close()
         connection.close()
 
+    def test_who_waits_is_answered(self):
+        daemon, running, queued, connection, watch = self.busy("--drain-ms", str(PATIENCE_SECONDS * 1000))
+        with concurrent.futures.ThreadPoolExecutor(2) as pool:
+            waiting = [pool.submit(daemon.get, location + "?wait=60") for location in (running, queued)]
+            time.sleep(0.3)
+            since = time.monotonic()
+            daemon.terminate()
+            for each in waiting:
+                self.assertEqual(each.result().status, 200)
+        self.assertLess(time.monotonic() - since, PATIENCE_SECONDS)
+        watch.close()
+        self.assertEqual(daemon.stop(), 0)
+        connection.close()
+
     def test_no_jobs_are_taken(self):
         daemon, _, _, connection, watch = self.busy()
         daemon.terminate()
         while "draining" not in [line["event"] for line in daemon.log]:
             time.sleep(0.001)
-        list(watch.events)  # ends when jobs are refused
+        list(watch.events)  # the stream ends when jobs are refused
         answer = daemon.request("GET", "/v1/meshes/big/nearest?point=v:0", headers=ASYNC, connection=connection)
         self.assert_problem(answer, 503, "draining")
         watch.close()
@@ -337,7 +401,7 @@ class Drain(Jobs):
 
 
 class Crowd(Jobs):
-    """Everything at once: for sanitizers."""
+    """Runs everything at once, for sanitizers."""
 
     flags = ("--workers", "2", "--max-jobs", "40", "--job-ttl-s", "1", "--landmarks", "0")
 

@@ -1,12 +1,19 @@
-"""The JavaScript client under Node.js: the scenario, and what it adds to the contract. Skipped without node of version 18 or later."""
+"""The JavaScript client under Node.js: the scenario and the client's own features. Skipped without
+node 18 or later."""
+import json
+import pathlib
 import shutil
 import subprocess
+import tarfile
+import tempfile
 import unittest
 
 import scenario
-from harness import SQUARE, TestCase, sample
+from harness import PROGRAM, SQUARE, TestCase, sample
 
 NODE = shutil.which("node")
+MODULES = PROGRAM.parent / "web" / "node_modules"  # the viewer's packages: three.js, TypeScript
+PACKAGE = scenario.CLIENTS / "js"
 
 
 def is_new_enough():
@@ -16,7 +23,7 @@ def is_new_enough():
 @unittest.skipUnless(is_new_enough(), "there is no node of version 18 or later")
 class JavaScriptClient(TestCase):
     def run_script(self, script, url=None):
-        """Its last lines would tell what was not as expected."""
+        """Runs a script; on failure shows its output."""
         text = f"""
             import assert from "node:assert/strict";
             import fs from "node:fs";
@@ -36,9 +43,16 @@ class JavaScriptClient(TestCase):
               else for (const name of Object.keys(expected)) check(answer[name], expected[name], `${{where}}/${{name}}`);
             }}
             async function run(step) {{
-              if (step.upload) return (await client.upload(step.upload, step.file)).describe();
+              const mesh = client.mesh("scenario");
+              const typed = step.arrays && {{ vertices: Float64Array.from(step.arrays.vertices.flat()), faces: Uint32Array.from(step.arrays.faces.flat()) }};
+              if (step.upload) return (await client.upload(step.upload, typed ?? step.file, step.edits)).describe();
+              if (step.call === "matrix") return client.mesh(step.mesh).matrix(step.sources, step.targets);
+              if (step.call === "field") return (await client.mesh(step.mesh).field(step.sources)).values();
               if (step.delete) return client.mesh(step.delete).delete();
-              return client.mesh("scenario").query(step.query, step.body);
+              if (step.derive) return (await mesh.derive(step.derive, step.operations)).describe();
+              if (step.split) return Promise.all((await mesh.split(step.split, step.operations)).map((part) => part.describe()));
+              if (step.preview) return Buffer.from(await mesh.preview({{ faces: step.faces }})).toString("latin1", 0, 4);
+              return mesh.query(step.query, step.body);
             }}
             assert(steps.length > 10);
             for (const step of steps) {{
@@ -81,6 +95,71 @@ class JavaScriptClient(TestCase):
             assert.deepEqual([start(await (await square.field(0)).file()), start(await square.pathFile(0, 2, "svg"))], ["ply\\n", "<svg"]);
         """)
 
+    def test_arrays(self):
+        self.run_script("""
+            const vertices = Float32Array.of(0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0), faces = Uint16Array.of(0, 1, 2, 0, 2, 3);
+            const square = await client.upload("typed", { vertices, faces });
+            assert.deepEqual(await square.arrays(), { vertices: Float64Array.from(vertices), faces: Uint32Array.from(faces) });
+            const rows = async (...points) => (await square.matrix(...points)).map((row) => [...row]);
+            assert.deepEqual(await rows(Uint32Array.of(0), vertices.subarray(3)), [[1, Math.SQRT2, 1]]);
+            assert.deepEqual(await rows([Float64Array.of(1, 0, 0), { isVector3: true, x: 0, y: 1, z: 0 }], [0]), [[1], [1]]);
+            const field = await square.field(Uint8Array.of(0, 1));
+            assert.deepEqual(await field.distances(vertices.subarray(6)), [1, 1]);
+            assert.deepEqual((await square.field(vertices.subarray(0, 6))).id, (await square.field([[0, 0, 0], [1, 0, 0]])).id);
+            const lines = await field.isolineArrays(3);
+            assert.equal(lines.first.at(-1) * 3, lines.points.length);
+            assert.equal((await field.isolines(4, { geometry: "none" })).length, 4);
+            assert.equal((await square.queryArrays("voronoi", { set: geodesicd.toSet([0, 2]) })).constructor, Object);
+        """)
+
+    @unittest.skipUnless((MODULES / "three").is_dir(), "three.js is not installed")
+    def test_geometries_of_three(self):
+        self.run_script(f"""
+            const {{ BoxGeometry, SphereGeometry, Vector3 }} = await import("{(MODULES / 'three/build/three.module.js').as_uri()}");
+            const box = new BoxGeometry(1, 1, 1), cube = await client.upload("cube", box);
+            const {{ vertices, faces, components }} = await cube.describe();
+            assert.deepEqual([box.getAttribute("position").count, vertices, faces, components], [24, 8, 12, 1]);
+            const {{ index }} = geodesicd.fromGeometry(box), values = await (await cube.field(new Vector3(0.5, 0.5, 0.5))).values();
+            const distances = Array.from(index, (vertex) => values[vertex]);
+            assert.equal(distances.filter((distance) => distance === 0).length, 3); // a corner is in three sides
+            const ball = await client.upload("ball", new SphereGeometry(1, 16, 12).toNonIndexed());
+            const {{ euler_characteristic, boundary_count }} = await ball.describe();
+            assert.deepEqual([euler_characteristic, boundary_count], [2, 0]);
+        """)
+
+    def test_every_call_can_be_aborted(self):
+        self.daemon.put("square", SQUARE)
+        with scenario.busy(*[(503, {"Retry-After": "9"}, {})] * 9) as (server, url):
+            self.run_script("""
+                const square = client.mesh("square"), field = new geodesicd.Field(square, { id: "f" });
+                const job = new geodesicd.Job(client, { id: "j", state: "running", progress: 0 });
+                const calls = {
+                  client: (o) => [client.job("j", o), client.service(o), client.createBatch({}, o), client.batch("b", o), client.waitBatch("b", undefined, o),
+                    client.deleteBatch("b", o), client.meshes(o).next(), client.batchResults("b", o).next(), client.batchResults("b", { wait: true, ...o }).next(),
+                    client.upload("u", "", o)],
+                  job: (o) => [job.wait(undefined, o), job.response(o), job.cancel(o)],
+                  square: (o) => [square.query("distance", {}, o), square.queryArrays("voronoi", {}, o), square.describe(o), square.delete(o), square.exists(o),
+                    square.distance(0, 1, o), square.path(0, 1, o), square.pathFile(0, 1, "obj", o), square.picture("png", o), square.nearest(0, o),
+                    square.pairs(Uint32Array.of(0), Uint32Array.of(1), o), square.nearestPoints(Float64Array.of(0, 0, 0), o), square.matrix([0], [1], o),
+                    square.field(0, o), square.content("obj", o), square.arrays(o), square.derive("d", [], o), square.split("d", [], o), square.origins(o),
+                    square.preview(o)],
+                  field: (o) => [field.values(o), field.file("ply", o), field.distances([0], o), field.isolines(3, o), field.isolineArrays(3, o),
+                    field.isolinesFile(3, "obj", o)],
+                };
+                const aborted = { signal: AbortSignal.abort() };
+                for (const some of Object.values(calls))
+                  for (const call of some(aborted)) await assert.rejects(call, { name: "AbortError" });
+                const began = Date.now();
+                await assert.rejects(client.service({ signal: AbortSignal.timeout(2500) }), { name: "TimeoutError" });
+                assert(Date.now() - began < 8500); // while it waits before another try
+            """, url)
+            self.assertEqual(len(server.seen), 1)
+
+    def test_the_daemon_serves_it(self):
+        answer = self.daemon.get("/client.js")
+        self.assertEqual(answer.body, (PACKAGE / "index.js").read_bytes())
+        self.assertIn("javascript", answer.headers["Content-Type"])
+
     def test_jobs(self):
         self.daemon.put("sphere", sample("icosphere", level=5))
         self.run_script("""
@@ -91,6 +170,8 @@ class JavaScriptClient(TestCase):
             const job = await client.submit("POST", sphere.location + "/matrix", { body: { sources: many, targets: many } });
             await job.cancel();
             await assert.rejects((await job.wait()).response(), geodesicd.JobCancelled);
+            const started = await client.submit("POST", sphere.location + "/fields", { body: { set: { points: ["v:77"] } } });
+            assert.equal((await client.job(started.id, { wait: 60 })).state, "done");
         """)
 
     def test_a_refused_origin_is_told_from_a_dead_daemon(self):
@@ -159,6 +240,44 @@ class JavaScriptClient(TestCase):
 
 
 class Types(unittest.TestCase):
+    PROGRAM = """
+        import { Client, newest, type Mesh } from "geodesicd";
+        import "geodesicd/viewer.js";
+        const client = new Client();
+        const mesh: Mesh = await client.upload("a", { vertices: new Float32Array(9), faces: Uint32Array.of(0, 1, 2) });
+        const area: number = (await mesh.describe()).area, max: number | null = (await mesh.field(0)).max;
+        const { distances } = await mesh.query("matrix", { sources: [{ vertex: 0 }], targets: [{ vertex: 1 }] });
+        const first: number | null = distances[0]![0]!;
+        const lengths: number[] = (await mesh.query("trace", { start: { vertex: 0 }, fan: 8, length: 1 })).paths.map((path) => path.length);
+        const follow = newest((x: number, signal) => mesh.distance(0, x, { signal }), (distance) => console.log(distance, area, max, first, lengths));
+        follow(3);
+        // @ts-expect-error: a member that no answer has
+        (await mesh.describe()).aera;
+    """
+
+    @unittest.skipUnless(NODE and (MODULES / "typescript").is_dir(), "TypeScript is not installed")
+    def test_the_package_in_a_strict_program(self):
+        """Tests the package as npm packs it: its files, its entries, its types. The type check
+        finds a deliberate mistake."""
+        with tempfile.TemporaryDirectory() as folder:
+            place = pathlib.Path(folder)
+            packed = subprocess.run(["npm", "pack", "--json", "--pack-destination", folder], cwd=PACKAGE, check=True, stdout=subprocess.PIPE,
+                                    stderr=subprocess.DEVNULL, text=True).stdout
+            [about] = json.loads(packed[packed.index("[\n"):])
+            self.assertLessEqual({"LICENSE", "README.md", "index.js", "index.d.ts", "types.d.ts", "viewer.js", "viewer.d.ts"},
+                                 {file["path"] for file in about["files"]})
+            with tarfile.open(place / about["filename"]) as archive:
+                archive.extractall(place)
+            (place / "node_modules").mkdir()
+            (place / "package").rename(place / "node_modules" / "geodesicd")
+            options = ["--strict", "--noUncheckedIndexedAccess", "--noEmit", "--target", "es2022", "--module", "nodenext"]
+            (place / "program.mts").write_text(self.PROGRAM)
+            done = subprocess.run([NODE, MODULES / "typescript/bin/tsc", *options, "program.mts"], cwd=place, stdout=subprocess.PIPE, text=True)
+            self.assertEqual(done.returncode, 0, done.stdout)
+            script = 'import { Client } from "geodesicd"; import "geodesicd/viewer.js"; new Client();'
+            subprocess.run([NODE, "--input-type=module", "-e", script], cwd=place, check=True)
+        self.assertFalse((PACKAGE / "LICENSE").exists())
+
     def test_they_are_those_of_the_contract(self):
         made = subprocess.run([scenario.CLIENTS / "js" / "generate.py"], check=True, stdout=subprocess.PIPE, text=True).stdout
         self.assertEqual((scenario.CLIENTS / "js" / "types.d.ts").read_text(), made, "run clients/js/generate.py > clients/js/types.d.ts")

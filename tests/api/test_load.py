@@ -1,4 +1,5 @@
-"""The daemon under load: the two lanes, overload, deadlines, who waits for a field, memory, drain, everything at once."""
+"""The daemon under load: urgent and patient jobs, overload, deadlines, waits for a field, memory,
+drain, and everything at once."""
 import concurrent.futures
 import contextlib
 import itertools
@@ -13,7 +14,8 @@ from harness import PATIENCE_SECONDS, SEARCHES, SQUARE, Daemon, TestCase, sample
 
 
 def slow_mesh():
-    """A mesh on which one field takes long enough to watch: a rough terrain without flat parts."""
+    """Returns a mesh on which one field takes long enough to watch: a rough terrain without flat
+    parts."""
     return sample("terrain", cells=256, amplitude=1)
 
 
@@ -34,17 +36,17 @@ class Lanes(TestCase):
         cls.daemon.get("/v1/meshes/square/distance?from=v:0&to=v:2")
 
     def ask(self, source, options=""):
-        """Asks across the mesh, for a target that no other source is asked for with."""
+        """Queries a pair across the mesh whose target no other pair has."""
         return self.daemon.get(f"/v1/meshes/slow/distance?from=v:{source}&to=v:{66000 - source}{options}")
 
     def ask_for_a_field(self, source):
-        """Asks the question that a field is built for: the slowest there is."""
+        """Sends the slowest query: the one for which a field is built."""
         self.daemon.ask_often("slow", f"v:{source}")
         return self.ask(source)
 
     @contextlib.contextmanager
     def building(self, source):
-        """While a field is built that somebody has asked for: whose answer will come."""
+        """Builds a field that a client has requested and waits for."""
         builds = self.daemon.metric("cache_builds_total")
         with concurrent.futures.ThreadPoolExecutor(1) as pool:
             slow = pool.submit(self.ask_for_a_field, source)
@@ -64,7 +66,8 @@ class Lanes(TestCase):
             asked = [pool.submit(self.ask, source) for source in range(100, 112)]
             answers = [future.result() for future in asked]
         refused = [answer for answer in answers if answer.status == 503]
-        self.assertGreaterEqual(len([answer for answer in answers if answer.status == 200]), 2)  # the queue's length
+        # at least as many as the queue holds
+        self.assertGreaterEqual(len([answer for answer in answers if answer.status == 200]), 2)
         self.assertGreater(len(refused), 0)
         for answer in refused:
             self.assert_problem(answer, 503, "overloaded")
@@ -79,7 +82,8 @@ class Lanes(TestCase):
             self.assertEqual(slow.result().status, 200)
 
     def assert_ended(self, counter, ask):
-        """With so little time that the work is begun, as its counter tells, but not finished."""
+        """Asserts that the request ends at a deadline so short that its work begins, as the counter
+        shows, but does not finish."""
         begun = self.daemon.metric(counter)
         for timeout_ms in (3, 6, 12, 24, 48):
             self.assert_problem(ask(f"timeout_ms={timeout_ms}"), 504, "deadline_exceeded")
@@ -101,7 +105,8 @@ class Lanes(TestCase):
             slow.result()
 
     def test_when_the_builder_gives_up_another_takes_over(self):
-        """The builder waits for the worker, more than the queue holds wait for him: his deadline is not theirs."""
+        """The builder waits for the worker, and more requests than the queue holds wait for the
+        builder: its deadline does not end theirs."""
         self.daemon.ask_often("square", "v:1")
         url = "/v1/meshes/square/distance?from=v:1&to=v:3"
         builds, waits = self.daemon.metric("cache_builds_total"), self.daemon.metric("cache_waits_total")
@@ -152,8 +157,9 @@ class Waiting(TestCase):
         self.daemon.ask_often("slow", "v:5")
         url = "/v1/meshes/slow/distance?from=v:5&to=p:9,9,0"
         builds, waits = self.daemon.metric("cache_builds_total"), self.daemon.metric("cache_waits_total")
-        hasty = self.daemon.get(url + "&timeout_ms=1500")  # less than ten times what such a field may take
-        self.assertIn(hasty.status, (200, 504), hasty)  # slow under sanitizers
+        # less than ten times the cost of such a field
+        hasty = self.daemon.get(url + "&timeout_ms=1500")
+        self.assertIn(hasty.status, (200, 504), hasty)  # 504: slow under sanitizers
         self.assertEqual(self.daemon.metric("cache_builds_total"), builds)
         self.assertEqual(self.daemon.get(url).status, 200)
         self.assertEqual(self.daemon.metric("cache_builds_total"), builds + 1)
@@ -181,7 +187,8 @@ class Memory(TestCase):
 
 class Drain(unittest.TestCase):
     def busy(self, *flags):
-        """A daemon with a query under way, the query, and a connection that is open."""
+        """Starts a daemon with a running query; returns the daemon, the query, and an open
+        connection."""
         daemon = Daemon("--workers", "1", *flags)
         daemon.put("slow", slow_mesh())
         daemon.ask_often("slow", "v:0")
@@ -214,7 +221,8 @@ class Drain(unittest.TestCase):
         self.assertEqual(daemon.stop(), 0)
 
     def test_large_bodies_wait_for_a_worker(self):
-        """An HTTP thread parses small ones only. A query that ends too soon to be watched is repeated."""
+        """An HTTP thread parses only small bodies. A query that ends too soon to be observed is
+        repeated."""
         self.assertTrue(any(self.large_body_was_deferred() for _ in range(10)))
 
     def large_body_was_deferred(self):
@@ -243,7 +251,8 @@ class Crowd(TestCase):
 
     def setUp(self):
         self.files = [sample("icosphere", level=4), sample("torus"), sample("grid", columns=64, rows=64)]
-        self.daemon.put("m3", sample("icosphere", level=5))  # nobody changes it: its fields stay until they are evicted
+        # m3 is never changed: its fields stay until they are evicted
+        self.daemon.put("m3", sample("icosphere", level=5))
         self.wrong, self.is_over = [], threading.Event()
         self.counter = itertools.count()
 
@@ -260,14 +269,15 @@ class Crowd(TestCase):
             self.request("PUT" if body else "DELETE", f"/v1/meshes/m{chance.randrange(3)}", body)
 
     def query(self, seed):
-        """Asks about one point so often, together with others, that a field is built and used, then about the next."""
+        """Together with others, queries one point until its field is built and used, then the next
+        point."""
         chance = random.Random(seed)
         while not self.is_over.is_set():
             source = next(self.counter) // 50
             self.request("GET", f"/v1/meshes/m{source % 4}/path?from=v:{source % 300}&to=v:{chance.randrange(300)}")
 
     def test_everything_at_the_same_time(self):
-        """Every answer is one that is allowed, while fields are built, waited for, used and evicted."""
+        """Every answer is an allowed one while fields are built, awaited, used and evicted."""
         enough, late = time.monotonic() + 3, time.monotonic() + PATIENCE_SECONDS
         threads = [threading.Thread(target=self.change if number < 2 else self.query, args=(number,))
                    for number in range(8)]

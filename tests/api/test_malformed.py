@@ -1,4 +1,5 @@
-"""What is wrong gets a 4xx with a code and a sentence, and the daemon goes on. One table a kind, one promise a row."""
+"""Malformed input gets a 4xx with a code and a sentence, and the daemon continues. One table for
+each kind of input, one case a row."""
 import json
 import struct
 import unittest
@@ -7,7 +8,7 @@ from harness import SQUARE, TestCase
 
 ROOT = "/v1/meshes"
 JSON = {"Content-Type": "application/json"}
-FORM = {"Content-Type": "application/x-www-form-urlencoded"}  # what curl -d says
+FORM = {"Content-Type": "application/x-www-form-urlencoded"}  # the Content-Type of curl -d
 
 
 def stl(count, triangles):
@@ -112,7 +113,7 @@ REQUESTS = [
     ("description as text", "GET", ROOT + "/square", None, {"Accept": "text/plain"}, *UNACCEPTABLE),
     ("description with JSON refused", "GET", ROOT + "/square", None, {"Accept": "application/json;q=0"}, *UNACCEPTABLE),
     ("limit of zero", "GET", ROOT + "?limit=0", None, {}, *INVALID),
-    ("limit that is no number", "GET", ROOT + "?limit=many", None, {}, *INVALID),
+    ("limit that is not a number", "GET", ROOT + "?limit=many", None, {}, *INVALID),
     ("unknown parameter of a list", "GET", ROOT + "?page=2", None, {}, *INVALID),
     ("unknown parameter of the service", "GET", "/v1?x=1", None, {}, *INVALID),
     *((f"unknown parameter of {path}", "GET", path + "?x=1", None, {}, *INVALID) for path in ("/livez", "/readyz", "/metrics", "/openapi.json")),
@@ -154,7 +155,8 @@ PUT = b"PUT /v1/meshes/raw HTTP/1.1\r\nHost: localhost\r\n"
 OLD_PUT = b"PUT /v1/meshes/raw HTTP/1.0\r\nHost: localhost\r\n"
 GET = b"GET /v1 HTTP/1.1\r\n"
 
-# (name, bytes as they go over the wire, status): what a client library would not send. Status 0: hung up in silence.
+# (name, bytes on the wire, status): requests that a client library would not send. Status 0: the
+# daemon closes the connection without an answer.
 RAW = [
     ("both lengths", PUT + b"Content-Length: 5\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n", 400),
     ("two Content-Lengths", PUT + b"Content-Length: 5\r\nContent-Length: 6\r\n\r\nhello", 400),
@@ -219,7 +221,7 @@ class Malformed(TestCase):
                 self.assertLessEqual(received.count(b"X-Request-Id"), 1, received)
 
     def test_nothing_is_smuggled(self):
-        """What follows an ambiguous request is never taken for a request."""
+        """Bytes after an ambiguous request are never read as a request."""
         hidden = b"GET /v1/meshes/smuggled HTTP/1.1\r\nHost: localhost\r\n\r\n"
         both = b"Content-Length: 3\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n"
         twice = b"Content-Length: 0\r\nContent-Length: 60\r\n\r\n"

@@ -1,4 +1,4 @@
-"""Matrices: each entry is the distance that it would be alone."""
+"""Matrices: each entry equals the distance of a single query."""
 import gzip
 import json
 import math
@@ -17,7 +17,7 @@ def vertices(numbers):
 
 
 def some_points(numbers, count, index_count, faces):
-    """Points of all kinds but rays."""
+    """Returns points of all kinds except rays."""
     points = []
     for _ in range(count):
         a, b = sorted((numbers.random(), numbers.random()))
@@ -251,7 +251,8 @@ class Limits(TestCase):
         wait_until(lambda: self.daemon.metric("workers_busy") == 0, 20)
 
     def test_others_are_answered_meanwhile(self):
-        """Helpers go back into the queue after each row, so a long matrix leaves one of the two workers to others."""
+        """Helpers return to the queue after each row, so a long matrix leaves one of the two
+        workers to other requests."""
         result = []
         thread = threading.Thread(target=lambda: result.append(self.daemon.ask("large", "matrix", self.document(25))))
         thread.start()
@@ -283,7 +284,7 @@ class Limits(TestCase):
         self.assertEqual((len(seen), self.daemon.request("DELETE", job).status), (5, 204))
 
     def test_measure(self):
-        """A figure, and nothing more."""
+        """Prints a figure without a check."""
         self.daemon.put("terrain", sample("terrain", cells=173))
         document = {"sources": vertices(range(0, 30000, 300)), "targets": vertices(range(7, 30007, 30))}
         begun = time.monotonic()
@@ -301,7 +302,7 @@ class LittleMemory(unittest.TestCase):
                 "targets": [{"face": number, "barycentric": [0.2, 0.3, 0.5]} for number in range(1000, 1040)]}
 
     def least(self, workers, expected):
-        """The least budget, in MiB, with which the matrix is answered."""
+        """Returns the smallest budget, in MiB, with which the matrix is answered."""
         for budget in range(3, 60):
             flags = ("--workers", workers, "--memory-budget", f"{budget}MiB", "--max-body", "1MiB", "--landmarks", "0")
             with Daemon(*flags) as daemon:
@@ -315,7 +316,8 @@ class LittleMemory(unittest.TestCase):
         return budget
 
     def test_rows_that_find_no_room_beside_others_wait_for_them(self):
-        """So several workers need no more than one."""
+        """Rows without room wait for other rows, so several workers need no more memory than
+        one."""
         with Daemon("--workers", "2") as roomy:
             roomy.put("ball", self.mesh())
             expected = roomy.ask("ball", "matrix", self.document).json

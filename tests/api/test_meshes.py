@@ -1,4 +1,4 @@
-"""The resource /v1/meshes: create, replace, list, describe, send back, remove."""
+"""The resource /v1/meshes: create, replace, list, describe, download, remove."""
 import hashlib
 import json
 import math
@@ -96,7 +96,7 @@ class Put(TestCase):
 
 
 class Repair(TestCase):
-    """Cuts that need more memory than the mesh as it was sent, all of it being free."""
+    """Repairs that need more memory than the uploaded mesh, while all memory is free."""
 
     def assert_mended(self, file, options, faces, copies):
         answer = self.daemon.put("mended", file.encode(), options)
@@ -177,7 +177,7 @@ class Read(TestCase):
         self.assertEqual(names, ["c", "d", "e"])
 
     def test_list_by_prefix(self):
-        """Surfaces of each kind, whole and by pages."""
+        """Lists surfaces of each kind, at once and by pages."""
         for kind, file in (("meshes", TETRAHEDRON), ("subdivisions", TETRAHEDRON), ("nurbs", json.dumps(TORUS).encode())):
             for name in ("x-1", "x-2", "x-3", "xy", "y"):
                 self.assertEqual(self.daemon.request("PUT", f"/v1/{kind}/{name}", file, {"Content-Type": "application/octet-stream"}).status, 201)
@@ -219,12 +219,13 @@ class Content(TestCase):
         self.assertEqual([tuple(map(float, match)) for match in numbers.findall(answer.body)], sent)
 
     def test_faces_that_were_turned_over_or_left_out(self):
-        """As the contract and the guide say it."""
+        """Tests the statements of the contract and of the guide."""
         turned = SQUARE.replace(b"f 1 3 4", b"f 3 1 4")
         self.assertEqual(self.daemon.put("turned", turned).json["orientation"]["flipped_faces"], 1)
         self.assertEqual(re.findall(rb"^f .*$", self.daemon.get("/v1/meshes/turned/content").body, re.M), [b"f 1 2 3", b"f 3 4 1"])
         place = self.daemon.get("/v1/meshes/turned/nearest?point=f:1:0.5,0.25,0.25&select=xyz").json["xyz"]
-        self.assertEqual(place, [0.5, 0.75, 0])  # the corners as they were uploaded: (1, 1), (0, 0), (0, 1)
+        # the corners in the order of the upload: (1, 1), (0, 0), (0, 1)
+        self.assertEqual(place, [0.5, 0.75, 0])
         doubled = SQUARE.replace(b"f 1 3 4", b"f 1 2 3\nf 1 3 4")
         self.assertEqual(self.daemon.put("doubled", doubled, "?repair=split").json["repair"]["duplicate_faces"], 1)
         self.assertEqual(re.findall(rb"^f .*$", self.daemon.get("/v1/meshes/doubled/content").body, re.M), [b"f 1 2 3", b"f 1 3 4"])
@@ -238,7 +239,7 @@ class Content(TestCase):
         self.assert_problem(self.daemon.get("/v1/meshes/torus/content", Accept="text/html"), 406, "not_acceptable")
 
     def test_what_is_packed_has_a_tag_of_its_own(self):
-        """Two sequences of bytes never share a strong tag, and either names the mesh."""
+        """Two sequences of bytes never share a strong tag; either tag names the mesh."""
         path = "/v1/meshes/torus/content"
         plain, packed = self.daemon.get(path), self.daemon.get(path, Accept_Encoding="gzip")
         self.assertEqual(packed.headers["ETag"], plain.headers["ETag"][:-1] + '-gzip"')
@@ -249,6 +250,17 @@ class Content(TestCase):
             self.assertEqual(self.daemon.get("/v1/meshes/torus", If_None_Match=tag).status, 200)
             self.assertEqual(self.daemon.get(path, If_Match=tag).status, 200)
             self.assertEqual(self.daemon.put("torus", self.file, If_Match=tag).status, 200)
+
+    def test_a_browser_on_this_host_gets_it_unpacked(self):
+        """A browser can't decline gzip."""
+        packed = {"Accept_Encoding": "gzip, deflate, br", "Sec_Fetch_Site": "same-origin"}
+        for path, is_page in (("/v1/meshes/torus/content", False), ("/", True), ("/openapi.json", True)):
+            near = self.daemon.get(path, **packed)
+            self.assertEqual((near.status, near.headers["Content-Encoding"]), (200, "gzip" if is_page else None), path)
+            self.assertIn("Accept-Encoding", ", ".join(near.headers.get_all("Vary")))
+            for header in ("Forwarded", "Via", "X_Forwarded_For", "X_Real_IP"):
+                far = self.daemon.get(path, **packed, **{header: "203.0.113.7"})
+                self.assertEqual(far.headers["Content-Encoding"], "gzip", (path, header))
 
     def test_what_is_known_varies_like_what_is_sent(self):
         sent = self.daemon.get("/v1/meshes/torus/content")
@@ -262,9 +274,9 @@ class Content(TestCase):
 
 class Conditions(TestCase):
     def test_the_contract_lists_them(self):
-        """What is said about a mesh has an ETag: so it obeys conditions."""
+        """Answers about a mesh have an ETag, so the contract must list conditions for them."""
         for path, item in self.daemon.get("/openapi.json").json["paths"].items():
-            for method in set(item) & {"get", "head", "put", "post", "delete"}:
+            for method in set(item) & {"get", "head", "put", "post", "patch", "delete"}:
                 operation = item[method]
                 if not path.startswith("/v1/meshes") or "ETag" not in operation["responses"].get("200", {}).get("headers", {}):
                     continue
@@ -295,7 +307,7 @@ class Delete(TestCase):
         self.daemon.get("/v1/meshes/big/distance?from=v:0&to=v:9000")
         self.assertEqual(self.daemon.get("/v1/meshes/big").json["fields_cached"], 1)
         self.daemon.request("DELETE", "/v1/meshes/big")
-        while self.daemon.metric("workers_background"):  # its landmarks were on their way
+        while self.daemon.metric("workers_background"):  # its landmarks are being built
             pass
         text = self.daemon.get("/metrics").body.decode()
         self.assertIn('memory_bytes{class="fields"} 0\n', text)

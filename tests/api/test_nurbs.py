@@ -1,4 +1,4 @@
-"""NURBS and other parametric surfaces: the resource, evaluation, what lasts and who may."""
+"""NURBS and other parametric surfaces: the resource, evaluation, durability and access."""
 import json
 import math
 import random
@@ -24,7 +24,8 @@ class Resource(Nurbs):
         self.assertEqual(found, told)
         for query in ("evaluate", "nearest", "geodesic", "point-curve-distance", "curve-distance"):
             operation = paths["paths"][f"/v1/nurbs/{{name}}/{query}"]["post"]
-            request = operation["requestBody"]["content"]["application/json"]["example"]
+            shown = operation["requestBody"]["content"]["application/json"]
+            request = shown.get("example") or shown["examples"]["bare"]["value"]
             answer = self.ask("example-sheet", query, request)
             told = operation["responses"]["200"]["content"]["application/json"].get("example")
             if query == "evaluate":
@@ -78,7 +79,7 @@ class Resource(Nurbs):
         self.assertEqual(self.daemon.request("POST", "/v1/nurbs", body).status, 200)
 
     def test_conventions(self):
-        """The torus as other programs store it is the same surface."""
+        """The torus in the conventions of other programs is the same surface."""
         canonical = rational_torus()
         flat = [[(point, weight) for point, weight in zip(*rows)] for rows in zip(canonical["controlPoints"], canonical["weights"])]
         multiplied = [[[weight * x for x in point] for point, weight in row] for row in flat]
@@ -155,7 +156,8 @@ class Resource(Nurbs):
         self.assert_problem(self.daemon.get("/v1/nurbs/unread"), 404, "not_found")
 
     def test_without_a_tessellation(self):
-        """A surface with a part that is one line can be evaluated; paths on it are refused, and why is said."""
+        """A surface of which a part is a line can be evaluated; paths on it are refused, with the
+        reason."""
         folded = {"degreeU": 1, "degreeV": 1, "knotsU": [0, 0, 1, 2, 2], "knotsV": [0, 0, 1, 1],
                   "controlPoints": [[[0, 0, 0], [0, 1, 0]], [[1, 0, 0], [1, 1, 0]], [[1, 0, 0], [1, 1, 0]]]}
         answer = self.put("folded", folded)
@@ -222,7 +224,8 @@ class Evaluation(Nurbs):
             self.assertEqual(self.refusal("saddle", "evaluate", document)["pointer"], pointer)
 
     def test_nearest(self):
-        """The global one: from random points the distance to the torus has a closed form."""
+        """The nearest point is the global one: from random points the distance to the torus has a
+        closed form."""
         chance = random.Random(2)
         for _ in range(60):
             x, y, z = (chance.uniform(-4, 4) for _ in range(3))
@@ -235,12 +238,23 @@ class Evaluation(Nurbs):
         self.assertEqual(self.refusal("ring", "nearest", {"xyz": [1, 2]})["pointer"], "/xyz")
         for point in ({"xyz": [0.5, 0.25, 1]}, "p:0.5,0.25,1"):
             self.assertEqual(self.ask("ring", "nearest", {"point": point}), self.ask("ring", "nearest", {"xyz": [0.5, 0.25, 1]}))
-        for point in ("v:0", "p:1,2", {"vertex": 0}, {"xyz": [0, 0, 0], "max_snap": 1}, 7):
+        self.assertEqual(self.daemon.get("/v1/nurbs/ring/nearest?point=p:0.5,0.25,1").json, self.ask("ring", "nearest", {"xyz": [0.5, 0.25, 1]}))
+        for query, status in (("", 400), ("?point=v:0", 400), ("?point=p:1,2", 400), ("?point=p:1,2,3&xyz=1", 400), ("?point=p:1,2,3&select=distance", 200)):
+            self.assertEqual(self.daemon.get("/v1/nurbs/ring/nearest" + query).status, status, query)
+        distance = self.ask("ring", "nearest", {"xyz": [4, 0, 0]})["distance"]
+        for most, status in ((distance, 200), (distance * (1 - 1e-15), 422), (0, 422), (-1, 400)):
+            document = {"point": {"xyz": [4, 0, 0], "max_snap": most}}
+            answer = self.daemon.request("POST", "/v1/nurbs/ring/nearest", json.dumps(document), {"Content-Type": "application/json"})
+            self.assertEqual(answer.status, status, answer)
+            if status == 422:
+                self.assertEqual((answer.json["code"], answer.json["pointer"]), ("point_not_on_surface", "/point"))
+        for point in ("v:0", "p:1,2", {"vertex": 0}, 7):
             self.assertEqual(self.refusal("ring", "nearest", {"point": point})["pointer"], "/point", point)
         self.assertEqual(self.refusal("ring", "nearest", {"point": "p:0,0,0", "xyz": [0, 0, 0]})["pointer"], "/xyz")
 
     def test_nearest_of_several(self):
-        """Over hills and valleys there are several places to which the way is at right angles: no sample is nearer than the answer."""
+        """Over hills and valleys several points have perpendicular distances: no sample is nearer
+        than the answer."""
         samples = [[i / 60, j / 60] for i in range(61) for j in range(61)]
         points = [point["xyz"] for point in self.ask("hills", "evaluate", {"uv": samples}, "?select=points,xyz")["points"]]
         chance = random.Random(4)
@@ -256,7 +270,7 @@ class Narrow(Nurbs):
     flags = ("--memory-budget", "24MiB", "--max-body", "8MiB")
 
     def test_over_the_budget(self):
-        """What does not fit is refused, and nothing of it stays."""
+        """A surface that exceeds the budget is refused and leaves nothing behind."""
         self.assertEqual(self.put("small", bumps(8, 4, 0.5, 1)).status, 201)
         self.assert_problem(self.put("large", bumps(250, 250, 0.1, 1)), 507, "insufficient_memory")
         self.assert_problem(self.post("small", "tessellate", {"mesh": "fine", "resolution": [700, 700]}), 507, "insufficient_memory")

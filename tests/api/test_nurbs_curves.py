@@ -16,7 +16,7 @@ class Curves(Nurbs):
     @staticmethod
     @functools.cache
     def near_circle(count=200000):
-        """Points of the closed cubic above, which is nearly a circle."""
+        """Returns points of the closed cubic above, which is nearly a circle."""
         spline = Curves.CIRCLE["bspline"]
         return [spline_at(3, spline["knots"], spline["control_points"], 8 * i / count) for i in range(0, count, 100)]
 
@@ -24,7 +24,8 @@ class Curves(Nurbs):
         self.assert_close(answer["ends"][which]["uv"], expected, tolerance)
 
     def test_the_nearer_side_of_a_circle(self):
-        """The farthest point meets it at a right angle too; it is never the answer."""
+        """The path to the farthest point also meets the circle at a right angle; it is never the
+        answer."""
         for angle in (0, PI / 4, PI / 2, PI):
             point = [2 * math.cos(angle), 2 * math.sin(angle)]
             answer = self.ask("plane", "point-curve-distance", {"point": point, "curve": self.CIRCLE})
@@ -47,7 +48,7 @@ class Curves(Nurbs):
         self.assertEqual((beyond["warnings"], beyond["ends"]["curve"]["parameter"]), (["curve_corner"], 1))
 
     def test_closed_polylines(self):
-        """`closed` is an edge more; without it the curve is open there."""
+        """`closed` adds an edge; without it the curve is open there."""
         corners = [[-1, -1], [1, -1], [1, 1], [-1, 1]]
         for closed, expected in ((True, 1), (False, math.sqrt(2))):
             answer = self.ask("plane", "point-curve-distance", {"point": [-2, 0], "curve": {"polyline": corners, "closed": closed}})
@@ -67,10 +68,10 @@ class Curves(Nurbs):
         self.assert_near(height["length"], 3.5, 1e-12)
 
     def test_winding_curves(self):
-        """A helix around the cylinder, nearest to a point from all its turns."""
+        """Finds the nearest point among all turns of a helix around the cylinder."""
         helix = {"polyline": [[0, 0.1], [6 * PI, 0.9]]}
         answer = self.ask("cylinder", "point-curve-distance", {"point": [1, 0.5], "curve": helix})
-        slope = 4 / (6 * PI)  # of the helix in the unrolled plane
+        slope = 4 / (6 * PI)  # slope of the helix in the unrolled plane
         expected = min(abs(0.5 + slope * (1 + 2 * PI * k) - 2.5) / math.hypot(1, slope) for k in range(-1, 4))
         self.assert_near(answer["length"], expected)
         self.assertLess(abs(answer["ends"]["curve"]["angle"] - PI / 2), 1e-8)
@@ -83,7 +84,7 @@ class Curves(Nurbs):
         self.assertIsNone(answer["ends"]["b"]["angle"])
 
     def test_against_many_pairs_of_points(self):
-        """No pair of points of the two curves is nearer; some are nearly as near."""
+        """No sampled pair of points of the two curves is nearer; some are nearly as near."""
         a, b = wavy(24, 0.25, 0.4, 0.15, 0.02, 5), wavy(24, 0.75, 0.6, 0.15, 0.02, 5)
         answer = self.ask("bumps", "curve-distance", {"a": a, "b": b})
         corners = lambda curve: curve["polyline"][::3]

@@ -1,4 +1,5 @@
-"""Shortest paths between two points of a NURBS or other parametric surface, against closed forms; and their deadlines."""
+"""Shortest paths between two points of a NURBS or other parametric surface, against closed forms;
+and their deadlines."""
 import math
 import random
 import time
@@ -23,7 +24,8 @@ class Geodesics(Nurbs):
     def test_closed_forms(self):
         at = lambda u, v: [u, v]
         straight = lambda u, v, r: math.hypot(r * u, v)
-        apex = math.hypot(1, 3)  # of the cone: its slant from the apex to v = 0; the slant to v is (1 + v) apex
+        # the cone's slant from the apex to v = 0; the slant to v is (1 + v) apex
+        apex = math.hypot(1, 3)
         slant = lambda v: (1 + v) * apex
         turned = lambda u, v, w: math.sqrt(slant(v) ** 2 + slant(w) ** 2 - 2 * slant(v) * slant(w) * math.cos(u / apex))
         for name, a, b, expected in (
@@ -42,7 +44,7 @@ class Geodesics(Nurbs):
         self.assertEqual(straight(0, 1, 1), 1)
 
     def test_the_sphere(self):
-        """Great circles, beside the poles and through one."""
+        """Tests great circles beside the poles and through one."""
         chance = random.Random(3)
         for _ in range(12):
             a, b = ([chance.random(), chance.uniform(0.1, 0.9)] for _ in range(2))
@@ -68,7 +70,8 @@ class Geodesics(Nurbs):
             self.assert_near(there["length"], back["length"], 1e-12)
 
     def check_curve(self, name, answer):
-        """The B-spline of the answer is what its points are of, and is as long as it says."""
+        """Asserts that the answer's points lie on its B-spline, and that it has the stated
+        length."""
         degree, knots, points = answer["degree"], answer["knots"], answer["control_points"]
         self.assertEqual(len(knots), len(points) + degree + 1)
         self.assertEqual(knots, sorted(knots))
@@ -95,7 +98,8 @@ class Geodesics(Nurbs):
         self.assertEqual(len(pole), 3)  # both ends, and the pole
 
     def test_as_the_paper(self):
-        """One B-spline of so many control points: errors fall, and the curve is never shorter than the shortest."""
+        """Uses one B-spline of a given number of control points: errors decrease, and the curve is
+        never shorter than the shortest path."""
         exact = self.geodesic("bumps", [0.1, 0.1], [0.9, 0.8])["length"]
         for degree, most in ((2, 1e-5), (3, 1e-6)):
             errors = []
@@ -108,7 +112,8 @@ class Geodesics(Nurbs):
             self.assertLess(errors[-1], most)
 
     def test_all_minima(self):
-        """Around the cylinder there are two ways, and the straight line is not always the only one on a torus."""
+        """Around the cylinder there are two minima, and on a torus a straight line of the domain is
+        not always the only one."""
         answer = self.geodesic("cylinder", [0, 0], [2.5, 0.2], all_minima=True)
         lengths = [way["length"] for way in answer["minima"]]
         for k, found in enumerate(lengths[:2]):
@@ -119,7 +124,7 @@ class Geodesics(Nurbs):
         self.assertNotIn("minima", self.geodesic("cylinder", [0, 0], [2.5, 0.2]))
 
     def test_along_the_border(self):
-        """Around the hole of an annulus: two tangents and an arc of its rim."""
+        """The path around the hole of an annulus consists of two tangents and an arc of the rim."""
         answer = self.geodesic("annulus", [0, 0.1], [PI, 0.1])
         self.assert_near(answer["length"], 2 * math.sqrt(1.2**2 - 1) + PI - 2 * math.acos(1 / 1.2), 1e-9)
         self.assertTrue(answer["boundary_contact"])
@@ -157,12 +162,12 @@ class Geodesics(Nurbs):
 
 
 class Time(Nurbs):
-    """Work of seconds ends when it is not wanted any more."""
+    """Work of seconds ends when its client leaves or its deadline passes."""
 
     flags = ("--workers", "2")
     surfaces = {"hills": bumps(60, 60, 0.3, 7)}
     HARD = {"a": wavy(2500, 0.25, 0.25, 0.2, 0.02, 40), "b": wavy(2500, 0.75, 0.75, 0.2, 0.02, 40), "all_minima": True, "tolerance": 1e-14}
-    LATE = 1.0  # seconds of patience with a machine that does other things; the whole takes many
+    LATE = 1.0  # seconds of tolerance for a busy machine; the whole work takes many
 
     def test_deadlines(self):
         for wanted in (1, 30, 100, 250):

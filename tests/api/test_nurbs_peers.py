@@ -1,6 +1,8 @@
-"""Evaluation against verb-nurbs, three and rhino3dm, each of which evaluates its own surface and hands over what it holds as a file.
+"""Evaluation against verb-nurbs, three and rhino3dm. Each evaluates its own surface and returns it
+as a file.
 
-They are npm packages for this test only: `make nurbs-peers` installs them below the build's directory. Without them, or without node, it is skipped.
+They are npm packages for this test only: `make nurbs-peers` installs them below the build's
+directory. Without them or without node, the test is skipped.
 """
 import json
 import math
@@ -17,11 +19,11 @@ PEERS = PROGRAM.parent / "peers"
 SCRIPT = pathlib.Path(__file__).with_name("nurbs_peers.mjs")
 PLACES = 200
 NAMES = ("xyz", "du", "dv", "duu", "duv", "dvv")
-PROMISE = 1e-12  # of the largest coordinate of its kind on the surface
+PROMISE = 1e-12  # relative to the largest coordinate of its kind on the surface
 
 
 def uneven(chance, count, degree, low, high, most):
-    """Clamped knots at uneven places, some of them repeated up to `most` times."""
+    """Returns clamped knots at uneven distances, some of them repeated up to `most` times."""
     inner = []
     while len(inner) < count - degree - 1:
         times = min(chance.randint(1, most), count - degree - 1 - len(inner))
@@ -30,7 +32,7 @@ def uneven(chance, count, degree, low, high, most):
 
 
 def wild(seed, degrees, counts, domain):
-    """A surface over a grid, with uneven knots, and weights from 1/4 to 4."""
+    """Returns a surface over a grid, with uneven knots, and weights from 1/4 to 4."""
     chance = random.Random(seed)
     rows, columns = counts
     return {"degreeU": degrees[0], "degreeV": degrees[1],
@@ -41,7 +43,8 @@ def wild(seed, degrees, counts, domain):
 
 
 def surfaces():
-    """Name, surface, and places where it is smooth: never on a knot, where one-sided derivatives are anybody's choice."""
+    """Yields name, surface, and points where it is smooth: never on a knot, where each program may
+    choose its one-sided derivatives."""
     chance = random.Random(1)
     whole = {"torus": rational_torus(), "sphere": rational_sphere(), "bumps": bumps(9, 7, 1, 2),
              "quadric": wild(3, (2, 2), (6, 5), ((0, 1), (0, 1))), "uneven": wild(4, (3, 2), (9, 8), ((-1.5, 7), (2, 2.25))),
@@ -83,7 +86,7 @@ class Peers(Nurbs):
         print(f"# {program}: {len(self.ours)} surfaces, {PLACES} places each, largest difference {worst:.1e} of its kind")
 
     def test_verb(self):
-        """Positions, first and second derivatives."""
+        """Compares positions, first and second derivatives."""
         self.check_program("verb")
 
     def test_three(self):

@@ -1,4 +1,4 @@
-"""Tessellations: meshes of parametric surfaces whose vertices remember (u, v)."""
+"""Tessellations: meshes of parametric surfaces with (u, v) of each vertex."""
 import array
 import math
 import unittest
@@ -48,12 +48,13 @@ class Tessellations(Nurbs):
         self.assertEqual((sheet["vertices"], sheet["faces"]), (24, 30))
 
     def status(self):
-        """201 the first time, 200 when the name has a mesh."""
+        """The status is 201 the first time, and 200 when the name has a mesh."""
         made, self.made = self.made, True
         return 200 if made else 201
 
     def test_tolerance(self):
-        """Middles of edges are about as near as asked for, and the finer the nearer."""
+        """Midpoints of edges are within about the tolerance of the surface; a finer tolerance
+        brings them nearer."""
         counts = []
         for tolerance in (0.1, 0.01, 0.001):
             made = self.tessellate("ring", 201 if tolerance == 0.1 else 200, mesh="fine", tolerance=tolerance).json
@@ -71,7 +72,8 @@ class Tessellations(Nurbs):
         self.assertLess(counts[1] * 5, counts[2])
 
     def test_the_mesh_is_a_mesh(self):
-        """Its distances come near those of the surface, from above or below by the square of its edges."""
+        """Distances on the mesh converge to those of the surface, from above or below, with the
+        square of its edge length."""
         self.tessellate("ring", mesh="near", resolution=[160, 80])
         uv = self.daemon.get("/v1/meshes/near/parameters").json["uv"]
         to = min(range(len(uv)), key=lambda i: math.dist(uv[i], [PI / 2, PI / 2]))

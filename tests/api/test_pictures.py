@@ -1,4 +1,5 @@
-"""Pictures: read back by a decoder of this file, places of paths and colours of distances, what is refused, caching, jobs, limits."""
+"""Pictures, read back by a decoder in this file: positions of paths and colours of distances,
+refusals, caching, jobs, limits."""
 import base64
 import json
 import random
@@ -10,12 +11,13 @@ import zlib
 
 from harness import SQUARE, TWO_TRIANGLES, TestCase, sample
 
-UNLIKE = b"v 0 0 0\nv 1 0.1 0\nv 0.2 2 0\nv 0.1 0.3 3\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"  # from all sides
+# looks different from all sides
+UNLIKE = b"v 0 0 0\nv 1 0.1 0\nv 0.2 2 0\nv 0.1 0.3 3\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
 SVG = "{http://www.w3.org/2000/svg}"
 
 
 class Png:
-    """A PNG file of 8 bits with or without opacity; every chunk's check sum has to be right."""
+    """Decodes a PNG file of 8 bits with or without opacity; checks each chunk's checksum."""
 
     def __init__(self, data):
         assert data[:8] == b"\x89PNG\r\n\x1a\n", data[:20]
@@ -75,7 +77,7 @@ class PictureTests(TestCase):
         self.assertEqual(png.at(50, 30)[3], 255)
         self.assertEqual(png.at(3, 30)[3], 0)
         area = sum(png.at(x, y)[3] / 255 for x in range(100) for y in range(60))
-        self.assertAlmostEqual(area, 48 * 48, delta=2)  # a frame of a tenth of the lower side
+        self.assertAlmostEqual(area, 48 * 48, delta=2)  # a margin of a tenth of the shorter side
 
     def test_views_have_names_and_ups(self):
         def seen(query):

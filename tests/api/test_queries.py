@@ -1,4 +1,4 @@
-"""Distance, path and nearest, on surfaces whose answers are known in closed form."""
+"""Distance, path and nearest, on surfaces with answers in closed form."""
 import gzip
 import json
 import math
@@ -8,10 +8,10 @@ from harness import SEARCHES, SQUARE, TWO_TRIANGLES, TestCase, form_tag, header_
 
 
 class ClosedForms(TestCase):
-    """Each pair is searched, on a mesh that was not asked about before; the classes below ask fields instead."""
+    """Searches each pair on a fresh mesh; the classes below use fields instead."""
 
     counter = "searches_total"
-    source = None  # which end has a field
+    source = None  # the end that has a field
 
     @classmethod
     def setUpClass(cls):
@@ -78,7 +78,7 @@ class FromTheFieldOfTheStart(ClosedForms):
 
 
 class FromTheFieldOfTheEnd(ClosedForms):
-    """The metric is symmetric; the path has to be turned round."""
+    """The metric is symmetric; the path must be reversed."""
 
     counter, source = "cache_hits_total", "to"
 
@@ -105,6 +105,13 @@ class Pairs(TestCase):
         self.assertEqual(post.headers["ETag"], get.headers["ETag"])
         self.assertEqual(get.headers["ETag"], form_tag(self.daemon.get("/v1/meshes/box").headers["ETag"], "json"))
 
+    def test_answers_without_lines_take_no_geometry(self):
+        for query, body in (("matrix", {"sources": ["v:0"], "targets": ["v:1"]}), ("nearest", {"point": "v:0"})):
+            self.assertEqual(self.daemon.ask("grid", f"{query}?geometry=full", body).status, 200)
+            for word in ("xyz", "none"):
+                problem = self.assert_problem(self.daemon.ask("grid", f"{query}?geometry={word}", body), 400, "invalid_request")
+                self.assertEqual(problem["parameter"], "geometry")
+
     def test_fields_and_geometry(self):
         url = "/v1/meshes/grid/path?from=v:0&to=v:5"
         self.assertEqual(list(self.daemon.get(f"{url}&select=distance").json), ["distance"])
@@ -130,7 +137,8 @@ class Pairs(TestCase):
             return [self.daemon.metric(name) - before[name] for name in ("searches_total", "cache_builds_total")]
 
         def ask(first, last):
-            """To one vertex after the other; each second time the other way round, since either end counts."""
+            """Queries one vertex after the other, every second time in the opposite direction,
+            since either end counts."""
             ends = [("v:12", f"v:{vertex}") for vertex in range(first, last)]
             return [self.distance("fresh", *(pair[::-1] if number % 2 else pair)) for number, pair in enumerate(ends)]
 
@@ -216,7 +224,7 @@ class Nearest(TestCase):
 
 
 class CompactPoints(TestCase):
-    """JSON takes a point as a text wherever it takes one as an object, and answers both alike."""
+    """JSON accepts a point as text wherever it accepts one as an object, and answers both alike."""
 
     POINTS = {"v:0": {"vertex": 0}, "e:0-1:0.5": {"edge": [0, 1], "t": 0.5}, "f:1:0.25,0.25,0.5": {"face": 1, "barycentric": [0.25, 0.25, 0.5]},
               "p:0.5,0.75,1": {"xyz": [0.5, 0.75, 1]}}

@@ -1,4 +1,5 @@
-"""Fields that reach farther than one that is there: resumed from it, and answered as if each were a field of its own."""
+"""Fields that reach farther than an existing field: they are resumed from it, and answer like
+fields of their own."""
 import concurrent.futures
 import random
 import unittest
@@ -7,7 +8,7 @@ from harness import TestCase, sample
 
 
 def members(*numbers):
-    """A set of vertices and a point of a face."""
+    """Returns a set of vertices and a point of a face."""
     return {"points": [{"vertex": number} for number in numbers] + [{"face": 40, "barycentric": [0.2, 0.3, 0.5], "offset": 0.1}]}
 
 

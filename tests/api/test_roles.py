@@ -1,4 +1,5 @@
-"""What a key may change: each operation of the contract, by each role, on what another key of the tenant or of another tenant has made, and on its own."""
+"""Rights of keys: each operation of the contract, by each role, on data of another key of the
+tenant, on data of another tenant, and on the key's own data."""
 import json
 import unittest
 
@@ -7,7 +8,7 @@ from contract_scene import FIELD, JSON, Scene, send
 from harness import sample, wait_until
 from test_access import Keyed, bearer, digest, key_of, line
 
-READERS = ("reader", "watch")  # may ask; all others of the tenant may change what it has
+READERS = ("reader", "watch")  # may only read; all other keys of the tenant may write
 KEYS = (line("writer", "role=write") + line("second", "role=write") + line("reader") + line("watch", "role=operator")
         + f"stranger sha256:{digest(key_of('stranger'))} role=write\n")
 
@@ -30,20 +31,20 @@ class Roles(Keyed):
         return {item["name" if "name" in item else "id"]: tuple(item.get(each) for each in members) for item in page[member]}
 
     def possessions(self):
-        """What the tenant has, but for what asking makes: fields and jobs of the key that asks."""
+        """Returns the data of the tenant, except the fields and jobs of the key itself."""
         surfaces = {kind: self.listed(f"/v1/{kind}", kind, "etag") for kind in ("meshes", "nurbs", "subdivisions")}
         field = self.ask("GET", f"/v1/meshes/tetrahedron/fields/{self.scene.field}", "writer").status
         job = self.ask("GET", f"/v1/jobs/{self.scene.job}", "writer")
         return surfaces, field, (job.status, job.json.get("state")), self.listed("/v1/batches", "batches", "state", "done")
 
     def own_operations(self):
-        """As the daemon publishes them: with the role that each asks for."""
+        """Returns the published operations with their required roles."""
         published = self.ask("GET", "/openapi.json").json["paths"]
         for operation in self.contract.operations:
             yield operation, published[operation.path][operation.method]["security"]
 
     def forms(self, operation):
-        """Its documented requests, at once and as jobs."""
+        """Yields the operation's documented requests, immediate and as jobs."""
         for ask in self.scene.asks(operation):
             yield ask
             if "202" in operation.responses:
@@ -68,7 +69,7 @@ class Roles(Keyed):
         self.assertGreater(refused, 2 * 15)
 
     def test_a_stranger_changes_nothing(self):
-        """A key that may write, of another tenant: what it uploads is its own."""
+        """Tests a key of another tenant that may write: its uploads are its own."""
         for operation, security in self.own_operations():
             if not security or operation.method == "get":
                 continue
@@ -79,7 +80,7 @@ class Roles(Keyed):
                 self.assertEqual(self.possessions(), before)
 
     def test_jobs_by_role_and_owner(self):
-        """The status of a DELETE, of jobs that have ended and of jobs that have not."""
+        """Tests the status of DELETE for jobs that have ended and for jobs that have not."""
         self.ask("PUT", "/v1/meshes/terrain", "writer", sample("terrain", cells=200, amplitude=1))
         all_pairs = json.dumps({"sources": [{"vertex": 7 * i} for i in range(500)], "targets": [{"vertex": 3}]})
         for owner in ("writer", "reader", "watch"):

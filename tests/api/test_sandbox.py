@@ -1,4 +1,5 @@
-"""The daemon in its sandbox, seen from outside. What a process in it can't do is tried by tests/unit/server/access/test_sandbox.c."""
+"""The daemon in its sandbox, observed from outside. tests/unit/server/access/test_sandbox.c tests
+which actions fail inside."""
 import pathlib
 import platform
 import socket
@@ -26,7 +27,7 @@ class Sandbox(Folder):
         return subprocess.run([PROGRAM, "keygen", name], check=True, capture_output=True, text=True).stdout.splitlines()
 
     def threads(self, daemon):
-        """Of each thread, what /proc says of it."""
+        """Returns the status of each thread in /proc."""
         folder = pathlib.Path(f"/proc/{daemon.process.pid}/task")
         return [dict(line.split(":\t", 1) for line in (task / "status").read_text().splitlines() if ":\t" in line)
                 for task in folder.iterdir()]
@@ -79,7 +80,7 @@ class Sandbox(Folder):
         with tempfile.TemporaryDirectory() as folder:
             path = pathlib.Path(folder) / "socket"
             stale = socket.socket(socket.AF_UNIX)
-            stale.bind(str(path))  # as a dead process leaves it
+            stale.bind(str(path))  # a socket left by a dead process
             stale.close()
             with Daemon(listen=f"unix:{path}"):
                 with socket.socket(socket.AF_UNIX) as client:

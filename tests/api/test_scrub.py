@@ -1,5 +1,5 @@
-"""The look through stored files in idle time: what it finds, that it is slow, that damage is told once and healed, and that a backup
-brings back what was lost."""
+"""The scrub of stored files in idle time: it is slow, reports damage once, and accepts a repair. A
+backup restores lost files."""
 import pathlib
 import re
 import shutil
@@ -31,7 +31,7 @@ class Stored(Folder):
         path.write_bytes(content)
 
     def wait_for_a_round(self, daemon):
-        """Two ends: so a whole one was begun after this was called."""
+        """Waits for the ends of two rounds, so that one whole round began after this call."""
         daemon.wait_for("scrub_rounds_total", daemon.metric("scrub_rounds_total") + 2)
 
     def faults(self, daemon):
@@ -93,7 +93,7 @@ class Scrub(Stored):
         self.assertGreater(largest, 10 << 10)
         with self.start("--scrub-s", "1", "--scrub-rate", "1KiB") as daemon:
             daemon.wait_for("scrub_bytes_total", largest)
-            time.sleep(2)  # what was read is paid for, for ten seconds
+            time.sleep(2)  # after its reads the scrub pauses for ten seconds
             self.assertEqual(daemon.metric("scrub_rounds_total"), 0)
             self.assertLess(daemon.metric("scrub_progress"), 1)
             begun = time.monotonic()

@@ -1,4 +1,5 @@
-"""The daemon as a whole: start, kernels, health, pages, headers, who may speak to it, its manual."""
+"""The daemon as a whole: start, CPU kernels, health, pages, headers, access by Host and Origin,
+manual page."""
 import email.utils
 import gzip
 import json
@@ -14,16 +15,16 @@ import unittest
 from harness import PATIENCE_SECONDS, PROGRAM, SQUARE, Daemon, TestCase, sample, wait_until
 
 
-# What the processor must be able to do for each of the kernels, slowest first.
+# The processor features that each kernel needs, slowest kernel first.
 KERNELS = {"baseline": set(), "avx2": {"avx2"}, "avx512": {"avx512f", "avx512vl", "avx512dq"}}
 
 
-PAGES = {"/": "text/html", "/app.js": "text/javascript", "/style.css": "text/css", "/docs": "text/html", "/docs/app.js": "text/javascript",
+PAGES = {"/": "text/html", "/app.js": "text/javascript", "/worker.js": "text/javascript", "/style.css": "text/css", "/docs": "text/html", "/docs/app.js": "text/javascript",
          "/docs/app.css": "text/css", "/licenses.txt": "text/plain"}
 
 
 def own_kernels():
-    """Those that this machine can run, slowest first."""
+    """Returns the kernels that this machine can run, slowest first."""
     flags = re.search(r"^flags\s*:(.*)$", pathlib.Path("/proc/cpuinfo").read_text(), re.MULTILINE)
     abilities = set(flags[1].split()) if flags else set()
     return [name for name, needed in KERNELS.items() if needed <= abilities]
@@ -98,7 +99,8 @@ class Start(unittest.TestCase):
 
 
 class Cpu(unittest.TestCase):
-    """Kernels are a matter of speed: what a client sees is the same to the last bit, by searches and from fields."""
+    """Kernels differ only in speed: answers are equal to the last bit, from searches and from
+    fields."""
 
     def answers(self, cpu, files):
         with Daemon("--cpu", cpu, "--landmarks", "0") as daemon:
@@ -170,6 +172,21 @@ class Pages(TestCase):
         for path in ("/", "/docs"):
             for tag in re.findall(r"<(?:script|style)\b[^>]*>|\s(?:style|on\w+)=", self.daemon.get(path).body.decode()):
                 self.assertIn(" src=", tag)
+
+
+class Framing(TestCase):
+    """Pages of listed origins may frame the viewer."""
+    flags = ("--frame-ancestors", "https://a.example,https://b.example:8443")
+
+    def test_pages_name_the_ancestors(self):
+        for path in PAGES:
+            policy = self.daemon.get(path).headers["Content-Security-Policy"]
+            self.assertIn("frame-ancestors https://a.example https://b.example:8443; base-uri 'none'", policy)
+            self.assertTrue(policy.startswith("default-src 'self'"), policy)
+
+    def test_data_has_none(self):
+        policy = self.daemon.get("/v1").headers["Content-Security-Policy"]
+        self.assertIn("frame-ancestors 'none'", policy)
 
 
 class Service(TestCase):

@@ -1,4 +1,4 @@
-"""Distances to sets: the laws of a distance function, members with offsets and labels, what is refused."""
+"""Distances to sets: the laws of a distance function, members with offsets and labels, refusals."""
 import concurrent.futures
 import math
 import random
@@ -119,7 +119,7 @@ class Sets(TestCase):
             answers = list(pool.map(lambda _: self.daemon.ask("terrain", "distance-to-set", document), range(48)))
         self.assertEqual({(answer.status, answer.body) for answer in answers}, {(200, answers[0].body)})
         self.assertEqual(self.daemon.metric("cache_builds_total"), builds + 1)
-        members[0]["label"] = "b"  # the same field
+        members[0]["label"] = "b"  # labels do not change the field
         self.results("terrain", members, [{"vertex": 6}])
         self.assertEqual(self.daemon.metric("cache_builds_total"), builds + 1)
         self.assertGreater(self.daemon.metric("cache_hits_total"), hits)

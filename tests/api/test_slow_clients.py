@@ -1,4 +1,5 @@
-"""Clients that are slow on purpose, or many: cut by deadlines and limits, while others are served."""
+"""Clients that are deliberately slow, or many: deadlines and limits end their connections, while
+others are served."""
 import concurrent.futures
 import socket
 import time
@@ -9,12 +10,14 @@ from test_hostile import CHUNKED, GET, PUT
 
 
 class Slow(TestCase):
-    """Clients that keep their connection busy without getting anywhere are cut by absolute deadlines, all at the same time here."""
+    """Clients that keep their connection busy without progress are cut by absolute deadlines; here
+    all at the same time."""
 
     flags = ("--http-threads", "1")
 
     def drip(self, start, byte, interval):
-        """Sends the start and then a byte now and then; how long until the daemon has had enough."""
+        """Sends the start and then a byte at each interval; returns the seconds until the daemon
+        closes the connection."""
         with socket.create_connection(("127.0.0.1", self.daemon.port), timeout=PATIENCE_SECONDS) as connection:
             started = time.monotonic()
             connection.sendall(start)
@@ -102,7 +105,7 @@ class Crowds(unittest.TestCase):
                     self.assertLess(time.monotonic(), until)
 
     def test_connections_of_all(self):
-        """Who comes when all places are taken by clients that are served waits until one is free."""
+        """A client that connects while served clients take all places waits until one is free."""
         with Daemon("--max-connections", "4", "--max-address-connections", "0", "--http-threads", "1") as daemon:
             crowd = [socket.create_connection(("127.0.0.1", daemon.port), timeout=PATIENCE_SECONDS) for _ in range(4)]
             for connection in crowd:

@@ -33,7 +33,7 @@ class Splines(TestCase):
             self.assertAlmostEqual(answer["step"], straight / count, delta=1e-6)
         self.assertNotIn("step", self.asked("grid", "spline", {"points": points, "samples": 4}))
 
-    # --- the curve -------------------------------------------------------------------------------------------------------
+    # --- the curve -------------------------------------------------------------------------------
 
     def test_classical_in_the_plane(self):
         points = [place(0.3, 0.4), place(0.5, 0.6), place(0.7, 0.45)]
@@ -101,15 +101,16 @@ class Splines(TestCase):
         answer = self.asked("grid", "spline", document)
         self.assertEqual([segment["clipped"] for segment in answer["segments"]], [True])
 
-    # --- the cut locus ---------------------------------------------------------------------------------------------------
+    # --- the cut locus ---------------------------------------------------------------------------
 
     def test_a_point_beyond_the_cut_locus(self):
-        """From pole to pole of a ball there are several ways: the segment says so. A little aside there is one."""
+        """Between the poles of a ball there are several shortest paths, and the segment says so.
+        Slightly aside there is one."""
         for end, is_cut in ((place(0, 0, -1), True), (place(0.02, 0.01, -1), False)):
             answer = self.asked("ball", "spline", {"points": [place(1, 0.2, 0.3), place(0, 0, 1), end]})
             self.assertEqual([segment["cut_locus"] for segment in answer["segments"]], [False, is_cut])
 
-    # --- as a curve ------------------------------------------------------------------------------------------------------
+    # --- as a curve ------------------------------------------------------------------------------
 
     def test_as_a_curve_of_every_query(self):
         spline = {"points": [place(0.2, 0.2), place(0.5, 0.3), place(0.8, 0.2)], "tolerance": 1e-4}
@@ -138,7 +139,7 @@ class Splines(TestCase):
         self.assertTrue(cut["separates"])
         self.assertEqual(len(cut["pieces"]), 2)
 
-    # --- what is refused ---------------------------------------------------------------------------------------------------
+    # --- what is refused -------------------------------------------------------------------------
 
     def test_refusals(self):
         a, b = place(0.2, 0.2), place(0.6, 0.5)

@@ -1,4 +1,5 @@
-"""What a durable store promises: conditions, restarts, memory, a warm cache, the operator's tools."""
+"""Guarantees of a durable store: conditions, restarts, memory, a warm cache, the operator's
+tools."""
 import concurrent.futures
 import json
 import os
@@ -115,7 +116,8 @@ class Restart(Stored):
         with self.start() as daemon:
             for i in range(20):
                 daemon.put(f"m{i:02}", sample("icosphere", level=4))
-        with self.start("--memory-budget", "2MiB", "--max-body", "1MiB") as daemon:  # room for none
+        # no mesh fits into memory
+        with self.start("--memory-budget", "2MiB", "--max-body", "1MiB") as daemon:
             self.assertEqual(len(daemon.get("/v1/meshes").json["meshes"]), 20)
             self.assertEqual(daemon.get("/v1/meshes/m07").json["vertices"], 2562)
             self.assertEqual(daemon.metric("mesh_loads_total"), 0)
@@ -128,9 +130,10 @@ class Restart(Stored):
             for name, times in (("hot", 9), ("warm", 3)):
                 for _ in range(times):
                     daemon.get(f"/v1/meshes/{name}/nearest?point=p:0,0,1")
-        with self.start() as daemon:  # room for all
+        with self.start() as daemon:  # all meshes fit into memory
             self.assertEqual(daemon.wait_for("mesh_loads_total", 3), 3)
-        with self.start("--memory-budget", str(37 * size // 10), "--max-body", "1MiB") as daemon:  # room to load one
+        # room for one mesh
+        with self.start("--memory-budget", str(37 * size // 10), "--max-body", "1MiB") as daemon:
             daemon.wait_for("mesh_loads_total")
             self.assertEqual(daemon.get("/v1/meshes/hot/nearest?point=p:0,0,1").status, 200)
             self.assertEqual(daemon.metric("mesh_loads_total"), 1, "another one was loaded first")
@@ -140,7 +143,7 @@ class Restart(Stored):
 
 class Memory(Stored):
     def test_unused_meshes_make_room(self):
-        """Those without fields first."""
+        """Meshes without fields are unloaded first."""
         file = sample("icosphere", level=4)
         with self.start("--memory-budget", "32MiB", "--max-body", "4MiB") as daemon:
             size = daemon.put("m0", file).json["memory_bytes"]
@@ -275,11 +278,11 @@ class Tools(Stored):
         refused = self.tool("--restore", copy, folder=again)
         self.assertEqual(refused.returncode, 1)
         self.assertIn("holds a data folder already", refused.stdout)
-        (again / "unfinished").touch()  # as a restore that was killed has left it
+        (again / "unfinished").touch()  # as a killed restore leaves it
         next(again.glob("objects/*/*")).write_bytes(b"a part")
         (again / "temporary" / "0").touch()
         (again / "manifests" / "of-another-time.manifest").touch()
-        with self.assertRaisesRegex(RuntimeError, "is an unfinished copy: run the --restore or --backup that began it again"):
+        with self.assertRaisesRegex(RuntimeError, "is an unfinished copy: repeat the --restore or --backup that began it"):
             Daemon("--data-dir", str(again))
         for flags in (("--check-store",), ("--backup", copy / "of-it")):
             self.assertIn("is an unfinished copy", self.tool(*flags, folder=again).stdout)
@@ -300,7 +303,7 @@ class Tools(Stored):
         self.assertEqual(list(self.folder.iterdir()), [])
 
     def fill(self):
-        """A folder with each kind of file."""
+        """Fills a folder with each kind of file."""
         with self.start("--persist-fields", "--landmarks", "2") as daemon:
             daemon.put("ball", sample("icosphere", level=4))
             daemon.put("square", SQUARE)

@@ -1,4 +1,4 @@
-"""Data folders that were damaged, are not the daemon's alone, or come from an earlier version."""
+"""Data folders that are damaged, shared with other programs, or from an earlier version."""
 import concurrent.futures
 import contextlib
 import hashlib
@@ -80,7 +80,7 @@ class Damage(Stored):
                 self.assertEqual([path for path, mode in modes.items() if mode], [])
                 self.assertGreater(len(list(self.folder.glob("fields/*/*"))), 0)
                 for name in ("geodesicd.db", "batches.db"):
-                    (self.folder / name).chmod(0o644)  # as earlier versions made them
+                    (self.folder / name).chmod(0o644)  # the mode that earlier versions set
         finally:
             os.umask(mask)
 
@@ -148,7 +148,7 @@ class Damage(Stored):
             self.assertEqual(daemon.get("/v1/meshes/a/distance?from=v:0&to=v:2").body, answer)
 
     def test_the_same_is_sent_again_while_the_name_changes(self):
-        """The mesh in memory may have been another's by the time its file is looked at."""
+        """The mesh in memory may belong to another record by the time its file is checked."""
         with self.start("--workers", "2") as daemon:
             files = (SQUARE, TETRAHEDRON)
             with concurrent.futures.ThreadPoolExecutor(6) as pool:
@@ -183,7 +183,7 @@ class Damage(Stored):
             self.assertEqual(self.tool("--check-store").returncode, 0)
 
     def test_a_later_version_is_respected(self):
-        for later in ((b"geodesicd record 2\n", b"geodesicd record 3\n"), (b"kind mesh\n", b"kind dodecahedron\n")):
+        for later in ((b"geodesicd record 2\n", b"geodesicd record 4\n"), (b"kind mesh\n", b"kind dodecahedron\n")):
             self.fill()
             path = self.folder / "manifests/a.manifest"
             body = path.read_bytes().replace(*later)
@@ -196,7 +196,7 @@ class Damage(Stored):
 
 
 class Earlier(Stored):
-    """A data folder that the version before there were kinds has left: two meshes, one of them used."""
+    """A data folder of the version before kinds: two meshes, one of them used."""
     QUAD = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n"
     ETAGS = {"b.c": "8f4dfe45ae4ca44551131943695e5ea4", "square": "b63e441c952b3224dec8e246512b0075"}
 

@@ -1,4 +1,5 @@
-"""Geodesics of subdivision surfaces: traces and shortest paths, on the mesh and on the surface: closed forms, laws, refusals."""
+"""Geodesics of subdivision surfaces: traces and shortest paths, on the mesh and on the surface:
+closed forms, laws, refusals."""
 import json
 import math
 import unittest
@@ -8,7 +9,8 @@ from subdivisions import DIAGONAL, MIDDLE, MIRROR, Subdivisions
 
 class Trace(Subdivisions):
     def test_the_closed_geodesics_of_the_cube(self):
-        """In the mirror planes y = 0 and x = y: a trace along them closes, on the mesh up to what a level is, on the surface to 1e-8."""
+        """In the mirror planes y = 0 and x = y a trace closes: on the mesh up to the error of the
+        level, on the surface to 1e-8."""
         vertex = {"face": 0, "uv": [0, 0]}  # of valence 3, in the plane x = y
         for start, direction, length, plane in [(MIDDLE, [1, 0, 0], MIRROR, (0, 1, 0)), (MIDDLE, [1, 1, 0], DIAGONAL, (1, -1, 0)),
                                                 (vertex, [1, 1, 1], DIAGONAL, (1, -1, 0))]:
@@ -28,7 +30,7 @@ class Trace(Subdivisions):
                     [path] = answer["paths"]
                     self.assertLess(max(map(far, path["points"])), 1e-9, (rule, level))
                     gap = math.dist(path["points"][-1]["xyz"], path["points"][0]["xyz"])
-                    self.assertLess(gap, 0.2 * before)  # of second order: a sixteenth each time
+                    self.assertLess(gap, 0.2 * before)  # second order: each time divided by sixteen
                     before = gap
                 self.assertLess(gap, 1e-3)
 
@@ -41,7 +43,7 @@ class Trace(Subdivisions):
             off = [math.dist(a["points"][-1], b["points"][-1]["xyz"]) for a, b in zip(rough, smooth)]
             errors.append(sum(off) / len(off))
         self.assertLess(errors[-1], 1e-3)
-        self.assertLess(errors[-1], errors[0] / 50)  # of order 3/2 (engine/doc/021): 64
+        self.assertLess(errors[-1], errors[0] / 50)  # order 3/2 (engine/doc/021) gives 64
 
     def test_directions_and_geometry(self):
         question = {"start": MIDDLE, "length": 0.3}
@@ -115,7 +117,7 @@ class Paths(Subdivisions):
         self.assertAlmostEqual(answer["distance"], MIRROR / 4, 10)
 
     def test_a_path_is_a_trace(self):
-        """The geodesic that is found leaves in a direction in which a trace arrives."""
+        """The computed geodesic starts in a direction in which a trace arrives at its end."""
         for name, start, end in [("cube", {"face": 0, "uv": [0.2, 0.7]}, {"face": 2, "uv": [0.6, 0.5]}),
                                  ("loop", {"face": 0, "uv": [0.2, 0.3]}, {"face": 1, "uv": [0.5, 0.2]}),
                                  ("prism", {"face": 1, "corner": 0, "uv": [0.9, 0.8]}, {"face": 2, "uv": [0.5, 0.3]})]:

@@ -1,4 +1,5 @@
-"""Subdivision surfaces: the resource, evaluation, discretizations: closed forms, laws, refusals, memory."""
+"""Subdivision surfaces: the resource, evaluation, discretizations: closed forms, laws, refusals,
+memory."""
 import json
 import math
 import struct
@@ -35,7 +36,8 @@ class Resource(Subdivisions):
         self.assertEqual(self.daemon.request("HEAD", "/v1/subdivisions/gone").status, 200)
         self.assertEqual(self.daemon.request("DELETE", "/v1/subdivisions/gone").status, 204)
         self.assertEqual(self.daemon.get("/v1/subdivisions/gone").status, 404)
-        self.assertEqual(self.daemon.get("/v1/meshes/cube").status, 404)  # names are of a kind
+        # each kind has its own names
+        self.assertEqual(self.daemon.get("/v1/meshes/cube").status, 404)
 
     def test_post_makes_a_name(self):
         answer = self.daemon.request("POST", "/v1/subdivisions", json.dumps(CUBE_USD), {"Content-Type": "application/json"})
@@ -54,7 +56,8 @@ class Resource(Subdivisions):
         self.assertEqual(list(found), list(told))
         for query in ("evaluate", "nearest", "trace", "distance", "path"):
             operation = contract["paths"][f"/v1/subdivisions/{{name}}/{query}"]["post"]
-            answer = self.ask("example", query, operation["requestBody"]["content"]["application/json"]["example"])
+            shown = operation["requestBody"]["content"]["application/json"]
+            answer = self.ask("example", query, shown.get("example") or shown["examples"]["bare"]["value"])
             told = operation["responses"]["200"]["content"]["application/json"].get("example")
             if told:
                 self.assert_alike(answer, told)
@@ -73,12 +76,13 @@ class Resource(Subdivisions):
             self.assertAlmostEqual(answer, told, 12)
 
     def test_creases_by_both_formats(self):
-        """A cube whose edges are all sharp for ever is a cube; tags of OBJ and of USD say the same."""
+        """A cube whose edges are all infinitely sharp stays a cube; tags of OBJ and of USD mean the
+        same."""
         edges = [(0, 1), (1, 3), (3, 2), (2, 0), (4, 5), (5, 7), (7, 6), (6, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
         tags = b"".join(b"t crease 2/1/0 %d %d 10\n" % edge for edge in edges)
         self.assertEqual(self.put("sharp-obj", CUBE + tags).status, 201)
         chains = {"creaseIndices": [0, 1, 3, 2, 0, 4, 5, 7, 6, 4, 1, 5, 2, 6, 3, 7], "creaseLengths": [5, 5, 2, 2, 2]}
-        # one chain leads 0 1 3 2 0, one 4 5 7 6 4; of 0 4 only the ends are named by the others
+        # one chain is 0 1 3 2 0, one 4 5 7 6 4; the others contain the ends of 0 4 but not the edge
         chains["creaseIndices"] += [0, 4]
         chains["creaseLengths"] += [2]
         self.assertEqual(self.put("sharp-usd", {**CUBE_USD, **chains, "creaseSharpnesses": [10] * 6}).status, 201)
@@ -94,7 +98,7 @@ class Resource(Subdivisions):
         self.assertEqual(self.put("corner", corner).status, 201)
         self.assertEqual(self.daemon.get("/v1/subdivisions/corner").json["corner_vertices"], 1)
         [point] = self.ask("corner", "evaluate", {"points": [{"face": 0, "uv": [1, 1]}]})["points"]
-        self.assertGreater(point["xyz"][0], 0.7)  # 1/2 without the tag, 1 for ever
+        self.assertGreater(point["xyz"][0], 0.7)  # 1/2 without the tag, 1 if infinitely sharp
         self.assertTrue(point["singular"])
         for name in ("sharp-obj", "sharp-usd", "sharp-each", "corner"):
             self.daemon.request("DELETE", f"/v1/subdivisions/{name}")
@@ -147,7 +151,7 @@ class Resource(Subdivisions):
 
 class Evaluate(Subdivisions):
     def test_the_cube(self):
-        """smooth.md's values, which agree with OpenSubdiv."""
+        """Checks the values of smooth.md, which agree with OpenSubdiv."""
         points = [((0.5, 0.5), (0, 0, 68 / 81)), ((0.5, 0), (0, -395 / 648, 395 / 648)), ((1, 1), (0.5, 0.5, 0.5)),
                   ((0.25, 0.25), (-0.316157085905, -0.316157085905, 0.728989840535)),
                   ((0.1, 0.2), (-0.470313871571, -0.354383536694, 0.629845143176)),
@@ -208,10 +212,12 @@ class Evaluate(Subdivisions):
         for axis in ("du", "dv"):
             self.assertAlmostEqual(sum(a * b for a, b in zip(off, point[axis])), 0, 10)
         self.assertEqual(self.ask("cube", "nearest", {"xyz": [1, 2]}, 400)["pointer"], "/xyz")
-
+        self.assertEqual(self.daemon.get("/v1/subdivisions/cube/nearest?point=p:0,0,3").json, self.ask("cube", "nearest", {"point": "p:0,0,3"}))
+        self.assertEqual(self.ask("cube", "nearest", {"point": {"xyz": [0, 0, 3], "max_snap": 1}}, 422)["pointer"], "/point")
 
     def test_a_spike(self):
-        """A corner inside of a smooth surface is interpolated and has no normal; all that asks for a place can pass by."""
+        """An interior corner of a smooth surface is interpolated and has no normal; all queries by
+        position can still pass it."""
         self.assertEqual(self.put("spike", CUBE + b"t corner 1/1/0 4 10\n").status, 201)
         tip, ask = {"face": 0, "uv": [0, 0]}, lambda *question: self.ask("spike", *question)
         [point] = ask("evaluate", {"points": [tip]})["points"]
@@ -229,7 +235,8 @@ class Evaluate(Subdivisions):
         self.assertEqual((path["end_reason"], path["end_direction"]["angle"]), ("singular", None))
         self.assert_near(path["points"][-1]["xyz"], [-1, -1, 1], 1e-9)
         [path] = ask("trace", {"start": {"face": 0, "uv": [0.4, 0.4]}, "directions": [[-1, -1, 0]], "length": 3, "level": 5})["paths"]
-        self.assertEqual(path["end_reason"], "length")  # the mesh's vertex rules know a way on
+        # the mesh's vertex rules define a continuation
+        self.assertEqual(path["end_reason"], "length")
         [path] = ask("trace", {"start": MIDDLE, "directions": [[-1, -1, 0]], "length": 3, "smooth": True})["paths"]
         for places in ({"from": tip, "to": MIDDLE}, {"from": MIDDLE, "to": tip}):
             answer = ask("path", {**places, "level": 6})
@@ -259,7 +266,7 @@ class Discretize(Subdivisions):
             self.assert_near(list(map(float, line.split()[1:])), xyz, 1e-14)
         binary = self.daemon.get("/v1/meshes/fine/places", Accept="application/octet-stream").body
         self.assertEqual(list(struct.unpack(f"<{4 * 386}d", binary)), [x for place in places["places"] for x in place])
-        # everything that a mesh can do: from the middle of the top to that of the bottom
+        # mesh queries work: from the middle of the top to the middle of the bottom
         ends = [next(i for i, xyz in enumerate(found) if math.dist(xyz, [0, 0, z * 68 / 81]) < 1e-9) for z in (1, -1)]
         distance = self.daemon.get(f"/v1/meshes/fine/distance?from=v:{ends[0]}&to=v:{ends[1]}").json["distance"]
         self.assertAlmostEqual(distance, MIRROR / 2, 1)
@@ -275,7 +282,8 @@ class Discretize(Subdivisions):
     def test_tolerance(self):
         made = [self.ask("cube", "tessellate", {"mesh": f"near-{i}", "tolerance": 10 ** -i}, 201) for i in (2, 4)]
         self.assertGreater(made[1]["faces"], 30 * made[0]["faces"])
-        creased = CUBE + b"t crease 5/1/0 4 5 7 6 4 10\nt corner 1/1/0 0 10\n"  # of many levels side by side, and without cracks
+        # adjacent faces of many levels without cracks
+        creased = CUBE + b"t crease 5/1/0 4 5 7 6 4 10\nt corner 1/1/0 0 10\n"
         self.assertIn(self.put("uneven", creased).status, (200, 201))
         made.append(self.ask("uneven", "tessellate", {"mesh": "near-3", "tolerance": 3e-3}, 201))
         self.daemon.request("DELETE", "/v1/subdivisions/uneven")
@@ -298,7 +306,8 @@ class Discretize(Subdivisions):
 
 
 class Kept(TestCase):
-    """Discretizations stay with the surface within the budget; those who ask at the same time share one build."""
+    """Discretizations stay with the surface within the budget; simultaneous requests share one
+    build."""
 
     flags = ("--memory-budget", "400MiB", "--workers", "4")
 
@@ -328,10 +337,10 @@ class Kept(TestCase):
         self.assertEqual([answer.status for answer in answers], [200] * 6)
         self.assertEqual(len({answer.body for answer in answers}), 1)
         both = self.memory()
-        self.assertLess(both, 6 * one)  # a level more is four times as much, once
+        self.assertLess(both, 6 * one)  # a further level takes four times as much
         self.assertEqual(self.trace("a", 6).status, 200)
         self.assertEqual(self.memory(), both)
-        for name in "bcdefgh":  # each level 7 of some 50 MB: not all fit
+        for name in "bcdefgh":  # level 7 of each takes some 50 MB: not all fit
             self.daemon.request("PUT", f"/v1/subdivisions/{name}", CUBE)
             self.assertEqual(self.trace(name, 7).status, 200)
         self.assertLess(self.memory(), 400 << 20)
@@ -347,11 +356,11 @@ class Kept(TestCase):
         answer = self.daemon.request("POST", "/v1/subdivisions/late/trace?timeout_ms=20",
                                      json.dumps({"start": MIDDLE, "fan": 1, "length": 1, "level": 8}), {"Content-Type": "application/json"})
         slow.join()
-        self.assertIn(answer.status, (200, 504))  # 200 when it was fast
+        self.assertIn(answer.status, (200, 504))  # 200 on a fast machine
         self.daemon.request("DELETE", "/v1/subdivisions/late")
 
     def test_degenerate_surfaces_are_the_clients(self):
-        """Control points in one place: there is no normal, and no number is made up."""
+        """Coinciding control points: there is no normal, and no number is invented."""
         flat = b"v 0 0 0\nv 1 0 0\nv 2 0 0\nv 3 0 0\nf 1 2 3 4\n"
         self.assertEqual(self.daemon.request("PUT", "/v1/subdivisions/line", flat).status, 201)
         ask = lambda query, document: self.daemon.request("POST", f"/v1/subdivisions/line/{query}", json.dumps(document), {"Content-Type": "application/json"})

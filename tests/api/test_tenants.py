@@ -1,4 +1,5 @@
-"""Names of each tenant's own: what one has, another can't tell from what nobody has."""
+"""Each tenant has its own names: a tenant can't distinguish another tenant's names from unused
+ones."""
 import json
 import pathlib
 import re
@@ -32,7 +33,8 @@ class Tenants(Folder):
         return [mesh["name"] for mesh in self.ask("GET", "/v1/meshes", who).json["meshes"]]
 
     def assert_same_as_nothing(self, method, path, who, body=None):
-        """The answer about a foreign name is, byte for byte, that about one that nobody has."""
+        """Asserts that the answer about another tenant's name equals, byte for byte, that about an
+        unused name."""
         foreign = self.ask(method, path, who, body, **{"X-Request-Id": "same"})
         absent = self.ask(method, path.replace("it", "no"), who, body, **{"X-Request-Id": "same"})
         self.assertEqual((foreign.status, foreign.body), (404, absent.body), (method, path))
@@ -88,7 +90,8 @@ class Tenants(Folder):
             self.assertEqual(len(self.ask("GET", "/v1/jobs", "ann").json["jobs"]), 1)
             put = self.ask("PUT", "/v1/meshes/later", "bob", SQUARE, Prefer="respond-async")
             self.assertEqual(put.status, 202)
-            events = self.ask("GET", put.headers["Location"] + "/events", "bob")  # ends with the job
+            # ends with the job
+            events = self.ask("GET", put.headers["Location"] + "/events", "bob")
             self.assertIn(b"done", events.body)
             self.assertEqual((self.names("ann"), self.names("bob")), (["it"], ["later"]))
 
@@ -96,7 +99,8 @@ class Tenants(Folder):
         return self.ask("GET", "/metrics", who, **headers).body.decode()
 
     def test_metrics_of_all_are_the_operators(self):
-        """A proxy makes every client local, and says where it is: neither counts."""
+        """Behind a proxy every client is local, and the proxy's headers name an origin: neither
+        counts."""
         with self.start():
             self.ask("PUT", "/v1/meshes/it", "ann", SQUARE)
             job = self.ask("POST", "/v1/meshes/it/distance", "ann", PAIR, Prefer="respond-async").headers["Location"]
@@ -121,7 +125,7 @@ class Tenants(Folder):
             self.assert_same_as_nothing("GET", "/v1/meshes/it", "watch")
 
     def job(self, who):
-        """A job with an answer of some 100 kB; where it is, once it is done."""
+        """Runs a job with an answer of some 100 kB; returns its location once it is done."""
         body = json.dumps({"from": {"vertex": 0}, "to": "all"})
         answer = self.ask("POST", "/v1/meshes/grid/log", who, body, Prefer="respond-async")
         self.assertEqual(answer.status, 202, answer)
@@ -129,7 +133,8 @@ class Tenants(Folder):
         return answer.headers["Location"]
 
     def test_results_of_one_do_not_evict_those_of_another(self):
-        """An eighth of the budget is for them: whoever has most of it makes way."""
+        """Results of jobs may take an eighth of the budget; results of the tenant with the most are
+        evicted."""
         with self.start("--memory-budget", "32MiB", "--max-body", "4MiB"):
             for who in ("ann", "bob"):
                 self.assertEqual(self.ask("PUT", "/v1/meshes/grid", who, sample("grid", columns=30, rows=30)).status, 201)
@@ -150,7 +155,8 @@ class Tenants(Folder):
             self.assertEqual(sum(self.ask("GET", job, "ann").status == 200 for job in others), 15)
 
     def test_a_full_queue_of_one_leaves_places_for_another(self):
-        """250 jobs of one tenant that wait: another's question is answered at once, and its job is taken."""
+        """While 250 jobs of one tenant wait, another tenant's query is answered at once, and its
+        job is accepted."""
         with self.start("--workers", "1", "--landmarks", "0", "--queue-length", "64", "--timeout-ms", "120000"):
             for who in ("ann", "bob"):
                 self.assertEqual(self.ask("PUT", "/v1/meshes/grid", who, sample("terrain", cells=120, amplitude=1)).status, 201)
@@ -178,7 +184,8 @@ class Tenants(Folder):
             self.assertEqual(self.ask("GET", "/v1/meshes/it/distance?from=v:0&to=v:3", "bob").status, 200)
             self.assertEqual(self.ask("DELETE", "/v1/meshes/it", "bob").status, 204)
             self.assertEqual(self.names("plain"), ["it"])
-        with Daemon("--data-dir", str(self.folder)) as daemon:  # without keys: what nobody's key names
+        # without keys: the surfaces of no tenant
+        with Daemon("--data-dir", str(self.folder)) as daemon:
             self.assertEqual([mesh["faces"] for mesh in daemon.get("/v1/meshes").json["meshes"]], [4])
 
     def test_keygen_names_the_tenant(self):
@@ -190,7 +197,7 @@ class Tenants(Folder):
         refused = subprocess.run([PROGRAM, "--store", "memory", "--listen", "127.0.0.1:0", "--keys", self.keys], text=True,
                                  capture_output=True, timeout=PATIENCE_SECONDS)
         self.assertEqual(refused.returncode, 1)
-        self.assertIn("a tenant has the form of a name", refused.stderr)
+        self.assertIn("a tenant has 1 to 64 letters, digits", refused.stderr)
 
 
 if __name__ == "__main__":

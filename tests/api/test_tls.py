@@ -1,4 +1,5 @@
-"""HTTPS: versions, certificates that are exchanged while the daemon runs, and that the same rules hold as without."""
+"""HTTPS: versions, certificates that are replaced while the daemon runs, and the same rules as
+without TLS."""
 import http.client
 import json
 import os
@@ -14,7 +15,7 @@ from harness import PATIENCE_SECONDS, PROGRAM, SQUARE, Daemon, sample
 
 
 def make_certificate(folder, name):
-    """A self-signed certificate of localhost and its key; their paths."""
+    """Makes a self-signed certificate of localhost and its key; returns their paths."""
     certificate, key = folder / f"{name}.pem", folder / f"{name}.key"
     subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes", "-days", "2",
                     "-subj", f"/CN={name}", "-addext", "subjectAltName=DNS:localhost", "-keyout", key, "-out", certificate],
@@ -66,7 +67,7 @@ class Tls(unittest.TestCase):
             os.mkfifo(path)
             told = self.daemon.reload()
             self.assertEqual(told["event"], "reload_failed")
-            self.assertIn("it is no regular file", told["message"])
+            self.assertIn("it is not a regular file", told["message"])
             path.unlink()
             self.install(self.first)
         self.assertEqual(self.ask(self.first, "GET", "/livez")[0].status, 200)
@@ -146,12 +147,12 @@ class Tls(unittest.TestCase):
         self.assertEqual(self.ask(self.second, "GET", "/livez")[0].status, 200)
         with self.assertRaises(ssl.SSLCertVerificationError):
             self.ask(self.first, "GET", "/livez")
-        kept.request("GET", "/livez")  # connections go on as they began
+        kept.request("GET", "/livez")  # open connections keep their certificate
         self.assertEqual(kept.getresponse().status, 200)
         kept.close()
 
     def test_a_bad_reload_changes_nothing(self):
-        shutil.copy(self.second[0], self.certificate)  # with the first one's key
+        shutil.copy(self.second[0], self.certificate)  # the second certificate with the first key
         told = self.daemon.reload()
         self.assertEqual((told["event"], told["level"]), ("reload_failed", "error"))
         self.assertIn("is not that of the certificate", told["message"])
@@ -170,7 +171,7 @@ class Tls(unittest.TestCase):
             self.assertIn("start_failed", result.stderr)
 
     def test_malformed_requests_are_refused(self):
-        """What would be refused on a plain connection is refused on this one."""
+        """Requests that are refused without TLS are also refused with TLS."""
         hidden = b"GET /v1/meshes/smuggled HTTP/1.1\r\nHost: localhost\r\n\r\n"
         for text in (b"GET /livez HTTP/1.1\r\nHost: localhost\r\nHost: localhost\r\n\r\n", b"GET /livez HTTP/1.1\r\nHost: localhost\r\nX : y\r\n\r\n",
                      b"GET /livez HTTP/1.1\r\nHost: localhost\r\nX: \x01\r\n\r\n",

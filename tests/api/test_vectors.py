@@ -27,7 +27,7 @@ class Vectors(TestCase):
             "loose": b"v 0 0 0\nv 9 9 9\nv 1 0 0\nv 0 1 0\nf 1 3 4\n",
         })
 
-    # --- log -------------------------------------------------------------------------------------------------------------
+    # --- log -------------------------------------------------------------------------------------
 
     def test_exp_of_log(self):
         for mesh in ("terrain", "torus", "grid"):
@@ -95,7 +95,8 @@ class Vectors(TestCase):
             self.assertEqual(self.asked("square", "log", document, 400)["pointer"], pointer, document)
 
     def test_the_cut_locus(self):
-        """From pole to pole of a ball several ways are as short: vectors and means say so. Next to the pole there is one, and it jumps."""
+        """Between the poles of a ball several paths are equally short: vectors and means say so.
+        Next to the pole there is one, and it jumps."""
         pole, antipode = {"xyz": [0, 0, 1]}, {"xyz": [0, 0, -1]}
         beside = [{"xyz": [x, y, -1]} for x, y in ((0.1, 0.03), (-0.1, -0.02))]
         [vector, *others] = self.asked("ball", "log", {"from": pole, "to": [antipode, *beside]})["vectors"]
@@ -108,10 +109,11 @@ class Vectors(TestCase):
         self.assertTrue(self.asked("ball", "mean", {"points": [pole, antipode]})["cut_locus"])
         self.assertFalse(self.asked("ball", "mean", {"points": [pole, {"xyz": [1, 0.2, 0.3]}]})["cut_locus"])
 
-    # --- what log answers ------------------------------------------------------------------------------------------------
+    # --- what log answers ------------------------------------------------------------------------
 
     def vectors_of_log(self):
-        """(mesh, start, targets, vectors) with bent vectors, on a cut locus, of length 0, without a path, and to a vertex without faces."""
+        """Returns (mesh, start, targets, vectors) with bent vectors, vectors on a cut locus, of
+        length 0, without a path, and to a vertex without faces."""
         chance = random.Random(8)
         faces = self.meshes["terrain"]["faces"]
         starts = [("terrain", random_point(chance, faces), [random_point(chance, faces) for _ in range(30)]),
@@ -180,7 +182,7 @@ class Vectors(TestCase):
             document = {"start": {"vertex": 0}, "vectors": [zero, vector], "combine": [1, 0]}
             self.assertEqual(self.asked("square", "exp", document, 400)["pointer"], "/vectors/1")
 
-    # --- transport -------------------------------------------------------------------------------------------------------
+    # --- transport -------------------------------------------------------------------------------
 
     def test_the_plane_turns_nothing(self):
         answer = self.asked("grid", "transport", {"from": {"xyz": [0.2, 0.3, 0]}, "to": {"xyz": [0.8, 0.71, 0]},
@@ -193,7 +195,8 @@ class Vectors(TestCase):
             self.assertEqual(vector["length"], length)
 
     def test_around_a_corner(self):
-        """Around the right-angled corner of the tetrahedron a vector turns by the half pi that its angles lack."""
+        """Transport around the right-angled corner of the tetrahedron turns a vector by the
+        corner's angle defect, pi/2."""
         corners = [{"face": face, "barycentric": weights} for face, weights in
                    ((0, [0.8, 0.1, 0.1]), (2, [0.8, 0.1, 0.1]), (1, [0.8, 0.1, 0.1]))]
         vector = start = {"direction": 0.3, "length": 1}
@@ -235,7 +238,7 @@ class Vectors(TestCase):
             self.assertEqual(self.asked("square", "transport", document, 400)["pointer"], pointer, change)
         self.asked("square", "transport", {**good, "vectors": [{"direction": 3, "length": 1}]}, 422)
 
-    # --- mean ------------------------------------------------------------------------------------------------------------
+    # --- mean ------------------------------------------------------------------------------------
 
     def test_means_in_the_plane(self):
         points = [{"xyz": [0.1, 0.2, 0]}, {"xyz": [0.9, 0.3, 0]}, {"xyz": [0.4, 0.8, 0]}]

@@ -1,4 +1,4 @@
-"""Distance and path by way of other points: the legs one by one, added up."""
+"""Distance and path via other points: the sum of the single legs."""
 import itertools
 import math
 import random

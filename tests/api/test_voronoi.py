@@ -1,4 +1,5 @@
-"""Voronoi diagrams and farthest points: closed forms, what labels and lines promise, limits, cancelling."""
+"""Voronoi diagrams and farthest points: closed forms, rules of labels and lines, limits,
+cancelling."""
 import json
 import math
 import random
@@ -14,7 +15,7 @@ def random_point(chance, faces):
 
 
 def as_request(point):
-    """A point of a path as it is asked for."""
+    """Returns a point of a path in the form of a request."""
     if "vertex" in point:
         return {"vertex": point["vertex"]}
     if "edge" in point:
@@ -49,7 +50,7 @@ class Voronoi(TestCase):
         document = {"set": {"points": members}, "points": points}
         return [result["distance"] for result in self.ask(mesh, "distance-to-set?select=distance", document)["results"]]
 
-    # --- diagrams --------------------------------------------------------------------------------------------------------
+    # --- diagrams --------------------------------------------------------------------------------
 
     def test_perpendicular_bisector(self):
         answer = self.voronoi("grid", [{"xyz": [0.2, 0.5, 0]}, {"xyz": [0.8, 0.5, 0]}], "?geometry=xyz")
@@ -148,7 +149,7 @@ class Voronoi(TestCase):
         problem = self.ask("grid", "voronoi", {"set": {"points": members}, "tolerance": 1e-15}, 413)
         self.assertEqual((problem["code"], problem["limit"]), ("too_large", 500000))
 
-    # --- farthest points -------------------------------------------------------------------------------------------------
+    # --- farthest points -------------------------------------------------------------------------
 
     def farthest(self, mesh, options="", **document):
         return self.ask(mesh, f"farthest-points{options}", document)

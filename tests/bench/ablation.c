@@ -1,4 +1,5 @@
-/* gd_bench ablation: the paper's tables remade on models of its sizes. */
+/* gd_ablation: remakes the paper's tables on models of the paper's sizes. It is a separate program,
+ * because its engine is compiled with the switch one_list (-DGD_ABLATION). */
 #include "tests/bench/ablation.h"
 
 #include <stdio.h>
@@ -8,7 +9,7 @@
 
 static const struct {
     const char *name;
-    struct gd__methods methods;
+    struct gd__variant methods;
 } settings[SETTINGS] = {
     [PLAIN] = {"plain", {.no_filter = true, .no_cone = true}},
     [PLAIN_APART] = {"plain-not-coalesced",
@@ -22,9 +23,9 @@ const char *setting_name(enum setting setting)
     return settings[setting].name;
 }
 
-struct gd__methods setting_methods(enum setting setting, enum structure structure)
+struct gd__variant setting_methods(enum setting setting, enum structure structure)
 {
-    struct gd__methods methods = settings[setting].methods;
+    struct gd__variant methods = settings[setting].methods;
     methods.one_list = structure != HALF_EDGE;
     return methods;
 }
@@ -54,8 +55,9 @@ static bool are_models(char **names)
     return true;
 }
 
-int bench_ablation(char **arguments)
+int main(int argc, char **argv)
 {
+    char **arguments = argv + (argc > 0);
     bool quick = bench_take_word(&arguments, "--quick"), well = true;
     uint32_t sources = 0;
     if (!bench_take_count(&arguments, "--sources", &sources) ||

@@ -1,4 +1,4 @@
-/* The parts of gd_bench ablation. */
+/* Functions of gd_bench ablation. */
 #ifndef TESTS_BENCH_ABLATION_H
 #define TESTS_BENCH_ABLATION_H
 
@@ -9,18 +9,19 @@
 enum setting { PLAIN, PLAIN_APART, NO_FILTER, ALL_METHODS, SETTINGS };
 
 const char *setting_name(enum setting setting);
-struct gd__methods setting_methods(enum setting setting, enum structure structure);
+struct gd__variant setting_methods(enum setting setting, enum structure structure);
 
-/* tables.c: Table 1, and Tables 2 to 4 from so many random sources. */
+/* tables.c: prints Table 1, and Tables 2 to 4 from `sources` random sources. */
 void ablation_edges(const struct paper_model *model, const struct gd_mesh *mesh);
 void ablation_wedges(const struct paper_model *model, const struct gd_mesh *mesh, uint32_t sources);
 
-/* reach.c: the work that stopping at a target saves (Property 5), by the target's distance. */
+/* reach.c: prints the work that stopping at a target saves (Property 5), by the target's
+ * distance. */
 void ablation_reach(const struct paper_model *model, const struct gd_mesh *mesh,
                     enum setting setting, uint32_t sources);
 
-/* agreement.c: every combination of methods gives the same distances. Prints "ok" and "not ok"
- * lines; false if one is not. */
+/* agreement.c: checks that every combination of methods gives the same distances. Prints "ok" and
+ * "not ok" lines; false if one is "not ok". */
 bool ablation_agreement(void);
 
 #endif

@@ -4,9 +4,9 @@
 #include "tests/bench/ablation.h"
 #include "tests/bench/bench.h"
 
-/* The answers must not depend on the methods: they only avoid work. Meshes with saddles,
- * boundaries, flat parts, ties, slivers and handles, a source of each kind, all sixteen
- * combinations, the whole field and up to a target. */
+/* Answers must not depend on the methods, which only avoid work. Tested: meshes with saddles,
+ * boundaries, flat parts, ties, slivers and handles; a source of each kind; all sixteen
+ * combinations; the whole field, and propagation up to a target. */
 
 #define AGREEMENT 1e-12 /* relative difference of distances */
 
@@ -36,9 +36,9 @@ static const char *const meshes[] = {
 
 enum { COMBINATIONS = 16 };
 
-static struct gd__methods combination(int bits)
+static struct gd__variant combination(int bits)
 {
-    return (struct gd__methods){.one_list = bits & 1,
+    return (struct gd__variant){.one_list = bits & 1,
                                 .no_filter = bits & 2,
                                 .no_cone = bits & 4,
                                 .no_coalescing = bits & 8};
@@ -46,12 +46,13 @@ static struct gd__methods combination(int bits)
 
 static double difference(double a, double b)
 {
-    if (a == b || (isnan(a) && isnan(b))) return 0; /* equal infinities too */
+    if (a == b || (isnan(a) && isnan(b))) return 0; /* also equal infinities */
     double relative = fabs(a - b) / fmax(fabs(a), fabs(b));
     return isnan(relative) ? HUGE_VAL : relative;
 }
 
-/* The largest difference of the distances at all vertices from those with all methods on. */
+/* Returns the largest relative difference of the distances at all vertices from those with all
+ * methods. */
 static double worst_field(const struct gd_mesh *mesh, struct trial_request *request,
                           const double *expected)
 {
@@ -62,7 +63,7 @@ static double worst_field(const struct gd_mesh *mesh, struct trial_request *requ
     return worst;
 }
 
-/* The same for the target alone, with propagation stopped there. */
+/* Returns the difference at the target alone, with propagation stopped there. */
 static double worst_target(const struct gd_mesh *mesh, struct trial_request *request,
                            uint32_t index, const double *expected)
 {

@@ -20,8 +20,8 @@ static struct gd_vec3 position(const struct gd_polygons *mesh, uint32_t slot)
     return (struct gd_vec3){p[0], p[1], p[2]};
 }
 
-/* Sums of twice the areas' normals at every vertex, all zero before; returns the mean length of the
- * faces' edges. */
+/* Adds to every vertex' normal, initially zero, its faces' normals with the length of twice their
+ * area. Returns the mean length of the faces' edges. */
 static double add_normals(const struct gd_polygons *mesh, struct gd_vec3 *normals)
 {
     double length = 0;

@@ -1,4 +1,5 @@
-/* gd_bench: measurements of the engine, one JSON line each. What its subcommands share. */
+/* gd_bench: measurements of the engine, one JSON line each. This header declares what the
+ * subcommands share. */
 #ifndef TESTS_BENCH_BENCH_H
 #define TESTS_BENCH_BENCH_H
 
@@ -11,12 +12,11 @@
 #include "gd/point.h"
 #include "tests/samples/random.h"
 
-enum { BENCH_USAGE = 2 }; /* exit status; the reason is on standard error already */
+enum { BENCH_USAGE = 2 }; /* exit status; the reason was printed to standard error */
 
 /* --- the subcommands, each in a source of its name. `arguments` ends with NULL; returns the exit
  * status.  */
 
-int bench_ablation(char **arguments);
 int bench_field(char **arguments);
 int bench_pair(char **arguments);
 int bench_warm(char **arguments);
@@ -33,66 +33,68 @@ int bench_export(char **arguments);
 
 /* --- options.c: arguments --------------------------------------------------------------------- */
 
-/* Takes "NAME NUMBER" from the front of the arguments if it is there. False, after a sentence, when
- * the number is wrong. */
+/* Removes "NAME NUMBER" from the front of the arguments if it is there. Returns false, after
+ * printing a sentence, if the number is wrong. */
 bool bench_take_count(char ***arguments, const char *name, uint32_t *count);
 
-/* Takes "--cpu NAME" from the front of the arguments if it is there, and uses those kernels. False,
- * after a sentence, when there are none such. */
+/* Removes "--cpu NAME" from the front of the arguments if it is there, and selects those kernels.
+ * Returns false, after printing a sentence, if they don't exist. */
 bool bench_take_cpu(char ***arguments);
 
-/* Takes the word from the front of the arguments if it is there. */
+/* Removes the word from the front of the arguments; false: it is not there. */
 bool bench_take_word(char ***arguments, const char *word);
 
-/* No option is left, and a mesh is if `wants_mesh`; else false, after a sentence. */
+/* Checks that no option remains, and a mesh does if `wants_mesh`. Returns false, after printing a
+ * sentence, otherwise. */
 bool bench_arguments_end(char **arguments, bool wants_mesh);
 
-/* What all subcommands that measure understand. */
+/* Options of all subcommands that measure. */
 struct bench_options {
     uint32_t runs; /* --runs: repetitions; set to the subcommand's default before parsing */
-    bool repair;   /* --repair: what is no surface is cut apart, see gd_mesh_options */
-    /* --subdivide: so many times every triangle is split at the middles of its edges */
+    bool repair;   /* --repair: separate non-manifold parts, see gd_mesh_options */
+    /* --subdivide: how often every triangle is split at the midpoints of its edges */
     uint32_t levels;
-    /* --noise: then every vertex is moved along its normal by up to so many mean edges */
+    /* --noise: afterwards every vertex is moved along its normal by up to so many mean edges */
     double noise;
     uint32_t landmarks; /* --landmarks: built before pairs are solved */
-    uint32_t threads;   /* --threads: of one field; 1 */
-    /* --distances-only: fields of which the vertices' distances are wanted, no more */
+    uint32_t threads;   /* --threads: threads of one field; default 1 */
+    /* --distances-only: fields that keep only the vertices' distances */
     bool distances_only;
 };
 
-/* Takes all options from the front, in any order, pins the process (--pin PROCESSOR) and chooses
- * its kernels (--cpu NAME). A mesh must follow. False, after a sentence, on misuse. */
+/* Removes all options from the front, in any order, pins the process (--pin PROCESSOR) and selects
+ * its kernels (--cpu NAME). A mesh must follow. Returns false, after printing a sentence, on
+ * misuse. */
 bool bench_take_options(char ***arguments, struct bench_options *options);
 
 /* --- input.c: meshes -------------------------------------------------------------------------- */
 
-/* Bytes of a mesh file, mapped. */
+/* The mapped bytes of a mesh file. */
 struct bench_file {
     const void *bytes;
     size_t size;
 };
 
-/* False, after a sentence, when it can't be read or is empty. */
+/* Maps a file. Returns false, after printing a sentence, if it is unreadable or empty. */
 bool bench_map_file(const char *path, struct bench_file *file);
 void bench_unmap_file(struct bench_file *file);
 
-/* Is it "sample:NAME[,key=value...]"? */
+/* Returns whether the argument has the form "sample:NAME[,key=value...]". */
 bool bench_is_sample(const char *argument);
 
-/* The polygons of a file of any format of gd/io.h, or of a sample, altered as `options` say; the
- * caller frees them. False, after a sentence, when there are none. */
+/* Reads the polygons of a file of any format of gd/io.h, or of a sample, altered as `options` say.
+ * The caller frees them. Returns false, after printing a sentence, on failure. */
 bool bench_read(const char *argument, const struct bench_options *options, struct gd_polygons *out);
 
-/* The same as a mesh, which the caller releases. NULL, after a sentence, when there is none.
- * `options` may be NULL. */
+/* As bench_read, but builds a mesh, which the caller releases. Returns NULL, after printing a
+ * sentence, on failure. `options` may be NULL. */
 struct gd_mesh *bench_open(const char *argument, const struct bench_options *options);
 
-/* A random point of that kind on a random face. */
+/* Returns a random point of that kind on a random face. */
 struct gd_point bench_random_point(const struct gd_mesh *mesh, enum gd_point_kind kind,
                                    struct rng *rng);
 
-/* Parses the options, `runs` being the default of --runs, and measures each mesh of the arguments
+/* Parses the options, with `runs` as the default of --runs, and measures each mesh of the arguments
  * in turn. Returns the exit status. */
 int bench_each_mesh(char **arguments, uint32_t runs,
                     void (*measure)(const char *name, const struct gd_mesh *mesh,
@@ -100,39 +102,38 @@ int bench_each_mesh(char **arguments, uint32_t runs,
 
 /* --- measure.c: clocks, memory, statistics, output -------------------------------------------- */
 
-/* What a worker of the daemon works with: a workspace, and memory of released fields that is kept
- * for the next. One for the process; no limits. */
+/* Returns a control like that of a daemon's worker: with a workspace, and with the memory of
+ * released fields, which is kept for the next. One for the process; no limits. */
 const struct gd_control *bench_control(void);
 
-/* So many threads, the calling one among them; NULL for one. The program ends, after a sentence,
- * when it can't have them. */
+/* Returns an executor of `threads` threads, including the calling one; NULL for one thread. Ends
+ * the program, after printing a sentence, if they can't be started. */
 const struct gd_executor *bench_executor(uint32_t threads);
 
-/* Memory or the end of the program. */
+/* Allocates memory, or ends the program. */
 void *bench_allocate(size_t bytes);
 
-/* Ends the program with a sentence unless the status is GD_OK. */
+/* Prints a sentence and ends the program unless the status is GD_OK. */
 void bench_require(enum gd_status status, const struct gd_detail *detail);
 
-/* Milliseconds since gd_now_ns() was `start`. */
+/* Returns the milliseconds since gd_now_ns() was `start`. */
 double bench_ms_since(uint64_t start);
 
-/* Milliseconds of processor time that the calling thread has had: on a busy machine the measure of
- * its own work. */
+/* Returns the milliseconds of processor time of the calling thread: a measure of its own work, even
+ * on a busy machine. */
 double bench_thread_ms(void);
 
-/* Most memory that the process has had resident until now, or since the peak was forgotten. */
+/* Returns the largest resident memory of the process so far, or since bench_forget_peak. */
 uint64_t bench_peak_bytes(void);
 
-/* Freed memory goes back, and the peak begins anew with what is resident then, where the system
- * lets it. */
+/* Returns freed memory to the system and, if the system permits, resets the peak to the current
+ * resident memory. */
 void bench_forget_peak(void);
 
-/* Memory that the process has resident now; 0 where the system does not tell. */
+/* Returns the current resident memory; 0 if the system does not report it. */
 uint64_t bench_resident_bytes(void);
 
-/* The value that the part `q` of the values doesn't exceed, between neighbours in proportion; sorts
- * them. count > 0. */
+/* Returns the quantile `q` of the values, interpolated linearly; sorts them. count > 0. */
 double bench_quantile(double *values, uint32_t count, double q);
 
 static inline double bench_median(double *values, uint32_t count)
@@ -146,7 +147,7 @@ void bench_print_text(const char *key, const char *text);
 /* Opens a line's object: the mesh's name and sizes, and a comma. */
 void bench_print_mesh(const char *name, const struct gd_mesh *mesh);
 
-/* Closes it: the peak memory, and the line's end. */
+/* Closes the line's object, with the peak memory. */
 void bench_print_end(void);
 
 #endif

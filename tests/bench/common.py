@@ -1,4 +1,5 @@
-"""What the scripts of the benchmark share: arguments, running programs that print JSON lines, tables, and where things are."""
+"""Helpers of the benchmark scripts: arguments, running programs that print JSON lines, tables, and
+paths."""
 import argparse
 import datetime
 import json
@@ -15,11 +16,11 @@ SHARED = pathlib.Path(os.environ.get("GEODESICD_SHARED") or ROOT.parent / "share
 
 
 class Failure(Exception):
-    """A program did not do what it should; the sentence says which and what."""
+    """A program failed; the sentence says which one and how."""
 
 
 def run_lines(command, timeout):
-    """The JSON lines that the command prints, as dicts."""
+    """Returns the JSON lines that the command prints, as dicts."""
     text = shlex.join(map(str, command))
     try:
         done = subprocess.run([str(word) for word in command], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=timeout)
@@ -36,17 +37,18 @@ def run_lines(command, timeout):
 
 
 def bench_arguments(kind):
-    """A parser of the arguments that all have; `kind` is what --only chooses among ("meshes")."""
+    """Returns a parser of the common arguments; `kind` names what --only selects ("meshes")."""
     arguments = argparse.ArgumentParser()
     arguments.add_argument("--build", type=pathlib.Path, default=pathlib.Path("build"))
     arguments.add_argument("--pin", type=int, help="the processor to run on; the last one if not given")
     arguments.add_argument("--only", default="", help=f"only {kind} whose name has this in it")
     arguments.add_argument("--quick", action="store_true", help="only check that it works")
+    arguments.add_argument("--record", action="store_true", help="append the tables to tests/bench/results")
     return arguments
 
 
 def find_program(path):
-    """The path, or the end of this program when nothing is there."""
+    """Returns the path; ends this program if there is no such file."""
     if not path.exists():
         sys.exit(f"{path} is not there: make {path}")
     return path
@@ -65,25 +67,26 @@ class Mesh:
 
 
 def sample(name, *options, **parameters):
-    """A generated mesh, named by its sample and parameters."""
+    """Returns a generated mesh, named by its sample and parameters."""
     text = ",".join([name] + [f"{key}={value}" for key, value in parameters.items()])
     return Mesh(" ".join([text, *map(str, options)]), *options, "sample:" + text)
 
 
 def shared(name, *options):
-    """One of the shared test meshes, which may not be there."""
+    """Returns one of the shared test meshes, which may be missing."""
     return Mesh(" ".join([name, *map(str, options)]), *options, SHARED / f"{name}.obj")
 
 
 def pin(cpu):
-    """Keeps this process and those that it starts on one processor; None: the last one it may use. Returns its number."""
+    """Pins this process and its children to one processor; None: the last permitted one. Returns
+    its number."""
     cpu = max(os.sched_getaffinity(0)) if cpu is None else cpu
     os.sched_setaffinity(0, {cpu})
     return cpu
 
 
 def machine():
-    """What was measured on, and when."""
+    """Returns a description of the machine, and the date."""
     try:
         model = re.search(r"^model name\s*: (.*)$", pathlib.Path("/proc/cpuinfo").read_text(), re.M)
     except OSError:
@@ -98,7 +101,7 @@ def write_json(path, value):
 
 
 def number(value, digits=3):
-    """A number for people: three digits, all those before the point; a dash for None."""
+    """Formats a number: three digits, but all those before the point; a dash for None."""
     if value is None:
         return "-"
     if value == 0 or abs(value) >= 100:
@@ -107,13 +110,31 @@ def number(value, digits=3):
 
 
 def show_progress(words):
-    """On one line of standard error, if that is a terminal; nothing clears it."""
+    """Shows progress on one line of standard error, if that is a terminal; the line is never
+    cleared."""
     if sys.stderr.isatty():
         print(f"\r{words}\033[K", end="", file=sys.stderr, flush=True)
 
 
+PRINTED = []  # the tables of this run, for record()
+
+
+def record(kind, before):
+    """Appends the tables of this run to results/KIND.md, under a heading with date and machine."""
+    path = ROOT / "tests" / "bench" / "results" / f"{kind}.md"
+    lines = [f"\n## Measured {before['time'][:10]}: {before['processor']}, {before['processors']} processors\n",
+             f"Load {before['load'][0]:.1f} at the start, {machine()['load'][0]:.1f} at the end.\n"]
+    for headers, rows in PRINTED:
+        marks = ["---"] * len(headers)
+        lines += ["| " + " | ".join(row) + " |" for row in [headers, marks, *rows]] + [""]
+    with path.open("a", encoding="utf-8") as file:
+        file.write("\n".join(lines).rstrip() + "\n")
+    print(f"recorded: {path}")
+
+
 def print_table(headers, rows):
-    """Columns aligned, the first one to the left, the others to the right."""
+    """Prints aligned columns: the first to the left, the others to the right."""
+    PRINTED.append((headers, rows))
     widths = [max(len(row[i]) for row in [headers, *rows]) for i in range(len(headers))]
     for row in [headers, *rows]:
         print("  ".join(cell.rjust(width) if i else cell.ljust(width) for i, (cell, width) in enumerate(zip(row, widths))).rstrip())
@@ -121,7 +142,7 @@ def print_table(headers, rows):
 
 
 class Checks:
-    """`ok` and `not ok` lines for tests/run.py, and the exit status that belongs to them."""
+    """Prints `ok` and `not ok` lines for tests/run.py, and knows the resulting exit status."""
 
     def __init__(self):
         self.failed = 0

@@ -1,5 +1,5 @@
-/* gd_bench curve: fields of a curve of about a thousand segments, each an exact source: what
- * seeding them takes, and the field against that of a point. */
+/* gd_bench curve: fields of a curve of about a thousand segments, each an exact source: the cost of
+ * seeding, and of the field compared with a point's. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -8,10 +8,12 @@
 
 enum {
     SEGMENTS = 1000,
-    MOST_POINTS = 64 /* that are joined, whatever the segments of a small mesh are */
+    /* most points that are joined, even if a small mesh then gives fewer segments */
+    MOST_POINTS = 64
 };
 
-/* Random points joined by shortest paths, as many as it takes; the curve is cut at SEGMENTS. */
+/* Returns random points joined by shortest paths, until there are SEGMENTS segments; the rest is
+ * cut off. */
 static struct gd_curve random_curve(const struct gd_mesh *mesh, struct rng *rng)
 {
     struct gd_point points[MOST_POINTS];
@@ -29,7 +31,7 @@ static struct gd_curve random_curve(const struct gd_mesh *mesh, struct rng *rng)
     return curve;
 }
 
-/* Processor time of a field. */
+/* Returns the processor time of a field. */
 static double build(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count)
 {
     struct gd_field *field = NULL;
@@ -42,7 +44,7 @@ static double build(const struct gd_mesh *mesh, const struct gd_seed *seeds, uin
     return ms;
 }
 
-/* Notes when the first side has been propagated, and stops there. */
+/* Records when the first side has been propagated, and stops there. */
 static bool stop_watch(void *user, double fraction)
 {
     (void)fraction;
@@ -51,9 +53,8 @@ static bool stop_watch(void *user, double fraction)
     return false;
 }
 
-/* Processor time until a field's first side has been propagated: by then all seeds are checked,
- * sorted by face and emitted. What it takes to let go of a field that is cancelled there is none of
- * it. */
+/* Returns the processor time until a field's first side has been propagated: by then all seeds are
+ * checked, sorted by face and emitted. Releasing the cancelled field is not counted. */
 static double begin(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count)
 {
     struct gd_field *field = NULL;
@@ -80,7 +81,7 @@ static void measure(const char *name, const struct gd_mesh *mesh,
            *whole = values + runs, *point = values + 2 * (size_t)runs;
     gd_curve_seeds(&curve, 0, seeds);
     for (uint32_t i = 0; i < runs; i++) {
-        /* what a field takes anyway is none of it */
+        /* subtracts the cost that a field of one seed has, too */
         seeding[i] = begin(mesh, seeds, count) - begin(mesh, seeds, 1);
         whole[i] = build(mesh, seeds, count);
         point[i] = build(mesh, seeds, 1);

@@ -1,12 +1,12 @@
-/* gd_bench export: a mesh as every solver takes it: an OBJ file of oriented triangles whose
- * vertices all belong to faces. */
+/* gd_bench export: writes a mesh in a form that every solver accepts: an OBJ file of oriented
+ * triangles without unreferenced vertices. */
 #include <stdio.h>
 #include <stdlib.h>
 
 #include "gd/io.h"
 #include "tests/bench/bench.h"
 
-/* Leaves the vertices out that no face uses; the others keep their order. */
+/* Removes the vertices that no face uses; the others keep their order. */
 static void drop_unreferenced(struct gd_polygons *triangles)
 {
     uint32_t corners = 3 * triangles->polygon_count, count = 0;

@@ -1,4 +1,4 @@
-/* gd_bench field: how long fields take, what they hold. */
+/* gd_bench field: time and memory of fields. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -6,7 +6,7 @@
 #include "gd/field.h"
 #include "tests/bench/bench.h"
 
-/* Of all runs: sums, and the times of each, by the clock and of the processor. */
+/* Sums over all runs, and the times of each run: elapsed and processor time. */
 struct totals {
     double created, propagated, wedges, bytes;
     double *ms, *cpu_ms;
@@ -60,15 +60,15 @@ static void add_distances(const struct gd_mesh *mesh, struct gd_point source, do
     bench_require(status, &detail);
 }
 
-/* field --distances-only: beside times, what one call takes beyond the mesh and the answer, by the
- * peak of the process during the first. */
+/* Measures field --distances-only: times, and the memory of one call beyond mesh and answer, by the
+ * process' peak during the first call. */
 static void measure_distances(const char *name, const struct gd_mesh *mesh,
                               const struct bench_options *options)
 {
     uint32_t runs = options->runs;
     double *times = bench_allocate(2 * sizeof *times * runs);
     double *distances = bench_allocate(sizeof *distances * gd_mesh_summary(mesh)->index_count);
-    /* resident before it is measured */
+    /* makes the array resident before the measurement */
     memset(distances, 0, sizeof *distances * gd_mesh_summary(mesh)->index_count);
     struct rng rng = {1};
     double bytes = 0;
@@ -89,8 +89,8 @@ static void measure_distances(const char *name, const struct gd_mesh *mesh,
     free(times);
 }
 
-/* The first field of the process, which finds no memory warm, apart from the runs; the first run
- * has its source again. */
+/* Measures the process' first field, which finds no warm memory, apart from the runs; the first run
+ * uses the same source. */
 static void measure(const char *name, const struct gd_mesh *mesh,
                     const struct bench_options *options)
 {

@@ -1,6 +1,6 @@
-/* Bare: what libmicrohttpd does without us. Answers every request with the same body, whatever it
- * asks for, with the daemon's flags and number of threads; the daemon's requests a second are
- * measured against its own (throughput.py).
+/* Bare: libmicrohttpd without the daemon. Answers every request with the same body, with the
+ * daemon's flags and number of threads; throughput.py compares the daemon's requests a second with
+ * this program's.
  *
  * usage: gd_http_bare THREADS BYTES
  *
@@ -15,8 +15,7 @@
 
 #define BYTES_MOST (1 << 24)
 
-/* The first call shows the headers; the answer is queued in the one after it, as the daemon's
- * is. */
+/* The first call only shows the headers; like the daemon, queues the answer in the second. */
 static enum MHD_Result on_request(void *user, struct MHD_Connection *connection, const char *url,
                                   const char *method, const char *version, const char *upload,
                                   size_t *upload_size, void **context)

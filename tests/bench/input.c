@@ -57,7 +57,7 @@ bool bench_is_sample(const char *argument)
     return strncmp(argument, sample_prefix, sizeof sample_prefix - 1) == 0;
 }
 
-/* `text`, "NAME[,key=value...]", is cut up. */
+/* Makes a sample of `text`, "NAME[,key=value...]", which is modified. */
 static bool make_sample(char *text, struct gd_polygons *out)
 {
     char *rest = NULL, *name = strtok_r(text, ",", &rest);
@@ -119,7 +119,7 @@ struct gd_mesh *bench_open(const char *argument, const struct bench_options *opt
     return mesh;
 }
 
-/* A face of the mesh, each as likely but for those that repair removed. */
+/* Returns a random face of the mesh, except those that a repair removed. */
 static struct gd_face random_face(const struct gd_mesh *mesh, struct rng *rng)
 {
     struct gd_face face;

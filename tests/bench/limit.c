@@ -1,7 +1,7 @@
-/* gd_bench limit: the paper's headline on limit surfaces: a discretization of a million vertices,
- * and 360 geodesics from one place, each as long as the bounding box's diagonal; beside it what the
- * paper calls expensive: the same bundle by exact shortest paths, and by the differential equation
- * alone. */
+/* gd_bench limit: the paper's main figures on limit surfaces: a discretization of a million
+ * vertices, and 360 geodesics from one point, each as long as the bounding box's diagonal. For
+ * comparison, the same bundle by the methods that the paper calls expensive: exact shortest paths,
+ * and the differential equation alone. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -28,14 +28,14 @@ static const char cube[] =
     "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n"
     "f 5 6 8 7\nf 1 3 4 2\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
 
-/* One surface, and the bundle on it. */
+/* A surface and the bundle on it. */
 struct bundle {
     const struct gd_subdivision *surface;
     struct gd_limit_mesh *fine;
     struct gd_limit_point start;
     struct gd_limit_jet jet;
     double length;
-    struct gd_vec3 ends[FAN]; /* of the lines on the mesh */
+    struct gd_vec3 ends[FAN]; /* ends of the lines on the mesh */
     struct gd_point end_points[FAN];
 };
 
@@ -50,7 +50,8 @@ static struct gd_subdivision *read_surface(const char *bytes, size_t size, enum 
     return surface;
 }
 
-/* Milliseconds of the best of some discretizations; `*vertices` is how many each has. */
+/* Returns the milliseconds of the fastest of several discretizations; `*vertices`: number of
+ * vertices of each. */
 static double discretize(const struct gd_subdivision *surface, uint32_t level, uint32_t *vertices)
 {
     double best = INFINITY;
@@ -67,7 +68,7 @@ static double discretize(const struct gd_subdivision *surface, uint32_t level, u
     return best;
 }
 
-/* The first level with so many vertices, and its time. */
+/* Returns the first level with at least so many vertices, and its time. */
 static uint32_t choose_level(const struct gd_subdivision *surface, uint32_t least,
                              uint32_t *vertices, double *time)
 {
@@ -83,7 +84,7 @@ static struct gd_vec3 direction_of(const struct bundle *bundle, int i)
     return gd_limit_direction(&bundle->jet, 2 * M_PI * i / FAN);
 }
 
-/* Milliseconds of the whole fan on the mesh. */
+/* Returns the milliseconds of the whole fan on the mesh. */
 static double trace_mesh(struct bundle *bundle)
 {
     const struct gd_mesh *mesh = gd_limit_mesh_mesh(bundle->fine);
@@ -116,8 +117,8 @@ static double trace_mesh(struct bundle *bundle)
     return bench_thread_ms() - begun;
 }
 
-/* The same on the surface; `*off`: the median of how far apart the ends are from those on the
- * mesh. */
+/* Returns the milliseconds of the fan on the surface; `*off`: the median distance of its ends from
+ * those on the mesh. */
 static double trace_smooth(const struct bundle *bundle, double *off)
 {
     double gaps[FAN], begun = bench_thread_ms();
@@ -135,8 +136,8 @@ static double trace_smooth(const struct bundle *bundle, double *off)
     return bench_thread_ms() - begun;
 }
 
-/* The same ends by exact shortest paths: some of them, no more once they have taken SEARCHES_MS, as
- * if it were all. */
+/* Returns the milliseconds of exact shortest paths to the same ends, extrapolated from those that
+ * fit into SEARCHES_MS. */
 static double search_all(const struct bundle *bundle)
 {
     const struct gd_mesh *mesh = gd_limit_mesh_mesh(bundle->fine);
@@ -150,7 +151,7 @@ static double search_all(const struct bundle *bundle)
                                     &(struct gd_pair_request){
                                         .from = &start,
                                         .to = &bundle->end_points[done * (FAN / SEARCHES)],
-                                        .wish = GD_PAIR_PATH},
+                                        .output = GD_PAIR_PATH},
                                     bench_control(), &answer, NULL),
                       NULL);
         gd_pair_answer_free(&answer);

@@ -1,5 +1,5 @@
-/* gd_bench load: from a file to a mesh that can be asked: reading, parsing, building (validation,
- * sides, fans, the hierarchy of boxes). */
+/* gd_bench load: from a file to a mesh: reading, parsing, building (validation, sides, fans, the
+ * hierarchy of boxes). */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -9,7 +9,7 @@
 enum part { READ, PARSE, BUILD, TOTAL, PARTS };
 static const char *const part_names[PARTS] = {"read_ms", "parse_ms", "build_ms", "load_ms"};
 
-/* What is not a file as it stands is written to a temporary one, as OBJ text. */
+/* Writes a sample or an altered mesh to a temporary file, as OBJ text. */
 static bool write_temporary(const char *argument, const struct bench_options *options, char path[])
 {
     struct gd_polygons polygons;
@@ -27,7 +27,8 @@ static bool write_temporary(const char *argument, const struct bench_options *op
     return written;
 }
 
-/* One loading; the caller releases the mesh. NULL, after a sentence, when the file is no mesh. */
+/* Loads the file; the caller releases the mesh. Returns NULL, after printing a sentence, if it is
+ * not a mesh. */
 static struct gd_mesh *load(const char *path, const struct bench_options *options, double ms[PARTS],
                             size_t *size)
 {

@@ -1,5 +1,5 @@
-/* gd_bench locate: from space to the surface: nearest points of places on it and around it, and
- * first hits of rays. */
+/* gd_bench locate: nearest surface points of points on and around the surface, and first hits of
+ * rays. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -9,7 +9,7 @@
 enum { QUESTIONS = 20000 };
 
 struct question {
-    /* a place on the surface, and one in the bounding box grown by half its size */
+    /* a point on the surface, and one in the bounding box grown by half its size */
     struct gd_vec3 on, around;
 };
 
@@ -35,8 +35,8 @@ static double nearest_rate(const struct gd_mesh *mesh, const struct question *qu
     return 1e3 * QUESTIONS / bench_ms_since(start);
 }
 
-/* From around towards the surface: each ray hits, there or before; but along a flat mesh's own
- * plane a ray may slip by. */
+/* Shoots rays from `around` to `on`: each hits the surface there or before, except that a ray
+ * within a flat mesh's plane may miss. */
 static double ray_rate(const struct gd_mesh *mesh, const struct question *questions)
 {
     struct gd_detail detail = {0};

@@ -1,8 +1,26 @@
 /* gd_bench SUBCOMMAND [arguments]: measures the engine; prints JSON lines. */
+#include <limits.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "tests/bench/bench.h"
+
+/* Replaces this program by gd_ablation, which is in the same folder. */
+static int run_ablation(char **arguments)
+{
+    char path[PATH_MAX + 1];
+    ssize_t length = readlink("/proc/self/exe", path, sizeof path - sizeof "gd_ablation");
+    if (length > 0) {
+        path[length] = 0;
+        strcpy(strrchr(path, '/') + 1, "gd_ablation");
+        *--arguments = path; /* this element holds the subcommand's name */
+        execv(path, arguments);
+    }
+    perror("gd_bench: gd_ablation");
+    return EXIT_FAILURE;
+}
 
 static const struct {
     const char *name, *arguments, *sentence;
@@ -38,7 +56,7 @@ static const struct {
     {"ablation", "[--quick] [--sources N] [MODEL...]",
      "the paper's tables remade; --quick: only check that every combination of methods gives the "
      "same distances",
-     bench_ablation},
+     run_ablation},
 };
 enum { COMMANDS = sizeof commands / sizeof *commands };
 
@@ -56,7 +74,7 @@ static void print_usage(void)
           "        --landmarks N   pair: build so many first\n"
           "        --threads N     field: so many threads for one field\n"
           "        --distances-only  field: only the vertices' distances, no wedges\n"
-          "        --repair        cut apart what is no surface\n"
+          "        --repair        separate non-manifold parts\n"
           "        --subdivide N   split every triangle at the middles of its edges, N times\n"
           "        --noise A       then move every vertex along its normal by up to A mean edges\n",
           stderr);

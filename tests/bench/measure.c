@@ -8,7 +8,7 @@
 #include "gd/workspace.h"
 #include "tests/bench/bench.h"
 
-#define SPARE_BYTES ((size_t)256 << 20) /* as the daemon keeps at the most */
+#define SPARE_BYTES ((size_t)256 << 20) /* the most that the daemon keeps */
 
 const struct gd_control *bench_control(void)
 {

@@ -1,10 +1,10 @@
 /* gd_bench nurbs: the shortest path between two closed curves, after the examples of W.-H. Chen,
  * "Improvement of the shortest path problem with geodesic-like method": an open bicubic B-spline
- * surface of 8 x 4 control points, and a face with two holes. The engine in pieces to its default
- * tolerance; single splines of so many control points, as in the paper's table; and its Algorithm
- * 1, which takes the least of all shortest paths between points sampled on the two curves. Errors
- * are measured against the geodesic equation, shot from one curve at a right angle until it meets
- * the other at one. */
+ * surface of 8 x 4 control points, and a face with two holes. Compared are the engine's piecewise
+ * splines at its default tolerance; single splines of given numbers of control points, as in the
+ * paper's table; and the paper's Algorithm 1, the shortest of all paths between points sampled on
+ * the two curves. The reference is a solution of the geodesic equation, found by shooting, that
+ * meets both curves at right angles. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,7 +17,7 @@
 
 enum { ROWS = 8, COLUMNS = 4 };
 
-/* A surface with two curves; `exact` by shooting. */
+/* A surface with two curves; `exact`: the length found by shooting. */
 struct scene {
     const char *name;
     struct gd_parametric *surface;
@@ -28,7 +28,8 @@ struct scene {
 
 /* --- the scenes ------------------------------------------------------------------------------- */
 
-/* Control points over a grid of cells of size 1, with bumps of up to one cell. */
+/* Returns a surface with control points over a grid of cells of size 1, with bumps of up to one
+ * cell. */
 static struct gd_parametric *make_bumps(void)
 {
     struct gd_parametric *surface;
@@ -55,7 +56,7 @@ static struct gd_parametric *make_bumps(void)
     return surface;
 }
 
-/* Returns the length; `*points`, if it is not NULL: how many control points the path has. */
+/* Returns the length of the path; `*points` (may be NULL): its number of control points. */
 static double solve(const struct scene *scene, const struct gd_domain_curve *from,
                     const struct gd_domain_curve *to, const struct gd_geodesic_options *options,
                     uint32_t *points)
@@ -74,7 +75,7 @@ static double solve(const struct scene *scene, const struct gd_domain_curve *fro
     return length;
 }
 
-/* The length by the geodesic equation; the engine says only where to begin. */
+/* Returns the length by the geodesic equation; the engine only provides the starting point. */
 static double shoot_scene(const struct scene *scene)
 {
     struct gd_geodesics found;
@@ -140,7 +141,7 @@ static void print_row(const struct scene *scene, const char *method, uint32_t po
            scene->name, method, points, length, 100 * (length / scene->exact - 1), ms);
 }
 
-/* The median time of so many runs. */
+/* Measures single splines; prints the median time of several runs. */
 static void measure_spline(const struct scene *scene, const char *method,
                            const struct gd_geodesic_options *options, uint32_t runs)
 {
@@ -168,8 +169,8 @@ static struct gd_domain_curve *sample(const struct gd_domain_curve *curve, uint3
     return point;
 }
 
-/* Algorithm 1 with `count` points on each curve, each pair of them solved well below the error that
- * sampling makes. */
+/* Measures Algorithm 1 with `count` points on each curve. Each pair is solved to an error well
+ * below that of the sampling. */
 static void measure_sampling(const struct scene *scene, uint32_t count)
 {
     const struct gd_geodesic_options options = {.tolerance = 1e-8};

@@ -13,8 +13,8 @@ bool bench_take_word(char ***arguments, const char *word)
     return true;
 }
 
-/* "NAME NUMBER" with a number from `least` to `most`; `*out` is untouched when the name is not
- * there. */
+/* Removes "NAME NUMBER" with a number from `least` to `most`; `*out` is untouched if the name is
+ * not there. */
 static bool take_number(char ***arguments, const char *name, double least, double most, double *out)
 {
     if (!bench_take_word(arguments, name)) return true;
@@ -78,8 +78,8 @@ bool bench_take_cpu(char ***arguments)
     return true;
 }
 
-/* Keeps the process on one processor; false, after a sentence, where there is none of that
- * number. */
+/* Pins the process to one processor. Returns false, after printing a sentence, if there is none of
+ * that number. */
 static bool pin(uint32_t cpu)
 {
     cpu_set_t set;

@@ -1,4 +1,4 @@
-/* gd_bench pair: how long the distance of two points takes when nothing is known yet. */
+/* gd_bench pair: time of the distance of two points without cached data. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -20,7 +20,7 @@ static double time_pair(const struct gd_mesh *mesh, const struct gd_landmarks *l
     return ms;
 }
 
-/* Every run is a fresh pair; the process' first one is solved once more as the first run. */
+/* Every run solves a new pair; the process' first pair is repeated as the first run. */
 static void measure(const char *name, const struct gd_mesh *mesh,
                     const struct bench_options *options)
 {

@@ -1,5 +1,5 @@
-/* The paper's models and what its tables print about them: Y.-J. Liu, "Exact geodesic metric in
- * 2-manifold triangle meshes using edge-based data structures", Tables 1 to 4. */
+/* The paper's models and the figures of its tables: Y.-J. Liu, "Exact geodesic metric in 2-manifold
+ * triangle meshes using edge-based data structures", Tables 1 to 4. */
 #ifndef TESTS_BENCH_PAPER_H
 #define TESTS_BENCH_PAPER_H
 
@@ -19,8 +19,8 @@ struct paper_figures {
 
 struct paper_model {
     const char *name;
-    const char *sample; /* ours of that size and kind, for bench_open */
-    uint32_t sources;   /* the paper has 100 throughout */
+    const char *sample; /* a sample of that size and kind, for bench_open */
+    uint32_t sources;   /* the paper always uses 100 */
     uint32_t targets;   /* sources of the table of Property 5 */
     const struct paper_figures *printed;
 };
@@ -28,7 +28,7 @@ struct paper_model {
 extern const struct paper_model paper_models[];
 extern const uint32_t paper_model_count;
 
-/* NULL when there is none of that name. */
+/* Returns the model of that name, or NULL. */
 const struct paper_model *paper_find(const char *name);
 
 #endif

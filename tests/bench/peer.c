@@ -7,16 +7,16 @@
 #include "gd/control.h"
 #include "tests/bench/bench.h"
 
-/* One race course: a surface that was built, and where answers go. */
+/* A built surface and the buffers for answers. */
 struct course {
     const struct peer *peer;
     void *surface;
     uint32_t vertices, faces;
-    double line;       /* the length of one that is traced */
-    double *distances; /* of all vertices */
+    double line;       /* length of a traced line */
+    double *distances; /* distances of all vertices */
 };
 
-/* What is asked of a program. */
+/* A task that a program may support. */
 struct question {
     const char *word; /* the option; NULL: none */
     uint32_t arguments;
@@ -62,7 +62,8 @@ static bool run_trace(const struct course *course, const uint32_t *face)
     return true;
 }
 
-/* The next argument as a vertex or a face; false, after a sentence, when it names none. */
+/* Reads the next argument as a vertex or a face. Returns false, after printing a sentence, if there
+ * is no such element. */
 static bool take_number(const struct course *course, bool of_face, char ***arguments, uint32_t *out)
 {
     const char *text = **arguments ? *(*arguments)++ : "";

@@ -1,5 +1,5 @@
-/* Peer: the protocol by which exact solvers are raced, the same for the engine, CGAL, and programs
- * built elsewhere.
+/* Peer: the protocol for races of exact solvers, the same for the engine, CGAL, and programs built
+ * elsewhere.
  *
  *     PROGRAM mesh.obj SOURCE...        a line {"field_ms":…,"cpu_ms":…,"sum":…} for each source
  *     PROGRAM --pair mesh.obj S T ...   a line {"pair_ms":…,"cpu_ms":…,"distance":…} for each pair
@@ -7,14 +7,14 @@
  *                                       for each face
  *
  * Vertices and faces are numbered from 0 in the file's order; every vertex belongs to a face, and
- * the mesh is one oriented 2-manifold of triangles (gd_bench export writes such files). Timed are:
- * the distances of all vertices from the source, with whatever the solver keeps to answer later
- * questions; or the distance of the two; or PEER_LINES straightest geodesics with their paths, from
- * the middle of the face in directions that part a whole turn equally, the first being the face's
- * first edge, PEER_LINE_EDGES mean edges long. Reading the file, building the mesh and freeing an
- * answer are not. `sum` is that of all distances, `ends` that of the three coordinates of all ends,
- * `crossings` of edges are points of the paths but for both ends: those that are right agree on
- * them. A program that does not do what is asked, or gets no arguments, ends with status 2. */
+ * the mesh is one oriented 2-manifold of triangles (gd_bench export writes such files). The time
+ * covers: the distances of all vertices from the source, with all data that the solver keeps for
+ * later queries; or the distance of the pair; or PEER_LINES straightest geodesics with their paths,
+ * PEER_LINE_EDGES mean edges long, from the middle of the face in directions that divide a full
+ * turn equally, starting with the face's first edge. It excludes reading the file, building the
+ * mesh and freeing an answer. `sum` adds all distances, `ends` the three coordinates of all ends,
+ * and `crossings` counts the paths' points without both ends: correct solvers agree on these
+ * numbers. A program that does not support a task, or gets no arguments, ends with status 2. */
 #ifndef TESTS_BENCH_PEER_H
 #define TESTS_BENCH_PEER_H
 
@@ -35,20 +35,20 @@ struct peer_lines {
 };
 
 struct peer {
-    const char *name; /* of the program, for sentences */
-    /* A surface of its own; NULL: the solver does not take it. */
+    const char *name; /* name of the program, for messages */
+    /* Creates the solver's surface; NULL: the solver rejects the mesh. */
     void *(*create)(const struct gd_polygons *triangles);
-    /* Distances of all vertices; false: the solver gave up. */
+    /* Computes the distances of all vertices; false: the solver failed. */
     bool (*field)(void *surface, uint32_t source, double *out);
-    /* NULL: it does not do pairs. */
+    /* NULL: pairs are not supported. */
     bool (*pair)(void *surface, uint32_t from, uint32_t to, double *out);
-    /* NULL: it does not trace. */
+    /* NULL: traces are not supported. */
     bool (*trace)(void *surface, uint32_t face, double length, struct peer_lines *out);
     void (*forget)(void *surface); /* frees the last answer; may be NULL */
     void (*release)(void *surface);
 };
 
-/* Answers the arguments by the protocol; the exit status. */
+/* Answers the arguments by the protocol; returns the exit status. */
 int peer_run(const struct peer *peer, char **arguments);
 
 #ifdef __cplusplus

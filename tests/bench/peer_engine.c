@@ -1,5 +1,5 @@
-/* gd_bench peer: the engine in the race. A field is built whole, with its compact wedges; a pair is
- * solved from nothing. */
+/* gd_bench peer: the engine in the race. Each field is built completely, with compact wedges; each
+ * pair is solved without cached data. */
 #include <stdlib.h>
 
 #include "gd/query.h"

@@ -1,5 +1,5 @@
 /* gd_bench_geometry_central: geometry-central in the race, see peer.h: fields by its exact solver,
- * lines by traceGeodesic. It is built where GEOMETRY_CENTRAL names its source, with its library in
+ * lines by traceGeodesic. Built only if GEOMETRY_CENTRAL names its source, with its library in
  * GEOMETRY_CENTRAL/build/src (see the Makefile). */
 #include <cmath>
 #include <cstdio>
@@ -37,7 +37,7 @@ void *create(const gd_polygons *triangles)
     try {
         auto made = std::make_unique<model>();
         std::tie(made->mesh, made->geometry) = makeManifoldSurfaceMeshAndGeometry(faces, positions);
-        /* what it would compute at the first line */
+        /* otherwise computed with the first line */
         made->geometry->requireHalfedgeVectorsInFace();
         made->geometry->requireHalfedgeVectorsInVertex();
         made->geometry->requireVertexAngleSums();

@@ -1,18 +1,23 @@
 #!/usr/bin/env python3
-"""Races the engine against other exact solvers, in turn, A B A B, on one processor; prints a table, writes bench-peers.json.
+"""Races the engine against other exact solvers, alternately (A B A B), on one processor. Prints a
+table and writes bench-peers.json.
 
-usage: tests/bench/peers.py [--build DIR] [--pin CPU] [--turns N] [--sources N] [--pairs N] [--only WORD] [--long] [--clock wall|cpu] [--quick]
+usage: tests/bench/peers.py [--build DIR] [--pin CPU] [--turns N] [--sources N] [--pairs N] [--only
+WORD] [--long] [--clock wall|cpu] [--quick]
 
-A peer is a program that follows the protocol in tests/bench/peer.h. CGAL's is gd_bench_cgal in the build folder, geometry-central's
-gd_bench_geometry_central (made by `make bench-peers GEOMETRY_CENTRAL=FOLDER`). The others are built elsewhere and named, with arguments if need be, by
+A peer is a program that follows the protocol in tests/bench/peer.h. CGAL's is gd_bench_cgal in the
+build folder, geometry-central's gd_bench_geometry_central (made by `make bench-peers
+GEOMETRY_CENTRAL=FOLDER`). The others are built elsewhere and named, with arguments if need be, by
 environment variables:
 
     VTP  LIBIGL  EXPERIMENT  EXPERIMENT_SIMD  OTHER (say, an older gd_bench peer)
 
-OURS replaces `gd_bench peer` itself (say, by `gd_bench peer --cpu avx2`). Each turn starts both programs on the same sources, after one that only warms them up. A ratio is
-the peer's median over ours; over 1: we are faster. `agree` is the largest relative difference between the two programs' sums of all
-distances, between their distances of pairs, or between their numbers of crossings.
---quick measures next to nothing: it checks the protocol, with `ok` and `not ok` lines.
+OURS replaces `gd_bench peer` itself (say, by `gd_bench peer --cpu avx2`). Each turn starts both
+programs on the same sources, after one source that only warms them up. A ratio is the peer's median
+divided by the engine's; above 1 the engine is faster. `agree` is the largest relative difference
+between the two programs' sums of all distances, between their distances of pairs, or between their
+numbers of crossings. --quick measures next to nothing: it checks the protocol, with `ok` and `not
+ok` lines.
 """
 import os
 import pathlib
@@ -24,7 +29,7 @@ import sys
 import tempfile
 import time
 
-from common import Checks, Failure, bench_arguments, find_program, machine, number, pin, print_table, run_lines, sample, shared, show_progress, write_json
+from common import Checks, Failure, bench_arguments, find_program, machine, number, pin, print_table, record, run_lines, sample, shared, show_progress, write_json
 
 PEERS = ["VTP", "LIBIGL", "CGAL", "GEOMETRY_CENTRAL", "EXPERIMENT", "EXPERIMENT_SIMD", "OTHER"]
 MESHES = [
@@ -36,7 +41,7 @@ MESHES = [
     sample("icosphere", level=5),
     shared("fandisk", "--subdivide", 1),
 ]
-LONG = [  # minutes a field for some peers
+LONG = [  # takes some peers minutes a field
     sample("icosphere", "--noise", 0.3, level=8),
     shared("stanford-bunny", "--subdivide", 2),
 ]
@@ -45,7 +50,7 @@ AGREEMENT = 1e-9
 
 
 class Discipline:
-    """What is raced for: the option that asks for it, how its time and its answer are called."""
+    """A discipline of the race: its option, and the names of its time and answer."""
 
     def __init__(self, name, option, arguments, answer):
         self.name, self.option, self.arguments, self.answer = name, option, arguments, answer
@@ -59,7 +64,7 @@ FIELD, PAIR, TRACE = Discipline("field", [], 1, "sum"), Discipline("pair", ["--p
 
 
 class Course:
-    """A mesh written as every solver takes it, and the sources and pairs of its races."""
+    """A mesh in a form that every solver accepts, and the sources and pairs of its races."""
 
     def __init__(self, bench, mesh, folder, options):
         self.mesh, self.path = mesh, pathlib.Path(folder) / "mesh.obj"
@@ -83,7 +88,7 @@ class Course:
 
 
 def turn(course, program, what, timeout):
-    """One start of a program: its answers but for the warm-up's."""
+    """Starts a program once; returns its answers without the warm-up's."""
     lines = run_lines(course.command(program, what), timeout)
     expected = len(course.questions[what])
     if len(lines) != expected + 1:
@@ -96,7 +101,8 @@ def difference(ours, theirs, key):
 
 
 def race(course, ours, peer, what, options):
-    """Alternating turns of ours and the peer; times of both by clock, and how well they agree."""
+    """Runs alternating turns of the engine and the peer; returns the times of both, and how well
+    they agree."""
     times = {side: {clock: [] for clock in (what.key, "cpu_ms")} for side in ("ours", "peer")}
     agree, turns, crossings, started = 0, 0, 0, time.monotonic()
     while turns < options.turns and (turns == 0 or time.monotonic() - started < options.patience):
@@ -115,7 +121,7 @@ def p95(values):
 
 
 def summarise(outcome):
-    """Medians, p95 and ratios by both clocks, without the single times."""
+    """Returns medians, p95 and ratios by both clocks, without the single times."""
     times, key = outcome["times"], outcome["key"]
     result = {"turns": outcome["turns"], "agree": outcome["agree"], "crossings": outcome["crossings"]}
     for clock, name in ((key, "wall"), ("cpu_ms", "cpu")):
@@ -137,12 +143,13 @@ def find_peers(build):
 
 
 def can_race(program):
-    """Does it ask for arguments? CGAL's program says instead that it was built without CGAL."""
+    """Returns whether the program asks for arguments. CGAL's program reports instead that it was
+    built without CGAL."""
     return subprocess.run([program], stderr=subprocess.DEVNULL).returncode == 2
 
 
 def disciplines(mesh, name, options):
-    """What a peer is raced for on a mesh."""
+    """Yields the disciplines of a peer on a mesh."""
     if mesh in MESHES + LONG:
         yield FIELD
         if name in options.pair_peers and options.pairs:
@@ -152,7 +159,7 @@ def disciplines(mesh, name, options):
 
 
 def race_all(bench, ours, peers, options):
-    """All results, as they come also as rows of the table."""
+    """Returns all results; prints each as a row of the table when it arrives."""
     results, rows, failures = [], [], []
     known = {mesh.name: mesh for mesh in TRACED + MESHES + (LONG if options.long else [])}
     for mesh in known.values():
@@ -177,7 +184,7 @@ HEADERS = ["mesh", "what", "peer", "ours ms", "peer ms", "ratio", "ours p95", "p
 
 
 def millions(result, milliseconds):
-    """Crossings a second."""
+    """Returns the crossings a second, in millions."""
     return number(result["crossings"] / milliseconds / 1e3 if result["crossings"] else None)
 
 
@@ -234,6 +241,8 @@ def main():
     write_json(path, {"machine": before, "cpu": cpu, "load_at_end": machine()["load"], "ours": ours, "peers": peers,
                       "races": results, "failures": failures})
     print(f"written: {path}; processor {cpu}; load {before['load'][0]:.1f} at the start, {machine()['load'][0]:.1f} at the end")
+    if options.record:
+        record("engine", before)
     return 1 if failures or not results else 0
 
 

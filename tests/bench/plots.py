@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""Cost against mesh size: time, wedges and bytes of a field for families of meshes, as log-log plots (SVG) with fitted exponents.
+"""Cost against mesh size: plots time, wedges and bytes of a field for families of meshes, as
+log-log plots (SVG) with fitted exponents.
 
 usage: tests/bench/plots.py [--build DIR] [--pin CPU] [--max-faces N] [--only WORD] [--quick]
 
-Writes growth-time.svg, growth-wedges.svg, growth-bytes.svg and growth.json into the build folder. A family ends where its next mesh would
-take too long or more memory than there is. --quick: tiny meshes, `ok` and `not ok` lines.
+Writes growth-time.svg, growth-wedges.svg, growth-bytes.svg and growth.json into the build folder. A
+family ends where its next mesh would take too long or more memory than there is. --quick: tiny
+meshes, `ok` and `not ok` lines.
 """
 import math
 import os
@@ -17,12 +19,13 @@ from common import Checks, Failure, bench_arguments, find_program, machine, numb
 
 GIB = 2**30
 MACHINE_GIB = 24  # the machine for which the largest mesh is estimated
-FIT_FROM = 4000  # faces: smaller meshes have other costs than growth
+FIT_FROM = 4000  # faces: below, constant costs dominate
 PATIENCE_MS = 60_000  # a field that would take longer is left out
 
 
 def doubling(make):
-    """Members of about 1000, 2000, 4000… faces: `make` is called with the number."""
+    """Returns a family of about 1000, 2000, 4000… faces: `make` is called with the number of
+    faces."""
     return lambda step: make(1000 * 2**step)
 
 
@@ -39,16 +42,17 @@ def torus(faces, *options):
 
 
 def needles(faces):
-    """A prism's mantle of four rings, of as many sides as it takes."""
+    """Returns the lateral surface of a prism with four rings, and as many sides as the number of
+    faces requires."""
     return sample("cylinder", sides=faces // 8, rings=4) if faces <= 1_048_576 else None
 
 
 def stretched_torus(faces):
-    """Faces some twenty times as long as wide."""
+    """Returns a torus with faces some twenty times as long as wide."""
     return sample("torus", columns=root(faces / 16), rows=8 * root(faces / 16))
 
 
-# name: colour, step -> mesh or None when there is no larger one
+# name: colour, step -> mesh, or None if there is no larger mesh
 FAMILIES = {
     "smooth torus": ("#1f77b4", doubling(torus)),
     "smooth scan": ("#17becf", doubling(lambda faces: sample("scan", faces=faces) if faces <= 500_000 else None)),
@@ -72,7 +76,7 @@ QUANTITIES = [
 ]
 
 
-# --- measuring -----------------------------------------------------------------------------------------------------------------------------
+# --- measuring ----------------------------------------------------------------------------------
 
 
 def runs_for(faces):
@@ -80,7 +84,8 @@ def runs_for(faces):
 
 
 def fits(points, faces):
-    """Would a mesh of so many faces take no more time and memory than there is, if cost went on as it grew last?"""
+    """Returns whether a mesh of so many faces fits into time and memory, if cost continues to grow
+    as it did last."""
     if not points:
         return True
     last, power = points[-1], fit(points, "peak_bytes")[0] if len(points) > 2 else 1.5
@@ -90,14 +95,14 @@ def fits(points, faces):
 
 
 def expect(points):
-    """Faces of the next member, if the family goes on as it did."""
+    """Returns the faces of the next member, if the family continues to grow at the same rate."""
     if len(points) < 2:
         return 2 * points[0]["faces"] if points else 0
     return points[-1]["faces"] ** 2 / points[-2]["faces"]
 
 
 def measure_family(bench, make, max_faces):
-    """gd_bench field's lines from the smallest member on, and why the family ended where it did."""
+    """Returns the lines of gd_bench field from the smallest member on, and why the family ended."""
     points = []
     while True:
         mesh, next_faces = make(len(points)), expect(points)
@@ -118,7 +123,8 @@ def measure_family(bench, make, max_faces):
 
 
 def fit(points, key):
-    """Exponent and factor of key = factor * faces^exponent, by least squares of the logarithms; (nan, nan) with one point."""
+    """Returns exponent and factor of key = factor * faces^exponent, by least squares of the
+    logarithms; (nan, nan) with one point."""
     used = [point for point in points if point["faces"] >= FIT_FROM] or points
     used = used if len(used) > 1 else points
     x, y = [math.log(point["faces"]) for point in used], [math.log(point[key]) for point in used]
@@ -131,12 +137,13 @@ def fit(points, key):
 
 
 def largest(points):
-    """Faces for which the process would fill the machine's memory: from the largest mesh on, by the growth of the peak, which is linear at the least."""
+    """Returns the number of faces for which the process would fill the machine's memory,
+    extrapolated from the largest mesh by the growth of the peak, which is at least linear."""
     last, exponent = points[-1], fit(points, "peak_bytes")[0]
     return last["faces"] * (MACHINE_GIB * GIB / last["peak_bytes"]) ** (1 / max(1, exponent if exponent == exponent else 1))
 
 
-# --- drawing -------------------------------------------------------------------------------------------------------------------------------
+# --- drawing ------------------------------------------------------------------------------------
 
 WIDTH, HEIGHT = 980, 560
 LEFT, RIGHT, TOP, BOTTOM = 90, 330, 50, 60
@@ -194,7 +201,8 @@ def curve(axes, points, key, colour):
 
 
 def plot(series, key, title):
-    """An SVG page: one curve a family, with its exponent in the legend, the steepest first."""
+    """Returns an SVG page: one curve for each family, with its exponent in the legend, the steepest
+    first."""
     axes, middle = Axes(series, key), (LEFT + WIDTH - RIGHT) / 2
     parts = [f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" height="{HEIGHT}" viewBox="0 0 {WIDTH} {HEIGHT}" font-family="sans-serif">',
              f'<rect width="{WIDTH}" height="{HEIGHT}" fill="#fff"/>', text(middle, 28, f"{title}, against faces", "middle", 16), *grid_lines(axes),
@@ -208,7 +216,7 @@ def plot(series, key, title):
     return "\n".join([*parts, "</svg>", ""])
 
 
-# --- the program ---------------------------------------------------------------------------------------------------------------------------
+# --- the program --------------------------------------------------------------------------------
 
 
 def row_of(name, points, ending):

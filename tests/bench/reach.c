@@ -4,18 +4,18 @@
 #include "tests/bench/ablation.h"
 #include "tests/bench/bench.h"
 
-/* Targets are vertices, one a source from each tenth of the largest distance: pairs drawn blindly
- * would leave the near tenths empty. */
+/* Targets are vertices: for each source one from each tenth of the largest distance. Uniformly
+ * random pairs would leave the near tenths empty. */
 
 enum { TENTHS = 10 };
 
 struct reach {
-    double *propagated[TENTHS], *ms[TENTHS]; /* per source, as a part of the whole field's */
+    double *propagated[TENTHS], *ms[TENTHS]; /* per source, as a fraction of the whole field's */
     uint32_t count[TENTHS];
 };
 
-/* A random vertex index whose distance lies in that tenth of `farthest`; GD_NONE when there is
- * none. */
+/* Returns a random vertex index whose distance lies in that tenth of `farthest`; GD_NONE if there
+ * is none. */
 static uint32_t pick_target(const double *distances, uint32_t count, double farthest,
                             uint32_t tenth, struct rng *rng)
 {

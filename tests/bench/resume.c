@@ -1,5 +1,5 @@
-/* gd_bench resume: fields that reach R, a quarter of the way to the farthest vertex, then 2R, then
- * all: each step resumed, and built from nothing. */
+/* gd_bench resume: fields that reach R, a quarter of the largest distance, then 2R, then
+ * everything: each step is resumed, and also built from the seed. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -8,10 +8,10 @@
 
 enum { STEPS = 3 }; /* from R to 2R, from 2R to all, from R to all */
 
-/* Processor time, and windows that were propagated, of each run. */
+/* Processor time and number of propagated windows of each run. */
 struct figures {
-    double *ms[STEPS][2], *windows[STEPS][2]; /* resumed, from nothing */
-    double *first_ms;                         /* to R */
+    double *ms[STEPS][2], *windows[STEPS][2]; /* resumed, built from the seed */
+    double *first_ms;                         /* milliseconds of the field to R */
 };
 
 static struct gd_field *build(const struct gd_mesh *mesh, const struct gd_seed *seed, double radius)
@@ -36,7 +36,8 @@ static double windows_of(const struct gd_field *field)
     return (double)gd_field_statistics(field)->windows_propagated;
 }
 
-/* Resumes the field to the radius and builds the same from nothing; returns the resumed one. */
+/* Resumes the field to the radius, and builds the same field from the seed; returns the resumed
+ * one. */
 static struct gd_field *measure_step(const struct gd_field *partial, const struct gd_seed *seed,
                                      double radius, struct figures *figures, int step, uint32_t run)
 {

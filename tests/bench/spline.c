@@ -1,5 +1,5 @@
 /* gd_bench spline: geodesic Hermite splines at the sizes of the paper's Table 1, through farthest
- * points: made, and looked at. */
+ * points: built and sampled. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -10,8 +10,8 @@
 
 enum { RUNS = 9, LANDMARKS = 16, SAMPLES = 16 };
 
-/* A mesh of as many vertices as the paper's, and its milliseconds (printed run together there; as
- * smooth.md reads them). */
+/* A mesh of as many vertices as the paper's, and the paper's milliseconds (they are printed run
+ * together; smooth.md explains the reading). */
 static const struct row {
     const char *mesh;
     uint32_t points;
@@ -24,8 +24,8 @@ static const struct row {
 
 enum { ROWS = sizeof rows / sizeof *rows, POINTS_MOST = 15 };
 
-/* Milliseconds to make the spline: of processor time on one thread; on two by the clock, the least
- * of all runs, since others may be at work beside them. */
+/* Returns the milliseconds to build the spline: on one thread processor time; on two threads the
+ * least elapsed time of all runs, since other programs may run at the same time. */
 static double build_time(const struct gd_mesh *mesh, const struct gd_spline_request *request)
 {
     double times[RUNS];
@@ -40,7 +40,7 @@ static double build_time(const struct gd_mesh *mesh, const struct gd_spline_requ
     return bench_quantile(times, RUNS, request->executor ? 0 : 0.5);
 }
 
-/* Milliseconds to sample it. */
+/* Returns the milliseconds to sample the spline. */
 static double sample_time(const struct gd_mesh *mesh, const struct gd_spline_request *request)
 {
     double times[RUNS];
@@ -61,7 +61,8 @@ static double sample_time(const struct gd_mesh *mesh, const struct gd_spline_req
     return bench_median(times, RUNS);
 }
 
-/* In the order in which a curve would be drawn through them: on to the nearest in space. */
+/* Sorts points in the order of a curve through them: each is followed by the nearest remaining one
+ * in space. */
 static void sort_points(const struct gd_mesh *mesh, struct gd_point *points, uint32_t count)
 {
     for (uint32_t i = 1; i < count; i++) {

@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
-"""Measures the engine on generated and shared meshes: prints tables, writes bench.json into the build folder.
+"""Measures the engine on generated and shared meshes. Prints tables, and writes bench.json into the
+build folder.
 
 usage: tests/bench/table.py [--build DIR] [--pin CPU] [--only WORD] [--quick]
 
---quick measures next to nothing: it checks that every subcommand runs and prints what is promised, with `ok` and `not ok` lines.
+--quick measures next to nothing: it checks that every subcommand runs and prints what is promised,
+with `ok` and `not ok` lines.
 """
 import sys
 
-from common import Checks, Failure, bench_arguments, find_program, machine, number, pin, print_table, run_lines, sample, shared, show_progress, write_json
+from common import Checks, Failure, bench_arguments, find_program, machine, number, pin, print_table, record, run_lines, sample, shared, show_progress, write_json
 
 MESHES = [
     sample("icosphere", level=5),
@@ -49,13 +51,13 @@ PROMISED = {
     "trace": ["mesh", "crossings_per_s", "log_map_ms", "mean_of_4_ms", "peak_bytes"],
 }
 
-# Subcommands that bring meshes of their own, the quickest of what they do.
+# Subcommands with meshes of their own, and the arguments of their quickest measurement.
 OWN_MESHES = {
     "limit": (["--quick"], ["mesh", "discretize_ms", "build_ms", "trace_360_ms", "shortest_360_ms", "peak_bytes"]),
     "nurbs": (["--runs", 1, "--samples", 4], ["surface", "method", "points", "error_percent", "cpu_ms"]),
 }
 
-# header, subcommand, keys one inside the other, divisor
+# header, subcommand, path of keys, divisor
 DISTANCES = [
     ("faces", "field", "faces", 1),
     ("field ms", "field", "field_ms", 1),
@@ -85,7 +87,7 @@ QUESTIONS = [
 
 
 def measure(bench, mesh):
-    """What each subcommand prints of the mesh."""
+    """Returns the output of each subcommand for the mesh."""
     result, large = {}, False
     for command, runs in RUNS.items():
         show_progress(f"{mesh.name}: {command}")
@@ -95,7 +97,7 @@ def measure(bench, mesh):
 
 
 def measure_all(bench, meshes):
-    """The meshes' results by name, and the sentences of those that failed."""
+    """Returns the meshes' results by name, and the messages of failures."""
     results, failures = {}, []
     for mesh in meshes:
         try:
@@ -149,6 +151,8 @@ def main():
     path = options.build / "bench.json"
     write_json(path, {"machine": before, "cpu": cpu, "load_at_end": machine()["load"], "meshes": results, "failures": failures})
     print(f"written: {path}; one processor, medians; load {before['load'][0]:.1f} at the start, {machine()['load'][0]:.1f} at the end")
+    if options.record:
+        record("engine", before)
     return 1 if failures else 0
 
 

@@ -34,7 +34,7 @@ void ablation_edges(const struct paper_model *model, const struct gd_mesh *mesh)
 
 /* --- Tables 2, 3 and 4 ------------------------------------------------------------------------ */
 
-/* Of one setting and structure, over all sources: sums of counts, and each time. */
+/* For one setting and structure, over all sources: sums of counts, and each time. */
 struct sums {
     double produced, propagated, kept, merged;
     double *ms;
@@ -84,8 +84,8 @@ static void add_trial(const struct gd_mesh *mesh, const struct gd_point *source,
     sums->ms[at] = trial.ms;
 }
 
-/* Settings and structures take turns from source to source, forwards and backwards, so that a busy
- * minute of the machine and what a run leaves behind in the allocator fall on all alike. */
+/* Settings and structures alternate from source to source, forwards and backwards, so that load of
+ * the machine and the allocator's state affect all alike. */
 void ablation_wedges(const struct paper_model *model, const struct gd_mesh *mesh, uint32_t sources)
 {
     struct sums sums[SETTINGS][STRUCTURES] = {0};

@@ -1,5 +1,5 @@
-/* An executor of the program's own threads. They wait by looking, as the tasks of one field follow
- * each other within microseconds. */
+/* An executor with its own threads. They wait by spinning, since the tasks of one field follow each
+ * other within microseconds. */
 #include <pthread.h>
 #include <sched.h>
 #include <stdatomic.h>
@@ -8,7 +8,7 @@
 
 #include "tests/bench/bench.h"
 
-#define LOOKS 20000 /* before a thread lets others run */
+#define LOOKS 20000 /* spins before a thread yields */
 
 static struct {
     void (*task)(void *context, uint32_t index);
@@ -44,7 +44,8 @@ static void *help(void *unused)
 
 static uint32_t helpers;
 
-/* The helpers count as tasks, so that none of them still looks at a round when the next begins. */
+/* Runs the tasks. The helpers count as tasks, so that none of them still reads a round when the
+ * next begins. */
 static void run(void *user, void (*task)(void *context, uint32_t index), void *context,
                 uint32_t count)
 {

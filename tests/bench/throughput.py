@@ -1,18 +1,24 @@
 #!/usr/bin/env python3
-"""Measures the daemon over HTTP against a bare libmicrohttpd program, in turn, A B A B; prints tables, writes bench-http.json.
+"""Measures the daemon over HTTP against a bare libmicrohttpd program, alternately (A B A B). Prints
+tables and writes bench-http.json.
 
-usage: tests/bench/throughput.py [--build DIR] [--turns N] [--seconds S] [--threads N] [--connections N] [--batch]
-                                 [--mesh "SAMPLE KEY=VALUE…"] [--large "SAMPLE KEY=VALUE…"] [--only WORD] [--quick]
+usage: tests/bench/throughput.py [--build DIR] [--turns N] [--seconds S] [--threads N]
+[--connections N] [--batch]
+                                 [--mesh "SAMPLE KEY=VALUE…"] [--large "SAMPLE KEY=VALUE…"] [--only
+                                 WORD] [--quick]
 
-Throughput: wrk asks for 10,000 distinct pairs whose fields are cached, over and over, and asks gd_http_bare the same; that one answers
-each with a fixed body as large as the daemon's are on average, by as many threads. That the cache answered every request is read in
-/metrics. A ratio is the median of the turns' ratios of requests a second. Beside it stand microseconds of processor time a request, user
-and kernel, of either program: they hardly notice what else the machine does. With --batch the kernel's scheduler takes wrk for a batch job: it
-does not preempt the server at each answer, as it does where it waits for a server that shares its processors.
+Throughput: wrk repeatedly requests 10,000 distinct pairs whose fields are cached, from the daemon
+and from gd_http_bare. The latter answers each request with a fixed body as large as the daemon's
+average, on as many threads. /metrics must show that the cache answered every request. A ratio is
+the median of the turns' ratios of requests a second. Each program's processor time a request (user
+and kernel, in microseconds) is also shown; the machine's load hardly affects it. With --batch the
+kernel schedules wrk as a batch job. Then wrk does not preempt a server on the same processors at
+each answer.
 
-Latency: the same pairs at half of the throughput, paced by wrk's delay(): each connection waits before each request, so that a
-slow answer delays the next request of its own connection only. Meanwhile a worker builds fields of a large mesh, one after the other.
---quick measures next to nothing: it checks that all this works, with `ok` and `not ok` lines.
+Latency: the same pairs at half of the throughput, paced by wrk's delay(): each connection waits
+before each request, so that a slow answer delays only the next request of its own connection.
+Meanwhile a worker builds fields of a large mesh, one after the other. --quick measures next to
+nothing: it checks that all this works, with `ok` and `not ok` lines.
 """
 import contextlib
 import http.client
@@ -28,18 +34,20 @@ import tempfile
 import threading
 import time
 
-from common import Checks, Failure, bench_arguments, find_program, machine, number, print_table, run_lines, show_progress, write_json
+from common import Checks, Failure, bench_arguments, find_program, machine, number, print_table, record, run_lines, show_progress, write_json
 
 PAIRS = 10_000
 SOURCES = 20
-ASKED = 17  # questions about a source until its field is built and cached
+ASKED = 17  # queries of a source until its field is built and cached
 START_SECONDS = 20
 SIZES = 500  # answers whose sizes are averaged
-KINDS = {"distance": ("", 0.7, 0.9), "path": ("&geometry=xyz", 0.5, 0.75)}  # parameters, the ratio that is to be reached, the aim
+# parameters, the required ratio, the goal
+KINDS = {"distance": ("", 0.7, 0.9), "path": ("&geometry=xyz", 0.5, 0.75)}
 PACED_CONNECTIONS = 64
 P99_MS = 1.5
 
-# Every thread of wrk starts at another of the targets; a line of the file is a target. PAUSE: milliseconds before each request.
+# Every thread of wrk starts at a different target; each line of the file is a target. PAUSE:
+# milliseconds before each request.
 SCRIPT = """
 local targets, at, threads = {}, 0, 0
 function setup(thread) thread:set("number", threads); threads = threads + 1 end
@@ -60,13 +68,13 @@ PACE = "local low, high = %d, %d\nfunction delay() return math.random(low, high)
 
 
 def processor_seconds(process):
-    """What a running program has taken so far."""
+    """Returns the processor time of a running program so far."""
     fields = pathlib.Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()
     return sum(map(int, fields[11:13])) / os.sysconf("SC_CLK_TCK")  # utime, stime
 
 
 class Daemon:
-    """A running geodesicd that logs into a file, and what is asked of it."""
+    """A running geodesicd that logs into a file, and its requests."""
 
     def __init__(self, build, folder, threads):
         self.log = pathlib.Path(folder) / "log"
@@ -127,7 +135,7 @@ class Bare:
 
 @contextlib.contextmanager
 def running(program):
-    """The program, stopped in the end."""
+    """Yields the program, and stops it at the end."""
     try:
         yield program
     finally:
@@ -162,12 +170,12 @@ class Work:
         return [f"/v1/meshes/mesh/{kind}?{target}{KINDS[kind][0]}" for target in self.targets]
 
     def size(self, kind):
-        """Mean size of an answer."""
+        """Returns the mean size of an answer."""
         connection = self.daemon.connect()
         return round(statistics.mean(len(self.daemon.ask(connection, "GET", url)) for url in self.urls(kind)[:SIZES]))
 
     def load(self, program, kind, options, connections, pace=""):
-        """What wrk measures, and what processor time the program takes for it."""
+        """Returns wrk's measurements, and the processor time of the program."""
         script, targets = self.folder / "script.lua", self.folder / f"{kind}.txt"
         script.write_text(SCRIPT.replace("PACE", pace))
         targets.write_text("".join(url + "\n" for url in self.urls(kind)))
@@ -185,7 +193,7 @@ class Work:
         return result | {"rate": result["requests"] / result["seconds"], "cpu_us": taken / result["requests"] * 1e6}
 
     def load_daemon(self, *arguments):
-        """The same of the daemon, all of whose answers must come from the cache."""
+        """As `load`, for the daemon, all of whose answers must come from the cache."""
         before = self.daemon.metrics()
         result = self.load(self.daemon, *arguments)
         after = self.daemon.metrics()
@@ -195,11 +203,11 @@ class Work:
         return result
 
 
-# --- throughput -----------------------------------------------------------------------------------------------------------------
+# --- throughput ---------------------------------------------------------------------------------
 
 
 def race(work, kind, options):
-    """The kind's turns against the bare program."""
+    """Runs the kind's turns against the bare program."""
     size = work.size(kind)
     turns = []
     with running(Bare(options.build, options.threads, size)) as bare:
@@ -225,11 +233,11 @@ def print_races(results):
     print_table(["answers", "bytes", "daemon /s", "bare /s", "daemon cpu us", "bare cpu us", "ratio", "range", "to reach", "aim"], rows)
 
 
-# --- latency --------------------------------------------------------------------------------------------------------------------
+# --- latency ------------------------------------------------------------------------------------
 
 
 class Building(threading.Thread):
-    """Keeps one worker at building fields of the large mesh until it is stopped."""
+    """Keeps one worker busy with building fields of the large mesh until it is stopped."""
 
     def __init__(self, daemon, vertices):
         super().__init__(daemon=True)
@@ -258,7 +266,8 @@ class Building(threading.Thread):
 
 
 def pace_for(rate):
-    """The script's delay() with which PACED_CONNECTIONS make about that rate: whole milliseconds, so drawn about their mean."""
+    """Returns the script's delay() with which PACED_CONNECTIONS reach about that rate: random whole
+    milliseconds around the exact pause."""
     mean = PACED_CONNECTIONS / rate * 1e3
     return PACE % (max(0, round(mean) - 1), round(mean) + 1)
 
@@ -277,7 +286,7 @@ def paced(work, options, rate, is_building):
 
 
 def measure_latency(work, options, rate):
-    """Turns at that rate, without and with a field being built."""
+    """Measures turns at that rate, without and with a field being built."""
     work.large = work.daemon.upload("large", sample_of(options, options.large))
     return [paced(work, options, rate, is_building) for _ in range(options.turns) for is_building in (False, True)]
 
@@ -291,7 +300,7 @@ def print_latency(turns, faces):
     print_table(["cached distance besides", "/s", "p50 ms", "p99 ms", "max ms", "worst p99", "p99 to reach"], rows)
 
 
-# --- all of it ------------------------------------------------------------------------------------------------------------------
+# --- all of it ----------------------------------------------------------------------------------
 
 
 def sample_of(options, words):
@@ -326,7 +335,7 @@ def measure(options, folder):
 
 
 def check_promises(options):
-    """A few requests of each sort, on small meshes."""
+    """Checks a few requests of each kind, on small meshes."""
     options.turns, options.seconds, options.large = 1, 1, "icosphere level=3"
     checks = Checks()
     with tempfile.TemporaryDirectory() as folder, running(Daemon(options.build, folder, 2)) as daemon:
@@ -357,6 +366,8 @@ def main():
     write_json(path, {"machine": before, "load_at_end": machine()["load"], "mesh": options.mesh, "batch": options.batch, **results})
     print(f"written: {path}; {options.threads} threads, {options.connections} connections, {options.turns} turns of {options.seconds} s; "
           f"load {before['load'][0]:.1f} at the start, {machine()['load'][0]:.1f} at the end")
+    if options.record:
+        record("http", before)
     return 0
 
 

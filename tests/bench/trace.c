@@ -1,5 +1,5 @@
-/* gd_bench trace: straightest geodesics in crossings of edges a second, log maps from a field that
- * is kept, and means. */
+/* gd_bench trace: straightest geodesics in edge crossings a second, log maps from a cached field,
+ * and means. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -10,8 +10,8 @@
 
 enum { LINES = 1000, EDGES = 300, MAPS = 3, MEANS = 10, MEAN_POINTS = 4 };
 
-/* Lines as long as EDGES mean edges, from random points of faces in random directions: crossings a
- * second. */
+/* Returns the crossings a second of lines as long as EDGES mean edges, from random points of faces
+ * in random directions. */
 static double trace_rate(const struct gd_mesh *mesh, struct rng *rng)
 {
     double length = EDGES * gd_mesh_summary(mesh)->edge_length.mean;
@@ -33,7 +33,7 @@ static double trace_rate(const struct gd_mesh *mesh, struct rng *rng)
     return 1e3 * (double)crossings / bench_ms_since(start);
 }
 
-/* Milliseconds of one log map. */
+/* Returns the milliseconds of one log map. */
 static double log_time(const struct gd_mesh *mesh, struct rng *rng)
 {
     uint32_t count = gd_mesh_summary(mesh)->index_count;
@@ -52,7 +52,7 @@ static double log_time(const struct gd_mesh *mesh, struct rng *rng)
     return time;
 }
 
-/* Milliseconds of one mean of random points of one component. */
+/* Returns the milliseconds of one mean of random points of one component. */
 static double mean_time(const struct gd_mesh *mesh, struct rng *rng)
 {
     struct gd_point points[MEAN_POINTS];

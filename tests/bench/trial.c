@@ -6,7 +6,7 @@
 #include "tests/bench/bench.h"
 
 struct recorder {
-    struct gd_field *field; /* as gd_field_build makes it, but for the methods */
+    struct gd_field *field; /* as from gd_field_build, except for the methods */
     struct trial *trial;
     double start_ms;
 };
@@ -18,13 +18,13 @@ static enum gd_status record(void *user, struct gd__wavefront *front,
     struct recorder *recorder = user;
     struct trial *trial = recorder->trial;
     trial->ms = bench_thread_ms() - recorder->start_ms;
-    trial->produced = front->effort.windows_created;
-    trial->propagated = front->effort.windows_propagated;
+    trial->produced = front->counts.windows_created;
+    trial->propagated = front->counts.windows_propagated;
     return gd__field_take(recorder->field, front, executor);
 }
 
-/* Wedges of the final stage: as stored, without gaps, and with the chunks of each edge merged into
- * one list. */
+/* Counts the wedges of the final stage: as stored, without gaps, and with the chunks of each edge
+ * merged into one list. */
 static void count_wedges(const struct gd_field *field, struct trial *trial)
 {
     const struct gd_mesh *mesh = field->mesh;
@@ -39,13 +39,14 @@ static void count_wedges(const struct gd_field *field, struct trial *trial)
         for (uint32_t at = field->newest[edge]; at != GD_NONE;
              at = gd__field_chunk(field, at)->previous) {
             const struct gd__chunk *chunk = gd__field_chunk(field, at);
+            struct gd__wedges stored = gd__chunk_wedges(chunk);
             for (uint32_t i = 0; i < chunk->count; i++)
-                trial->kept_half += gd__wedge_source(gd__chunk_wedges(chunk).start[i]) != GD_NONE;
+                trial->kept_half += gd__wedge_source(&stored, i) != GD_NONE;
         }
     }
 }
 
-/* A field without wedges yet, from one seed. */
+/* Creates a field from one seed, without wedges. */
 static struct gd_field *open_field(const struct gd_mesh *mesh, const struct gd_point *source)
 {
     struct gd_field *field = gd__field_create(mesh);
@@ -64,7 +65,7 @@ struct trial trial_run(const struct gd_mesh *mesh, const struct trial_request *r
                                           .seed_count = field->seed_count,
                                           .radius = GD__FAR,
                                           .target = request->target,
-                                          .methods = request->methods};
+                                          .variant = request->methods};
     struct recorder recorder = {.field = field, .trial = &trial, .start_ms = bench_thread_ms()};
     struct gd__sink sink = {.take = record, .user = &recorder};
     bench_require(gd__wavefront_run(mesh, &propagation, &sink, NULL, NULL), NULL);

@@ -7,7 +7,7 @@
 struct trial_request {
     struct gd_point source;
     const struct gd_point *target; /* stop when its distance is final; NULL: the whole mesh */
-    struct gd__methods methods;
+    struct gd__variant methods;
     /* receives the distance at every vertex index, NAN at unreferenced ones; may be NULL */
     double *distances;
 };
@@ -17,11 +17,11 @@ struct trial {
     double ms;
     uint64_t produced;   /* windows offered to the lists */
     uint64_t propagated; /* windows propagated across a face */
-    /* in the end: in the lists of the sides; in one merged list an edge */
+    /* final numbers of wedges: in the lists of the sides; in one merged list per edge */
     uint64_t kept_half, kept_merged;
 };
 
-/* Ends the program on failure. */
+/* Runs a trial. Ends the program on failure. */
 struct trial trial_run(const struct gd_mesh *mesh, const struct trial_request *request);
 
 #endif

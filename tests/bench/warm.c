@@ -1,5 +1,5 @@
-/* gd_bench warm: questions to a field that is kept: distances in random order and in order of
- * faces, one by one and as a batch, and paths. */
+/* gd_bench warm: queries of a cached field: distances in random order and in order of faces, one by
+ * one and as a batch, and paths. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -8,10 +8,10 @@
 
 enum { POINTS = 100000, PATHS = 5000 };
 
-/* Questions a second of each run. */
+/* Queries a second of each run. */
 struct rates {
     double *random_order, *face_order, *random_batch, *face_batch, *paths;
-    /* of all paths together: points but for their two ends; how many there were */
+    /* over all paths: number of points without both ends; number of paths */
     double crossings, traced;
 };
 
@@ -47,7 +47,7 @@ static double batch_rate(const struct gd_field *field, const struct gd_point *po
     return 1e3 * POINTS / bench_ms_since(start);
 }
 
-/* Where the source can't be reached there is no path to count. */
+/* Paths a second. An unreachable point has no path to count. */
 static double path_rate(const struct gd_field *field, const struct gd_point *points,
                         struct rates *rates)
 {
@@ -65,7 +65,7 @@ static double path_rate(const struct gd_field *field, const struct gd_point *poi
     return 1e3 * (rates->traced - before) / bench_ms_since(start);
 }
 
-/* The order in which the mesh keeps its faces, which is that of memory. */
+/* Orders points by face in the mesh's order, which is that of memory. */
 static int by_element(const void *a, const void *b)
 {
     const struct gd_point *p = a, *q = b;

@@ -1,9 +1,12 @@
 #!/usr/bin/env python3
-"""The capacity model of server/doc/guide.md ("Many machines"), held against measured points: what it predicts, what is measured, by how much they differ.
+"""Compares the capacity model of "Many machines" in server/doc/guide/operating.md with
+measurements: predictions, measured values, and their differences.
 
-    tests/cluster/capacity.py [--short] [--meshes N --faces F --active N --fields N --rate N --hits SHARE --memory GIB --cores N --price N]
+    tests/cluster/capacity.py [--short] [--meshes N --faces F --active N --fields N --rate N --hits
+    SHARE --memory GIB --cores N --price N]
 
-With --meshes it only prints how many nodes the model says, for numbers of your own. Else: wants haproxy (its part is skipped without).
+With --meshes it only prints the model's number of nodes for the given values. Otherwise the part
+that uses haproxy is skipped if that is missing.
 """
 import argparse
 import contextlib
@@ -23,18 +26,21 @@ import process
 from figures import conclude, report
 
 # The model's constants; the guide has the same.
-MESH_BYTES = 350  # a face, in memory
-FIELD_BYTES = {"terrain": 140, "scan": 370, "smooth": 750}  # an edge, of which there are 3/2 a face
-RECORD_BYTES = 1300  # a mesh that is stored, on every node (server/doc/014)
-SPARE_SHARE, SPARE_MOST = 16, 256 << 20  # of the memory budget, set aside for released fields
-FULL = 0.9  # of the budget, when the least valuable fields begin to go
-BUSY = 0.6  # of the processors: beyond it, waits grow
+MESH_BYTES = 350  # bytes of a face in memory
+# bytes of an edge; a mesh has 3/2 edges a face
+FIELD_BYTES = {"terrain": 140, "scan": 370, "smooth": 750}
+RECORD_BYTES = 1300  # bytes of a stored mesh on every node (server/doc/014)
+# share of the memory budget, and most bytes, set aside for released fields
+SPARE_SHARE, SPARE_MOST = 16, 256 << 20
+FULL = 0.9  # share of the budget at which eviction of fields begins
+BUSY = 0.6  # share of the processors beyond which waits grow
 GIB = 1 << 30
 
 
 @dataclasses.dataclass
 class Costs:
-    """Processor seconds: of an answer from a field in memory, with the share of HAProxy; of loading a face and of a search, for a mesh that is not."""
+    """Processor seconds: of an answer from a cached field, including HAProxy's share; of loading a
+    face and of a search, for a mesh that is not in memory."""
     hit: float = 40e-6
     load_face: float = 0.7e-6
     search: float = 3e-3
@@ -45,12 +51,12 @@ def usable(budget):
 
 
 def active_bytes(faces, fields, kind="scan"):
-    """Of a mesh that is in use, with that many fields."""
+    """Returns the bytes of a used mesh with that many fields."""
     return faces * (MESH_BYTES + 1.5 * fields * FIELD_BYTES[kind])
 
 
 def nodes(options, costs=Costs()):
-    """By memory and by processors, before the one that may be missing."""
+    """Returns the number of nodes by memory and by processors, without the spare node."""
     room = usable(options.memory * GIB) - RECORD_BYTES * options.meshes
     by_memory = options.active * active_bytes(options.faces, options.fields) / room
     work = options.rate * (options.hits * costs.hit + (1 - options.hits) * (costs.load_face * options.faces + costs.search))
@@ -64,7 +70,7 @@ def print_nodes(options):
     return 0
 
 
-# --- what is measured -------------------------------------------------------------------------------------------------------
+# --- what is measured ---------------------------------------------------------------------------
 
 
 def compare(what, predicted, measured, tolerance, unit=""):
@@ -98,7 +104,7 @@ def bytes_of_meshes_and_fields(sizes):
 
 
 def fields_that_stay(budget_mib):
-    """Far more are asked for than there is room for."""
+    """Requests far more fields than the budget holds; returns how many stay."""
     cells, budget = 40, budget_mib << 20
     faces = 2 * cells * cells
     with harness.Daemon("--landmarks", "0", "--memory-budget", str(budget), "--max-body", "4MiB") as daemon:
@@ -112,7 +118,8 @@ def fields_that_stay(budget_mib):
 
 
 def cost_of_a_miss(short):
-    """Processor time of loading a mesh that is not in memory, from what it is for meshes of another size."""
+    """Returns the processor time of loading a mesh that is not in memory, measured with meshes of
+    another size."""
     seconds = {}
     for cells in (60, 120) if short else (60, 120, 240):
         with tempfile.TemporaryDirectory() as place:
@@ -130,7 +137,7 @@ def cost_of_a_miss(short):
 
 
 class Meter:
-    """Processor seconds of programs between two looks."""
+    """Measures the processor seconds of programs between two readings."""
 
     def __init__(self, *programs):
         self.programs = programs
@@ -141,7 +148,7 @@ class Meter:
 
 
 def load(port, targets, place, connections, rate, seconds):
-    """Answers 2xx by gd_load."""
+    """Returns the number of 2xx answers, by gd_load."""
     with open(f"{place}/requests", "wb") as file:
         for target in targets:
             text = f"GET {target} HTTP/1.1\r\nHost: localhost\r\n\r\n".encode()
@@ -153,7 +160,8 @@ def load(port, targets, place, connections, rate, seconds):
 
 
 def cost_of_a_hit(seconds, count=3):
-    """What an answer from memory costs at a hundredth of the load, and when the machine has no more to give: on one node and on three."""
+    """Returns the cost of an answer from memory at a hundredth of the load, and the rate when the
+    machine is saturated: on one node and on three."""
     if not shutil.which("haproxy") or not (harness.PROGRAM.parent / "gd_load").exists():
         print("skip capacity: processor time of answers wants haproxy and gd_load")
         return []

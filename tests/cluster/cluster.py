@@ -1,11 +1,13 @@
-"""A PostgreSQL of a test's own, daemons that share it, and a way to cut the one from the other. Standard library only.
+"""A PostgreSQL server for a test, daemons that share it, and a relay that can cut a daemon off from
+it. Standard library only.
 
     with Postgres() as database, Node(database) as one, Node(database) as two:
         one.put("square", SQUARE)
         two.get("/v1/meshes/square")
 
-The programs of PostgreSQL are those in PATH, or Debian's. It runs in a folder below the build folder, on a free loopback port, as a user without
-privileges (the user `postgres` or `nobody`, if this is root), and ends with the test.
+Uses the PostgreSQL programs in PATH, or Debian's. The server runs in a folder below the build
+folder, on a free loopback port, as an unprivileged user (`postgres` or `nobody`, if this is root),
+and ends with the test.
 """
 import contextlib
 import os
@@ -25,19 +27,19 @@ import weakref
 sys.path.insert(0, str(pathlib.Path(__file__).parent.parent / "api"))
 import harness  # noqa: E402  (the daemon over HTTP)
 
-BOUND_SECONDS = 1.0  # what is promised: no node answers for an old mesh longer (server/doc/014)
+BOUND_SECONDS = 1.0  # promise: no node answers longer for a replaced mesh (server/doc/014)
 START_SECONDS = 30
 BUILD = harness.PROGRAM.parent
 
 
 def program(name):
-    """A program of PostgreSQL; None: it is not installed."""
+    """Returns the path of a PostgreSQL program; None: it is not installed."""
     found = shutil.which(name)
     return found or next((str(path) for path in sorted(pathlib.Path("/usr/lib/postgresql").glob(f"*/bin/{name}"))), None)
 
 
 def require():
-    """Skips the tests of a module where PostgreSQL is not installed."""
+    """Skips the tests of a module if PostgreSQL is not installed."""
     missing = [name for name in ("initdb", "postgres", "psql") if not program(name)]
     if missing:
         raise unittest.SkipTest(f"PostgreSQL is not installed ({', '.join(missing)} is missing): apt-get install postgresql")
@@ -50,7 +52,7 @@ def free_port():
 
 
 def unprivileged():
-    """The user that PostgreSQL is to run as: it refuses root. None: who runs this."""
+    """Returns the user for PostgreSQL, which refuses to run as root. None: the current user."""
     if os.geteuid() != 0:
         return None
     for name in ("postgres", "nobody"):
@@ -60,7 +62,7 @@ def unprivileged():
 
 
 def folder_for(user):
-    """A new folder below the build folder, or, where that user can't reach it, elsewhere."""
+    """Returns a new folder below the build folder, or elsewhere if that user can't reach it."""
     place = BUILD / "cluster"
     place.mkdir(exist_ok=True)
     folder = pathlib.Path(tempfile.mkdtemp(dir=place))
@@ -74,7 +76,8 @@ def folder_for(user):
 
 
 class Postgres:
-    """A database server of its own. `url` is what daemons are given; it has a password, which is never to be seen in a log."""
+    """A database server. Daemons connect by `url`, which has a password that must never appear in a
+    log."""
 
     PASSWORD = "never-to-be-logged"
 
@@ -106,7 +109,7 @@ class Postgres:
         return self.url_at(self.port)
 
     def url_at(self, port):
-        """The same database at another port: that of a relay."""
+        """Returns the URL of the database at another port, that of a relay."""
         return f"postgresql://tester:{self.PASSWORD}@127.0.0.1:{port}/postgres"
 
     def start(self):
@@ -123,24 +126,24 @@ class Postgres:
             time.sleep(0.05)
 
     def stop(self, how=signal.SIGINT):
-        """SIGINT: at once, in good order; SIGQUIT: as after a crash."""
+        """Stops the server. SIGINT: a clean, fast shutdown; SIGQUIT: as after a crash."""
         if self.process and self.process.poll() is None:
             self.process.send_signal(how)
             self.process.wait(START_SECONDS)
 
     def query(self, text, check=True):
-        """The answer of one statement, its columns divided by |."""
+        """Returns the result of one statement, its columns separated by |."""
         done = subprocess.run([program("psql"), "-qAtX", "-v", "ON_ERROR_STOP=1", "-c", text, self.url], capture_output=True, text=True)
         if check and done.returncode != 0:
             raise RuntimeError(done.stderr)
         return done.stdout.strip()
 
     def end_connections(self):
-        """Ends every connection of a daemon, as an administrator would; how many there were."""
+        """Ends every connection of a daemon, as an administrator would; returns their number."""
         return int(self.query("SELECT count(pg_terminate_backend(pid)) FROM pg_stat_activity WHERE application_name = 'geodesicd'"))
 
     def drop(self):
-        """All that daemons have stored."""
+        """Deletes all data that daemons have stored."""
         self.query("DROP SCHEMA IF EXISTS geodesicd CASCADE")
 
     def __enter__(self):
@@ -152,7 +155,8 @@ class Postgres:
 
 
 class Node(harness.Daemon):
-    """A daemon that shares the database; `port` is that of a relay before it, if there is one."""
+    """A daemon that shares the database; `port` is that of a relay between both, if there is
+    one."""
 
     def __init__(self, database, *flags, port=None, listen="127.0.0.1:0"):
         super().__init__("--store", database.url_at(port or database.port), *flags, listen=listen)
@@ -162,7 +166,7 @@ class Node(harness.Daemon):
         self.process.wait()
 
     def wait_until(self, condition, seconds=harness.PATIENCE_SECONDS):
-        """Until condition(node) is true; how long it took."""
+        """Waits until condition(node) is true; returns the time that it took."""
         begun = time.monotonic()
         while not condition(self):
             if time.monotonic() - begun > seconds:
@@ -175,8 +179,9 @@ class Node(harness.Daemon):
 
 
 class Relay:
-    """A TCP port that leads to another one, and can be cut: `refuse` ends connections and takes no more, `hold` lets nothing through any
-    more while all looks well (what a lost network does), `mend` ends both."""
+    """A TCP relay to another port, which can be cut: `refuse` ends connections and accepts no more;
+    `hold` forwards nothing more but keeps connections open (like a lost network); `mend` ends both
+    states."""
 
     def __init__(self, target):
         self.target = target
@@ -215,7 +220,7 @@ class Relay:
                 end.shutdown(socket.SHUT_RDWR)
 
     def cut(self):
-        """Ends the connections that there are."""
+        """Ends the current connections."""
         pairs, self.pairs = self.pairs, []
         for pair in pairs:
             for end in pair:

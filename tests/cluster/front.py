@@ -1,4 +1,5 @@
-"""HAProxy in front of nodes, with the shipped docker/haproxy.cfg: only addresses are put in, and what a test wants otherwise."""
+"""HAProxy in front of nodes, with the shipped docker/haproxy.cfg. Only addresses and the
+replacements of a test differ."""
 import pathlib
 import re
 import subprocess
@@ -14,11 +15,12 @@ from cluster import free_port  # noqa: E402
 from harness import PATIENCE_SECONDS  # noqa: E402
 
 SHIPPED = HERE.parent.parent / "docker/haproxy.cfg"
-DRAIN_DELAY_MS = 3000  # as the shipped file asks of the nodes
+DRAIN_DELAY_MS = 3000  # the value that the shipped file expects of the nodes
 
 
 class Front:
-    """`ports` are the nodes'. Replacements: (text, instead) of the shipped file, each of which has to be there."""
+    """`ports` are the nodes'. Replacements: pairs (text, instead); each text must occur in the
+    shipped file."""
 
     def __init__(self, ports, replacements=()):
         self.port, self.metrics_port = free_port(), free_port()
@@ -45,13 +47,13 @@ class Front:
         self.place.cleanup()
 
     def metrics(self, name):
-        """The values of HAProxy's metric of that name, by their labels."""
+        """Returns the values of HAProxy's metric of that name, by labels."""
         with urllib.request.urlopen(f"http://127.0.0.1:{self.metrics_port}/metrics", timeout=PATIENCE_SECONDS) as answer:
             found = re.findall(rf"^{name}\{{(.*)\}} (\S+)$", answer.read().decode(), re.M)
         return {labels: float(value) for labels, value in found}
 
     def up(self):
-        """The numbers of the nodes that it sends to."""
+        """Returns the numbers of the nodes to which HAProxy sends requests."""
         states = self.metrics("haproxy_server_status")
         return {int(found[1]) for labels, value in states.items() if value == 1 and (found := re.search(r'server="node(\d)",state="UP"', labels))}
 

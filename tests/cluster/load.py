@@ -1,4 +1,5 @@
-"""Questions asked of a front by several clients at once, whose answers are known beforehand, to the last byte."""
+"""Queries sent to a front by several clients at once. Their answers are known beforehand, to the
+last byte."""
 import collections
 import http.client
 import json
@@ -12,15 +13,15 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "fault")
 
 from common import mesh  # noqa: E402
 
-SEARCHES = 16  # a source that is asked about so often gets its field
+SEARCHES = 16  # queries of a source until its field is built
 
 
 class Questions:
-    """Meshes, pairs of points on each, and what one node says of them: of a pair that is searched, and of the same from a field, which may differ in the
-    last digit."""
+    """Meshes, pairs of points on each, and one node's answers: by a search, and from a field, which
+    may differ in the last digit."""
 
     def __init__(self, meshes, pairs, seed=1):
-        """`meshes`: name -> (file, number of vertices)."""
+        """`meshes`: name -> (file, number of vertices)"""
         self.meshes, self.allowed = meshes, {}
         chance = random.Random(seed)
         for name, (_, count) in meshes.items():
@@ -35,7 +36,7 @@ class Questions:
             assert answer.status in (200, 201), answer
 
     def learn(self, daemon):
-        """What one node answers at first, and after its fields have been built."""
+        """Records the answers of one node before and after its fields are built."""
         for _ in range(SEARCHES + 2):
             for path in self.paths:
                 answer = daemon.get(path)
@@ -44,7 +45,7 @@ class Questions:
 
 
 class Load:
-    """Clients that ask without a pause, each over a connection of its own, until `stop`."""
+    """Clients that send queries without a pause, each over its own connection, until `stop`."""
 
     def __init__(self, port, questions, clients=8, pace=0.0):
         self.port, self.questions, self.clients, self.pace = port, questions, clients, pace
@@ -69,7 +70,7 @@ class Load:
                 connection = None
 
     def ask(self, connection, path):
-        """Whether the connection can be used again."""
+        """Sends a query; returns whether the connection can be reused."""
         begun = time.monotonic()
         try:
             connection.request("GET", path)
@@ -100,7 +101,8 @@ class Load:
 
 
 class Uploads:
-    """A client that stores one mesh after the other, each with an edge of a length of its own, and asks for it at once, until `stop`."""
+    """A client that stores one mesh after the other, each with an edge of a different length, and
+    queries it at once, until `stop`."""
 
     def __init__(self, port, prefix):
         self.port, self.prefix = port, prefix
@@ -117,7 +119,7 @@ class Uploads:
         self.thread.join()
 
     def ask(self, method, path, body=None):
-        """Status and body; 0: the connection broke."""
+        """Returns status and body; status 0: the connection broke."""
         connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=60)
         try:
             connection.request(method, path, body)
@@ -141,7 +143,7 @@ class Uploads:
             self.verify(name, may_be_refused=True)
 
     def verify(self, name, may_be_refused=False):
-        """`may_be_refused`: its node may have lost the store meanwhile."""
+        """Verifies the mesh. `may_be_refused`: its node may have lost the store meanwhile."""
         status, body = self.ask("GET", f"/v1/meshes/{name}/distance?from=v:0&to=v:1")
         if may_be_refused and status == 503:
             return

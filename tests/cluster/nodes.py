@@ -1,4 +1,5 @@
-"""Daemons behind a front: each has a port that it keeps, and can be killed, restarted as an operator would, and started again."""
+"""Daemons behind a front. Each keeps its port, and can be killed, restarted like an operator would,
+and started again."""
 import pathlib
 import sys
 
@@ -14,7 +15,7 @@ FLAGS = ("--drain-delay-ms", str(DRAIN_DELAY_MS), "--max-address-connections", "
 
 
 class Member:
-    """A daemon's place in the cluster; `flags` say where it keeps its meshes."""
+    """A member of the cluster: a daemon and its port; `flags` say where it stores its meshes."""
 
     def __init__(self, *flags):
         self.port, self.flags = free_port(), (*FLAGS, *flags)

@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""Three nodes behind HAProxy with the shipped configuration, on loopback: where requests go, what becomes of them when a node dies, is restarted or
-has too much to do, and what is gained by sending a mesh's requests to one node.
+"""Three nodes behind HAProxy with the shipped configuration, on loopback: where requests go, what
+happens to them when a node dies, restarts or is overloaded, and the gain of sending a mesh's
+requests to one node.
 
     tests/cluster/routing.py [--short] [--seconds N]
 
-Nodes have folders of their own, into which everything is uploaded: what they share is for store.py to test. Wants haproxy.
+Each node has its own folder, into which everything is uploaded; shared.py tests a shared store.
+Needs haproxy.
 """
 import argparse
 import collections
@@ -32,8 +34,8 @@ from figures import conclude, report
 
 NODES = 3
 NAMES = 300
-ERRORS = 3  # after which HAProxy takes a node for dead: error-limit
-BUDGET = "40MiB"  # holds a third of the fields that are asked for, and no more
+ERRORS = 3  # errors after which HAProxy regards a node as dead: error-limit
+BUDGET = "40MiB"  # holds a third of the requested fields
 POST = {"Content-Type": "application/json"}
 
 
@@ -42,13 +44,14 @@ def terrain(cells, seed):
 
 
 class Cluster:
-    """The nodes, the front, the questions, and one node apart that says what answers ought to be."""
+    """The nodes, the front, the queries, and a separate node that gives the expected answers."""
 
     def __init__(self, place, stack, short):
         self.nodes = [stack.enter_context(self.node(place, number)) for number in range(NODES)]
         ports = [node.port for node in self.nodes]
         self.front = stack.enter_context(Front(ports))
-        self.ring = stack.enter_context(Front(ports, [("hash-balance-factor 150", "hash-balance-factor 0")]))  # shows where names belong
+        # shows to which node a name belongs
+        self.ring = stack.enter_context(Front(ports, [("hash-balance-factor 150", "hash-balance-factor 0")]))
         self.questions = Questions({f"m{i}": terrain(20, i) for i in range(6 if short else 24)}, 4)
         with harness.Daemon("--landmarks", "0") as alone:
             self.questions.upload(alone)
@@ -75,7 +78,7 @@ class Cluster:
             connection.close()
 
     def places(self):
-        """Which node each of many names belongs to; that there is no such mesh does not matter."""
+        """Returns the node of each of many names, by requests for meshes that need not exist."""
         return {name: self.ask(f"/v1/meshes/{name}", front=self.ring).headers["X-Served-By"] for name in (f"n{i}" for i in range(NAMES))}
 
     def wait_until(self, count):
@@ -88,7 +91,8 @@ def count(places):
 
 
 def share_and_stay(cluster):
-    """Each mesh has its node, and all nodes have some. Now and then another one helps, when HAProxy has not done with the request before."""
+    """Each mesh has its node, and each node has meshes. Another node helps occasionally, when
+    HAProxy has not finished the preceding request."""
     seen = collections.defaultdict(collections.Counter)
     for path in 3 * cluster.questions.paths:
         answer = cluster.ask(path)
@@ -103,7 +107,8 @@ def share_and_stay(cluster):
 
 
 def lose_a_node(cluster):
-    """Killed while it is asked: then its keys, and no others, are elsewhere; when it is back they are, too."""
+    """Kills a node under load: only its keys move to other nodes, and they return when the node is
+    back."""
     before, victim = cluster.places(), cluster.nodes[1]
     retried = cluster.front.total("haproxy_backend_redispatch_warnings_total")
     with Load(cluster.front.port, cluster.questions) as load:
@@ -120,7 +125,7 @@ def lose_a_node(cluster):
     moved = [name for name in before if before[name] != during[name]]
     strangers = [name for name in moved if before[name] != "node2"]
     return [report("a node is killed under load: wrong answers", "0", load.told(), not load.wrong and load.count > 100),
-            report("a node is killed under load: failed requests", "0: reads are asked again of another",
+            report("a node is killed under load: failed requests", "0: reads are repeated at another node",
                    f"{len(load.failed)}; HAProxy asked another node {retried:.0f} times, {load.clients} requests were under way"
                    + "".join(f"; {item}" for item in load.failed[:3]), not load.failed and retried <= 2 * load.clients + ERRORS),
             report("keys that move when one of three nodes is lost", "<= 1/3 + 5 %", f"{len(moved) / NAMES:.1%}, {len(strangers)} of them another node's",
@@ -129,7 +134,8 @@ def lose_a_node(cluster):
 
 
 def restart_in_turn(cluster):
-    """As an upgrade does: each node ends by SIGTERM, and starts again, while clients ask."""
+    """Restarts nodes as an upgrade does: each ends by SIGTERM and starts again, while clients send
+    queries."""
     with Load(cluster.front.port, cluster.questions) as load:
         time.sleep(0.5)
         for node in cluster.nodes:
@@ -141,7 +147,7 @@ def restart_in_turn(cluster):
 
 
 def find_jobs(cluster):
-    """Jobs are asked for by whoever wants to know, not where their mesh is."""
+    """Requests about a job may arrive at any node."""
     ids = []
     for number in range(30):
         path = f"/v1/meshes/m{number % 6}/distance"
@@ -157,7 +163,8 @@ def find_jobs(cluster):
 
 
 def spill_over(cluster):
-    """One mesh is asked for by many: others help. The questions have not been asked before, so that they take a while."""
+    """When many clients query one mesh, other nodes help. The queries are new, so that they take
+    some time."""
     cells = 60
     for node in cluster.nodes:
         node.daemon.put("hot", terrain(cells, 1)[0])
@@ -182,7 +189,7 @@ def spill_over(cluster):
 
 
 def lose_uploads(cluster):
-    """An upload whose node dies is not made again by HAProxy: its client hears of it."""
+    """HAProxy does not repeat an upload whose node dies: the client gets the failure."""
     outcomes, large = collections.Counter(), terrain(150, 3)[0]
     victim = cluster.nodes[0]
     names = [name for name, node in cluster.places().items() if node == "node1"][:8]
@@ -209,7 +216,7 @@ def lose_uploads(cluster):
                    set(outcomes) <= {200, 201, 502, 503, 504} and kept + elsewhere >= fulfilled and kept + elsewhere <= len(names))]
 
 
-# --- what hashing gains ------------------------------------------------------------------------------------------------------
+# --- what hashing gains -------------------------------------------------------------------------
 
 
 def hits(cluster_nodes):
@@ -218,7 +225,7 @@ def hits(cluster_nodes):
 
 
 def hit_rate(short, replacements):
-    """Of nodes that can hold a part of all fields each."""
+    """Returns the hit rate of nodes that can each hold only a part of all fields."""
     meshes = {f"h{i}": terrain(40, i) for i in range(9)}
     with contextlib.ExitStack() as stack:
         nodes = [Member("--store", "memory", "--landmarks", "0", "--memory-budget", BUDGET, "--max-body", "4MiB") for _ in range(NODES)]
@@ -253,7 +260,7 @@ def gain_by_hashing(short):
 
 
 def wrk(port, targets, place, seconds):
-    """Requests a second."""
+    """Returns the requests a second, by wrk."""
     script = pathlib.Path(place) / "targets.lua"
     lines = ",\n".join(f'wrk.format("GET", "{target}")' for target in targets)
     script.write_text(f"local requests, at\nfunction init() requests = {{{lines}}}; at = 0 end\nfunction request() at = at % #requests + 1; return requests[at] end\n")
@@ -266,7 +273,7 @@ def through_and_direct(cluster, place, seconds):
         print("skip routing: throughput wants wrk")
         return []
     targets = cluster.questions.paths
-    for _ in range(harness.SEARCHES + 1):  # so that every node has all fields
+    for _ in range(harness.SEARCHES + 1):  # builds all fields on every node
         for node in cluster.nodes:
             for target in targets:
                 node.daemon.get(target)
@@ -276,13 +283,14 @@ def through_and_direct(cluster, place, seconds):
 
 
 def know_the_contract():
-    """What HAProxy may ask again must leave nothing behind, by the contract: no POST of a query that creates something."""
+    """Checks that requests that HAProxy may repeat have no lasting effect: no POST of a query
+    creates something."""
     contract = yaml.safe_load((HERE.parent.parent / "proto/openapi.yaml").read_text())
     text = SHIPPED.read_text()
     listed = set(re.search(r"acl leaves_something path_end (.*)", text)[1].split())
     makers = {"/" + path.rpartition("/")[2] for path, operations in contract["paths"].items()
               if path.count("/") > 3 and {"201", "409"} & set(operations.get("post", {}).get("responses", {}))}
-    return [report("queries that leave something behind are not asked again", "all that the contract has", f"{sorted(makers)}", makers == listed)]
+    return [report("queries that leave something behind are not repeated", "all that the contract has", f"{sorted(makers)}", makers == listed)]
 
 
 def main():

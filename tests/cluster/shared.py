@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Three nodes that share a PostgreSQL, behind HAProxy with the shipped configuration, on loopback: what clients of the whole see when nodes, the database
-and the network between them fail and come back. (test_nodes.py shows the nodes themselves, routing.py where requests go.)
+"""Three nodes that share a PostgreSQL server, behind HAProxy with the shipped configuration, on
+loopback: what clients see when nodes, the database or the network between them fail and recover.
+(test_nodes.py tests the nodes themselves, routing.py where requests go.)
 
     tests/cluster/shared.py [--short]
 
-Wants haproxy and postgresql.
+Needs haproxy and postgresql.
 """
 import argparse
 import contextlib
@@ -22,11 +23,11 @@ import harness
 from figures import conclude, report
 
 NODES = 3
-PAUSE = 1.5  # seconds of load before and after what happens
+PAUSE = 1.5  # seconds of load before and after each event
 
 
 class Cluster:
-    """The database, the nodes, of which the last has a relay before it, and the front."""
+    """The database, the nodes, of which the last connects through a relay, and the front."""
 
     def __init__(self, stack, short):
         self.database = stack.enter_context(cluster.Postgres())
@@ -55,7 +56,7 @@ class Cluster:
         return member.daemon.get("/readyz").json["status"]
 
     def wait_for_health(self, members, wanted):
-        """Seconds."""
+        """Waits until the health of the members is as wanted; returns the seconds."""
         begun = time.monotonic()
         while any(self.health(member) != wanted for member in members):
             if time.monotonic() - begun > harness.PATIENCE_SECONDS:
@@ -65,7 +66,7 @@ class Cluster:
 
 
 def spread(shared):
-    """Each mesh is given to one node; every node answers for all of them."""
+    """Each mesh is uploaded to one node; every node answers queries about it."""
     for number, (name, (file, _)) in enumerate(shared.questions.meshes.items()):
         assert shared.members[number % NODES].daemon.put(name, file).status == 201
     answers = [(path, member.daemon.get(path)) for member in shared.members for path in shared.questions.paths]
@@ -102,7 +103,7 @@ def restart_in_turn(shared):
 
 
 def wait_for_refusal(uploads):
-    """One that was under way is tried for some seconds."""
+    """Waits until an upload is refused. An upload in progress is retried for some seconds."""
     until = time.monotonic() + harness.PATIENCE_SECONDS
     while not uploads.refused and time.monotonic() < until:
         time.sleep(0.05)
@@ -110,7 +111,7 @@ def wait_for_refusal(uploads):
 
 
 def stop_the_database(shared):
-    """All that is asked is in memory; so reads go on."""
+    """All queried surfaces are in memory, so queries continue to be answered."""
     with shared.load() as load, shared.upload() as uploads:
         time.sleep(PAUSE)
         shared.database.stop()
@@ -135,7 +136,8 @@ def stop_the_database(shared):
 
 
 def cut_the_network(shared):
-    """Between one node and the database; HAProxy goes on sending requests to it."""
+    """Cuts the network between one node and the database; HAProxy continues to send requests to
+    that node."""
     cut = shared.members[-1]
     with shared.load() as load, shared.upload() as uploads:
         time.sleep(PAUSE)

@@ -1,10 +1,13 @@
 #!/usr/bin/env python3
-"""The configuration files that docker/ ships for many nodes: each by the program that reads it or by its schema, and all by each other.
+"""Checks the configuration files that docker/ ships for many nodes: each by the program that reads
+it or by its schema, and all for consistency.
 
     tests/cluster/shipped.py
 
-Parts whose programs are missing (haproxy, promtool, docker-compose, python3-kubernetes) say so and are skipped.
+Parts whose programs are missing (haproxy, promtool, docker-compose, kubectl, python3-kubernetes,
+npm's packages) are skipped with a message.
 """
+import json
 import os
 import pathlib
 import re
@@ -40,7 +43,7 @@ def by_program(what, program, *arguments, environment=None):
     expect(what, [done.stdout + done.stderr] if done.returncode else [])
 
 
-# --- what reads them ------------------------------------------------------------------------------------------------------
+# --- what reads them ----------------------------------------------------------------------------
 
 
 def look_with_their_programs():
@@ -52,18 +55,72 @@ def look_with_their_programs():
         (pathlib.Path(place) / "haproxy.cfg").write_text(text)
         by_program("HAProxy takes its configuration", "haproxy", "-c", "-f", f"{place}/haproxy.cfg")
         by_program("Prometheus takes its configuration and the alerts", "promtool", "check", "config", f"{place}/prometheus.yaml")
-    by_program("compose.yaml has its schema", "docker-compose", "-f", DOCKER / "compose.yaml", "config", "-q",
-               environment={"POSTGRES_PASSWORD": "x", "GRAFANA_PASSWORD": "x"})
+    for name in ("compose.yaml", "compose.single.yaml"):
+        by_program(f"{name} has its schema", "docker-compose", "-f", DOCKER / name, "config", "-q",
+                   environment={"POSTGRES_PASSWORD": "x", "GRAFANA_PASSWORD": "x"})
+
+
+def look_at_dashboard():
+    """Checks the dashboard by the types of Grafana's version in compose.yaml. Further members of
+    annotations belong to the data source."""
+    modules = PROGRAM.parent / "generators" / "node_modules"
+    if not (modules / "@grafana/schema").is_dir():
+        return print("skip shipped: Grafana's schema: npm's package @grafana/schema is not installed")
+    dashboard = json.loads((DOCKER / "grafana-dashboard.json").read_text())
+    for annotation in dashboard["annotations"]["list"]:
+        for name in ("expr", "titleFormat"):
+            annotation.pop(name, None)
+    with tempfile.TemporaryDirectory() as place:
+        (pathlib.Path(place) / "node_modules").symlink_to(modules)
+        program = pathlib.Path(place) / "dashboard.ts"
+        program.write_text('import type { Dashboard } from "@grafana/schema/dist/esm/raw/dashboard/x/dashboard_types.gen";\n'
+                           f"export const dashboard: Dashboard = {json.dumps(dashboard, indent=1)};\n")
+        by_program("the dashboard has Grafana's schema", "node", modules / "typescript/bin/tsc", "--strict", "--noEmit", "--module", "esnext",
+                   "--moduleResolution", "bundler", "--skipLibCheck", program)
+    sources = {panel["datasource"]["uid"] for panel in dashboard["panels"] if "datasource" in panel}
+    expect("the dashboard takes the data source that is chosen, unedited", sources ^ {"${source}"})
+
+
+def rendered(place, components):
+    """Returns the manifests as kustomize writes them."""
+    copy = pathlib.Path(place) / "docker"
+    shutil.copytree(DOCKER, copy, ignore=lambda folder, names: OWN & set(names))
+    if components:
+        file = copy / "kustomization.yaml"
+        file.write_text(file.read_text().replace("# components: [monitoring]", "components: [monitoring]"))
+    done = subprocess.run(["kubectl", "kustomize", copy], capture_output=True, text=True)
+    expect("kustomize builds the manifests" + (", and monitoring" if components else ""), [done.stderr] if done.returncode or done.stderr else [])
+    return list(yaml.safe_load_all(done.stdout))
+
+
+def look_at_monitoring():
+    if not shutil.which("kubectl"):
+        return print("skip shipped: kustomize: kubectl is not installed")
+    with tempfile.TemporaryDirectory() as plain, tempfile.TemporaryDirectory() as monitored:
+        base, whole = rendered(plain, False), rendered(monitored, True)
+    monitors = {item["kind"]: item["spec"] for item in whole if item not in base}
+    expect("monitoring adds the monitors", monitors.keys() ^ {"ServiceMonitor", "PodMonitor"})
+    wanted = monitors["ServiceMonitor"]["selector"]["matchLabels"].items()
+    services = [item for item in base if item["kind"] == "Service" and wanted <= item["metadata"].get("labels", {}).items()]
+    expect("the ServiceMonitor selects the service of all nodes", [] if [item["metadata"]["name"] for item in services] == ["geodesicd-nodes"] else services)
+    ports = {port["name"] for item in services for port in item["spec"]["ports"]}
+    expect("its port is the service's", {end["port"] for end in monitors["ServiceMonitor"]["endpoints"]} - ports)
+    wanted = monitors["PodMonitor"]["selector"]["matchLabels"].items()
+    templates = [item["spec"]["template"] for item in base if "template" in item.get("spec", {})]
+    pods = [template for template in templates if wanted <= template["metadata"]["labels"].items()]
+    ports = {port["name"] for pod in pods for container in pod["spec"]["containers"] for port in container["ports"]}
+    expect("the PodMonitor's port is HAProxy's", {end["port"] for end in monitors["PodMonitor"]["podMetricsEndpoints"]} - ports)
 
 
 class Models:
-    """The Kubernetes API's schema, as the models of its Python client have it."""
+    """The Kubernetes API's schema, taken from the models of its Python client."""
 
     def __init__(self, client):
         self.client = client
 
     def faults(self, kind, value, where):
-        """What is wrong with a value that is to be of that type, in the client's spelling of types."""
+        """Yields the faults of a value that must have that type, in the client's spelling of
+        types."""
         if found := re.fullmatch(r"list\[(.*)\]", kind):
             return [fault for i, item in enumerate(value) for fault in self.faults(found[1], item, f"{where}[{i}]")]
         if found := re.fullmatch(r"dict\(str, (.*)\)", kind):
@@ -75,12 +132,12 @@ class Models:
 
     def faults_of_model(self, model, value, where):
         if not isinstance(value, dict):
-            return [f"{where} is no object: {value!r}"]
+            return [f"{where} is not an object: {value!r}"]
         attribute = {json_name: name for name, json_name in model.attribute_map.items()}
         faults = [f"{where}.{name} is unknown" for name in value if name not in attribute]
         known = {attribute[name]: item for name, item in value.items() if name in attribute}
         try:
-            model(**known)  # says what is missing
+            model(**known)  # raises an error that says what is missing
         except ValueError as missing:
             faults.append(f"{where}: {missing}")
         return faults + [fault for name, item in known.items() for fault in self.faults(model.openapi_types[name], item, f"{where}.{model.attribute_map[name]}")]
@@ -97,7 +154,7 @@ def look_at_schema(manifests):
                                                  models.faults(versions[item["apiVersion"]] + item["kind"], item, f"{item['kind']} {item['metadata']['name']}")])
 
 
-# --- what they say of each other ------------------------------------------------------------------------------------------
+# --- what they say of each other ----------------------------------------------------------------
 
 
 def milliseconds(text):
@@ -126,6 +183,12 @@ def look_at_compose(nodes, noticed_ms):
     expect("Prometheus asks all nodes and HAProxy", targets ^ ({f"{name}:8080" for name in nodes} | {"haproxy:8405"}))
     dashboards = read_all("grafana/dashboards.yaml")[0]["providers"][0]["options"]["path"]
     expect("Grafana finds the dashboard", [] if any(f"{dashboards}/" in text for text in services["grafana"]["volumes"]) else [dashboards])
+
+
+def look_at_single():
+    [service] = read_all("compose.single.yaml")[0]["services"].values()
+    expect("one daemon: settings are the daemon's", unknown_settings(service["environment"]))
+    expect("one daemon: its port is this machine's only", [port for port in service["ports"] if not port.startswith("127.0.0.1:")])
 
 
 def look_at_kubernetes(manifests, nodes, noticed_ms):
@@ -157,6 +220,9 @@ def look_at_kubernetes(manifests, nodes, noticed_ms):
 
 def main():
     look_with_their_programs()
+    look_at_dashboard()
+    look_at_monitoring()
+    look_at_single()
     text = (DOCKER / "haproxy.cfg").read_text()
     nodes = set(re.findall(r"^ *server (\S+) \1:8080 id", text, re.M))
     inter, fall = re.search(r"check inter (\S+) fall (\d+)", text).groups()

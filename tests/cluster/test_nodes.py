@@ -1,4 +1,5 @@
-"""Daemons that share a database: uploads to any, queries everywhere, changes that reach all, and a database that comes and goes."""
+"""Daemons that share a database: uploads to any node, queries on every node, changes that reach all
+nodes, and a database that fails and recovers."""
 import concurrent.futures
 import hashlib
 import json
@@ -12,7 +13,7 @@ import unittest
 
 import cluster
 from cluster import BOUND_SECONDS, Node, Postgres, Relay
-from harness import PATIENCE_SECONDS, PROGRAM, SQUARE, TETRAHEDRON, Daemon, sample
+from harness import PATIENCE_SECONDS, PROGRAM, SQUARE, TETRAHEDRON, Daemon, sample, wait_until
 from test_access import keygen
 
 LONG = os.environ.get("CLUSTER") == "long"
@@ -26,7 +27,7 @@ def setUpModule():
 
 
 class Shared(unittest.TestCase):
-    """Tests that share a database, which is empty at the beginning of each."""
+    """Tests that share a database, which each test empties at its start."""
 
     @classmethod
     def setUpClass(cls):
@@ -78,7 +79,7 @@ class Nodes(Shared):
             answer = reader.get(ASK.format(f"mesh-{i}", 2))
             self.assertEqual(answer.status, 200, answer)
         self.assertEqual(two.get("/v1/meshes?limit=1000").json, one.get("/v1/meshes?limit=1000").json)
-        self.assertEqual(self.rows("objects"), 1)  # the same bytes
+        self.assertEqual(self.rows("objects"), 1)  # both meshes share one object
 
     def test_replacing_and_deleting_reach_the_others_within_the_bound(self):
         one, two, three = self.start(), self.start(), self.start()
@@ -112,7 +113,7 @@ class Nodes(Shared):
         self.assertEqual(answer.status, 201, answer)
         made = two.request("POST", "/v1/subdivisions/cube/tessellate", json.dumps({"level": 2, "mesh": "fine"}), {"Content-Type": "application/json"})
         self.assertEqual(made.status, 201, made)
-        place = one.get("/v1/meshes/fine/places")  # needs the attachment, which the other node made
+        place = one.get("/v1/meshes/fine/places")  # uses the attachment that the other node made
         self.assertEqual(place.status, 200, place)
         self.assertEqual(place.body, two.get("/v1/meshes/fine/places").body)
 
@@ -149,7 +150,7 @@ class Nodes(Shared):
         self.assertEqual((answer.status, answer.json["code"]), (500, "internal"))
         self.assertIn("SHA-256", answer.json["detail"])
         two.wait_for("scrub_rounds_total")
-        self.assertTrue([line for line in two.log if line["event"] == "scrub_fault"])
+        wait_until(lambda: [line for line in two.log if line["event"] == "scrub_fault"])
         check = subprocess.run([PROGRAM, "--store", self.database.url, "--check-store"], capture_output=True, text=True)
         self.assertEqual(check.returncode, 1, check)
         self.assertEqual(two.put("mesh", body).status, 200)
@@ -166,8 +167,9 @@ class Nodes(Shared):
 
 
 class Acknowledged:
-    """Clients that upload and delete meshes of their own, one after the other, and remember what they were told. A change that was answered with
-    503 may have happened, or not: it is repeated, as the answer says."""
+    """Clients that upload and delete their own meshes, one after the other, and record the
+    acknowledged states. A change that was answered with 503 may have happened or not; it is
+    repeated, as the answer says."""
 
     def __init__(self, nodes, clients=4):
         self.nodes, self.over = nodes, threading.Event()
@@ -187,7 +189,7 @@ class Acknowledged:
                 if not answer.headers["Retry-After"]:
                     self.faults.append("503 without Retry-After")
                 time.sleep(0.02)
-                self.known.pop(name, None)  # not known until it is repeated
+                self.known.pop(name, None)  # unknown until the change is repeated
                 continue
             before, was_unsure = self.known.get(name), name not in self.known
             expected = ({204, 404} if was_unsure else {204 if before else 404}) if deletes else ({200, 201} if was_unsure else {200 if before else 201})
@@ -206,7 +208,8 @@ class Acknowledged:
         return [(name, answer) for name, answer in answers.items() if (answer.json["sha256"] if answer.status == 200 else None) != self.known[name]]
 
     def check(self, test, nodes):
-        """What was acknowledged is there, on every node, once the promised time is over, and nothing else."""
+        """Checks that every node has exactly the acknowledged state once the promised time has
+        passed."""
         test.assertEqual(self.faults, [])
         until = time.monotonic() + BOUND_SECONDS
         for node in nodes:
@@ -300,7 +303,7 @@ class Interruptions(Shared):
         far.wait_until(lambda node: node.health() == "degraded", 10)
         self.assertEqual(near.put("changes", TETRAHEDRON).status, 200)
         self.assertEqual(near.request("DELETE", "/v1/meshes/goes").status, 204)
-        # as if a hundred thousand other changes had been made since
+        # as after a hundred thousand other changes
         self.database.query("DELETE FROM geodesicd.surfaces WHERE record IS NULL")
         self.database.query("UPDATE geodesicd.clock SET version = version + 200000, forgotten = version + 100000")
         relay.mend()

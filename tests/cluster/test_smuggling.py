@@ -1,6 +1,8 @@
-"""Ambiguous requests through the shipped HAProxy configuration: the proxy and the daemon see the same sequence of requests.
+"""Ambiguous requests through the shipped HAProxy configuration: the proxy and the daemon see the
+same sequence of requests.
 
-If the daemon saw one request more or less than the proxy, a client would get another client's answer. Skips without haproxy."""
+If the daemon saw one request more or less than the proxy, a client would get another client's
+answer. Skipped without haproxy."""
 import contextlib
 import pathlib
 import re
@@ -19,25 +21,27 @@ from harness import PATIENCE_SECONDS, Daemon, wait_until  # noqa: E402
 from test_hostile import ATTACKS, GET, HIDDEN, LENIENT, PUT  # noqa: E402
 
 GOOD = b"GET /livez HTTP/1.1\r\nHost: localhost\r\n\r\n"
-# What is observed of each request: its line, the server that it was sent to, and the id in the node's answer. Nothing else changes.
+# Changes of HAProxy's configuration that log each request: its line, its server, and the id in the
+# node's answer.
 OBSERVED = (("option httplog", 'log-format "request %HM %HU %s %ST %[var(txn.id)]"'),
             ("http-response set-header X-Served-By %s", "http-response set-header X-Served-By %s\n    http-response set-var(txn.id) res.hdr(x-request-id)"))
 
 
 def path_of(uri):
-    """Of a URI as the proxy's log has it: bytes that can't be printed are written as #XX."""
+    """Returns the path of a URI in the proxy's log, which writes unprintable bytes as #XX."""
     plain = re.sub("#([0-9A-F]{2})", lambda found: chr(int(found[1], 16)), uri)
     return urllib.parse.unquote(plain.partition("?")[0])
 
 
 class Observed:
-    """A daemon behind HAProxy, and what both saw. `port`: where HAProxy sends requests; None: to the daemon."""
+    """A daemon behind HAProxy, and the requests that each has seen. `port`: where HAProxy sends
+    requests; None: to the daemon."""
 
     def __init__(self, daemon, port=None):
         self.daemon, self.front = daemon, Front([port or daemon.port], OBSERVED)
 
     def ask(self, text):
-        """All that comes back until the proxy closes."""
+        """Sends text; returns all bytes until the proxy closes the connection."""
         received = b""
         with socket.create_connection(("127.0.0.1", self.front.port), timeout=PATIENCE_SECONDS) as connection:
             try:
@@ -50,20 +54,22 @@ class Observed:
         return received
 
     def forwarded(self):
-        """(method, path, id or None) of each request that the proxy passed on; without an id the node's answer was not by the daemon's own hand."""
+        """Yields (method, path, id or None) of each request that the proxy forwarded; without an
+        id, the library instead of the daemon wrote the answer."""
         found = re.findall(rb"^.*?request (\S+) (\S+) (\S+) (-?\d+) (\S+)$", pathlib.Path(self.front.log.name).read_bytes(), re.M)
         return [(method.decode(), path_of(uri.decode("latin-1")), None if token == b"-" else token.decode())
                 for method, uri, server, _, token in found if server == b"node1"]
 
     def read(self):
-        """(method, path, id) of each request that the daemon read, but for the proxy's checks."""
+        """Yields (method, path, id) of each request that the daemon read, without the proxy's
+        health checks."""
         return [(line["method"], line["path"], line["request_id"]) for line in list(self.daemon.log) if line["event"] == "request" and line["path"] != "/readyz"]
 
     def difference(self):
-        """The first request on which both disagree; None: there is none.
+        """Returns the first request on which both disagree, or None.
 
-        The daemon reads what was forwarded, in that order, but for requests that the library refuses. An answer may be lost where
-        the daemon closes before the proxy has sent all of the body."""
+        The daemon reads the forwarded requests in order, except those that the library refuses. An
+        answer may be lost if the daemon closes before the proxy has sent the whole body."""
         forwarded, read = self.forwarded(), self.read()
         known = {token for _, _, token in forwarded if token}
         for method, path, token in forwarded:
@@ -77,7 +83,8 @@ class Observed:
         return f"read but not forwarded: {read[0]}" if read else None
 
     def settle(self):
-        """Until both logs agree, or do not for a few seconds: they are written a little after the answers."""
+        """Waits until both logs agree, or for a few seconds: logs are written slightly after the
+        answers."""
         with contextlib.suppress(TimeoutError):
             wait_until(lambda: self.difference() is None, 5)
 
@@ -101,17 +108,19 @@ class Smuggling(unittest.TestCase):
         self.assertGreaterEqual(len(set(cases)), 250)
         for number, text in enumerate(cases):
             observed.ask(text)
-            if number % 8 == 7:  # a stranger, over the connections that the cases used
+            if number % 8 == 7:  # another client, over the connections that the cases used
                 answer = observed.ask(GET + b"X-Request-Id: stranger-%d\r\nConnection: close\r\n\r\n" % number)
                 self.assertEqual(re.findall(rb"(?i)x-request-id: (\S+)", answer), [b"stranger-%d" % number], text)
         observed.settle()
         self.assertIsNone(observed.difference())
         forwarded, read = observed.forwarded(), observed.read()
-        self.assertGreaterEqual(len(read), len(cases) // 2)  # those before the attacks
+        # at least the requests before the attacks
+        self.assertGreaterEqual(len(read), len(cases) // 2)
         print(f"      behind haproxy: {len(cases)} cases, {len(forwarded)} requests passed on, {len(read)} read by the daemon, 0 by one side only")
 
     def test_a_lax_reader_is_noticed(self):
-        """The same comparison with a reader that overlooks lengths: it sees a request in a body."""
+        """Repeats the comparison with a reader that ignores lengths: it sees a request inside a
+        body."""
 
         class Lax(Relay):
             def _pump(self, source, sink):

@@ -1,4 +1,4 @@
-"""Batches over several daemons, which come and go, as the database does."""
+"""Batches over several daemons, while daemons and the database fail and recover."""
 import time
 
 from harness import sample
@@ -15,12 +15,14 @@ class Spread(Shared):
         self.assertEqual(begun.status, 201, begun)
         nodes[0].wait_until(lambda node: node.get(f"/v1/batches/{begun.json['id']}").json["done"] > count // 10)
         nodes[2].kill()
-        followed, _ = follow(nodes[0], begun.json["id"], limit=50)  # while two daemons write answers: none is skipped
+        # no answer is skipped while two daemons write answers
+        followed, _ = follow(nodes[0], begun.json["id"], limit=50)
         self.assertEqual(sorted(one["item"] for one in followed), list(range(count)))
         told = wait(nodes[0], begun.json["id"], 90)
         self.assertEqual((told["state"], told["done"], told["failed"]), ("done", count, 0))
         found = results(nodes[1], told["id"])
-        self.assertEqual([one["item"] for one in found], list(range(count)))  # every one, once, in order
+        # every item, once, in order
+        self.assertEqual([one["item"] for one in found], list(range(count)))
         shares = [node.metric("batch_items_answered_total") for node in nodes[:2]]
         print(f"# {count} items over three daemons, one killed: every answer once; the two others gave {shares}")
         self.assertGreater(min(shares), 0)

@@ -1,4 +1,5 @@
-"""The suites of stores and queues that tests/unit runs over the local implementations, over PostgreSQL, too."""
+"""Runs the suites of stores and queues over PostgreSQL, which tests/unit runs over the local
+implementations."""
 import os
 import re
 import subprocess

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Builds the container's image and runs it: by buildah with chroot isolation, on a base made by mmdebstrap, so that no registry is
-asked. Skips where it can't: without those programs, or not as root.
+"""Builds the container's image and runs it, by buildah with chroot isolation, on a base made by
+mmdebstrap, so that no registry is used. Skipped without those programs, or if not root.
 
     tests/container/run.py [--place DIR] [--jobs N]
 
-What takes long (base and image layers) stays in DIR, build/container, for the next run.
+Base and image layers, which take long, stay in DIR (build/container) for the next run.
 """
 import argparse
 import json
@@ -25,20 +25,21 @@ import urllib.request
 
 HERE = pathlib.Path(__file__).resolve().parent
 SOURCE = HERE.parent.parent
-LABELS = {"VERSION": "version", "REVISION": "revision", "CREATED": "created", "SOURCE": "source"}  # build arguments, and what they are called in the image
+# build arguments, and their names in the image
+LABELS = {"VERSION": "version", "REVISION": "revision", "CREATED": "created", "SOURCE": "source"}
 TOLD = {"VERSION": "1.2.3", "REVISION": "0123abcd", "CREATED": "2026-01-02T03:04:05Z", "SOURCE": "https://geodesicd.example/source"}
 PARTS = "usr/share/doc/geodesicd/sbom.spdx.json"
 BASE, IMAGE = "localhost/geodesicd-base", "localhost/geodesicd-test"
 HOST_TRUST = pathlib.Path("/etc/ssl/certs/ca-certificates.crt")
 PATIENCE_SECONDS = 60
 USER = 10001
-VIEWER = os.environ.get("VIEWER")  # no: without the pages, which npm makes
+VIEWER = os.environ.get("VIEWER")  # VIEWER=no builds without the pages, which need npm
 DATA = "/var/lib/geodesicd"
 SQUARE = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n"
 
 
 class Store:
-    """buildah, with its images in a folder of the test's own."""
+    """buildah, with its images in the test's own folder."""
 
     def __init__(self, place):
         self.place = place
@@ -56,7 +57,8 @@ class Store:
         return subprocess.run([*self.prefix, "inspect", "--type", "image", image], env=self.environment, capture_output=True).returncode == 0
 
     def make_base(self):
-        """A minimal Debian 12, from wherever this machine takes its packages, which trusts whom this machine trusts (npm asks by TLS)."""
+        """Makes a minimal Debian 12 from this machine's package sources, with this machine's
+        trusted certificates (npm uses TLS)."""
         if self.has(BASE):
             return
         archive = self.place / "base.tar"
@@ -110,7 +112,7 @@ class Life:
             return refusal.code, refusal.read()
 
     def daemon(self):
-        """The daemon's process, by the port that it listens on: /proc tells what it is."""
+        """Returns the daemon's process, found by its port in /proc."""
         for folder in pathlib.Path("/proc").glob("[0-9]*"):
             try:
                 if os.getsid(int(folder.name)) == self.process.pid and (folder / "comm").read_text() == "geodesicd\n":
@@ -137,7 +139,7 @@ def status_of(daemon):
 
 
 class Trial:
-    """What is expected of the image, one line each."""
+    """Checks the image; prints one line for each expectation."""
 
     def __init__(self, store, volume):
         self.store, self.volume, self.failed = store, volume, 0
@@ -161,7 +163,8 @@ class Trial:
         self.expect("its labels say what it is", labels.get("title") == "geodesicd" and labels.get("licenses") == "MIT", labels)
 
     def look_at_the_parts(self, root, place):
-        """Against dpkg's own list, and the rules of SPDX 2.3 for identifiers and relations."""
+        """Compares the list of parts with dpkg's, and checks the rules of SPDX 2.3 for identifiers
+        and relations."""
         text = (root / PARTS).read_text()
         (place / "sbom.spdx.json").write_text(text)
         parts = json.loads(text)
@@ -181,7 +184,7 @@ class Trial:
         print(f"# container: {size / 1e6:.0f} MB in {len(names)} parts, {own / 1e6:.1f} MB of them the daemon", flush=True)
 
     def first_life(self, container):
-        """As buildah runs it."""
+        """Runs the container with buildah's defaults."""
         port = free_port()
         options = [part for text in self.settings(port) for part in ("-e", text)]
         run = ["run", "--user", USER, "-v", f"{self.volume}:{DATA}", *options, container, "--"]
@@ -191,7 +194,8 @@ class Trial:
         self.expect("without the key nothing is answered", life.ask("/v1/meshes")[0] == 401)
         self.expect("a mesh is stored", life.ask("/v1/meshes/square", life.key, "PUT", SQUARE)[0] == 201)
         self.expect("the sandbox is on", any(line["event"] == "sandbox" and line["level"] == "info" for line in life.log), life.log)
-        self.store(*run, "/bin/bash", "/usr/lib/geodesicd/healthcheck.sh")  # fails unless it is healthy
+        # fails unless the daemon is healthy
+        self.store(*run, "/bin/bash", "/usr/lib/geodesicd/healthcheck.sh")
         self.expect("the health check finds it well", True)
         self.expect("it runs as the image's user", status_of(life.daemon())["Uid"].split() == [str(USER)] * 4)
         self.expect("it ends when it is told to", life.stop() == 0)
@@ -203,7 +207,7 @@ class Trial:
         return life.key
 
     def second_life(self, container, key):
-        """On a root that is read-only, without any capability, with the volume of the first."""
+        """Runs on a read-only root, without capabilities, with the volume of the first life."""
         port, root = free_port(), self.store("mount", container)
         enter = ["chroot", root, "setpriv", f"--reuid={USER}", f"--regid={USER}", "--clear-groups", "--bounding-set=-all",
                  "--inh-caps=-all", "env", "-i", *self.settings(port), *self.image["Entrypoint"]]

@@ -1,9 +1,12 @@
 #!/usr/bin/env python3
-"""Memory that fails in the daemon (alloc_preload.c): during one request of each route, each allocation of the daemon, its libraries and libc is
-refused once by each way that leads to it, alone and with all behind it. The answer is a problem (507, 503), the right one, or a closed connection;
-the daemon lives on, answers the same request rightly, and holds nothing more than before.
+"""Makes allocations fail in the daemon (alloc_preload.c). During one request of each route, each
+allocation of the daemon, its libraries and libc is refused once for each call path that leads to
+it, alone and together with all later ones. The answer must be a problem (507, 503), the correct
+answer, or a closed connection. Afterwards the daemon still runs, answers the same request
+correctly, and holds no more memory than before.
 
-    tests/fault/alloc.py [--short] [--only WORD]     --short: ways that one request has shown are not failed again in others
+    tests/fault/alloc.py [--short] [--only WORD]     --short: call paths that have failed
+    in one request do not fail again in others
 """
 import argparse
 import contextlib
@@ -25,27 +28,32 @@ from harness import TETRAHEDRON
 FINE, FRESH, LASTING = 0, 1, 2
 REFUSED = {503: ("overloaded", "draining", "store_unavailable"), 507: ("insufficient_memory", "insufficient_storage")}
 PATIENCE_SECONDS = 20
-MOST_TRIALS = 3000  # of a request: more would mean that ways never end
-# differ between two answers to one question
+MOST_TRIALS = 3000  # trials of a request: more would mean that call paths never end
+# members that differ between two answers to the same request
 VOLATILE = re.compile(rb'"(?:elapsed_ms|age_s|uptime_s|requested_at|created|created_at|started_at|finished_at|expires_at|id|job|trace_id|build_ms)":'
                       rb'\s*(?:"[^"]*"|[-+.0-9eE]+)')
+# etags of a derived mesh and of its source, which differ in each trial
+ETAG = re.compile(rb'"etag":"[^"]*"')
 QUERIES = {"/v1/meshes/{name}/distance": "?from=v:0&to=e:1-2:0.5", "/v1/meshes/{name}/path": "?from=v:0&to=e:1-2:0.5",
-           "/v1/meshes/{name}/nearest": "?point=p:0.2,0.1,-0.5", "/v1/meshes/{name}/fields/{id}/isolines": "?levels=0.25,0.5&arcs=true",
+           **{f"/v1/{kind}/{{name}}/nearest": "?point=p:0.2,0.1,-0.5" for kind in ("meshes", "nurbs", "subdivisions")},
+           "/v1/meshes/{name}/fields/{id}/isolines": "?levels=0.25,0.5&arcs=true",
            "/v1/meshes/{name}/fields/{id}/wedges": "?edge=0-1",
            **{f"/v1/meshes/{{name}}/picture.{form}": "?source=v:0&from=v:0&to=v:2&isolines=2&size=64x48" for form in ("png", "svg")}}
-COARSE = ("/v1/subdivisions/{name}/distance", "/v1/subdivisions/{name}/path")  # on a mesh that is soon made
+# requests that use a mesh of a low level, which is built quickly
+COARSE = ("/v1/subdivisions/{name}/distance", "/v1/subdivisions/{name}/path")
 JOBS = (("put", "/v1/meshes/{name}"), ("post", "/v1/meshes/{name}/fields"), ("post", "/v1/meshes/{name}/cut"), ("post", "/v1/meshes/{name}/voronoi"))
-UNSTABLE = ("/metrics", "/v1", "/v1/jobs", "/v1/jobs/{job}", "/v1/jobs/{job}/events", "/v1/batches", "/v1/batches/{batch}")  # answers that tell of the daemon's state
+# requests whose answers depend on the daemon's state
+UNSTABLE = ("/metrics", "/v1", "/v1/jobs", "/v1/jobs/{job}", "/v1/jobs/{job}/events", "/v1/batches", "/v1/batches/{batch}")
 
 
 class Stacks(ctypes.Structure):
-    """struct stacks of stacks.h."""
+    """Mirrors struct stacks of stacks.h."""
 
     _fields_ = [("count", ctypes.c_uint32), ("padding", ctypes.c_uint32), ("keys", ctypes.c_uint64 * (1 << 16))]
 
 
 class Control(ctypes.Structure):
-    """struct control of alloc_preload.c."""
+    """Mirrors struct control of alloc_preload.c."""
 
     _fields_ = [("order", ctypes.c_uint32), ("failures", ctypes.c_uint32), ("blocks", ctypes.c_int64), ("stacks", Stacks), ("sites", Stacks)]
 
@@ -59,7 +67,7 @@ def open_control(path):
         return Control.from_buffer(mmap.mmap(file.fileno(), 0))
 
 
-# --- requests ------------------------------------------------------------------------------------------------------------
+# --- requests -----------------------------------------------------------------------------------
 
 
 def resolved(document, item):
@@ -72,7 +80,7 @@ def resolved(document, item):
 
 
 def example(document, operation):
-    """Content type and body that the contract shows for an operation."""
+    """Returns content type and body of the contract's example for an operation."""
     if "requestBody" not in operation:
         return None, None
     content = resolved(document, operation["requestBody"])["content"]
@@ -82,7 +90,7 @@ def example(document, operation):
 
 
 class Request:
-    """What the contract shows for one operation."""
+    """The contract's example request for one operation."""
 
     def __init__(self, document, method, path, operation, is_async=False):
         self.method, self.path, self.is_async = method.upper(), path, is_async
@@ -95,9 +103,9 @@ class Request:
 
     @property
     def is_change(self):
-        """Does a second one find another state?"""
+        """Returns whether the request changes the state that a second one finds."""
         return self.method in ("PUT", "DELETE") or self.path in ("/v1/meshes", "/v1/nurbs", "/v1/subdivisions", "/v1/batches") and self.method == "POST" or (
-            self.path.rpartition("/")[2] in ("cut", "tessellate", "discretize", "fields"))
+            self.path.rpartition("/")[2] in ("cut", "tessellate", "discretize", "derive", "fields"))
 
     @property
     def headers(self):
@@ -105,17 +113,18 @@ class Request:
 
 
 def all_requests(document):
-    """One an operation; and some as jobs: of an upload, a change and a query."""
+    """Returns one request for each operation; an upload, a change and a query also as jobs."""
     operations = [(method, path, operation) for path, item in document["paths"].items() for method, operation in item.items()
                   if method in ("get", "put", "post", "delete")]
     return [Request(document, *each) for each in operations] + [Request(document, *each, is_async=True) for each in operations if each[:2] in JOBS]
 
 
-# --- the daemon ----------------------------------------------------------------------------------------------------------
+# --- the daemon ---------------------------------------------------------------------------------
 
 
 class Scene:
-    """A daemon, and what requests ask about: made anew before each trial, so that nothing is answered from what is kept."""
+    """A daemon and the surfaces of the requests. They are made anew before each trial, so that no
+    answer comes from a cache."""
 
     def __init__(self, place, library):
         control = place / "control"
@@ -137,7 +146,7 @@ class Scene:
             self.must("DELETE", f"/v1/jobs/{job['id']}")
         for batch in self.must("GET", "/v1/batches").json["batches"]:
             while self.must("DELETE", f"/v1/batches/{batch['id']}", statuses=(204, 404)).status == 204:
-                pass  # cancelled, then gone
+                pass  # the first DELETE cancels a job, the second removes it
         for kind in ("meshes", "nurbs", "subdivisions"):
             for item in self.must("GET", f"/v1/{kind}").json[kind]:
                 self.must("DELETE", f"/v1/{kind}/{item['name']}")
@@ -146,7 +155,7 @@ class Scene:
         self.must("PUT", f"/v1/{kind}/{name}", self.bodies["PUT", f"/v1/{kind}/{{name}}"], {"Content-Type": "application/json"})
 
     def prepare(self, request):
-        """The request's path, once what it needs is there and what it makes is not."""
+        """Creates what the request needs and removes what it creates; returns its path."""
         self.number += 1
         self.clear()
         path, target, names = request.path, request.path, {"meshes": "tetrahedron", "nurbs": "sheet", "subdivisions": "cube"}
@@ -162,6 +171,10 @@ class Scene:
         if path.endswith("/places"):
             self.put_surface("subdivisions", "cube")
             self.must("POST", "/v1/subdivisions/cube/discretize", b'{"mesh": "m", "level": 1}', {"Content-Type": "application/json"})
+            names["meshes"] = "m"
+        if path.endswith("/origins"):
+            self.must("POST", "/v1/meshes/tetrahedron/derive", b'{"mesh": "m", "operations": [{"operation": "components"}]}',
+                      {"Content-Type": "application/json"})
             names["meshes"] = "m"
         if "{id}" in path:
             made = self.must("POST", "/v1/meshes/tetrahedron/fields", b'{"set": {"points": [{"vertex": 0}]}}',
@@ -190,7 +203,7 @@ class Scene:
         return job
 
     def ask(self, request, path):
-        """The answer; None: the connection was closed without one."""
+        """Returns the answer; None: the connection was closed without one."""
         try:
             return self.daemon.request(request.method, path, request.body, request.headers)
         except GONE as reason:
@@ -199,7 +212,7 @@ class Scene:
             return None
 
     def job_ends(self, location):
-        """Does the job end, whichever way, while memory fails?"""
+        """Returns whether the job ends in any state while memory fails."""
         until = time.monotonic() + PATIENCE_SECONDS
         while time.monotonic() < until:
             with contextlib.suppress(*GONE):
@@ -210,7 +223,7 @@ class Scene:
         return False
 
     def settled_blocks(self):
-        """Once the library has let go of connections that ended."""
+        """Returns the number of held blocks, after the library has released ended connections."""
         time.sleep(0.005)
         return self.control.blocks
 
@@ -223,7 +236,7 @@ class Scene:
             return False
 
 
-# --- trials --------------------------------------------------------------------------------------------------------------
+# --- trials -------------------------------------------------------------------------------------
 
 
 class Tally:
@@ -235,11 +248,13 @@ class Tally:
 def essence(request, answer):
     if request.path in UNSTABLE or request.is_async:
         return answer.status
-    return answer.status, VOLATILE.sub(b"", answer.body)
+    body = VOLATILE.sub(b"", answer.body)
+    return answer.status, ETAG.sub(b"", body) if request.path.endswith("/derive") else body
 
 
 def is_refusal(answer):
-    """A problem that says why, and no other than those of the daemon's means."""
+    """Returns whether the answer is a problem with a sentence, of the kinds for lacking
+    resources."""
     if answer.status not in REFUSED:
         return False
     document = answer.json
@@ -247,7 +262,7 @@ def is_refusal(answer):
 
 
 def lines_fit(got, right):
-    """Of a stream of answers each may be refused."""
+    """Compares a stream of answers, each of which may be refused."""
     got, right = got.body.splitlines(), right.body.splitlines()
     return len(got) == len(right) and all(a == b or json.loads(a).get("status") in REFUSED for a, b in zip(got, right))
 
@@ -264,7 +279,7 @@ def judge(request, answer, right, tally):
 
 
 def try_once(scene, request, order, tally):
-    """One trial; did anything fail?"""
+    """Runs one trial; returns whether an allocation failed."""
     path = scene.prepare(request)
     scene.control.failures = 0
     scene.control.order = order
@@ -276,7 +291,8 @@ def try_once(scene, request, order, tally):
     if not scene.is_alive:
         return failed
     right = scene.ask(request, scene.prepare(request) if request.is_change else path)
-    if right is not None and is_refusal(right):  # a field that could not be built is not tried again for a second
+    # the daemon does not retry a failed field build for a second
+    if right is not None and is_refusal(right):
         right = scene.ask(request, scene.prepare(request))
     tally.trials += failed
     if right is None or right.status >= 400:
@@ -287,7 +303,8 @@ def try_once(scene, request, order, tally):
 
 
 def sweep(scene, request, tally):
-    """Trials until nothing fails any more, alone and with all that follows."""
+    """Runs trials until no allocation fails any more: with single failures, and with lasting
+    ones."""
     for order in (FRESH, LASTING):
         known = bytes(scene.control.stacks)
         for _ in range(MOST_TRIALS):
@@ -298,7 +315,7 @@ def sweep(scene, request, tally):
 
 
 def held(scene, request):
-    """Blocks that are held once the request has been answered as usual some times."""
+    """Returns the number of blocks that are held after the request was answered several times."""
     for _ in range(3):
         scene.ask(request, scene.prepare(request))
     scene.clear()
@@ -306,7 +323,8 @@ def held(scene, request):
 
 
 def try_request(scene, request, tally):
-    """Sweeps once, and again as long as more blocks are held each time: what is kept for later uses grows once, leaks each time."""
+    """Sweeps once, and repeats while each sweep leaves more blocks: a cache grows once, a leak
+    every time."""
     known, before = bytes(scene.control.stacks), held(scene, request)
     for _ in range(3):
         ctypes.memmove(ctypes.byref(scene.control.stacks), known, len(known))
@@ -349,7 +367,8 @@ def main():
     arguments.add_argument("--only", default="")
     options = arguments.parse_args()
     tally = Tally()
-    memory = "/dev/shm" if os.path.isdir("/dev/shm") else None  # nothing here is about the disk
+    # in memory, because the disk is not under test
+    memory = "/dev/shm" if os.path.isdir("/dev/shm") else None
     with tempfile.TemporaryDirectory(dir=memory) as text:
         place = pathlib.Path(text).resolve()
         sites = run(place, build_shim("alloc_preload", place), options.only, options.short, tally)

@@ -1,13 +1,13 @@
-/* Fails the allocations of the engine, one after the other, in each of its operations
- * (operations.h): a call either says that there is no memory and leaves its output alone, or gives
- * the right answer to the last bit; it holds nothing afterwards that it did not hold before, and
- * works again.
+/* Makes the engine's allocations fail, one after the other, in each of its operations
+ * (operations.h). A call must either report missing memory and leave its output unchanged, or give
+ * the correct answer to the last bit. Afterwards it holds no more memory than before, and works
+ * again.
  *
  *     gd_alloc [--short] [--list] [WORD]     operations whose name has that word in it
  *                                            --list: prints the addresses of failed calls
  *
- * Each way of calling (stack of return addresses) is failed once, alone, and once with all calls
- * behind it; the long form fails each call by its number, too. A child process does an operation's
+ * Each call path (stack of return addresses) fails once alone, and once together with all later
+ * calls. Without --short, each call also fails by its number. A child process runs an operation's
  * trials, so that a crash is counted. */
 #include <signal.h>
 #include <stdio.h>
@@ -23,7 +23,7 @@
 
 enum { OUT_MOST = 1 << 16, PATIENCE_SECONDS = 120, SHOWN = 10 };
 
-/* In memory that the children share. */
+/* Counters in memory that the child processes share. */
 static struct tally {
     struct allocator_book book;
     unsigned long trials, refused, leaks, wrong, crashes;
@@ -35,7 +35,7 @@ static bool is_short;
 static const struct operations *const suites[] = {
     &file_operations,  &mesh_operations,    &field_operations,      &query_operations,
     &curve_operations, &line_operations,    &parametric_operations, &limit_operations,
-    &json_operations,  &picture_operations,
+    &json_operations,  &picture_operations, &edit_operations,
 };
 
 /* --- one trial -------------------------------------------------------------------------------- */
@@ -64,7 +64,7 @@ static bool is_untouched(size_t size)
     return true;
 }
 
-/* What comes of a call: the status and, of an answer, its digest. */
+/* The result of a call: the status and the digest of the answer. */
 struct result {
     enum gd_status status;
     uint64_t digest;
@@ -105,7 +105,7 @@ static void settle(const struct operation *operation)
     gd_spare_memory(0);
 }
 
-/* Runs it with the order; did a call fail? */
+/* Runs the operation with the order; returns whether a call failed. */
 static bool try_one(const struct operation *operation, struct result expected,
                     struct allocator_order order)
 {
@@ -131,7 +131,7 @@ static bool try_one(const struct operation *operation, struct result expected,
 
 /* --- all of one operation --------------------------------------------------------------------- */
 
-/* Trials by an order until no call fails any more. */
+/* Repeats trials of one kind of order until no call fails any more. */
 static void try_each(const struct operation *operation, struct result expected, const char *kind,
                      struct allocator_order order)
 {
@@ -175,7 +175,7 @@ static void try_in_child(const struct operation *operation)
 
 /* --- all of all ------------------------------------------------------------------------------- */
 
-/* For addr2line. */
+/* Prints the addresses of failed calls for addr2line. */
 static void list_sites(void)
 {
     extern const char __executable_start[];

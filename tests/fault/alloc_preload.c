@@ -1,6 +1,6 @@
-/* A library to preload, which makes allocations of a whole process fail (its own, its libraries'
- * and libc's) as the file ALLOC_CONTROL says: a struct control, mapped by the process and by who
- * gives the orders (alloc.py). */
+/* Preloaded library that makes allocations of a whole process fail (its own, its libraries' and
+ * libc's). The file ALLOC_CONTROL, a struct control that the process and alloc.py both map, gives
+ * the orders. */
 #include "stacks.h"
 
 #include <dlfcn.h>
@@ -14,17 +14,17 @@
 enum order { ORDER_FINE, ORDER_FRESH, ORDER_LASTING };
 
 struct control {
-    /* FRESH: the first call that comes by a way by which none has failed; LASTING: and all behind
-       it */
+    /* FRESH: fails the first call on a call path on which none has failed; LASTING: also fails all
+     * later calls */
     _Atomic uint32_t order;
-    _Atomic uint32_t failures; /* since the giver of orders set it to 0 */
+    _Atomic uint32_t failures; /* since alloc.py set it to 0 */
     _Atomic int64_t blocks;    /* held */
-    struct stacks stacks;      /* ways of calling that have failed */
+    struct stacks stacks;      /* call paths that have failed */
     struct stacks sites;       /* return addresses of calls that have failed */
 };
 
 static struct control *control;
-/* this file's own calls don't fail */
+/* true during this file's own calls, which don't fail */
 static __thread bool is_inside __attribute__((tls_model("initial-exec")));
 
 __attribute__((constructor)) static void open_control(void)
@@ -32,7 +32,7 @@ __attribute__((constructor)) static void open_control(void)
     const char *path = getenv("ALLOC_CONTROL");
     int file = path ? open(path, O_RDWR | O_CLOEXEC) : -1;
     if (file < 0) return;
-    stacks_here(); /* loads what it needs */
+    stacks_here(); /* loads the libraries that it needs */
     void *pages = mmap(NULL, sizeof *control, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
     close(file);
     if (pages != MAP_FAILED) control = pages;
@@ -61,7 +61,7 @@ static void *held(void *block)
     return block;
 }
 
-/* glibc's own, which need no looking up. */
+/* glibc's own functions, which need no dlsym. */
 void *__libc_malloc(size_t size);
 void *__libc_calloc(size_t count, size_t size);
 void *__libc_realloc(void *block, size_t size);

@@ -15,7 +15,7 @@ static _Atomic long blocks, mapped;
 void allocator_open(struct allocator_book *shared)
 {
     book = shared;
-    stacks_here(); /* loads what it needs */
+    stacks_here(); /* loads the libraries that it needs */
 }
 
 void allocator_arm(struct allocator_order what)
@@ -36,7 +36,7 @@ struct allocator_live allocator_live(void)
     return (struct allocator_live){blocks, mapped};
 }
 
-/* Is the call from `site` to fail? */
+/* Returns whether the call from `site` must fail. */
 static __attribute__((noinline)) bool fails(const void *site)
 {
     if (!armed) return false;
@@ -53,7 +53,7 @@ static __attribute__((noinline)) bool fails(const void *site)
 
 #define FAILS() fails(__builtin_return_address(0))
 
-/* Counts a block. */
+/* Counts a block and returns it. */
 static void *held(void *block)
 {
     if (block) blocks++;
@@ -130,7 +130,8 @@ int __wrap_munmap(void *at, size_t size)
     return __real_munmap(at, size);
 }
 
-/* To a place that is mapped, as Linux has it: where that fails, what lay there is gone already. */
+/* Maps to a target that is already mapped. As on Linux, a failure has already unmapped the old
+ * contents there. */
 void *__wrap_mremap(void *at, size_t size, size_t wanted, int flags, ...)
 {
     va_list arguments;

@@ -1,5 +1,5 @@
-/* Allocator: malloc and its kin, mmap and mremap as the engine calls them, which fail on order. The
- * program is linked with --wrap. */
+/* Allocator: malloc and its relatives, mmap and mremap, which fail on order when the engine calls
+ * them. The program is linked with --wrap. */
 #ifndef TESTS_FAULT_ALLOCATOR_H
 #define TESTS_FAULT_ALLOCATOR_H
 
@@ -8,26 +8,26 @@
 
 #include "tests/fault/stacks.h"
 
-/* What is known of the calls; in memory that processes share. */
+/* Record of failed calls, in memory that processes share. */
 struct allocator_book {
-    struct stacks stacks; /* ways of calling that have failed */
-    struct stacks sites;  /* the calls themselves: return addresses */
+    struct stacks stacks; /* call paths that have failed */
+    struct stacks sites;  /* return addresses of the failed calls */
 };
 
-/* Which calls fail from the time of arming on. All zero: none. */
+/* Which calls fail after allocator_arm. All zero: none. */
 struct allocator_order {
-    unsigned long nth; /* the nth, from 1 on; 0: none by number */
-    bool fresh;        /* the first that comes by a way by which none has failed */
-    bool lasting;      /* and all that follow it */
+    unsigned long nth; /* the nth call, from 1; 0: none by number */
+    bool fresh;        /* the first call on a call path on which none has failed */
+    bool lasting;      /* and all later calls */
 };
 
 void allocator_open(struct allocator_book *book);
 void allocator_arm(struct allocator_order order);
 
-/* How many calls failed since allocator_arm; from now on none does. */
+/* Returns how many calls failed since allocator_arm. No later call fails. */
 unsigned long allocator_disarm(void);
 
-/* Blocks and mapped bytes that are held. */
+/* Number of blocks and of mapped bytes that are held. */
 struct allocator_live {
     long blocks, mapped;
 };

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Answers in memory: clients ask for large answers of every kind and do not read them, others make many lists at once. Resident memory stays within the
-budget, 10 % and 64 MiB, /livez and small queries are answered all the time, each large answer is accepted or refused with 507, and what is not read is
-let go of.
+"""Answers in memory: clients request large answers of every kind and do not read them; others
+request many lists at once. Resident memory stays within the budget plus 10 % and 64 MiB. /livez and
+small queries are always answered. Each large answer is accepted or refused with 507, and unread
+answers are released.
 
     tests/fault/answers.py [--budget MIB] [--clients N] [--only KIND] [--short]
 
---short: a small budget, small surfaces, and no figure of /livez that a busy machine could spoil.
+--short: a small budget, small surfaces, and no bound on /livez, which a busy machine could spoil.
 """
 import argparse
 import contextlib
@@ -27,20 +28,20 @@ MIB = 1 << 20
 SLACK = 64 * MIB
 LISTS = 20
 LIVEZ_MS = 50
-CUT_SECONDS = 45  # the library's timer of 30 seconds, and some
-LONG = ("spline", "picture", "voronoi")  # kinds that take long beside other tests
+CUT_SECONDS = 45  # the library's timer of 30 seconds, and a margin
+LONG = ("spline", "picture", "voronoi")  # kinds that take long while other tests run
 JSON = {"Content-Type": "application/json"}
 FLAGS = ("--max-body", "16MiB", "--workers", "2", "--http-threads", "2", "--landmarks", "0")
 
 
 def loose_triangles(count):
-    """A binary STL file of triangles that touch nothing: as many boundary loops."""
+    """Returns a binary STL file of triangles that touch nothing: as many boundary loops."""
     triangles = b"".join(struct.pack("<12fH", 0, 0, 0, 2 * i, 0, 0, 2 * i + 1, 0, 0, 2 * i, 1, 0, 0) for i in range(count))
     return b"\0" * 80 + struct.pack("<I", count) + triangles
 
 
 class Watch(threading.Thread):
-    """The most resident memory, and how long /livez takes, until it is stopped."""
+    """Measures the largest resident memory, and how long /livez takes, until it is stopped."""
 
     def __init__(self, daemon):
         super().__init__()
@@ -70,7 +71,7 @@ def watched(daemon):
 
 
 def ask_unread(daemon, request):
-    """A connection on which the request was sent; the kernel takes little of what comes."""
+    """Sends the request; returns the connection. The kernel buffers little of the answer."""
     connection = socket.socket()
     connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
     connection.settimeout(60)
@@ -80,7 +81,7 @@ def ask_unread(daemon, request):
 
 
 def await_answers(daemon):
-    """Until no request waits for a worker or is with one."""
+    """Waits until no request waits for a worker or runs."""
     calm = 0
     while calm < 3:
         calm = 0 if daemon.metric("requests_deferred") else calm + 1
@@ -94,7 +95,7 @@ def status_of(connection):
 
 
 def ask_small(daemon):
-    """Queries of another client; how many of them are not answered."""
+    """Sends queries of another client; returns how many are not answered."""
     asked = [daemon.get("/v1/meshes/ring/distance?from=v:0&to=v:500"), daemon.get("/v1/meshes/ring/path?from=v:3&to=v:77"),
              daemon.ask("ring", "matrix", {"sources": in_ring(4), "targets": in_ring(4)})]
     return sum(answer.status != 200 for answer in asked)
@@ -105,7 +106,7 @@ def held_by_answers(daemon):
 
 
 class Trial:
-    """One daemon, and what was seen of it."""
+    """One daemon, and the observations of it."""
 
     def __init__(self, daemon, budget, options):
         self.daemon, self.budget, self.options, self.held = daemon, budget, options, []
@@ -140,7 +141,7 @@ class Trial:
                    set(statuses) <= {"200", "507"} and not failed)
 
 
-# --- what is asked for ----------------------------------------------------------------------------------------------------
+# --- requests ----------------------------------------------------------------------------------
 
 
 def post(kind, path, document):
@@ -152,15 +153,15 @@ def get(kind, path, **headers):
 
 
 def in_ring(count):
-    """Vertices around the small torus, so that a curve through them goes round."""
+    """Returns vertices around the small torus, so that a curve through them closes."""
     return [{"vertex": i} for i in range(0, 48, 48 // count)]
 
 
 def requests(daemon, size):
-    """Of answers of some `size` bytes, where their kind can have so many."""
+    """Returns requests whose answers have about `size` bytes, if their kind allows so many."""
     points = size // 60
     rows = int((size / 19) ** 0.5)
-    those = [{"vertex": i % 24} for i in range(rows)]  # few different ones: few fields
+    those = [{"vertex": i % 24} for i in range(rows)]  # few different points need few fields
     fine = daemon.ask("fine", "fields", {"set": {"points": [{"vertex": 0}, {"vertex": 700}]}}).json["id"]
     yield post("trace", "meshes/ring/trace", {"start": {"vertex": 0}, "fan": 8, "length": 1e6, "step_limit": min(100000, points // 8)})
     yield post("curve", "meshes/ring/curve", {"curve": {"points": in_ring(4), "closed": True}, "operation": "resample", "count": min(100000, points // 8)})
@@ -190,7 +191,7 @@ def try_answers(trial, cells):
 
 
 def try_kept(trial):
-    """Results of jobs, and pages of a batch's."""
+    """Tries saved results of jobs, and pages of a batch's answers."""
     daemon = trial.daemon
     count = int((trial.budget / 24 / 19) ** 0.5)
     those = [{"vertex": i % 24} for i in range(count)]
@@ -204,7 +205,8 @@ def try_kept(trial):
 
 
 def try_lists(trial, meshes, triangles):
-    """Meshes with very many boundaries: their descriptions; lists that are asked for at once; /livez beside clients that ask without end."""
+    """Tries meshes with very many boundaries: their descriptions, simultaneous lists, and /livez
+    while clients send requests without end."""
     daemon, body = trial.daemon, loose_triangles(triangles)
     with watched(daemon) as watch:
         statuses = [daemon.put(f"loose{number}", body).status for number in range(meshes)]
@@ -221,7 +223,7 @@ def try_lists(trial, meshes, triangles):
 
 
 def ask_often(daemon, path, count):
-    """All requests at once, then all answers."""
+    """Sends all requests at once, then reads all answers."""
     with socket.create_connection(("127.0.0.1", daemon.port), timeout=60) as connection:
         asked = f"GET {path} HTTP/1.1\r\nHost: localhost\r\n"
         connection.sendall((f"{asked}\r\n" * (count - 1) + f"{asked}Connection: close\r\n\r\n").encode())
@@ -230,7 +232,7 @@ def ask_often(daemon, path, count):
 
 
 def try_cut(trial, cells):
-    """What nobody reads is gone after a while, although the clients stay."""
+    """Checks that unread answers are released after a while, although the clients stay."""
     daemon = trial.daemon
     daemon.put("fine", sample("terrain", cells=cells, amplitude=1))
     connections = [ask_unread(daemon, get("content", "meshes/fine/content?format=obj")) for _ in range(trial.options.clients)]

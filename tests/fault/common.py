@@ -1,4 +1,5 @@
-"""What the fault tests share: meshes that tell themselves apart, daemons to be killed, what a daemon holds."""
+"""Helpers of the fault tests: distinguishable meshes, daemons to kill, the resources that a daemon
+holds."""
 import http.client
 import os
 import pathlib
@@ -13,7 +14,8 @@ from harness import PROGRAM, Daemon  # noqa: E402
 
 
 def mesh(edge, padding=0):
-    """A tetrahedron whose edge v0-v1 has that length, in a file that is so much larger."""
+    """Returns a tetrahedron whose edge v0-v1 has length `edge`, in a file enlarged by `padding`
+    bytes."""
     return f"v 0 0 0\nv {edge} 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n#{'x' * padding}\n".encode()
 
 
@@ -27,7 +29,8 @@ def build_shim(name, folder):
 
 
 class Shimmed(Daemon):
-    """A daemon under a preloaded library, if one is given: which has files of its own that the sandbox knows nothing of."""
+    """A daemon under an optional preloaded library. That library uses files that the sandbox does
+    not know."""
 
     def __init__(self, folder, *flags, library=None, environment=None):
         saved = dict(os.environ)
@@ -49,7 +52,8 @@ class Shimmed(Daemon):
 
 
 def edges(daemon):
-    """Each mesh's name and the length that its edge v0-v1 has, by a query: so the file was read and verified."""
+    """Returns each mesh's name and the length of its edge v0-v1 by a query, which reads and
+    verifies the file."""
     found = {}
     for item in daemon.get("/v1/meshes?limit=100").json["meshes"]:
         answer = daemon.get(f"/v1/meshes/{item['name']}/distance?from=v:0&to=v:1")
@@ -62,7 +66,8 @@ def check(folder):
 
 
 class Ledger:
-    """What was acknowledged, and what may have happened besides: absent is None."""
+    """Records the acknowledged states, and the states that unacknowledged changes may have caused;
+    None: absent."""
 
     def __init__(self):
         self.acknowledged, self.possible = {}, {}
@@ -75,7 +80,8 @@ class Ledger:
         self.possible[name] = []
 
     def faults(self, found):
-        """Names whose state is neither the acknowledged one nor one that was under way."""
+        """Yields names whose state is neither the acknowledged one nor that of an unacknowledged
+        change."""
         wrong = []
         for name in set(self.acknowledged) | set(self.possible) | set(found):
             allowed = [self.acknowledged.get(name), *self.possible.get(name, [])]

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""What of the engine, proto and server the tests have run through, once a build with --coverage has been tested (make coverage): lines and branches by
-room, and in all.
+"""Prints which lines and branches of engine, proto and server the tests have covered, by folder and
+in total. The build must have been tested with --coverage (make coverage).
 
     tests/fault/coverage.py --build DIR
 """
@@ -19,7 +19,7 @@ ASKED = {"line": 90, "branch": 80}
 
 
 def measure(build):
-    """gcovr's summary of each source."""
+    """Returns gcovr's summary of each source."""
     folders = [str(build / "obj" / house) for house in HOUSES]
     filters = [text for house in HOUSES for text in ("--filter", f"{house}/")]
     done = subprocess.run(["gcovr", "-r", ".", "--object-directory", str(build), *filters, "--json-summary", "-", *folders], check=True,

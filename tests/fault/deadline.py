@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Deadlines: expensive questions of every kind on large surfaces, each with a deadline by chance, most of them too short. The overrun is how much
-later than that the answer came: by the daemon's own clock, as its log has it, and by the client's. Uploads, which take the server's limit, are
-asked of daemons with short ones.
+"""Deadlines: expensive queries of every kind on large surfaces, each with a random deadline, mostly
+too short. The overrun is the time from the deadline to the answer, by the clock of the daemon's log
+and by the client's. Uploads have the daemon's limit, so they go to daemons with short limits.
 
     tests/fault/deadline.py [--count N] [--clients N] [--seed N] [--only KIND,KIND] [--short]
 
---short: on small surfaces, and the bound is that nothing overruns by a second; other tests may have the processors.
+--short: small surfaces, and no overrun of a second; other tests may use the processors.
 """
 import argparse
 import collections
@@ -30,7 +30,7 @@ Overrun = collections.namedtuple("Overrun", "kind status deadline_ms daemon_ms c
 
 
 class Expensive(mix.Mix):
-    """The same questions, larger."""
+    """The requests of mix.Mix with larger parameters."""
 
     def matrix(self, mesh):
         return self.ask("matrix", mesh, "matrix", sources=self.points(mesh, 10), targets=self.points(mesh, 100))
@@ -106,7 +106,7 @@ def add_parameter(path, text):
 
 
 class Asker:
-    """Asks, one after the other, and notes when the answers come."""
+    """Sends requests one after the other, and records when the answers arrive."""
 
     def __init__(self, daemon, number, requests, kinds):
         self.daemon, self.number, self.requests, self.kinds = daemon, number, requests, kinds
@@ -127,7 +127,7 @@ class Asker:
 
 
 def collect(daemon, askers):
-    """The overruns, once the log has the last line."""
+    """Returns the overruns, once the log has the last line."""
     asked = {mark: what for asker in askers for mark, what in asker.asked.items()}
     until = time.monotonic() + 10
     while True:
@@ -145,7 +145,7 @@ def ask_all(options, those, kinds):
         askers = []
         for number in range(options.clients):
             requests = Expensive(random.Random(f"{options.seed} {number}"), those, faces)
-            for mesh in faces:  # a field of each that questions about fields find
+            for mesh in faces:  # a field of each mesh for requests about fields
                 request = requests.field(mesh)
                 requests.learn(request, daemon.request(request.method, request.path, request.body, request.headers))
             askers.append(Asker(daemon, number, requests, kinds[number:] + kinds[:number]))
@@ -155,7 +155,7 @@ def ask_all(options, those, kinds):
 
 
 def upload_all(options, those):
-    """Uploads whose deadline is the server's."""
+    """Measures uploads, whose deadline is the server's."""
     overruns = []
     for deadline in (2, 5, 10, 20, 40):
         with Daemon(*FLAGS, "--timeout-ms", str(deadline)) as daemon:
@@ -170,7 +170,8 @@ def upload_all(options, those):
 
 
 def large_all(options):
-    """A mesh of three million triangles, each part of whose making is long: deadlines over all of it."""
+    """Measures uploads of a mesh of three million triangles, each step of which takes long, with
+    deadlines throughout."""
     with Daemon(*FLAGS, "--memory-budget", "4GiB", "--max-faces", "4000000") as daemon:
         daemon.request("PUT", "/v1/subdivisions/cube", mix.CUBE)
         asker = Asker(daemon, 0, None, None)

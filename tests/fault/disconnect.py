@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Clients that vanish: at a random byte of the handshake, of the request or of the answer, by a reset or by an ordinary end, in the clear and by
-TLS. Afterwards the daemon holds what it held before: connections, threads, descriptors, and no reference to a mesh or a field, which is seen
-when everything is removed and the memory for it is given back.
+"""Clients that vanish at a random byte of the handshake, of the request or of the answer, by a
+reset or by an ordinary end, with and without TLS. Afterwards the daemon holds no more connections,
+threads, descriptors and references to meshes or fields than before. References show when everything
+is removed: then all of its memory must be free.
 
     tests/fault/disconnect.py [--count N] [--tls-count N] [--clients N] [--seed N]
 """
@@ -28,17 +29,19 @@ from test_tls import make_certificate
 
 PATIENCE_SECONDS = 60
 SETTLE_SECONDS = 15
-ANSWER_BYTES = 30000  # of an answer that are read at most
-WAIT_SECONDS, SILENCE_SECONDS = 0.3, 0.005  # for an answer to begin, and to go on: then the client goes, too
+ANSWER_BYTES = 30000  # most bytes of an answer that are read
+# longest waits for an answer to begin and to continue; then the client leaves, too
+WAIT_SECONDS, SILENCE_SECONDS = 0.3, 0.005
 FLAGS = ("--memory-budget", "128MiB", "--max-body", "16MiB", "--workers", "2", "--http-threads", "2", "--job-ttl-s", "1")
-RESET = struct.pack("ii", 1, 0)  # SO_LINGER: at once, and for nothing
-HELD = ("connections", "workers_busy", "queue_depth", "requests_deferred", "event_streams")  # while something is under way
+RESET = struct.pack("ii", 1, 0)  # SO_LINGER: close by a reset at once
+# metrics that are positive while something runs
+HELD = ("connections", "workers_busy", "queue_depth", "requests_deferred", "event_streams")
 REMOVED = ("meshes", "meshes_loaded", "cache_fields", 'memory_bytes{class="meshes"}', 'memory_bytes{class="fields"}', 'memory_bytes{class="flight"}',
            'memory_bytes{class="landmarks"}', 'memory_bytes{class="discretizations"}', 'memory_bytes{class="jobs"}')
 
 
 class TlsDaemon(Daemon):
-    """A daemon that speaks TLS; its certificate is not looked at."""
+    """A daemon with TLS, whose certificate is not verified."""
 
     def __init__(self, place, *flags):
         self.context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
@@ -50,7 +53,7 @@ class TlsDaemon(Daemon):
         return http.client.HTTPSConnection("localhost", self.port, timeout=PATIENCE_SECONDS, context=self.context)
 
     def hello(self):
-        """What a client says first."""
+        """Returns the client's first TLS message."""
         incoming, outgoing = ssl.MemoryBIO(), ssl.MemoryBIO()
         with contextlib.suppress(ssl.SSLWantReadError):
             self.context.wrap_bio(incoming, outgoing, server_hostname="localhost").do_handshake()
@@ -58,7 +61,7 @@ class TlsDaemon(Daemon):
 
 
 class Vanisher:
-    """Connects, asks, and vanishes. `ends` counts how."""
+    """Connects, sends a request, and vanishes. `ends` counts the kinds of ends."""
 
     def __init__(self, daemon, seed, those, faces):
         self.daemon, self.chance, self.ends = daemon, random.Random(seed), collections.Counter()
@@ -93,7 +96,7 @@ class Vanisher:
             self.go(connection, connection, "in the answer")
 
     def text(self):
-        """A request, sometimes two in one go, in chunks, or one that asks whether it may go on."""
+        """Returns a request: one, two at once, one in chunks, or one with Expect: 100-continue."""
         request = self.requests.next()
         form = self.chance.random()
         if form < 0.1 and request.body:
@@ -124,7 +127,8 @@ class Vanisher:
 
 
 def settle(daemon, names, least):
-    """Waits until these metrics are that small; which are not, within less time than an idle connection has."""
+    """Waits, for less time than an idle connection has, until these metrics are that small. Returns
+    those that are not."""
     until = time.monotonic() + SETTLE_SECONDS
     while True:
         held = process.metrics(daemon)
@@ -142,7 +146,7 @@ def remove_all(daemon):
 
 
 def at_rest(daemon):
-    """Descriptors and threads when nobody is there but who asks."""
+    """Returns the numbers of descriptors and threads while no other client is connected."""
     settle(daemon, HELD, {"connections": 1})
     counts = []
     for _ in range(20):
@@ -152,7 +156,7 @@ def at_rest(daemon):
 
 
 def try_all(daemon, label, count, clients, seed):
-    """Vanishes so many times; whether all that was promised holds."""
+    """Vanishes `count` times; returns whether all promises hold."""
     chance = random.Random(seed)
     before = at_rest(daemon)
     those = mix.surfaces(16, 2, 10)

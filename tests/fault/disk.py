@@ -1,10 +1,15 @@
 #!/usr/bin/env python3
-"""A disk that fails (inject.c): after a failed fsync, at whichever call, the store takes no changes and goes on answering;
-on a full disk, at whichever write, uploads are refused, reads and deletes work, and it recovers without a restart; a database that is
-made again meanwhile costs no mesh; with an EIO at whichever call, or calls that are interrupted or do less than was asked, nothing is lost. While a slow disk is waited for, queries are answered, meshes that come and go are there or not, and the
-daemon can end.
+"""A disk that fails (inject.c):
 
-    tests/fault/disk.py [--most N] [--step N]      tries the first N calls (until nothing fails any more); of EIO each N-th
+- After a failed fsync, at any call, the store accepts no changes and continues to answer.
+- On a full disk, at any write, uploads are refused, reads and deletes work, and the store recovers
+  without a restart. Rebuilding the database meanwhile loses no mesh.
+- With an EIO at any call, or interrupted or partial calls, nothing is lost.
+- While the disk is slow, queries are answered, meshes that are created and deleted are present or
+  absent, and the daemon can stop.
+
+    tests/fault/disk.py [--most N] [--step N]      tries the first N calls (until nothing fails
+                                                   any more); of EIO each N-th
 """
 import argparse
 import collections
@@ -20,11 +25,11 @@ import time
 from common import Ledger, Shimmed, build_shim, check, edges, harness, mesh
 from figures import conclude, report
 
-SLOW_MS = 20  # longer than any query here takes
+SLOW_MS = 20  # longer than any query of this test
 
 
 class Trial:
-    """A daemon over a folder with two meshes, whose disk fails on order."""
+    """A daemon on a folder with two meshes, whose disk fails on order."""
 
     def __init__(self, place, number, library, *flags):
         self.folder, self.order_file = place / f"data{number}", place / f"order{number}"
@@ -44,7 +49,7 @@ class Trial:
 
     @property
     def fired(self):
-        """Has the last order made a call fail?"""
+        """Returns whether the last order has made a call fail."""
         return self.order_file.with_name(self.order_file.name + ".fired").exists()
 
     def expect(self, what, got, *allowed):
@@ -72,7 +77,7 @@ class Trial:
                 self.expect(f"{when}: distance on {name}", answer.json.get("distance"), edge)
 
     def end(self):
-        """After the next start everything that was acknowledged is there."""
+        """Restarts the daemon, and checks that everything acknowledged is there."""
         self.order("fine")
         self.expect("exit status", self.daemon.stop(), 0)
         if (result := check(self.folder)).returncode:
@@ -84,7 +89,7 @@ class Trial:
 
 
 def changes(trial):
-    """An upload, a replacement, a delete; their statuses."""
+    """Sends an upload, a replacement and a delete; returns their statuses."""
     return [trial.put("c", 0.75, 5000).status, trial.put("a", 1.25).status, trial.delete("b").status]
 
 
@@ -101,7 +106,7 @@ def try_fsync(place, number, library, call):
         trial.expect("metric", trial.daemon.metric("store_writable"), 0)
         trial.expect("problem", trial.put("d", 1).json.get("code"), "insufficient_storage")
         trial.expect_reads("read-only")
-        trial.ledger.possible.pop("d")  # it was not even tried
+        trial.ledger.possible.pop("d")  # the request was never sent
     return trial.end(), fired
 
 
@@ -113,7 +118,7 @@ def try_full(place, number, library, call):
     trial.expect("replacement", trial.put("a", 1.25, 3000000).status, 200, 507)
     fired = trial.fired
     if status == 507:
-        trial.ledger.possible.pop("c")  # nothing was changed
+        trial.ledger.possible.pop("c")  # the refusal changed nothing
         trial.expect("the refused upload", trial.daemon.get("/v1/meshes/c").status, 404)
         trial.expect("metric", trial.daemon.metric("store_writable"), 1)
         trial.expect_reads("full disk")
@@ -126,7 +131,7 @@ def try_full(place, number, library, call):
 
 
 def try_call(place, number, library, call):
-    """Whatever the call was for: what was acknowledged is there, and what was not is as it was or as it was to be."""
+    """Fails a call of any purpose. Acknowledged changes are there; others are done or not done."""
     trial = Trial(place, number, library)
     trial.order(f"eio {call}")
     for status in changes(trial):
@@ -136,7 +141,7 @@ def try_call(place, number, library, call):
 
 
 def try_start(place, number, library, call):
-    """A start that meets the fault may fail, with a sentence; the next one finds all."""
+    """A start with the fault may fail, with a sentence; the next start finds everything."""
     trial = Trial(place, number, library)
     trial.daemon.stop()
     trial.order(f"eio {call}")
@@ -157,7 +162,7 @@ def try_start(place, number, library, call):
 
 
 def try_short(place, library):
-    """Interrupted and short reads and writes are nobody's business."""
+    """Interrupted and partial reads and writes have no visible effect."""
     trial = Trial(place, "short", library)
     trial.order("short 3")
     for status, expected in zip(changes(trial), (201, 200, 204)):
@@ -170,7 +175,8 @@ def try_short(place, library):
 
 
 def try_rebuild(place, number, library, call):
-    """The database is lost, and there is no room to make all of it again; then the meshes' bytes come and go under another name."""
+    """The database is lost, and there is no room to rebuild all of it; then a mesh with the same
+    bytes is created and deleted under another name."""
     trial = Trial(place, number, library)
     trial.put("c", 3.5)
     trial.daemon.stop()
@@ -186,7 +192,7 @@ def try_rebuild(place, number, library, call):
 
 
 def run(kind, one, place, library, most, wrong, step=1):
-    """Fails each call in turn (every `step`-th) until the changes end before it."""
+    """Fails each `step`-th call in turn until the changes end before it."""
     for call in range(1, most + 1, step):
         faults, fired = one(place, f"{kind}{call}", library, call)
         wrong += [f"{kind} {call}: {fault}" for fault in faults]
@@ -195,11 +201,12 @@ def run(kind, one, place, library, most, wrong, step=1):
     return most
 
 
-# --- a slow disk ----------------------------------------------------------------------------------------------------------
+# --- a slow disk --------------------------------------------------------------------------------
 
 
 def run_beside(work, count, watch):
-    """`watch` while `count` threads call `work` with their number, over and over; what it returns."""
+    """Runs `watch` while `count` threads repeatedly call `work` with their number. Returns the
+    result of `watch`."""
     stop = threading.Event()
 
     def repeat(number):
@@ -220,7 +227,8 @@ def time_searches(daemon, count):
     connection, times = daemon.connect(), []
     for i in range(count):
         share = (i + 1) / (2 * count)
-        place = f"{share},{share},{1 - 2 * share}"  # others each time: a worker has to search
+        # new points each time, so that a worker has to search
+        place = f"{share},{share},{1 - 2 * share}"
         begun = time.monotonic()
         answer = daemon.request("GET", f"/v1/meshes/ball/distance?from=f:0:{place}&to=f:9:{place}", connection=connection)
         times.append(time.monotonic() - begun)
@@ -229,7 +237,8 @@ def time_searches(daemon, count):
 
 
 def wait_for_no_disk(place, library):
-    """Queries take their time, not the disk's, however many uploads and deletes wait for it; the median in milliseconds."""
+    """Queries do not wait for the disk, however many uploads and deletes do. Returns the median in
+    milliseconds."""
     trial = Trial(place, "waiting", library)
     trial.daemon.put("ball", harness.sample("icosphere", level=3))
     trial.order(f"slow {SLOW_MS}")
@@ -246,9 +255,11 @@ def wait_for_no_disk(place, library):
 
 
 def come_and_go(place, library):
-    """A mesh that is loaded while it is deleted or replaced is there or is not; it is never said to be damaged."""
+    """A mesh that is loaded while it is deleted or replaced is found or not; it is never reported
+    as damaged."""
     files = [harness.sample("grid", columns=40 + number, rows=40) for number in range(6)]
-    trial = Trial(place, "coming", library, "--memory-budget", "4MiB", "--max-body", "1MiB")  # room for one or two
+    # room for one or two meshes
+    trial = Trial(place, "coming", library, "--memory-budget", "4MiB", "--max-body", "1MiB")
     for number, file in enumerate(files):
         trial.daemon.put(f"g{number}", file)
     statuses, step = collections.Counter(), itertools.count()
@@ -272,7 +283,8 @@ def come_and_go(place, library):
 
 
 def end_while_waiting(place, library):
-    """A daemon that ends while uploads wait for the disk refuses those, and keeps what it acknowledged."""
+    """A daemon that stops while uploads wait for the disk refuses those uploads, and keeps what it
+    acknowledged."""
     trial = Trial(place, "ending", library, "--drain-ms", "100")
     trial.order(f"slow {5 * SLOW_MS}")
     with concurrent.futures.ThreadPoolExecutor(12) as pool:
@@ -294,7 +306,8 @@ def main():
         library = build_shim("inject", place)
         counts = [run(kind, one, place, library, options.most, wrong)
                   for kind, one in (("fsync", try_fsync), ("full", try_full), ("rebuild", try_rebuild))]
-        calls = [run(kind, one, place, library, 10 * options.most, wrong, options.step) for kind, one in (("eio", try_call), ("start", try_start))]
+        calls = [run(kind, one, place, library, 10 * options.most, wrong, step)
+                 for kind, one, step in (("eio", try_call, options.step), ("start", try_start, 1))]
         wrong += try_short(place, library)
         faults, median = wait_for_no_disk(place, library)
         wrong += faults + come_and_go(place, library) + end_while_waiting(place, library)
@@ -304,8 +317,8 @@ def main():
         report("failed fsync at each call", "read-only, nothing lost", f"{counts[0]} calls failed, {len(wrong)} faults", counts[0] and not wrong),
         report("disk full from each write on", "507, reads and deletes go on, recovery", f"{counts[1]} writes, {len(wrong)} faults", counts[1] and not wrong),
         report("disk full while a lost database is made again", "nothing lost", f"{counts[2]} writes, {len(wrong)} faults", counts[2] and not wrong),
-        report("EIO at each call of the store", "nothing lost, the daemon lives", f"calls 1 to {calls[0]} of changes and 1 to {calls[1]} of a start, "
-               f"each {options.step}., {len(wrong)} faults", all(calls) and not wrong),
+        report("EIO at each call of the store", "nothing lost, the daemon lives", f"each {options.step}. of {calls[0]} calls of changes and each of {calls[1]} of a start, "
+               f"{len(wrong)} faults", all(calls) and not wrong),
         report("a search beside a slow disk, median", f"< {SLOW_MS} ms", f"{median:.1f} ms", median < SLOW_MS)])
 
 

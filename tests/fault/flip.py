@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Single flipped bytes, anywhere in the data folder, stopped cleanly or killed: the daemon starts; every answer is the one that
-it would have been, or the damage was found and that mesh says that it is unavailable; the others are served.
+"""Flips single bytes anywhere in the data folder of a stopped or killed daemon. The daemon starts.
+Every answer is either unchanged, or the damage was found and that mesh is reported as unavailable;
+other meshes are served.
 
     tests/fault/flip.py [--flips N] [--seed N]
 """
@@ -18,11 +19,12 @@ from figures import conclude, report
 
 MESHES = {"a": mesh(1.5), "b": mesh(0.75, 4000), "same": mesh(1.5), "c": mesh(2.25, 300)}
 FLAGS = ("--persist-fields", "--landmarks", "2")
-SOURCES = ("v:0", "f:0:0.2,0.3,0.5")  # what the answers' fields are about
+SOURCES = ("v:0", "f:0:0.2,0.3,0.5")  # sources of the fields that the answers use
 
 
 def grid(cells):
-    """A square of that many unit cells a side: large enough to get landmarks (server/surfaces/landmarks.c). Distances along its edges are whole numbers."""
+    """Returns a square of `cells` unit cells a side, large enough for landmarks
+    (server/surfaces/landmarks.c). Distances along its edges are whole numbers."""
     row = cells + 1
     vertices = [f"v {i % row} {i // row} 0\n" for i in range(row * row)]
     corners = [i * row + k + 1 for i in range(cells) for k in range(cells)]
@@ -31,12 +33,12 @@ def grid(cells):
 
 
 LARGE = grid(33)
-SEARCH = "distance?from=v:2&to=v:3"  # about other points, so that landmarks are used
+SEARCH = "distance?from=v:2&to=v:3"  # uses other points, so that landmarks are used
 QUERIES = (f"distance?from={SOURCES[0]}&to=v:1", f"path?from={SOURCES[1]}&to=v:3", SEARCH)
 
 
 def warm(daemon):
-    """Asks until the fields and landmarks that are to be damaged are there."""
+    """Repeats queries until the fields and landmarks to be damaged exist."""
     for name in ("large", *MESHES):
         for source in SOURCES:
             daemon.ask_often(name, source)
@@ -46,7 +48,8 @@ def warm(daemon):
 
 
 def get_landmarks(daemon):
-    """Until the large mesh has its landmarks, be they loaded or, for want of good ones, built; a search makes it want them."""
+    """Waits until the large mesh has its landmarks, loaded or, if those are damaged, rebuilt. A
+    search triggers this."""
     if daemon.get(f"/v1/meshes/large/{SEARCH}").status != 200:
         return
     until = time.monotonic() + harness.PATIENCE_SECONDS
@@ -57,12 +60,13 @@ def get_landmarks(daemon):
 
 
 def has_all_kinds(folder):
-    """Are there fields and landmarks to be damaged?"""
+    """Returns whether the folder has fields and landmarks to damage."""
     return all(any(folder.rglob("*" + suffix)) for suffix in (".field", ".landmarks"))
 
 
 def answers(daemon):
-    """What a client can see: descriptions, contents, distances. Each is a status and a body."""
+    """Returns all that a client can see: descriptions, contents, distances. Each is a status and a
+    body."""
     seen = {}
     get_landmarks(daemon)
     for item in daemon.get("/v1/meshes?limit=100").json["meshes"]:
@@ -77,7 +81,8 @@ def answers(daemon):
 
 
 def prepare(place):
-    """A folder that was closed, and one whose daemon was killed, so that the database's log is full; their answers."""
+    """Prepares the folder of a stopped daemon, and that of a killed one, so that the database's log
+    is full. Returns both with their answers."""
     closed, killed = place / "closed", place / "killed"
     daemon = Shimmed(closed, *FLAGS)
     for name, body in [("gone", mesh(9)), ("large", LARGE), *MESHES.items()]:
@@ -97,7 +102,7 @@ def prepare(place):
 
 
 def flip(folder, chance):
-    """Flips a byte of a file that is chosen by the toss of a die; its path and place."""
+    """Flips a byte of a random file; returns its path and position."""
     files = sorted(path for path in folder.rglob("*") if path.is_file() and path.stat().st_size and path.name != "ballast")
     path = chance.choice(files)
     content = bytearray(path.read_bytes())
@@ -108,7 +113,7 @@ def flip(folder, chance):
 
 
 def judge(before, after, log):
-    """What is wrong with the answers after the damage, and whether anything was unavailable."""
+    """Returns the faults of the answers after the damage, and whether anything was unavailable."""
     complaints = [line for line in log if line.get("level") in ("warn", "error") and line["event"] != "request"]
     differ = [key for key in {*before, *after} if before.get(key) != after.get(key)]
     unavailable = {name for query, name in differ if after.get((query, name)) == (500, "internal")}
@@ -142,7 +147,7 @@ def main():
                 faults, unavailable, complained = judge(expected, after, daemon.log)
                 wrong += [(where, fault) for fault in faults + ([f"exit status {status}"] if status else [])]
                 counts["unavailable" if unavailable else "found and mended" if complained else "without effect"] += 1
-            except Exception as failure:  # whatever it is, it is a fault of the daemon
+            except Exception as failure:  # any exception is a fault of the daemon
                 wrong.append((where, repr(failure)))
             shutil.rmtree(folder)
     for fault in wrong[:20]:

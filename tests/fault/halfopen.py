@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Half-open heads: clients that begin a request and do not finish it, from several addresses, each connection renewed as soon as it is cut. Meanwhile others ask
-/livez over new connections: none may fail. Then the same with clients that finish a request and keep the connection without another.
+"""Half-open heads: clients, from several addresses, begin a request and do not finish it; each cut
+connection is replaced at once. Meanwhile other clients request /livez over new connections: none
+may fail. Then the clients finish a request and keep the connection without another one.
 
     tests/fault/halfopen.py [--heads N] [--addresses N] [--seconds S] [--most N] [--short]
 
@@ -19,11 +20,11 @@ from figures import conclude, quantile, report
 
 HEAD = b"GET /livez HTTP/1.1\r\nHost: localhost\r\nX: "
 WHOLE = b"GET /livez HTTP/1.1\r\nHost: localhost\r\n\r\n"
-PATIENCE = 5  # seconds, of a probe
+PATIENCE = 5  # seconds that a probe waits
 
 
 class Crowd(threading.Thread):
-    """Keeps so many connections open, from addresses of the loopback net."""
+    """Keeps `count` connections open, from addresses of the loopback net."""
 
     def __init__(self, port, count, addresses, text):
         super().__init__(daemon=True)
@@ -74,7 +75,7 @@ class Crowd(threading.Thread):
 
 
 def probe(port):
-    """How long a new client waits for its answer; infinite if there is none."""
+    """Returns how long a new client waits for its answer; infinity: there is none."""
     began = time.monotonic()
     try:
         with socket.create_connection(("127.0.0.1", port), timeout=PATIENCE) as connection:

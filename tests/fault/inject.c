@@ -1,5 +1,5 @@
-/* Inject: a library to preload, which makes the disk under INJECT_ROOT, the sockets and the clock
- * fail as the file INJECT_ORDER says:
+/* Inject: a preloaded library that makes the disk under INJECT_ROOT, the sockets and the clock fail
+ * as the file INJECT_ORDER says:
  *
  *     fsync N     the N-th fsync from now on fails, with EIO; those after it succeed, as Linux has
  *                 it
@@ -7,15 +7,15 @@
  *                 fails with ENOSPC, until removed files have made room
  *     eio N       the N-th call that opens, reads, writes, renames, links, removes, makes or cuts a
  *                 file fails, with EIO
- *     short N     every N-th read or write is interrupted (EINTR), and the others get half of what
- *                 is asked for, as disks may have it
+ *     short N     every N-th read or write is interrupted (EINTR), and the others transfer half
+ *                 of the bytes
  *     reset N     the N-th send or receive finds that the client is gone (ECONNRESET), accepting
  *                 that there is none (ECONNABORTED)
  *     clock N     the time of day is N seconds later, or earlier
  *     slow N      each fsync, and each removal of a file, takes N milliseconds longer
  *     fine        nothing fails
  *
- * "From now on" begins when the order changes. The first failure of an order leaves a file
+ * "From now on" means: since the order changed. The first failure of an order leaves a file
  * INJECT_ORDER.fired. */
 #include <dirent.h>
 #include <dlfcn.h>
@@ -59,7 +59,7 @@ static int is_our_file(int file)
     return is_ours(path) || (root && strcmp(path, root) == 0);
 }
 
-/* Reads the order; under the lock. Is it of that kind? */
+/* Reads the order, under the lock. Returns whether it is of that kind. */
 static int is_ordered(const char *kind)
 {
     char now[sizeof order] = "";
@@ -84,7 +84,7 @@ static void fire(void)
     close(open(path, O_WRONLY | O_CREAT | O_CLOEXEC, 0600));
 }
 
-/* If that is the order. */
+/* Sleeps if the order is `slow`. */
 static void dawdle(void)
 {
     pthread_mutex_lock(&lock);
@@ -119,7 +119,7 @@ SYNC(fdatasync)
 
 /* --- single calls ----------------------------------------------------------------------------- */
 
-/* Does the order of that kind come to its call now? */
+/* Returns whether the current call is the one that the order of that kind makes fail. */
 static int is_due(const char *kind)
 {
     pthread_mutex_lock(&lock);
@@ -136,7 +136,7 @@ static int breaks(int ours)
     return 1;
 }
 
-/* How many of `size` bytes a read or write gets; 0: it is interrupted. */
+/* Returns how many of `size` bytes a read or write transfers; 0: it is interrupted. */
 static size_t part_of(int file, size_t size)
 {
     if (size < 2 || !is_our_file(file)) return size;
@@ -294,7 +294,7 @@ time_t time(time_t *out)
 
 /* --- room ------------------------------------------------------------------------------------- */
 
-/* Is there no room for a write that ends at `end`? */
+/* Returns whether there is no room for a write that ends at `end`. */
 static int is_full(int file, long long end)
 {
     struct stat facts;

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""kill -9 in the middle of uploads, replacements and deletes: nothing that was acknowledged is lost, nothing is torn, the
-next start succeeds. The page cache survives a kill; for power cuts see replay.py.
+"""kill -9 in the middle of uploads, replacements and deletes: no acknowledged change is lost,
+nothing is torn, and the next start succeeds. The page cache survives a kill; replay.py tests power
+cuts.
 
     tests/fault/kill.py [--loops N] [--seed N]
 """
@@ -15,11 +16,12 @@ from common import GONE, Ledger, Shimmed, check, edges, mesh
 from figures import conclude, report
 
 CLIENTS = 3
-NAMES = 3  # of each client, which is the only one that changes them
+NAMES = 3  # names of each client; no other client changes them
 
 
 def change(daemon, ledger, number, chance, until):
-    """Uploads, replaces and deletes until the daemon is gone; how many changes were acknowledged."""
+    """Uploads, replaces and deletes until the daemon is gone; returns the number of acknowledged
+    changes."""
     acknowledged = 0
     connection = daemon.connect()
     try:
@@ -46,7 +48,7 @@ def change(daemon, ledger, number, chance, until):
 
 
 def loop(folder, ledger, chance):
-    """One life of a daemon; what is wrong, and how many changes it acknowledged."""
+    """Runs one life of a daemon; returns the faults, and the number of acknowledged changes."""
     daemon = Shimmed(folder)
     found = edges(daemon)
     wrong = ledger.faults(found)

@@ -1,13 +1,14 @@
-/* Load: HTTP requests as fast as they are answered, or at a rate whatever the answers (an open
- * loop), from one thread: Python would take the processors away from the daemon that it measures.
+/* Load: sends HTTP requests as fast as they are answered, or at a fixed rate regardless of the
+ * answers (an open loop). It uses one thread: Python would take the processors from the daemon that
+ * it measures.
  *
  * usage: gd_load PORT FILE CONNECTIONS RATE WARM SECONDS
  *
  * FILE: requests in turn, each its length in bytes as a decimal line and then its bytes. RATE 0:
- * each connection asks again when it is answered. Else requests are due at equal distances, and go
- * out on whichever connection is free; a latency counts from when the request was due. Beside them
- * one connection asks for /livez every ten milliseconds. What comes in the first WARM seconds is
- * not counted.
+ * each connection sends its next request after each answer. Otherwise requests are due at equal
+ * intervals, and are sent on any free connection; a latency counts from the time when the request
+ * was due. A further connection requests /livez every ten milliseconds. Answers in the first WARM
+ * seconds are not counted.
  *
  * Prints one line of JSON: answers by status, {"p50", "p99", "max"} in milliseconds of the answers
  * 2xx, of those 503 and of /livez, the requests that found no connection free and the connections
@@ -36,7 +37,7 @@ struct request {
     size_t size;
 };
 
-/* A connection. It is idle, or asks: first sends, then reads head and body. */
+/* A connection. It is idle, or busy: first it sends, then it reads head and body. */
 struct client {
     int descriptor;
     bool is_busy, is_probe;
@@ -193,7 +194,7 @@ static struct request next_request(void)
     return load.requests[load.next_request++ % load.request_count];
 }
 
-/* The head is whole: status and length of the body. */
+/* Reads status and length of the body from a complete head. */
 static void read_head(struct client *client, const char *end)
 {
     const char *length = NULL;
@@ -215,7 +216,7 @@ static void finish(struct client *client)
     if (!load.interval_ns && !client->is_probe) ask(client, next_request(), now_ns());
 }
 
-/* Takes what has come; false: there is no more at the moment. */
+/* Reads available bytes. Returns false if there are no more at the moment. */
 static bool take(struct client *client)
 {
     static char body[1 << 16];
@@ -262,7 +263,7 @@ static struct client *find_idle(void)
     return NULL;
 }
 
-/* Asks what is due; when the next is. */
+/* Sends the due requests; returns when the next one is due. */
 static uint64_t ask_due(uint64_t *due_ns, uint64_t *probe_ns)
 {
     struct client *prober = &load.clients[load.client_count - 1];

@@ -1,4 +1,5 @@
-"""Random requests of every kind, over surfaces of several makes: what the soak, the disconnects, the deadlines and the overload send."""
+"""Random requests of every kind on surfaces of several kinds, for the soak, the disconnects, the
+deadlines and the overload."""
 import collections
 import json
 
@@ -13,7 +14,8 @@ CUBE = (b"v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 
         b"f 5 6 8 7\nf 1 3 4 2\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n")
 TORUS = json.dumps({"parametric": {"torus": {"major": 2, "minor": 1}}}).encode()
 
-# Kinds of the random mix, by how often they come; `upload`, `tessellate` and `discretize` replace what is there.
+# Relative frequencies of the kinds of requests; `upload`, `tessellate` and `discretize` replace
+# surfaces.
 WEIGHTS = {
     "distance": 20, "path": 12, "nearest": 4, "often": 6, "matrix": 4, "batch": 3, "to_set": 4, "field": 5, "values": 2, "evaluate": 3,
     "isolines": 3, "describe": 3, "list": 2, "voronoi": 2, "farthest": 1, "curve_distance": 2, "trace": 3, "exp": 2, "log": 2,
@@ -24,7 +26,8 @@ WEIGHTS = {
 
 
 def surfaces(cells, level, rings):
-    """Three meshes of those sizes (a terrain, a sphere, a torus), a subdivision surface and a NURBS surface."""
+    """Returns three meshes of those sizes (a terrain, a sphere, a torus), a subdivision surface and
+    a NURBS surface."""
     return [
         Surface("terrain", "meshes", sample("terrain", cells=cells, amplitude=1), ""),
         Surface("sphere", "meshes", sample("icosphere", level=level), ""),
@@ -35,7 +38,7 @@ def surfaces(cells, level, rings):
 
 
 def upload(daemon, those):
-    """Uploads surfaces; how many faces each mesh has, by its name."""
+    """Uploads surfaces; returns the number of faces of each mesh, by name."""
     faces = {}
     for surface in those:
         answer = daemon.request("PUT", f"/v1/{surface.collection}/{surface.name}{surface.options}", surface.body, {})
@@ -46,7 +49,7 @@ def upload(daemon, those):
 
 
 def encode(request):
-    """The bytes of a request, its head and its body."""
+    """Returns the bytes of a request: head and body."""
     body = request.body or b""
     lines = [f"{request.method} {request.path} HTTP/1.1", "Host: localhost", *(f"{name}: {value}" for name, value in request.headers.items())]
     if body:
@@ -55,7 +58,7 @@ def encode(request):
 
 
 class Mix:
-    """Makes requests by chance. It learns the ids of fields from the answers it is shown."""
+    """Makes random requests. Collects the ids of fields from answers that are passed to `learn`."""
 
     def __init__(self, chance, those, faces, weights=None):
         self.chance, self.surfaces, self.faces = chance, those, faces
@@ -69,14 +72,14 @@ class Mix:
         return getattr(self, kind)(mesh)
 
     def learn(self, request, answer):
-        """Remembers a field that was answered, forgets one that is gone."""
+        """Adds the field of an answer, or removes a field that is gone."""
         if request.kind == "field" and answer.status in (200, 201):
             self.fields.append(f"{request.path}/{answer.json['id']}")
         if answer.status in (404, 410) and "/fields/" in request.path:
             gone = request.path.rpartition("/")[0]
             self.fields = collections.deque((path for path in self.fields if path != gone), maxlen=16)
 
-    # --- parts -----------------------------------------------------------------------------------------------------------
+    # --- parts -----------------------------------------------------------------------------------
 
     def point(self, mesh):
         a, b = sorted((self.chance.random(), self.chance.random()))
@@ -86,7 +89,7 @@ class Mix:
         return [self.point(mesh) for _ in range(count)]
 
     def near_points(self, mesh, count):
-        """Points of faces that follow on one another in the file, and so lie close to one another."""
+        """Returns points of consecutive faces of the file, which lie close to one another."""
         first = self.chance.randrange(self.faces[mesh])
         return [{"face": (first + 2 * i) % self.faces[mesh], "barycentric": [0.2, 0.3, 0.5]} for i in range(count)]
 
@@ -115,12 +118,12 @@ class Mix:
         return Request(kind, "GET", f"/v1/{path}", None, headers)
 
     def of_field(self, kind, make):
-        """A request about a field that is there, or else one that makes one."""
+        """Returns a request about an existing field, or one that creates a field."""
         if not self.fields:
             return self.field(self.chance.choice(list(self.faces)))
         return make(self.chance.choice(self.fields).removeprefix("/v1/"))
 
-    # --- meshes ----------------------------------------------------------------------------------------------------------
+    # --- meshes ----------------------------------------------------------------------------------
 
     def distance(self, mesh):
         return self.ask("distance", mesh, "distance", **{"from": self.point(mesh), "to": self.point(mesh)})
@@ -129,7 +132,7 @@ class Mix:
         return self.ask("path", mesh, "path", **{"from": self.point(mesh), "to": self.point(mesh), "via": self.points(mesh, 1)})
 
     def often(self, mesh):
-        """Of the same source again and again: from its field."""
+        """Repeats the same source, so that its field answers."""
         return self.get("often", f"meshes/{mesh}/path?from=v:7&to=f:{self.chance.randrange(self.faces[mesh])}:0.2,0.3,0.5&geometry=xyz",
                         **{"Accept-Encoding": "gzip"})
 
@@ -220,7 +223,8 @@ class Mix:
         return Request("remove", "DELETE", f"/v1/meshes/{self.chance.choice(('copy0', 'copy1', 'copy2', 'tiles', 'limit'))}", None, {})
 
     def wrong(self, mesh):
-        """What is refused: bytes that are no mesh, no JSON, no such place."""
+        """Returns a request that is refused: bytes that are not a mesh, not JSON, or name no
+        point."""
         return self.chance.choice((
             Request("wrong", "PUT", "/v1/meshes/wrong", self.chance.randbytes(300), {}),
             Request("wrong", "PUT", "/v1/meshes/wrong", b"v 0 0 0\nv 1 0 0\nf 1 2 3\n", {}),
@@ -231,7 +235,7 @@ class Mix:
     def job(self, mesh):
         return self.post("job", f"meshes/{mesh}/fields", {"set": self.set(mesh)}, Prefer="respond-async")
 
-    # --- smooth surfaces -------------------------------------------------------------------------------------------------
+    # --- smooth surfaces -------------------------------------------------------------------------
 
     def limit_evaluate(self, _):
         return self.post("limit_evaluate", "subdivisions/cube/evaluate", {"points": [self.place() for _ in range(50)]})

@@ -1,4 +1,4 @@
-/* Operations: one call of the engine each, over inputs made beforehand, for the sweep of failing
+/* Operations: each is one call of the engine on prepared inputs, for the sweep of failing
  * allocations (alloc_engine.c). */
 #ifndef TESTS_FAULT_OPERATIONS_H
 #define TESTS_FAULT_OPERATIONS_H
@@ -14,7 +14,7 @@ struct gd_mesh;
 
 #define COUNT(array) ((uint32_t)(sizeof(array) / sizeof *(array)))
 
-/* FNV-1a of what an answer says. */
+/* FNV-1a digest of an answer's contents. */
 struct digest {
     uint64_t value;
 };
@@ -27,21 +27,21 @@ void digest_mesh(struct digest *digest, const struct gd_mesh *mesh);
 
 /* A kind of answer. */
 struct answer {
-    size_t size; /* of the outputs, which lie together */
+    size_t size; /* size of the outputs, which are contiguous */
     void (*digest)(struct digest *digest, const void *out);
-    void (*discard)(void *out); /* NULL: it holds nothing */
+    void (*discard)(void *out); /* NULL: the answer holds no memory */
 };
 
 struct operation {
     const char *name;
     const struct answer *answer;
     enum gd_status (*run)(void *out);
-    enum gd_status status; /* what comes of it when nothing fails */
-    /* gives back what the call may leave behind for the next; NULL: nothing */
+    enum gd_status status; /* without failures */
+    /* frees what the call may keep for the next call; NULL: nothing */
     void (*settle)(void);
 };
 
-/* `open` makes the inputs, which live as long as the program. */
+/* `open` makes the inputs, which live until the program ends. */
 struct operations {
     void (*open)(void);
     const struct operation *items;
@@ -50,6 +50,6 @@ struct operations {
 
 extern const struct operations file_operations, mesh_operations, field_operations, query_operations,
     curve_operations, line_operations, parametric_operations, limit_operations, json_operations,
-    picture_operations;
+    picture_operations, edit_operations;
 
 #endif

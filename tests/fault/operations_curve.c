@@ -59,7 +59,7 @@ static void digest_spline(struct digest *digest, const void *out)
 {
     const struct gd_spline *made = out;
     for (uint32_t i = 0; i < made->count; i++)
-        for (int k = 0; k < 3; k++) digest_path(digest, &made->segments[i].legs[k]);
+        for (int k = 0; k < 3; k++) digest_path(digest, &made->segments[i].arms[k]);
 }
 
 static void discard_spline(void *out)

@@ -1,4 +1,4 @@
-/* Fields: built, resumed, stored, and what is asked of them. */
+/* Fields: built, resumed, stored, queried. */
 #include "tests/fault/operations.h"
 
 #include <pthread.h>

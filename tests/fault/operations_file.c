@@ -133,7 +133,7 @@ static enum gd_status write_quads(void *out)
     return gd_write_polygons(&quads, GD_FORMAT_JSON, &text->bytes, &text->size);
 }
 
-/* Distances and a line, whatever they are. */
+/* Writes a result with arbitrary distances and a line. */
 static enum gd_status write_result(void *out)
 {
     struct text *text = out;

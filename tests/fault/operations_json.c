@@ -1,4 +1,4 @@
-/* JSON decoded: jansson takes its memory by way of proto/json/parse.h. */
+/* JSON decoding: jansson allocates through proto/json/parse.c. */
 #include "tests/fault/operations.h"
 
 #include <string.h>

@@ -1,4 +1,4 @@
-/* Subdivision surfaces: made, evaluated, discretized, walked on. */
+/* Subdivision surfaces: built, evaluated, discretized, traced. */
 #include "tests/fault/operations.h"
 
 #include <stdlib.h>
@@ -83,7 +83,7 @@ static void discard_jets(void *out)
 
 static void digest_foot(struct digest *digest, const void *out)
 {
-    digest_number(digest, ((const struct gd_limit_foot *)out)->distance);
+    digest_number(digest, ((const struct gd_limit_closest *)out)->distance);
 }
 
 static void digest_steps(struct digest *digest, const struct gd_limit_step *steps, uint32_t count)
@@ -155,7 +155,7 @@ static const struct answer a_surface = {sizeof(struct gd_subdivision *), digest_
                                         discard_surface};
 static const struct answer a_jet = {sizeof(struct gd_limit_jet), digest_one_jet, NULL};
 static const struct answer jets = {sizeof(struct gd_limit_jet *), digest_all_jets, discard_jets};
-static const struct answer a_foot = {sizeof(struct gd_limit_foot), digest_foot, NULL};
+static const struct answer a_foot = {sizeof(struct gd_limit_closest), digest_foot, NULL};
 static const struct answer a_trace = {sizeof(struct gd_limit_path), digest_trace, discard_trace};
 static const struct answer a_geodesic = {sizeof(struct gd_limit_geodesic), digest_relaxed,
                                          discard_relaxed};
@@ -194,7 +194,7 @@ static enum gd_status evaluate_loop(void *out)
     return gd_limit_evaluate(on_octahedron, &places[3], out, NULL);
 }
 
-/* The array is unspecified on failure: so it is this call's own. */
+/* Evaluates into an array of its own, since the array is unspecified on failure. */
 static enum gd_status evaluate_many(void *out)
 {
     struct gd_limit_jet *array = malloc(PLACES * sizeof *array);

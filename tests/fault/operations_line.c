@@ -34,7 +34,7 @@ static void open_lines(void)
              NULL);
     check_ok(gd_pair_solve(mesh,
                            &(struct gd_pair_request){
-                               .from = &places[1], .to = &places[2], .wish = GD_PAIR_PATH},
+                               .from = &places[1], .to = &places[2], .output = GD_PAIR_PATH},
                            NULL, &pair, NULL),
              NULL);
     check_ok(gd_vector_log(mesh, &pair.path, &logarithm, NULL), NULL);

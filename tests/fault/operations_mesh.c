@@ -1,4 +1,4 @@
-/* Meshes built, as they are and repaired. */
+/* Meshes, built with and without repairs. */
 #include "tests/fault/operations.h"
 
 #include <string.h>
@@ -12,13 +12,13 @@
 static struct gd_polygons terrain, solid, broken, refused, twice, flat;
 static struct gd_mesh *mesh;
 
-/* Polygons of four, five and eight corners, one of which has a dent. */
+/* Polygons of four, five and eight corners, one of them concave. */
 static const char polygons_text[] = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 1 2 0\nv 1 1 0\nv 0.5 1.5 0\nv 0 "
                                     "2 0\nv -1 1 0.5\nv 3 0 1\nv 3 2 1\n"
                                     "f 1 2 3 4 5 6 7\nf 1 7 8\nf 2 9 10 3\n";
 
-/* Edges of three faces, two fans at a vertex, faces twice, without extent, flat, turned over, and
- * vertices that nearly coincide. */
+/* Defects: edges of three faces, two fans at a vertex, repeated faces, faces without extent, flat
+ * faces, reversed faces, and vertices that nearly coincide. */
 static const char broken_text[] =
     "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nf 1 2 3\nf 2 1 4\nf 1 2 5\n"
     "v 5 0 0\nv 6 0 0\nv 5 1 0\nv 4 0 0\nv 4 -1 0\nf 6 7 8\nf 6 9 10\n"
@@ -29,13 +29,12 @@ static const char broken_text[] =
     "24 25\n"
     "v 40 0 0\nv 41 0 0\nv 40 1 0\nv 41 1 0\nf 26 27 28\nf 27 28 29\n";
 
-/* Faces that others are, at an edge of more than two; and one that another is, beside nothing
- * else. */
+/* Repeated faces at an edge of more than two faces, and one apart from all others. */
 static const char refused_text[] =
     "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 -1 0\nf 1 2 3\nf 2 1 4\nf 3 1 2\nf 1 3 2\n";
 static const char twice_text[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\nf 1 2 3\n";
 
-/* A flat face, and nothing else to mend. */
+/* A flat face, and no other defect. */
 static const char flat_text[] =
     "v 0 0 0\nv 2 0 0\nv 1 0 0\nv 1 1 0\nv 1 -1 0\nf 1 2 4\nf 1 3 2\nf 1 5 3\nf 3 5 2\n";
 

@@ -106,12 +106,12 @@ static void discard_geodesics(void *out)
 
 static void digest_foot(struct digest *digest, const void *out)
 {
-    digest_bytes(digest, out, sizeof(struct gd_parametric_foot));
+    digest_bytes(digest, out, sizeof(struct gd_parametric_closest));
 }
 
 static void digest_space_foot(struct digest *digest, const void *out)
 {
-    digest_number(digest, ((const struct gd_space_foot *)out)->distance);
+    digest_number(digest, ((const struct gd_space_closest *)out)->distance);
 }
 
 enum { SAMPLED = 9 };
@@ -129,8 +129,9 @@ static const struct answer a_domain_curve = {sizeof(struct gd_domain_curve *), d
                                              discard_domain_curve};
 static const struct answer geodesics = {sizeof(struct gd_geodesics), digest_geodesics,
                                         discard_geodesics};
-static const struct answer a_foot = {sizeof(struct gd_parametric_foot), digest_foot, NULL};
-static const struct answer a_space_foot = {sizeof(struct gd_space_foot), digest_space_foot, NULL};
+static const struct answer a_foot = {sizeof(struct gd_parametric_closest), digest_foot, NULL};
+static const struct answer a_space_foot = {sizeof(struct gd_space_closest), digest_space_foot,
+                                           NULL};
 static const struct answer some_places = {SAMPLED * sizeof(double[2]), digest_places, NULL};
 
 /* --- calls ------------------------------------------------------------------------------------ */

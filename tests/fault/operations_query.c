@@ -151,7 +151,7 @@ static enum gd_status search(const struct gd_landmarks *with, const struct gd_co
     return gd_pair_solve(
         mesh,
         &(struct gd_pair_request){
-            .from = &places[1], .to = &places[6], .wish = GD_PAIR_PATH, .landmarks = with},
+            .from = &places[1], .to = &places[6], .output = GD_PAIR_PATH, .landmarks = with},
         control, out, &detail);
 }
 

@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
-"""Overload: what the daemon can do of a mix of expensive questions is measured by a closed loop; then five times as much is offered, whatever is
-answered (an open loop). What is too much has to be refused at once, the rest answered as fast as ever, and /livez with it.
+"""Overload: a closed loop measures the daemon's capacity for a mix of expensive queries; then an
+open loop offers five times as much, regardless of the answers. Excess requests must be refused at
+once; the others and /livez must be answered as fast as before.
 
     tests/fault/overload.py [--seconds N] [--seed N] [--short]
 
-Requests come from gd_load (load.c), which asks from one thread for some hundredths of a processor and so needs no priority of its own. The peak is the mean of
-what is measured before and after; no question comes twice, so that no cache helps. --short: small surfaces, and bounds that hold while other
-tests have the processors.
+Requests come from gd_load (load.c), whose one thread uses some hundredths of a processor and so
+needs no raised priority. The capacity is the mean of the measurements before and after. No query
+repeats, so that no cache helps. --short: small surfaces, and bounds that hold while other tests use
+the processors.
 """
 import argparse
 import json
@@ -28,8 +30,9 @@ TIMES = 5
 WARM = 0.5
 ASKED = {"goodput": 0.9, "refusal": 10, "livez": 50}
 ASKED_SHORT = {"goodput": 0.1, "refusal": 250, "livez": 500}
-CLOSED_CONNECTIONS, OPEN_CONNECTIONS = 16, 1500  # more than those wait
-# Kinds that cost about the same: of rare ones that cost much more, by chance more come in one measurement than in the other.
+CLOSED_CONNECTIONS, OPEN_CONNECTIONS = 16, 1500  # more than the queue holds
+# Kinds of similar cost: the random number of rare, expensive requests would differ between
+# measurements.
 WEIGHTS = {"matrix": 3, "to_set": 3, "field": 3, "path": 2, "log": 1}
 FLAGS = ("--memory-budget", f"{BUDGET}", "--max-body", "16MiB", "--workers", "2", "--http-threads", "2", "--landmarks", "0", "--queue-length", "32")
 
@@ -48,7 +51,7 @@ def load(daemon, path, connections, rate, seconds):
 
 
 class MemoryWatch(threading.Thread):
-    """The most resident memory until it is stopped."""
+    """Measures the largest resident memory until it is stopped."""
 
     def __init__(self, daemon):
         super().__init__()
@@ -64,7 +67,7 @@ def goodput(result):
 
 
 def measure(daemon, source, place, seconds):
-    """The peaks before and after the overload, and the overload."""
+    """Measures the capacity before and after the overload, and the overload."""
     def peak():
         write_requests(f"{place}/closed", source, round(3000 * (WARM + seconds)))
         return load(daemon, f"{place}/closed", CLOSED_CONNECTIONS, 0, seconds)

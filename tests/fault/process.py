@@ -1,4 +1,4 @@
-"""What a daemon holds, by the kernel's account and by its own."""
+"""The resources of a daemon, as counted by the kernel and by the daemon itself."""
 import os
 import pathlib
 
@@ -9,7 +9,7 @@ def status(daemon):
 
 
 def resident(daemon):
-    """Bytes of resident memory that no file backs."""
+    """Returns the bytes of resident memory that no file backs."""
     return int(status(daemon)["RssAnon"].split()[0]) << 10
 
 
@@ -27,7 +27,7 @@ def cpu_seconds(daemon):
 
 
 def metrics(daemon):
-    """All metrics without buckets, by name and labels."""
+    """Returns all metrics without buckets, by name and labels."""
     lines = daemon.get("/metrics").body.decode().splitlines()
     pairs = (line.rpartition(" ") for line in lines if line and not line.startswith("#") and "_bucket{" not in line)
     return {name.removeprefix("geodesicd_"): float(value) for name, _, value in pairs}

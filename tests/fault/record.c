@@ -1,10 +1,10 @@
-/* Record: a library to preload, which writes down every change that a process makes to the files
- * under RECORD_ROOT, in order, into RECORD_LOG: what replay.py plays back with what was not synced
- * left out.
+/* Record: a preloaded library that logs every change that a process makes to the files under
+ * RECORD_ROOT, in order, to RECORD_LOG. replay.py replays the log without changes that were not
+ * synced.
  *
- * An entry is a line "KIND SIZE A B [PATH] [PATH]\n" with SIZE bytes of data behind it. Kinds: C
+ * An entry is a line "KIND SIZE A B [PATH] [PATH]\n" followed by SIZE bytes of data. Kinds: C
  * create file, M make folder, W write at A, T truncate to A, S sync, R rename, L link, U unlink, D
- * remove folder. Calls that fail are left out. One mutex covers call and entry, so that the log has
+ * remove folder. Failed calls are omitted. One mutex covers call and entry, so that the log has
  * them in the order in which they happened.
  *
  * RECORD_KILL, if it is set, is a kind: the process is killed right after its first change of that
@@ -47,7 +47,7 @@ static int is_ours(const char *path)
     return strncmp(path, root, size) == 0 && (path[size] == '/' || !path[size]);
 }
 
-/* Path of a descriptor; false if it is none of ours. */
+/* Gets the path of a descriptor; false if it is outside RECORD_ROOT. */
 static int path_of(int file, char path[4096])
 {
     char link[64];

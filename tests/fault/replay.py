@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Power cuts: one scenario's changes to the data folder, through several lives of the daemon, some of which end by a kill, are recorded
-(record.c); for each prefix of them the folder is made as it may be after a power cut at that moment. Then --check-store finds no fault, the daemon starts, and every change
-that was acknowledged before is there.
+"""Power cuts. record.c records one scenario's changes to the data folder, through several lives of
+the daemon, some of which end by a kill. For each prefix of the changes, the folder is rebuilt as it
+may be after a power cut at that moment. Then --check-store must find no fault, the daemon must
+start, and every change acknowledged before must be there.
 
-What is lost in a cut is what was not synced:
+A cut loses changes that were not synced:
     none     all of it: contents since the file's last fsync, names since their folder's
     mixed    any part of it: each write, and each name, by the toss of a coin
     all      nothing (as after a kill)
@@ -23,16 +24,17 @@ import tempfile
 from common import GONE, PROGRAM, Ledger, Shimmed, build_shim, check, edges, mesh
 from figures import conclude, report
 
-DATA = "data"  # the data folder's name, in the folder that is recorded
+DATA = "data"  # name of the data folder in the recorded folder
 
 HEAD = re.compile(rb"(\w) (\d+) (-?\d+) \[(.*?)\] \[(.*?)\]\n")
 
 
-# --- the scenario -------------------------------------------------------------------------------------------------------
+# --- the scenario -------------------------------------------------------------------------------
 
 
 def mark(log, text):
-    """An entry of our own, between those of the daemon. It answers after its syncs: so the order is right."""
+    """Adds an entry of the test between those of the daemon. The daemon answers after its syncs, so
+    the order is right."""
     with open(log, "ab") as file:
         file.write(b"A 0 0 [%s] []\n" % text.encode())
 
@@ -43,7 +45,8 @@ STEPS = [("a", 1.5, 0), ("b", 0.75, 9000), ("a", 1.25, 0), ("c", 1.25, 0), ("b",
 
 
 class Scenario:
-    """Creates, replacements by other and by the same contents, shared contents, deletes; restarts and kills in between."""
+    """Creates meshes, replaces them by other and by the same contents, shares contents, deletes;
+    restarts and kills in between."""
 
     def __init__(self, root, log, library):
         self.folder, self.log, self.library = root / DATA, log, library
@@ -53,7 +56,8 @@ class Scenario:
         self.daemon = Shimmed(self.folder, library=self.library, environment={**self.environment, **environment})
 
     def die_at_the_start(self):
-        """Killed when it has made a folder whose name is not durable as yet; False: it had none to make."""
+        """Kills the daemon after it has made a folder whose name is not durable yet. Returns false
+        if it had none to make."""
         environment = {**os.environ, **self.environment, "LD_PRELOAD": str(self.library), "RECORD_KILL": "M",
                        "GEODESICD_SANDBOX": "off"}
         process = subprocess.Popen([PROGRAM, "--data-dir", self.folder, "--listen", "127.0.0.1:0"], env=environment,
@@ -72,7 +76,8 @@ class Scenario:
         mark(self.log, f"end {name} {edge}")
 
     def change_twice(self, name, edge):
-        """Killed when it has made the folder of the mesh's bytes; the next life takes them again."""
+        """Kills the daemon after it has made the folder of the mesh's bytes; the next life stores
+        the same bytes."""
         self.daemon.stop()
         self.start(RECORD_KILL="M")
         try:
@@ -107,11 +112,11 @@ def read_log(log):
     return entries
 
 
-# --- a file system that forgets -----------------------------------------------------------------------------------------
+# --- a file system that forgets -----------------------------------------------------------------
 
 
 class File:
-    """Contents as they are on the disk, and the writes since."""
+    """Contents as on the disk, and the writes since."""
 
     def __init__(self):
         self.durable, self.pending = b"", []
@@ -191,19 +196,19 @@ class Disk:
                 del folder.now[name]
 
     def write(self, root, lost, chance):
-        """Makes the folder as it is after a cut."""
+        """Makes the folder in its state after a cut."""
         def write_folder(folder, path):
             path.mkdir()
             for name, node in folder.names(lost, chance).items():
                 if isinstance(node, Folder):
                     write_folder(node, path / name)
-                elif not name.endswith("-shm"):  # memory of the process that SQLite makes anew
+                elif not name.endswith("-shm"):  # -shm is shared memory, which SQLite makes anew
                     (path / name).write_bytes(node.content(lost, chance))
 
         write_folder(self.top, pathlib.Path(root))
 
 
-# --- the trial ----------------------------------------------------------------------------------------------------------
+# --- the trial ----------------------------------------------------------------------------------
 
 
 def follow(ledger, text):
@@ -212,11 +217,12 @@ def follow(ledger, text):
 
 
 def trial(disk, ledger, place, lost, chance):
-    """What is wrong after a cut at this moment."""
+    """Returns the faults after a cut at this moment."""
     folder = place / "cut"
     disk.write(folder, lost, chance)
     wrong = []
-    if ledger.acknowledged and (result := check(folder / DATA)).returncode:  # before there need not be a whole data folder
+    # before the first acknowledgement the data folder may be incomplete
+    if ledger.acknowledged and (result := check(folder / DATA)).returncode:
         wrong.append(result.stdout)
     try:
         daemon = Shimmed(folder / DATA)

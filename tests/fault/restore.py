@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""kill -9 in the middle of --restore: a daemon refuses to start on what there is, or all of it is there; the same command, run again, completes it.
-Likewise --backup, whose unfinished copies can't be restored.
+"""kill -9 in the middle of --restore: a daemon refuses to start on the partial folder, unless the
+folder is complete; running the same command again completes it. Likewise --backup, whose unfinished
+copies can't be restored.
 
     tests/fault/restore.py [--count N] [--seed N]
 """
@@ -24,7 +25,7 @@ def command(folder, *flags):
 
 
 def fill(folder):
-    """A store with meshes of 100 to 400 KB; what a daemon finds in it."""
+    """Fills a store with meshes of 100 to 400 KB; returns what a daemon finds in it."""
     with Shimmed(folder) as daemon:
         for number in range(MESHES):
             assert daemon.put(f"m{number}", mesh(1 + number / 16, 100_000 + 10_000 * number)).status == 201
@@ -34,7 +35,7 @@ def fill(folder):
 
 
 def interrupt(arguments, seconds):
-    """Runs the command and kills it after that time; whether it had ended."""
+    """Runs the command and kills it after that time; returns whether it had ended."""
     process = subprocess.Popen(arguments, stdout=subprocess.DEVNULL)
     try:
         return process.wait(seconds) == 0
@@ -45,7 +46,8 @@ def interrupt(arguments, seconds):
 
 
 def what_starts(folder, whole):
-    """How a daemon starts on the folder: refused, empty (nothing was begun), whole, or in part."""
+    """Returns how a daemon starts on the folder: refused, empty (nothing was begun), whole, or in
+    part."""
     if not any(folder.glob("*")):
         return "empty"
     try:
@@ -67,7 +69,8 @@ class Trial:
         self.seen, self.wrong = {}, []
 
     def once(self, number, chance):
-        """Interrupts a restore once to three times, looks each time, and completes it."""
+        """Interrupts a restore one to three times, checks the folder each time, and completes
+        it."""
         folder = self.place / f"restored{number}"
         for _ in range(chance.randrange(1, 4)):
             if interrupt(command(folder, "--restore", str(self.source)), chance.uniform(0, 1.1 * self.seconds)):
@@ -77,7 +80,7 @@ class Trial:
             if state not in ("refused", "empty", "whole"):
                 self.wrong.append(f"restore {number}: {state}")
             if state == "whole":
-                break  # it was killed after its last file was durable
+                break  # killed after its last file was durable
         else:
             again = subprocess.run(command(folder, "--restore", str(self.source)), capture_output=True, text=True)
             if again.returncode:
@@ -88,7 +91,8 @@ class Trial:
             self.wrong.append(f"restore {number}: {result.stdout}")
 
     def backup_once(self, chance):
-        """A backup that was interrupted can't be restored until the same command completes it."""
+        """Checks that an interrupted backup can't be restored until the same command completes
+        it."""
         copy, folder = self.place / "copy", self.place / "of-copy"
         interrupt(command(self.source, "--backup", str(copy)), chance.uniform(0.3, 0.7) * self.seconds)
         if not (copy / "unfinished").exists():

@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
-"""What the system lacks or does besides memory and disk: no descriptors are left (RLIMIT_NOFILE), clients are gone when they are read from or written to
-(ECONNRESET) and when they are accepted (ECONNABORTED), the clock jumps, the process is stopped and goes on (every wait is interrupted), files and
-sockets that are written to have no reader. The daemon lives, answers rightly where it answers, and is as before afterwards.
+"""Failures of the system other than memory and disk: no descriptors are left (RLIMIT_NOFILE),
+clients are gone when their sockets are read or written (ECONNRESET) or accepted (ECONNABORTED), the
+clock jumps, the process is stopped and continued (every wait is interrupted), written files and
+sockets have no reader. The daemon survives, its answers are correct, and its state is as before
+afterwards.
 
     tests/fault/scarcity.py [--calls N]      the first N calls of sockets fail in turn
 """
@@ -30,7 +32,7 @@ def expect(wrong, what, got, *allowed):
 
 
 def ask(daemon, wrong, when):
-    """A query's answer is right, an upload and a removal work."""
+    """Checks that a query's answer is right, and that an upload and a removal work."""
     expect(wrong, f"{when}: distance", daemon.get("/v1/meshes/a/distance?from=v:0&to=v:1").json.get("distance"), 1.5)
     expect(wrong, f"{when}: upload", daemon.put("new", mesh(2.5)).status, 201)
     expect(wrong, f"{when}: removal", daemon.request("DELETE", "/v1/meshes/new").status, 204)
@@ -50,14 +52,14 @@ def finish(daemon, folder, wrong):
 
 
 def settle(daemon, wrong, when):
-    """Until no connection is left but the one that asks."""
+    """Waits until only the test's own connection is left."""
     until = time.monotonic() + PATIENCE_SECONDS
     while (connections := daemon.metric("connections")) > 1 and time.monotonic() < until:
         time.sleep(0.02)
     expect(wrong, f"{when}: connections", connections, 1)
 
 
-# --- descriptors ---------------------------------------------------------------------------------------------------------
+# --- descriptors --------------------------------------------------------------------------------
 
 
 @contextlib.contextmanager
@@ -71,7 +73,8 @@ def few_descriptors():
 
 
 def crowd(daemon, wrong, cpu_most, *upload_statuses):
-    """More clients than descriptors: those that are in are answered, the others wait. `cpu_most`: processor time in a second of waiting."""
+    """Connects more clients than descriptors: connected ones are answered, the others wait.
+    `cpu_most`: most processor time for each second of waiting."""
     with contextlib.ExitStack() as stack:
         clients = [stack.enter_context(socket.create_connection(("127.0.0.1", daemon.port), timeout=PATIENCE_SECONDS)) for _ in range(CLIENTS)]
         for client in clients:
@@ -90,7 +93,8 @@ def crowd(daemon, wrong, cpu_most, *upload_statuses):
 
 
 def start_with_few(place):
-    """As many connections are let in as leave the daemon the descriptors that it needs itself."""
+    """The daemon admits only as many connections as leave it the descriptors that it needs
+    itself."""
     wrong = []
     with few_descriptors():
         daemon = start(place, "few")
@@ -100,8 +104,9 @@ def start_with_few(place):
 
 
 def run_out(place):
-    """None is left for files either, as when the whole system has none: uploads are refused, and only then. An HTTP thread of the
-    library that has no connection tries to accept again at once: it may spin as long as that lasts."""
+    """No descriptors are left for files either, as when the whole system has none: uploads are
+    refused, but only then. An HTTP thread of the library without a connection retries accept at
+    once, so it may spin meanwhile."""
     wrong, daemon = [], start(place, "none")
     limits = resource.prlimit(daemon.process.pid, resource.RLIMIT_NOFILE)
     resource.prlimit(daemon.process.pid, resource.RLIMIT_NOFILE, (descriptors(daemon) + 8, limits[1]))
@@ -109,11 +114,11 @@ def run_out(place):
     return finish(daemon, place / "none", wrong)
 
 
-# --- sockets -------------------------------------------------------------------------------------------------------------
+# --- sockets ------------------------------------------------------------------------------------
 
 
 def reset_clients(place, library, most):
-    """Each of the first `most` calls on sockets finds that the client is gone."""
+    """Makes each of the first `most` socket calls find that the client is gone."""
     wrong, order = [], place / "reset-order"
     order.write_text("fine")
     daemon = start(place, "reset", library, INJECT_ROOT=str(place / "reset"), INJECT_ORDER=str(order))
@@ -131,11 +136,12 @@ def reset_clients(place, library, most):
     return finish(daemon, place / "reset", wrong)
 
 
-# --- the clock -----------------------------------------------------------------------------------------------------------
+# --- the clock ----------------------------------------------------------------------------------
 
 
 def jump_clock(place, library):
-    """Deadlines, rates and waits are measured by a clock that does not jump; dates are those of the day that it is said to be."""
+    """Deadlines, rates and waits use a clock that does not jump; dates follow the injected
+    clock."""
     wrong, order = [], place / "clock-order"
     order.write_text("fine")
     daemon = start(place, "clock", library, INJECT_ROOT=str(place / "clock"), INJECT_ORDER=str(order))
@@ -150,11 +156,12 @@ def jump_clock(place, library):
     return finish(daemon, place / "clock", wrong)
 
 
-# --- signals -------------------------------------------------------------------------------------------------------------
+# --- signals ------------------------------------------------------------------------------------
 
 
 def stop_and_go(place):
-    """Stopped and continued all the time while it works; signals of writing without a reader are nobody's."""
+    """Stops and continues the daemon repeatedly while it works; signals of writing without a reader
+    are ignored."""
     wrong = []
     daemon = start(place, "signals")
     for number in range(40):

@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
-"""Clients that read a long answer steadily, but slowly: above 16 KiB a second none is cut; one that stops reading is.
+"""Clients that read a long answer steadily but slowly: none is cut above 16 KiB a second; a client
+that stops reading is cut. The clients' receive buffers differ in size, and so does the amount that
+the kernels buffer.
 
 Sizes of the client's receive buffer differ, and with them how much the kernels hold between both.
 
@@ -16,7 +18,7 @@ from figures import conclude, report
 
 RATES = (24_000, 50_000)
 BUFFERS = (0, 4096, 1 << 20)  # bytes; 0: the system's
-LEVELS = (6, 7)  # of the meshes: 4 and 16 MB
+LEVELS = (6, 7)  # levels of the meshes: 4 and 16 MB
 PIECE = 0.25  # seconds between two reads
 
 
@@ -31,7 +33,8 @@ def ask(port, path, buffer=0):
 
 
 def read_steadily(port, path, size, rate, buffer, seconds):
-    """How many seconds a client that reads so many bytes a second was served before it was cut; None: it has all, or was served for as long as asked for."""
+    """Reads `rate` bytes a second. Returns after how many seconds the client was cut; None: it read
+    everything, or was served for `seconds`."""
     began, taken = time.monotonic(), 0
     with ask(port, path, buffer) as connection:
         while taken < size and (passed := time.monotonic() - began) < seconds:
@@ -49,7 +52,7 @@ def read_steadily(port, path, size, rate, buffer, seconds):
 
 
 def stop_reading(port, path, seconds):
-    """When a client that reads nothing is cut."""
+    """Returns after how many seconds a client that reads nothing is cut."""
     began = time.monotonic()
     with ask(port, path) as connection:
         while (passed := time.monotonic() - began) < seconds:

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""A soak: the random mix for as long as you like, uploads, replacements, jobs and refusals among it, while memory, descriptors and threads
-are watched. Prints the series; with --svg draws it too.
+"""A soak: sends the random mix, including uploads, replacements, jobs and refusals, for a given
+time, and watches memory, descriptors and threads. Prints the series; --svg also draws it.
 
     tests/fault/soak.py [--seconds N] [--clients N] [--pause MS] [--seed N] [--svg FILE]
 
-It is warm after the first quarter at the earliest, and once the memory budget has been used up. From then on: the slope of resident memory by
-least squares, the numbers of threads and descriptors. In the end everything is removed and the clients go: what is held then is compared with
-what was held before they came.
+The daemon is warm once the memory budget has been used up, but not before the first quarter. From
+then on the slope of resident memory (by least squares) and the numbers of threads and descriptors
+are measured. At the end everything is removed and the clients leave; the remaining resources are
+compared with those before the clients came.
 """
 import argparse
 import collections
@@ -25,12 +26,13 @@ from figures import conclude, report
 MIB = 1 << 20
 BUDGET = 128 * MIB
 SAMPLES = 240
-ROWS = 24  # of the printed series
-FULL = 0.9  # of the budget: as good as used up
-DRIFT = 0.05  # of the budget: more than this over the time that is measured is a leak
-SHORT_SECONDS = 600  # in less the caches fill: what is looked at then is what nobody counts
-TRIM_SECONDS = 11  # within them the daemon returns free memory of the heap to the system
-EMPTY_SLACK = 48 * MIB  # the allocator's, above a fresh daemon, beside what the daemon says it holds
+ROWS = 24  # rows of the printed series
+FULL = 0.9  # share of the budget that counts as used up
+DRIFT = 0.05  # share of the budget: larger growth over the measured time is a leak
+SHORT_SECONDS = 600  # in a shorter soak the caches still fill
+TRIM_SECONDS = 11  # period in which the daemon returns free heap memory to the system
+# what the allocator may keep, above a fresh daemon and beyond what the daemon counts
+EMPTY_SLACK = 48 * MIB
 FLAGS = ("--memory-budget", f"{BUDGET}", "--workers", "2", "--http-threads", "2", "--max-body", "16MiB", "--max-jobs", "200", "--job-ttl-s", "60", "--scrub-s", "60",
          "--persist-fields")
 
@@ -38,7 +40,8 @@ Sample = collections.namedtuple("Sample", "seconds requests resident counted des
 
 
 class Client(threading.Thread):
-    """Asks until it is stopped. `statuses` counts the answers, `faults` is what should not have happened."""
+    """Sends requests until it is stopped. `statuses` counts the answers; `faults` lists what must
+    not happen."""
 
     def __init__(self, daemon, requests, pause):
         super().__init__()
@@ -70,7 +73,8 @@ def take(daemon, begun, clients):
 
 
 def take_at_rest(daemon, clients):
-    """The least that is held while nobody asks but this: a connection that was just closed may be there for a moment."""
+    """Returns the fewest resources held while no other request runs: a closed connection may linger
+    for a moment."""
     def one():
         time.sleep(0.05)
         return take(daemon, time.monotonic(), clients)
@@ -79,7 +83,7 @@ def take_at_rest(daemon, clients):
 
 
 def slope(series):
-    """Bytes a second, by least squares."""
+    """Returns the slope in bytes a second, by least squares."""
     mean_x = sum(sample.seconds for sample in series) / len(series)
     mean_y = sum(sample.resident for sample in series) / len(series)
     spread = sum((sample.seconds - mean_x) ** 2 for sample in series)
@@ -113,7 +117,7 @@ def print_series(series):
 
 
 def draw(series, path):
-    """Four panels, each from zero to its greatest value."""
+    """Draws four panels, each from zero to its greatest value."""
     width, height, gap = 760, 110, 34
     panels = [("resident memory, MiB", [sample.resident / MIB for sample in series]), ("counted memory, MiB", [sample.counted / MIB for sample in series]),
               ("descriptors", [sample.descriptors for sample in series]), ("threads", [sample.threads for sample in series])]
@@ -131,13 +135,14 @@ def draw(series, path):
 
 
 def warmed(series):
-    """What came after the warm-up; all after the first quarter if the budget never was used up."""
+    """Returns the samples after the warm-up; all after the first quarter if the budget never was
+    used up."""
     full = next((sample.seconds for sample in series if sample.counted >= FULL * BUDGET), 0)
     return [sample for sample in series if sample.seconds >= max(full, series[-1].seconds / 4)]
 
 
 def report_growth(warm, lasting, before):
-    """Is there memory that is held for ever?"""
+    """Reports whether memory is never released."""
     if lasting > SHORT_SECONDS:
         rate = slope(warm)
         return report("soak: slope of resident memory after warm-up", f"within {DRIFT:.0%} of the budget over the time",

@@ -1,5 +1,5 @@
-/* Stacks: which ways of calling have been seen, so that each is made to fail once. Threads may
- * share a set; it lies in shared memory, so that processes may, too. */
+/* Stacks: a set of seen call paths, so that each is made to fail once. Threads may share a set; it
+ * lies in shared memory, so that processes may share it, too. */
 #ifndef TESTS_FAULT_STACKS_H
 #define TESTS_FAULT_STACKS_H
 
@@ -16,7 +16,7 @@ struct stacks {
     _Atomic uint64_t keys[STACKS_SLOTS];
 };
 
-/* Was it new? A full set takes all for known. */
+/* Adds a key; returns whether it was new. A full set regards all keys as known. */
 static inline bool stacks_add(struct stacks *stacks, uint64_t key)
 {
     key += !key;
@@ -42,7 +42,8 @@ static inline bool stacks_has(struct stacks *stacks, uint64_t key)
     return false;
 }
 
-/* The return addresses from the caller's caller on. Its first call in a process allocates. */
+/* Returns a hash of the return addresses from the caller's caller on. Its first call in a process
+ * allocates. */
 static inline uint64_t stacks_here(void)
 {
     void *frames[STACKS_DEPTH];

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""A log that nobody reads: standard error is a pipe, a socket (as under systemd) or a terminal that is stopped, and is not read any more once the daemon
-listens. Requests are answered all the same, /livez too, and SIGTERM ends the daemon; what is read later tells exactly how many lines are missing.
+"""An unread log: standard error is a pipe, a socket (as under systemd) or a stopped terminal, and
+is no longer read once the daemon listens. Requests and /livez are answered nevertheless, and
+SIGTERM ends the daemon; the log that is read later tells exactly how many lines are missing.
 
     tests/fault/stuck_log.py [--requests N]
 """
@@ -23,8 +24,9 @@ from common import PROGRAM
 from figures import conclude, quantile, report
 
 CLIENTS = 8
-PATIENCE_SECONDS = 10  # of a client: an answer that takes longer is none
-END_SECONDS = 10  # the daemon has nothing to drain: a second for its log, the rest for a busy machine
+PATIENCE_SECONDS = 10  # patience of a client: a slower answer counts as none
+# the daemon has nothing to drain: one second for its log, the rest as margin for a busy machine
+END_SECONDS = 10
 BLOCK = 1 << 16
 
 
@@ -68,7 +70,7 @@ class Stuck:
         os.close(self.reader)
 
     def ask(self, count):
-        """Seconds that each request took which was answered with 200; of one client."""
+        """Returns the seconds of each request of one client that was answered with 200."""
         connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=PATIENCE_SECONDS)
         took = []
         with contextlib.suppress(OSError, http.client.HTTPException), contextlib.closing(connection):
@@ -88,7 +90,7 @@ class Stuck:
         return next(int(float(line.split()[1])) for line in lines if line.startswith("geodesicd_log_lines_dropped_total"))
 
     def end(self):
-        """Seconds from SIGTERM to the end; infinity: it does not end."""
+        """Returns the seconds from SIGTERM to the end; infinity: it does not end."""
         begun = time.monotonic()
         self.process.send_signal(signal.SIGTERM)
         try:
@@ -98,11 +100,11 @@ class Stuck:
         return time.monotonic() - begun if self.process.returncode == 0 else float("inf")
 
     def read_rest(self):
-        """Reads until the writer is gone, or nothing comes any more."""
+        """Reads until the writer is gone, or no more bytes arrive."""
         while select.select([self.reader], [], [], 1)[0]:
             try:
                 block = os.read(self.reader, BLOCK)
-            except OSError:  # the terminal's way to say that it is closed
+            except OSError:  # a closed terminal reports an error
                 return
             if not block:
                 return
@@ -125,14 +127,14 @@ def try_sink(kind, requests):
         dropped = stuck.dropped() if len(took) == requests else 0
         seconds = stuck.end()
     return [
-        report(f"a log that nobody reads ({kind}): requests answered", f"{requests} of {requests}",
+        report(f"an unread log ({kind}): requests answered", f"{requests} of {requests}",
                f"{len(took)}, p99 {quantile(took, 0.99) * 1000:.1f} ms, {dropped} lines dropped", len(took) == requests and dropped > 0),
-        report(f"a log that nobody reads ({kind}): SIGTERM ends the daemon", f"<= {END_SECONDS} s", f"{seconds:.2f} s", seconds <= END_SECONDS),
+        report(f"an unread log ({kind}): SIGTERM ends the daemon", f"<= {END_SECONDS} s", f"{seconds:.2f} s", seconds <= END_SECONDS),
     ]
 
 
 def try_account(requests):
-    """What is read at last is every line, or tells how many there were between."""
+    """Checks that the log finally has every line, or the number of missing lines."""
     with Stuck("pipe") as stuck:
         answered = len(ask_all(stuck, requests))
         stuck.read_rest()

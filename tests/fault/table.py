@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""Runs the programs that show what is promised, one after the other, and prints what they measured as one table.
+"""Runs the programs that prove the promises, one after the other, and prints their measurements as
+one table.
 
     tests/fault/table.py [--timeout SECONDS] [--only WORD] PROGRAM...
 
-A program is a command, or `promise | asked | command`. It prints a row of the table itself (figures.py), as often as it likes; one that prints none gets one
-by what is written before it, with the number of its tests. Its last row fails if the program does.
+A program is a command, or `promise | asked | command`. It may print rows of the table itself
+(figures.py). A program without rows gets one from `promise` and `asked`, with the number of its
+tests. Its last row fails if the program does.
 """
 import argparse
 import json

@@ -1,10 +1,13 @@
 #!/usr/bin/env python3
-"""A tenant beside another's flood, of jobs and of requests that wait on the line: how long its questions take, alone and beside it.
+"""Measures how long one tenant's queries take, alone and during another tenant's flood of jobs and
+of waiting requests.
 
     tests/fault/tenants.py [--count N] [--short]
 
-Both tenants ask for fields that nobody has asked for before, each of some hundredths of a second, the victim one after the other, the flood five times as many as the daemon can
-answer. The floods come from gd_load (load.c). --short: smaller surfaces, and no bound for the ratio, since other tests have the processors; but no question may be refused.
+Both tenants request new fields, each of which takes some hundredths of a second. The victim sends
+one request after the other; the flood has five times as many as the daemon can answer. The floods
+come from gd_load (load.c). --short: smaller surfaces, and no bound on the ratio, since other tests
+use the processors; but no query may be refused.
 """
 import argparse
 import http.client
@@ -24,9 +27,10 @@ from test_access import bearer, digest, key_of
 
 RATIO = 3
 TIMES = 5
-CLIENTS = 600  # of the flood: more than the queue has places
+CLIENTS = 600  # clients of the flood: more than the queue has places
 FLAGS = ("--memory-budget", "2GiB", "--workers", "2", "--http-threads", "2", "--landmarks", "0", "--timeout-ms", "30000")
-VICTIM, FLOOD, SAME, WATCH = "ann", "bob", "ann-jobs", "watch"  # `ann-jobs`: a second key of the victim's tenant
+# `ann-jobs`: a second key of the victim's tenant
+VICTIM, FLOOD, SAME, WATCH = "ann", "bob", "ann-jobs", "watch"
 
 
 class Keyed(Daemon):
@@ -42,13 +46,14 @@ class Keyed(Daemon):
 
 
 def question(chance, vertices):
-    """Of the field of a set that is new."""
+    """Returns a request for the field of a new set."""
     points = [{"vertex": vertex} for vertex in chance.sample(range(vertices), 2)]
     return json.dumps({"set": {"points": points}}).encode()
 
 
 def flood(daemon, place, name, headers, rate, seconds):
-    """Begins to ask so often a second, whatever is answered, for so long; the process."""
+    """Starts a flood of `rate` requests a second for `seconds`, regardless of the answers. Returns
+    the process."""
     chance, path = random.Random(name), f"{place}/requests"
     with open(path, "wb") as file:
         for _ in range(round(rate * seconds) + 1):
@@ -59,7 +64,7 @@ def flood(daemon, place, name, headers, rate, seconds):
 
 
 def ask(daemon, count, seed):
-    """Seconds that each question took, and the statuses that were no answer."""
+    """Returns the seconds of each query, and the statuses of failures."""
     chance, took, refused = random.Random(seed), [], []
     for _ in range(count):
         begun = time.monotonic()
@@ -97,7 +102,7 @@ def measure(daemon, place, what, count, bound):
 
 
 def wait_until_idle(daemon):
-    """Removes what the flood has left, and waits until nobody waits for a worker."""
+    """Removes the remains of the flood, and waits until no request waits for a worker."""
     for name in (FLOOD, SAME):
         while jobs := daemon.request("GET", "/v1/jobs?limit=1000", None, bearer(name)).json["jobs"]:
             for job in jobs:

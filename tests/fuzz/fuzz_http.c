@@ -1,9 +1,9 @@
-/* Fuzzes the daemon through its socket: the input is what a client sends, but for its first byte,
- * which says how the client ends: it shuts its side down at once, or asks for one thing more,
- * behind which the daemon closes, and shuts down only after a silence. Whatever is sent, the daemon
- * hangs up in the end; what it says begins with a line of HTTP/1.1 and is never status 500, and it
- * goes on answering /livez. Behind the socket is all of it: library, checks, router, handlers,
- * workers and engine. */
+/* Fuzzes the daemon through its socket. The input is the bytes that a client sends, except its
+ * first byte, which says how the client ends: it either shuts its side down at once, or sends one
+ * more request, after which the daemon closes, and shuts down only after a silence. For any input
+ * the daemon closes the connection in the end; its output begins with a line of HTTP/1.1 and never
+ * has status 500; and it continues to answer /livez. This covers the library, checks, router,
+ * handlers, workers and engine. */
 #include <arpa/inet.h>
 #include <errno.h>
 #include <netinet/in.h>
@@ -20,9 +20,9 @@
 
 enum {
     ANSWER_BYTES = 1 << 16,
-    REFRESH = 128,   /* inputs, after which the mesh is uploaded again */
-    SILENCE_MS = 10, /* of a daemon that waits for more */
-    TRIES = 600,     /* to connect, a tenth of a second each */
+    REFRESH = 128,   /* inputs after which the mesh is uploaded again */
+    SILENCE_MS = 10, /* silence of a daemon that waits for more bytes */
+    TRIES = 600,     /* attempts to connect, one every tenth of a second */
 };
 
 static const char last[] = "GET /livez HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
@@ -55,20 +55,20 @@ static void start(void)
                                   "50",          "--drain-ms",
                                   "100",         NULL};
     struct server_config config;
-    char error[512];
+    char error[SERVER_ERROR];
     promise(server_config_load(&config, flags, stdout, stderr) == SERVER_CONFIG_RUN);
     server_log_set_level(config.log_level);
-    int listening = server_address_bind(&config.listen, error, sizeof error);
+    int listening = server_address_bind(&config.listen, error);
     promise(listening >= 0);
-    server = server_start(&config, listening, error, sizeof error);
+    server = server_start(&config, listening, error);
     promise(server != NULL);
     atexit(stop);
 }
 
 /* --- a client --------------------------------------------------------------------------------- */
 
-/* A connection that leaves nothing behind: a client in TIME_WAIT for each input would use up the
- * ports. */
+/* Connects so that closing leaves nothing behind: one client in TIME_WAIT for each input would use
+ * up the ports. */
 static int join(void)
 {
     const struct sockaddr *address = (const struct sockaddr *)&server->config.listen.socket;
@@ -76,7 +76,7 @@ static int join(void)
     promise(client >= 0);
     while (connect(client, address, server->config.listen.size) != 0) {
         promise((errno == EADDRNOTAVAIL || errno == EINTR) &&
-                tries++ < TRIES); /* others on this machine have all ports */
+                tries++ < TRIES); /* other programs on this machine may use all ports */
         usleep(100000);
     }
     setsockopt(client, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
@@ -85,7 +85,7 @@ static int join(void)
     return client;
 }
 
-/* Sends in two pieces, and reads until the daemon hangs up; how much of the answer there is in
+/* Sends in two pieces, and reads until the daemon closes. Returns the size of the answer in
  * `answer`. */
 static size_t exchange(const char *bytes, size_t size, bool asks_more,
                        char answer[ANSWER_BYTES + 1])

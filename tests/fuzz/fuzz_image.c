@@ -1,5 +1,5 @@
-/* Fuzzes field images as they lie in the store. What is opened is asked everywhere; no answer may
- * lead outside of the image. */
+/* Fuzzes field images in the form of the store. An opened field is queried everywhere; no query may
+ * read outside of the image. */
 #include <math.h>
 #include <stdlib.h>
 

@@ -1,6 +1,6 @@
-/* Fuzzes landmark images as they lie in the store. What is opened holds finite numbers only and
- * narrows searches without leading outside of them; that a search finds the distance all the same
- * is for the store's checksum to see to. */
+/* Fuzzes landmark images in the form of the store. Opened landmarks have only finite numbers, and
+ * searches with them read nothing outside the image. The store's checksum, not this code,
+ * guarantees that such searches find the right distance. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -27,7 +27,7 @@ static const char *image(size_t *size)
     return bytes;
 }
 
-/* Searches may fail, as they are misled, but say so. */
+/* Searches with damaged landmarks may fail, but must report it. */
 static void search_with(const struct gd_landmarks *landmarks)
 {
     static const double place[3] = {0.2, 0.3, 0.5};
@@ -41,7 +41,7 @@ static void search_with(const struct gd_landmarks *landmarks)
         enum gd_status status = gd_pair_solve(
             patched_surface(),
             &(struct gd_pair_request){
-                .from = &from, .to = &to, .wish = GD_PAIR_PATH, .landmarks = landmarks},
+                .from = &from, .to = &to, .output = GD_PAIR_PATH, .landmarks = landmarks},
             NULL, &answer, &detail);
         promise(status ? detail.text[0] != '\0' : answer.distance > 0 && isfinite(answer.distance));
         gd_pair_answer_free(&answer);

@@ -1,7 +1,7 @@
-/* Fuzzes what decodes NURBS files and curves in their domains. The first byte picks the decoder
- * (files, or the three questions about shortest paths), the rest is its input. A surface that is
- * taken has finite points everywhere in its domain, with unit normals; a curve that is taken lies
- * in the domain of its surface. */
+/* Fuzzes the decoders of NURBS files and of curves in their domains. The first byte picks the
+ * decoder (files, or the three queries about shortest paths), the rest is its input. An accepted
+ * surface has finite points everywhere in its domain, with unit normals; an accepted curve lies in
+ * the domain of its surface. */
 #include <math.h>
 
 #include "proto/json/decode.h"
@@ -51,8 +51,8 @@ static void read_file(const uint8_t *data, size_t size)
 
 /* --- questions -------------------------------------------------------------------------------- */
 
-/* A surface with lines in one direction and a period in the other; made once, reachable to the
- * end. */
+/* Returns a surface that is straight in one direction and periodic in the other; made once,
+ * reachable until the program ends. */
 static const struct gd_parametric *vase(void)
 {
     static struct gd_parametric *surface;

@@ -1,6 +1,6 @@
-/* Fuzzes what decodes the questions that a mesh is asked as JSON. The first byte picks the decoder,
- * the rest is its input. What is refused has a sentence; what is taken is freed (request.c and
- * set.c go on from there with the questions about pairs and sets). */
+/* Fuzzes the decoders of JSON queries about meshes. The first byte picks the decoder, the rest is
+ * its input. A refusal has a sentence; an accepted query is freed. fuzz_request.c and fuzz_set.c
+ * also answer queries about pairs and sets. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -119,7 +119,7 @@ static bool (*const decoders[])(const json_t *document,
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     if (size == 0) return 0;
-    char *text = malloc(size); /* exactly as large: overruns are seen */
+    char *text = malloc(size); /* no byte more, so that overruns are detected */
     promise(text != NULL);
     memcpy(text, data + 1, size - 1);
     struct proto_problem problem;

@@ -1,6 +1,6 @@
 /* Fuzzes the records of the store: its manifests and the rows of its database. The first byte says
- * whether the text is taken as it is, or is given the checksum that fits, so that what lies behind
- * the checksum is reached too. What is read must be written back as the same record. */
+ * whether the text is used unchanged or gets the right checksum, so that the code behind the
+ * checksum is reached, too. A parsed record must be written back as the same record. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -43,7 +43,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         length += SERVER_SHA256_HEX - 1;
         text[length++] = '\n';
     }
-    char *exact = malloc(length ? length : 1); /* no byte more: overruns are seen */
+    char *exact = malloc(length ? length : 1); /* no byte more, so that overruns are detected */
     promise(exact != NULL);
     memcpy(exact, text, length);
     free(text);

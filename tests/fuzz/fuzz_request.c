@@ -1,6 +1,5 @@
-/* Fuzzes what decodes requests, and the answers behind it. The first byte picks the decoder, the
- * rest is its input. A request that is taken is located on a mesh and answered; the answer must be
- * JSON again. */
+/* Fuzzes the decoders of requests, and their answers. The first byte picks the decoder, the rest is
+ * its input. An accepted request is located on a mesh and answered; the answer must be JSON. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,7 +18,8 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* A cube of two sizes of triangles; made once, never freed: it is reachable to the end. */
+/* Returns a cube of two sizes of triangles; made once, never freed: reachable until the program
+ * ends. */
 static const struct gd_mesh *cube(void)
 {
     static struct gd_mesh *mesh;
@@ -33,7 +33,7 @@ static const struct gd_mesh *cube(void)
     return mesh;
 }
 
-/* Answers the first leg; the stops are used up. */
+/* Answers the first leg, and frees the stops. */
 static void answer(struct proto_points *stops)
 {
     struct proto_located_points located;
@@ -49,7 +49,7 @@ static void answer(struct proto_points *stops)
     promise(gd_pair_solve(cube(),
                           &(struct gd_pair_request){.from = &located.points[0],
                                                     .to = &located.points[1],
-                                                    .wish = GD_PAIR_PATH},
+                                                    .output = GD_PAIR_PATH},
                           NULL, &result, NULL) == GD_OK);
     promise(result.distance >= 0 && isfinite(result.distance) && result.path.count > 0);
     struct proto_options options = {.fields = ~0u};
@@ -75,7 +75,7 @@ static void fuzz_document(const char *text, size_t size)
     json_decref(document);
 }
 
-/* Compact points with semicolons between them. */
+/* Parses compact points, separated by semicolons. */
 static void fuzz_compact_points(const char *text)
 {
     struct proto_problem problem;
@@ -89,7 +89,7 @@ static void fuzz_compact_points(const char *text)
     proto_points_free(&stops);
 }
 
-/* Each line of a batch is taken or has a problem, and what is written about it is JSON. */
+/* Each line of a batch is accepted or has a problem, and its output is JSON. */
 static void fuzz_batch(const char *text, size_t size)
 {
     struct proto_batch_line line = {0};
@@ -119,7 +119,7 @@ static void fuzz_matrix(const char *text, size_t size)
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     if (size == 0) return 0;
-    char *text = malloc(size); /* the rest and a NUL, exactly as large: overruns are seen */
+    char *text = malloc(size); /* the rest and a NUL, no byte more, so that overruns are detected */
     promise(text != NULL);
     memcpy(text, data + 1, size - 1);
     text[size - 1] = '\0';

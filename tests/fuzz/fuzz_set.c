@@ -1,6 +1,6 @@
-/* Fuzzes what decodes sets and questions about them. The first byte picks the decoder (field
- * requests, or distances to a set), the rest is its input. What is taken is located on a mesh,
- * built and evaluated: the distance to a set is the least over its members. */
+/* Fuzzes the decoders of sets and of queries about them. The first byte picks the decoder (field
+ * requests, or distances to a set), the rest is its input. An accepted set is located on a mesh,
+ * its field is built and evaluated: the distance to a set is the least over its members. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,12 +11,13 @@
 #include "proto/queries/field.h"
 #include "tests/fuzz/promise.h"
 
-/* that are answered: each member has a field of its own here */
+/* limits of answered sets, because each member here needs its own field */
 enum { MOST_MEMBERS = 24, MOST_POINTS = 24 };
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* An open box with a roof ridge; made once, never freed: it is reachable to the end. */
+/* Returns an open box with a roof ridge; made once, never freed: reachable until the program
+ * ends. */
 static const struct gd_mesh *house(void)
 {
     static struct gd_mesh *mesh;
@@ -30,7 +31,7 @@ static const struct gd_mesh *house(void)
     return mesh;
 }
 
-/* NULL when the engine refuses so much rounding. */
+/* Builds a field; NULL if the engine refuses because of rounding. */
 static struct gd_field *build(const struct gd_seed *seeds, uint32_t count, double radius)
 {
     const struct gd_field_request request = {.seeds = seeds, .seed_count = count, .radius = radius};
@@ -99,7 +100,7 @@ static bool fuzz_distance_to_set(const json_t *document, struct proto_problem *p
     struct proto_located_points points = {0};
     if (!proto_set_distance_request_decode(document, &wanted, problem)) return false;
     struct proto_located_set *located = NULL;
-    bool ok = !proto_set_locate(house(), &wanted.set, NULL, NULL, &located, problem) &&
+    bool ok = !proto_set_locate(house(), &wanted.set, NULL, &located, problem) &&
               proto_points_locate(house(), &wanted.points, &points, problem);
     if (ok) answer(located, &points);
     proto_located_points_free(&points);
@@ -113,7 +114,7 @@ static bool fuzz_field(const json_t *document, struct proto_problem *problem)
     struct proto_field_request wanted;
     if (!proto_field_request_decode(document, &wanted, problem)) return false;
     struct proto_located_set *located = NULL;
-    bool ok = !proto_set_locate(house(), &wanted.set, NULL, NULL, &located, problem);
+    bool ok = !proto_set_locate(house(), &wanted.set, NULL, &located, problem);
     struct gd_field *field = NULL;
     if (ok && located->seed_count <= MOST_MEMBERS)
         field = build(located->seeds, located->seed_count, wanted.max_distance);
@@ -127,7 +128,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     struct proto_problem problem;
     if (size == 0) return 0;
-    char *text = malloc(size); /* no byte more: overruns are seen */
+    char *text = malloc(size); /* no byte more, so that overruns are detected */
     promise(text != NULL);
     memcpy(text, data + 1, size - 1);
     json_t *document = proto_decode_document(text, size - 1, &problem);

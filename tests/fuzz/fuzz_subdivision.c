@@ -1,6 +1,6 @@
-/* Fuzzes what reads control meshes: OBJ with its tags, and OpenUSD's attributes as JSON. The first
- * byte picks the scheme and the format, the rest is the file. A surface that is taken is evaluated
- * in the middle of some faces: what comes out is finite. */
+/* Fuzzes the readers of control meshes: OBJ with its tags, and OpenUSD's attributes as JSON. The
+ * first byte picks the scheme and the format, the rest is the file. An accepted surface is
+ * evaluated in the middle of some faces; results are finite. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -50,7 +50,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         .format = data[0] & 1 ? GD_FORMAT_ANY : GD_FORMAT_OBJ,
         .has_scheme = data[0] & 2,
         .scheme = data[0] & 4 ? GD_SCHEME_LOOP : GD_SCHEME_CATMULL_CLARK};
-    char *file = malloc(size); /* exactly as large: overruns are seen */
+    char *file = malloc(size); /* no byte more, so that overruns are detected */
     promise(file != NULL);
     memcpy(file, data + 1, size - 1);
     struct gd_control_mesh control_mesh;

@@ -1,55 +1,12 @@
 /* Fuzzes the geometry: any small soup of polygons is refused by name, or becomes a surface on which
- * distances and paths keep their laws. The bytes are vertex coordinates on a coarse lattice (so
- * that ties, flats and folds abound), faces, and what is to be mended before. */
+ * distances and paths keep their laws. */
 #include <math.h>
 
 #include "gd/query.h"
 #include "tests/fuzz/promise.h"
+#include "tests/fuzz/soup.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
-
-enum {
-    MOST_VERTICES = 24,
-    MOST_FACES = 40,
-    LEAST_VERTICES = 3,
-    COUNTS = MOST_VERTICES - LEAST_VERTICES + 1
-};
-
-struct soup {
-    double positions[MOST_VERTICES][3];
-    uint32_t corners[4 * MOST_FACES], first[MOST_FACES + 1];
-    uint32_t vertices, faces;
-    struct gd_mesh_options options;
-};
-
-static uint8_t next(const uint8_t **data, size_t *size)
-{
-    if (*size == 0) return 0;
-    --*size;
-    return *(*data)++;
-}
-
-static void read_soup(const uint8_t *data, size_t size, struct soup *soup)
-{
-    uint8_t first = next(&data, &size), mend = first / COUNTS;
-    soup->vertices = LEAST_VERTICES + first % COUNTS;
-    double scale = ldexp(1, (int)(int8_t)next(&data, &size)),
-           squeeze = ldexp(1, -(next(&data, &size) % 24));
-    soup->options = (struct gd_mesh_options){
-        .repair_split = mend & 1, .weld = mend & 2, .weld_tolerance = mend & 4 ? 0.125 * scale : 0};
-    for (uint32_t v = 0; v < soup->vertices; v++)
-        for (int k = 0; k < 3; k++)
-            soup->positions[v][k] =
-                (int8_t)next(&data, &size) * 0.125 * scale * (k == 2 ? squeeze : 1);
-    soup->faces = soup->first[0] = 0;
-    while (size >= 3 && soup->faces < MOST_FACES) {
-        uint8_t kind = next(&data, &size);
-        uint32_t corners = kind % 8 == 0 ? 4 : 3, at = soup->first[soup->faces];
-        for (uint32_t k = 0; k < corners; k++)
-            soup->corners[at + k] = next(&data, &size) % soup->vertices;
-        soup->first[++soup->faces] = at + corners;
-    }
-}
 
 static struct gd_point some_point(const struct gd_mesh *mesh, uint32_t seed)
 {
@@ -67,13 +24,13 @@ static double ask(const struct gd_mesh *mesh, const struct gd_point *from,
 {
     struct gd_pair_answer answer;
     promise(gd_pair_solve(mesh,
-                          &(struct gd_pair_request){.from = from, .to = to, .wish = GD_PAIR_PATH},
+                          &(struct gd_pair_request){.from = from, .to = to, .output = GD_PAIR_PATH},
                           NULL, &answer, NULL) == GD_OK);
     double distance = answer.distance;
     promise(distance >= 0);
     if (isfinite(distance)) {
         struct gd_vec3 p = gd_point_position(mesh, from), q = gd_point_position(mesh, to);
-        /* of points that lie this close to each other */
+        /* rounding error for points that lie this close to each other */
         double rounding = 1e-14 * gd_mesh_summary(mesh)->edge_length.max;
         promise(fabs(answer.path.length - distance) <= 1e-9 * distance + rounding);
         promise(distance >= gd_vec3_distance(p, q) * (1 - 1e-9) -
@@ -99,19 +56,9 @@ static void check_laws(const struct gd_mesh *mesh, uint32_t seed)
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     struct soup soup;
-    read_soup(data, size, &soup);
-    struct gd_polygons polygons = {.positions = soup.positions,
-                                   .position_count = soup.vertices,
-                                   .polygon_count = soup.faces,
-                                   .corners = soup.corners,
-                                   .first = soup.first};
-    struct gd_mesh *mesh;
-    struct gd_detail detail = {.text = ""};
-    enum gd_status status = gd_mesh_build(&polygons, &soup.options, NULL, &mesh, &detail);
-    if (status) {
-        promise(detail.text[0] != '\0' && status != GD_INTERNAL);
-        return 0;
-    }
+    soup_read(data, size, &soup);
+    struct gd_mesh *mesh = soup_build(&soup);
+    if (!mesh) return 0;
     promise(gd_mesh_repair(mesh)->largest_shift >= 0 &&
             isfinite(gd_mesh_repair(mesh)->largest_shift));
     uint32_t seed = 0;

@@ -1,5 +1,4 @@
-/* What fuzzers hold the code to: a violated promise ends the run, and the fuzzer keeps the
- * input. */
+/* Promises that fuzzers check: a violated promise ends the run, and the fuzzer keeps the input. */
 #ifndef FUZZ_PROMISE_H
 #define FUZZ_PROMISE_H
 
@@ -8,10 +7,10 @@
 
 void promise(int holds);
 
-/* The text is JSON without a member that stands twice. Frees the writer. */
+/* Checks that the text is JSON without duplicate members. Frees the writer. */
 void promise_json(struct proto_writer *writer);
 
-/* The refusal says something, and is encoded as JSON. */
+/* Checks that the refusal has a sentence and is encoded as JSON. */
 void promise_sentence(const struct proto_problem *problem);
 
 #endif

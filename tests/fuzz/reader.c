@@ -1,12 +1,12 @@
-/* What the fuzzers of the readers share: whatever is read must keep its promises and survive the
- * way through every writer that keeps doubles. */
+/* Common part of the fuzzers of the readers: accepted polygons keep the readers' promises, and
+ * survive a round trip through every writer that keeps doubles. */
 #include "tests/fuzz/reader.h"
 #include "tests/fuzz/promise.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* A violated promise ends the run: the fuzzer keeps the input. */
+/* Checks the readers' promises. A violated promise ends the run, and the fuzzer keeps the input. */
 static void check_promises(const struct gd_polygons *polygons, const struct gd_read_options *limits)
 {
     uint64_t triangles = 0;

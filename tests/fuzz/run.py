@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Runs fuzz targets from their corpora for a while each, two at a time.
+"""Runs fuzz targets from their corpora for some time each, two at a time.
 
 usage: tests/fuzz/run.py --seconds N [--seed N] PROGRAM...
 
-fuzz_NAME starts from tests/fuzz/corpus/NAME, which it does not change. Prints `ok NAME` or `not ok NAME` with executions and coverage; what a
-target found is left in the program's folder.
+fuzz_NAME starts from corpus/NAME, which it does not change. Prints `ok NAME` or `not ok NAME` with
+executions and coverage; inputs that a target found stay in the program's folder.
 """
 import argparse
 import concurrent.futures

@@ -2,8 +2,8 @@
 
 #if __has_include(<CGAL/Surface_mesh_shortest_path.h>)
 
-/* Header-only: Boost's numbers instead of GMP's; and as a published program runs, without
- * assertions. */
+/* Header-only: uses Boost's numbers instead of GMP's. Assertions are off, as in published
+ * programs. */
 #define CGAL_DISABLE_GMP  1
 #define CGAL_DISABLE_MPFR 1
 #define CGAL_NDEBUG       1
@@ -49,8 +49,8 @@ struct cgal_surface {
 namespace
 {
 
-/* Writes the simplices that CGAL's path passes into a polyline. A path between vertices never turns
- * inside a face. */
+/* Converts the vertices and edges that CGAL's path passes into a polyline. A path between vertices
+ * never bends inside a face. */
 struct Tracer {
     const cgal_surface &surface;
     polyline *line;

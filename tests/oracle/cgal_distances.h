@@ -1,6 +1,6 @@
-/* CGAL's Surface_mesh_shortest_path (S. Kiazyk, S. Loriot, E. Colin de Verdiere; the algorithm of
- * Chen and Han 1990 with the filter of Xin and Wang 2009) behind a C interface: an exact solver
- * that shares nothing with the engine. Not there on machines without CGAL (libcgal-dev). */
+/* A C interface to CGAL's Surface_mesh_shortest_path (S. Kiazyk, S. Loriot, E. Colin de Verdiere;
+ * the algorithm of Chen and Han 1990 with the filter of Xin and Wang 2009). It is an exact solver
+ * that shares no code with the engine. Without CGAL (libcgal-dev) it is not available. */
 #ifndef TESTS_ORACLE_CGAL_DISTANCES_H
 #define TESTS_ORACLE_CGAL_DISTANCES_H
 
@@ -14,17 +14,17 @@ bool cgal_is_available(void);
 
 struct cgal_surface;
 
-/* A surface of its own from oriented manifold triangles. NULL: CGAL is not there or does not take
+/* Copies a surface of oriented manifold triangles. Returns NULL if CGAL is not available or refuses
  * them. */
 struct cgal_surface *cgal_surface_create(const struct gd_polygons *triangles);
 void cgal_surface_free(struct cgal_surface *surface);
 
-/* Distances from one vertex to all, `out` having position_count places: INFINITY where there is no
- * path, NAN at vertices that no triangle uses. false: CGAL gave up. */
+/* Computes distances from one vertex to all. `out` has position_count elements: INFINITY where
+ * there is no path, NAN at vertices without triangles. Returns false if CGAL gave up. */
 bool cgal_surface_solve(struct cgal_surface *surface, uint32_t source, double *out);
 
-/* CGAL's path from a vertex to the source that was solved for last, in `line` (free it by
- * polyline_free). */
+/* Writes CGAL's path from a vertex to the source of the last solution. The caller frees `line` by
+ * polyline_free. */
 bool cgal_surface_path(struct cgal_surface *surface, uint32_t vertex, struct polyline *line);
 
 #ifdef __cplusplus

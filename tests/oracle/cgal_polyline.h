@@ -1,8 +1,8 @@
-/* A polyline on a surface, written so that it lies there exactly: the witness that a distance is no
- * longer than it.
+/* A polyline that lies exactly on a surface. It proves that a distance is no longer than the
+ * polyline.
  *
- * Two solvers that disagree on a distance are judged by their paths: whoever comes with the shorter
- * polyline is right about the other, whatever either says about its own error. */
+ * When two solvers disagree on a distance, their paths decide: the shorter polyline proves the
+ * other distance too long, whatever either solver reports about its error. */
 #ifndef TESTS_ORACLE_CGAL_POLYLINE_H
 #define TESTS_ORACLE_CGAL_POLYLINE_H
 
@@ -15,24 +15,24 @@
 extern "C" {
 #endif
 
-/* The point (1 - t) a + t b of the edge between two vertices; a vertex is a == b. */
+/* The point (1 - t) a + t b of the edge between two vertices. A vertex has a == b. */
 struct polyline_point {
     uint32_t a, b;
     double t;
 };
 
-/* Grows as points are added; starts all-zero. */
+/* Grows as points are added. All zero: empty. */
 struct polyline {
-    struct polyline_point *points; /* malloc'ed */
+    struct polyline_point *points; /* owned */
     uint32_t count, capacity;
-    bool failed; /* memory is out */
+    bool failed; /* out of memory */
 };
 
 void polyline_add(struct polyline *line, struct polyline_point point);
-void polyline_free(struct polyline *line); /* and zeroes it */
+void polyline_free(struct polyline *line); /* sets it to all zero */
 
-/* Its length, in long double; NAN unless consecutive points share a triangle and the ends are the
- * two vertices, in either order. O(count x triangles). */
+/* Returns the length in long double. Returns NAN unless consecutive points share a triangle and the
+ * ends are the two vertices, in either order. O(count x triangles). */
 long double polyline_length(const struct polyline *line, const struct gd_polygons *triangles,
                             uint32_t from, uint32_t to);
 

@@ -1,8 +1,8 @@
-/* gd_sweep [--sources N] MESH...: the engine against CGAL, distances of all vertices from N random
- * ones. A MESH is a file, or a sample as "name:key=value,key=value"; what is no surface is cut
- * apart (repair_split) for both. Where the two differ by more than 1e-9 their paths decide
- * (cgal_polyline.h). Prints `ok`, `not ok` or `skip` for each mesh; not ok: the engine was wrong,
- * or nobody could tell. */
+/* gd_sweep [--sources N] MESH...: compares the engine with CGAL: distances of all vertices from N
+ * random ones. A MESH is a file, or a sample as "name:key=value,key=value". Non-manifold parts are
+ * separated (repair_split) for both. Where the distances differ by more than 1e-9, the paths decide
+ * (cgal_polyline.h). Prints `ok`, `not ok` or `skip` for each mesh. `not ok` means that the engine
+ * was wrong, or that the paths could not decide. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -22,7 +22,7 @@ enum { EXIT_USAGE = 2, LISTED = 5, DEFAULT_SOURCES = 20, MAX_SOURCES = 100000, M
 
 static const char usage[] = "usage: gd_sweep [--sources N] FILE-OR-SAMPLE...\n";
 
-/* Who is right about a distance on which the two differ. */
+/* Which solver is right about a distance on which they differ. */
 enum verdict {
     CGAL_TOO_LONG,
     CGAL_TOO_SHORT,
@@ -39,7 +39,7 @@ static const char *const verdict_texts[VERDICTS] = {"CGAL is too long", "CGAL is
 struct sweep {
     const char *name;
     const struct gd_mesh *mesh;
-    struct gd_polygons triangles; /* the engine's own: oriented, repaired */
+    struct gd_polygons triangles; /* the engine's: oriented and repaired */
     struct cgal_surface *cgal;
     double *ours, *theirs;
     uint64_t compared, unreachable, exceptions[VERDICTS];
@@ -62,7 +62,8 @@ static enum gd_status read_file(const char *path, struct gd_polygons *out, struc
     return status;
 }
 
-/* "name" or "name:key=value,key=value"; *known is false when there is no such sample. */
+/* Generates the sample "name" or "name:key=value,key=value". *known is false if it does not
+ * exist. */
 static enum gd_status generate(const char *text, struct gd_polygons *out, bool *known)
 {
     char words[MAX_WORDS], *rest = NULL;
@@ -90,7 +91,7 @@ static enum gd_status load(const char *name, struct gd_mesh **out, struct gd_det
     return status;
 }
 
-/* --- who is right ----------------------------------------------------------------------------- */
+/* --- judgement -------------------------------------------------------------------------------- */
 
 static long double our_length(const struct sweep *sweep, const struct gd_field *field,
                               uint32_t source, uint32_t target)
@@ -107,7 +108,7 @@ static long double our_length(const struct sweep *sweep, const struct gd_field *
             polyline_add(&line, (struct polyline_point){at.vertex.index, at.vertex.index, 0});
         else
             polyline_add(&line, (struct polyline_point){at.edge[0].index, at.edge[1].index, at.t});
-        /* a path between vertices never turns inside a face */
+        /* a path between vertices never bends inside a face */
         line.failed |= at.kind == GD_POINT_FACE;
     }
     gd_path_free(&path);
@@ -132,8 +133,8 @@ static double difference(double a, double b)
     return isinf(a) || isinf(b) ? 1 : fabs(a - b) / fmax(a, b);
 }
 
-/* The shortest path that either can show is the measure; who says less than it has no path to show
- * for it. */
+/* Decides which distance is wrong. The shorter path is the reference. A distance below it has no
+ * path and is wrong too. */
 static enum verdict judge(double ours, double theirs, long double our_path, long double their_path)
 {
     double best = (double)fminl(our_path, their_path);
@@ -251,7 +252,7 @@ static bool sweep_mesh(const char *name, const struct gd_mesh *mesh, uint32_t so
     return passed;
 }
 
-/* 0: passed */
+/* Returns 0 if the mesh passed. */
 static int sweep_named(const char *name, uint32_t sources)
 {
     struct gd_mesh *mesh = NULL;

@@ -6,19 +6,20 @@
 
 /* --- box -------------------------------------------------------------------------------------- */
 
-/* A face is 2 axis + side: it lies where coordinate `axis` is 0 (side 0) or size[axis] (side 1). */
+/* Face number 2 axis + side: the face at which coordinate `axis` is 0 (side 0) or size[axis] (side
+ * 1). */
 enum { BOX_FACES = 6 };
 
-/* The box on its way of being rolled over the plane: space is mapped by x -> map x + shift, true on
- * the face that lies in the plane. */
+/* A position of the box while it rolls over the plane. x -> map x + shift maps the face that lies
+ * in the plane isometrically. */
 struct roll {
     double map[2][3], shift[2];
     int face;
-    unsigned passed; /* bit f: face f has lain in the plane */
+    unsigned passed; /* bit f: face f has been in the plane */
 };
 
-/* The edges rolled over so far, in the plane: their ends to the right and to the left of who walks
- * over them. */
+/* The edges rolled over so far, in the plane. Of each edge: the end on the right and the end on the
+ * left of the path. */
 struct hinges {
     double end[BOX_FACES][2][2];
     int count;
@@ -47,8 +48,8 @@ static double orientation(const double a[2], const double b[2], const double c[2
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
 
-/* Whether the straight line from p to q passes over every hinge, up to rounding: a line that passes
- * a corner a rounding's breadth outside is as long to within it. */
+/* Returns whether the straight line from p to q crosses every hinge, up to rounding. A line that
+ * misses a corner by a rounding error has the right length up to this error. */
 static bool passes_all(const struct hinges *hinges, const double p[2], const double q[2])
 {
     for (int i = 0; i < hinges->count; i++) {
@@ -68,7 +69,8 @@ static void swap_ends(double end[2][2])
     }
 }
 
-/* Rolls over the edge shared with the neighbour `next`, which becomes the last hinge. */
+/* Rolls the box over the edge shared with the neighbour `next`. This edge becomes the last
+ * hinge. */
 static struct roll roll_over(const struct roll *roll, const double size[3], int next,
                              struct hinges *hinges)
 {
@@ -87,7 +89,7 @@ static struct roll roll_over(const struct roll *roll, const double size[3], int 
     struct roll rolled = *roll;
     rolled.face = next;
     rolled.passed |= 1u << next;
-    /* going on straight means: away from the old face's normal on the new one */
+    /* a line that leaves the old face runs on the new one against the old face's normal */
     for (int i = 0; i < 2; i++) {
         rolled.map[i][from] = -from_sign * to_sign * roll->map[i][to];
         rolled.map[i][to] = 0;
@@ -144,7 +146,7 @@ static double angle_between(const double a[3], const double b[3])
     return atan2(sqrt(dot(c, c)), dot(a, b));
 }
 
-/* The sector of n equal ones about the z axis that a point's azimuth falls in. */
+/* Returns which of n equal sectors about the z axis contains the point. */
 static uint32_t sector_of(const double p[3], uint32_t n)
 {
     double turn = atan2(p[1], p[0]) / (2 * M_PI);
@@ -198,8 +200,8 @@ double closed_form_prism(double radius, uint32_t sides, const double p[3], const
 
 /* --- tetrahedron ------------------------------------------------------------------------------ */
 
-/* A place of the point in the plane, in steps of the lattice, whose points (i,j) fold up to corner
- * (i mod 2) + 2 (j mod 2). */
+/* Computes a position of the point in the plane, in lattice coordinates. The lattice point (i,j) is
+ * an image of corner (i mod 2) + 2 (j mod 2). */
 static void lay_down(const double weight[4], double out[2])
 {
     static const int lattice[4][4][2] = {/* by the corner that the face lacks */

@@ -1,12 +1,17 @@
 #!/usr/bin/env python3
-"""Length of the section of the smoothed cube [-1,1]^3 with the plane x = y, a closed geodesic through four vertices of valence 3, from Catmull and Clark's
-rules alone: no code of the engine or of another library.
+"""Computes the length of the smoothed cube's section with the plane x = y, a closed geodesic
+through four vertices of valence 3. The control mesh is the cube [-1,1]^3. The program implements
+Catmull and Clark's rules itself and uses no code of the engine or of another library.
 
 usage: tests/oracle/mirror.py [--digits N]
 
-Around the vertex (-1,-1,1) lie three sectors; of each the refined control points (i,j), 0 <= i, j <= 3, i and j edges away, are kept. They contain the bicubic patches between one edge
-and two, on the diagonal of a face and along an edge, over which |S'| is integrated; refined, the next such patches, half as near to the vertex; and so on. The section is four half
-diagonals and four half edges. With --digits the same is done with that many digits (mpmath); without it in doubles, and compared with the number that the tests trace.
+Three sectors meet in the vertex (-1,-1,1). For each sector the program keeps the refined control
+points (i,j), 0 <= i, j <= 3, which are i and j edges away from the vertex. They determine the
+bicubic patches between one and two edges from the vertex, on the diagonal of a face and along an
+edge. The program integrates |S'| over these patches, refines, and continues with the next patches,
+which are half as far from the vertex. The section consists of four half diagonals and four half
+edges. With --digits the program computes with that many digits (mpmath) and prints the length.
+Otherwise it computes in doubles and compares the length with the one that the tests trace.
 """
 import argparse
 import math
@@ -15,7 +20,7 @@ import sys
 TRACED = 5.384418260817481  # tests/unit/subdiv/test_limit_trace.c, tests/api/subdivisions.py
 CUBE = ([[x, y, z] for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)],
         [[4, 5, 7, 6], [0, 2, 3, 1], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]])
-TIP, REACH = 4, 4  # the vertex, and how far its sectors are kept
+TIP, REACH = 4, 4  # the vertex; control points per row of a sector
 
 
 def combine(terms):
@@ -27,7 +32,7 @@ def mean(points):
 
 
 def refine_mesh(points, faces):
-    """One step on a closed mesh of quads. Points keep their numbers."""
+    """Refines a closed mesh of quads once. Points keep their numbers."""
     middles = [mean([points[v] for v in face]) for face in faces]
     beside, around = {}, {}
     for n, face in enumerate(faces):
@@ -48,7 +53,8 @@ def refine_mesh(points, faces):
 
 
 def sectors_of(points, faces):
-    """Three dictionaries {(i, j): point}; sector k lies between spokes k (j = 0) and k + 1 (i = 0)."""
+    """Returns three dictionaries {(i, j): point}. Sector k is between spokes k (j = 0) and k + 1
+    (i = 0)."""
     left = {(a, b): (face, k) for face in faces for k, (a, b) in enumerate(zip(face, face[1:] + face[:1]))}
     spokes = [next(b for a, b in left if a == TIP)]
     for _ in range(2):
@@ -65,14 +71,15 @@ def sectors_of(points, faces):
                 sector.update({(i, j): points[a], (i + 1, j): points[b], (i + 1, j + 1): points[c], (i, j + 1): points[d]})
                 if i == 0:
                     begin = (d, c)
-                face, k = left[c, b]  # the next one in the row, whose side that goes on from (a, b) begins at b
+                # the next face in the row: its side that continues (a, b) begins at b
+                face, k = left[c, b]
                 side = (b, face[(k + 2) % 4])
         sectors.append(sector)
     return sectors
 
 
 def at(sectors, k, i, j):
-    """Beyond its spokes a sector goes on with its neighbours."""
+    """Returns a point of sector k, or of a neighbour if (i, j) is beyond its spokes."""
     if j < 0:
         return sectors[k - 1][-j, i]
     return sectors[(k + 1) % 3][j, -i] if i < 0 else sectors[k][i, j]
@@ -82,7 +89,7 @@ def refine(sectors, one):
     def rule(k, i, j):
         def p(x, y):
             return at(sectors, k, i // 2 + x, j // 2 + y)
-        if (i, j) == (0, 0):  # of three faces: 5/12, 1/6 each, 1/36 each
+        if (i, j) == (0, 0):  # a vertex of three faces: weights 5/12, 1/6 each, 1/36 each
             ring = [(one / 6, s[1, 0]) for s in sectors] + [(one / 36, s[1, 1]) for s in sectors]
             return combine([(5 * one / 12, p(0, 0))] + ring)
         if i % 2 and j % 2:
@@ -127,7 +134,7 @@ def section(one, quad, sqrt, end):
     for _ in range(2):
         points, faces = refine_mesh(points, faces)
     sectors = sectors_of(points, faces)
-    # which sector's diagonal, and which spoke, lie in the plane
+    # the sector whose diagonal lies in the plane, and the spoke that does
     diagonal = next(k for k in range(3) if all(abs(sectors[k][n, n][0] - sectors[k][n, n][1]) < 1e-9 for n in range(REACH)))
     spoke = next(k for k in range(3) if all(abs(sectors[k][n, 0][0] - sectors[k][n, 0][1]) < 1e-9 for n in range(REACH)))
     total = 0 * one
@@ -142,7 +149,7 @@ def section(one, quad, sqrt, end):
 
 
 def gauss(f, n=20):
-    """Integral over [0,1] by Gauss and Legendre."""
+    """Returns the integral over [0,1] by Gauss-Legendre quadrature."""
     total = 0.0
     for i in range(n):
         x = math.cos(math.pi * (i + 0.75) / (n + 0.5))
@@ -166,7 +173,7 @@ def main():
         length = section(mp.mpf(1), lambda f: mp.quad(f, [0, 1], maxdegree=8), mp.sqrt, mp.mpf(10)**-digits)
         print(mp.nstr(length, digits))
         return 0
-    length = section(1.0, gauss, math.sqrt, 1e-14)  # rounding of the points leaves 1e-16
+    length = section(1.0, gauss, math.sqrt, 1e-14)  # rounding of the points is about 1e-16
     ok = abs(length - TRACED) < 1e-12
     print(f"# the smoothed cube's section with x = y is {length:.15f} long")
     print("ok" if ok else "not ok", "length of the section in the mirror plane")

@@ -15,8 +15,8 @@ struct naive_side {
 struct naive_mesh {
     double (*position)[3];
     uint32_t (*corner)[3];
-    struct naive_side (*across)[3]; /* beyond corners k and k + 1; face NONE: boundary */
-    bool *is_convex;                /* per vertex: not on the boundary, of less than 2 pi */
+    struct naive_side (*across)[3]; /* across corners k and k + 1; face NONE: boundary */
+    bool *is_convex;                /* per vertex: inner vertex with a total angle below 2 pi */
     uint32_t vertex_count, face_count;
 };
 
@@ -26,7 +26,7 @@ typedef long double quadruple;
 typedef __float128 quadruple;
 #endif
 
-/* One step of Newton's method doubles the digits of the extended root. */
+/* Returns the square root. One step of Newton's method doubles the digits of the extended root. */
 static quadruple quadruple_sqrt(quadruple x)
 {
     if (!(x > 0)) return 0;
@@ -47,7 +47,7 @@ static quadruple quadruple_sqrt(quadruple x)
 #include "tests/oracle/naive_windows_solver.h"
 
 struct naive_field {
-    struct extended_solver *extended; /* one of them, by the precision */
+    struct extended_solver *extended; /* one is set, depending on the precision */
     struct quadruple_solver *quadruple;
 };
 
@@ -80,8 +80,8 @@ static long double angle_at(const struct naive_mesh *mesh, uint32_t face, uint32
     return atan2l(sqrtl(area), product);
 }
 
-/* Vertices that are flat up to rounding are taken for saddles: to make a source of one costs
- * time only. */
+/* Sets is_convex. Vertices that are flat up to rounding count as saddles: an unnecessary source
+ * costs only time. */
 static bool find_convex(struct naive_mesh *mesh)
 {
     long double *angle = calloc(mesh->vertex_count, sizeof *angle);

@@ -1,44 +1,45 @@
-/* The solver, written for one type of number. naive_windows.c includes this file once for each
- * precision, after these macros:
+/* The solver for one number type. naive_windows.c includes this file once for each precision,
+ * after it defines these macros:
  *
  *     REAL            the type
  *     REAL_SQRT(x)    its square root
- *     REAL_SLACK      some units of rounding: directions closer than this angle are one
+ *     REAL_SLACK      a few rounding units: directions closer than this angle count as equal
  *     NAME(name)      the name with the precision's suffix */
 
 struct NAME(vector) {
     REAL x, y;
 };
 
-/* A face from each of its sides k (corner k to corner k + 1): the third corner is corner k +
- * along * side + across * (side turned by a right angle into the face). */
+/* A face in the frame of each of its sides k (from corner k to corner k + 1). The third corner is
+ * corner k + along * side + across * (side turned by a right angle into the face). */
 struct NAME(shape) {
     REAL length[3], along[3], across[3];
 };
 
-/* All that a source, at the origin, sees through one side of a face, between two directions. */
+/* The part of a face's side that a source sees between two directions. The source is at the
+ * origin. */
 struct NAME(window) {
-    struct NAME(vector) right, left; /* ends of the side, as seen from the source */
-    struct NAME(vector) edge;        /* left - right, kept for the digits of short edges far away */
-    struct NAME(vector) from, to;    /* the directions: images of the vertices that bound them */
+    struct NAME(vector) right, left; /* ends of the side */
+    struct NAME(vector) edge;        /* left - right: keeps the digits of short edges far away */
+    struct NAME(vector) from, to;    /* the directions: images of the vertices that limit them */
     REAL sigma;                      /* distance of the source */
-    uint32_t origin;                 /* the vertex that is the source, or NONE */
-    uint32_t parent;                 /* the window one face earlier, or NONE */
-    uint32_t face, side;             /* the face that is entered, and its side */
+    uint32_t origin;                 /* vertex of the source, or NONE */
+    uint32_t parent;                 /* the window on the previous face, or NONE */
+    uint32_t face, side;             /* the face that the window enters, and its side */
     bool swapped;                    /* `right` is corner side + 1 */
-    uint32_t next;                   /* of the windows that entered the face, or NONE */
+    uint32_t next;                   /* next window that entered the face, or NONE */
 };
 
-/* A source in one of the faces that it lies in. */
+/* A source, in one of the faces that contain it. */
 struct NAME(seed) {
     uint32_t face;
     REAL weight[3];
     REAL offset;
 };
 
-/* A window to be propagated, or a vertex to become a source. */
+/* A window to propagate, or a vertex that becomes a source. */
 struct NAME(event) {
-    REAL key; /* no point that it leads to is nearer */
+    REAL key; /* lower bound of the distances that it can give */
     uint32_t index;
     bool is_vertex;
 };
@@ -46,14 +47,14 @@ struct NAME(event) {
 struct NAME(solver) {
     const struct naive_mesh *mesh;
     struct NAME(shape) * shape;
-    REAL *distance; /* of vertices: upper bounds, at the end exact */
+    REAL *distance; /* of vertices: upper bounds, exact at the end */
     struct NAME(window) * window;
     uint32_t window_count, window_capacity;
     struct NAME(event) * heap;
     uint32_t heap_count, heap_capacity;
     struct NAME(seed) * seed;
     uint32_t seed_count;
-    uint32_t *entered; /* per face: the first of its windows, or NONE */
+    uint32_t *entered; /* per face: the first window that entered it, or NONE */
     bool failed;
 };
 
@@ -89,8 +90,8 @@ static REAL NAME(length)(struct NAME(vector) a)
     return REAL_SQRT(NAME(dot)(a, a));
 }
 
-/* b lies to the left of direction a by more than an angle of `slack`; with a negative one, no
- * farther to the right than that. */
+/* Returns whether b is to the left of direction a by more than the angle `slack`. A negative slack
+ * allows b to be to the right by up to that angle. */
 static bool NAME(is_left)(struct NAME(vector) a, struct NAME(vector) b, REAL slack)
 {
     REAL sine = NAME(cross)(a, b);
@@ -121,14 +122,14 @@ static void NAME(measure_face)(const struct naive_mesh *mesh, uint32_t face,
     }
 }
 
-/* The corner that a point's place is measured from. */
+/* Returns the corner with the largest weight. */
 static int NAME(nearest_corner)(const REAL weight[3])
 {
     int k = weight[1] > weight[0] ? 1 : 0;
     return weight[2] > weight[k] ? 2 : k;
 }
 
-/* Corners of a face, counter-clockwise, relative to the point with those weights. */
+/* Computes the corners of a face, counter-clockwise, relative to the point with these weights. */
 static void NAME(lay_around)(const struct NAME(shape) * shape, const REAL weight[3],
                              struct NAME(vector) out[3])
 {
@@ -142,7 +143,7 @@ static void NAME(lay_around)(const struct NAME(shape) * shape, const REAL weight
     out[c] = NAME(add)(out[a], to_c);
 }
 
-/* Distance of two points of one face. */
+/* Returns the distance of two points of one face. */
 static REAL NAME(distance_in_face)(const struct NAME(shape) * shape, const REAL p[3],
                                    const REAL q[3])
 {
@@ -155,7 +156,8 @@ static REAL NAME(distance_in_face)(const struct NAME(shape) * shape, const REAL 
         NAME(add)(NAME(scaled)(p[b] - q[b], to_b), NAME(scaled)(p[c] - q[c], to_c)));
 }
 
-/* From the right end of the window's side to the third corner of the face that it enters. */
+/* Returns the vector from the right end of the window's side to the third corner of the face that
+ * the window enters. */
 static struct NAME(vector)
     NAME(right_to_apex)(const struct NAME(solver) * solver, const struct NAME(window) * window)
 {
@@ -166,7 +168,7 @@ static struct NAME(vector)
     return NAME(add)(NAME(scaled)(along, window->edge), NAME(scaled)(across, away));
 }
 
-/* Numbers of the face's corners: right, left, apex. */
+/* Computes the indices of the face's corners: right, left, apex. */
 static void NAME(corners_entered)(const struct NAME(window) * window, uint32_t out[3])
 {
     out[0] = window->swapped ? (window->side + 1) % 3 : window->side;
@@ -217,15 +219,15 @@ static struct NAME(event) NAME(pop)(struct NAME(solver) * solver)
 
 /* --- windows ---------------------------------------------------------------------------------- */
 
-/* Where the direction meets the window's side, 0 at its right end. */
+/* Returns where the direction meets the window's side: 0 at its right end, 1 at its left end. */
 static REAL NAME(place_on_side)(const struct NAME(window) * window, struct NAME(vector) direction)
 {
     REAL t = -NAME(cross)(direction, window->right) / NAME(cross)(direction, window->edge);
     return !(t > 0) ? 0 : t < 1 ? t : 1;
 }
 
-/* Each point of the window is nearer by way of an end of its side. If that is so for the
- * window's far end, then by the triangle inequality for all points between. */
+/* Returns whether each point of the window is nearer along the side from one of its ends. If this
+ * holds at the far limit of the window, the triangle inequality gives it for all points before. */
 static bool NAME(is_useless)(const struct NAME(solver) * solver, const struct NAME(window) * window,
                              REAL begin, REAL end)
 {
@@ -241,7 +243,7 @@ static bool NAME(is_useless)(const struct NAME(solver) * solver, const struct NA
            window->sigma + to_begin;
 }
 
-/* The least distance of the part of the side between two places. */
+/* Returns the smallest distance of the side's part between two parameters. */
 static REAL NAME(least_on_side)(const struct NAME(window) * window, REAL begin, REAL end)
 {
     REAL t = -NAME(dot)(window->right, window->edge) / NAME(dot)(window->edge, window->edge);
@@ -249,7 +251,7 @@ static REAL NAME(least_on_side)(const struct NAME(window) * window, REAL begin, 
     return NAME(length)(NAME(add)(window->right, NAME(scaled)(t, window->edge)));
 }
 
-/* The way that leads to the window has been in the face before: a shortest path enters a face
+/* Returns whether the window's path has been in the face before. A shortest path enters a face only
  * once. */
 static bool NAME(returns)(const struct NAME(solver) * solver, const struct NAME(window) * window)
 {
@@ -262,7 +264,7 @@ static bool NAME(returns)(const struct NAME(solver) * solver, const struct NAME(
     return solver->mesh->across[at][first].face == window->face;
 }
 
-/* Queues the window through that side out of a face, unless it is of no use. */
+/* Queues the window that leaves a face through this side, unless it is useless. */
 static void NAME(offer)(struct NAME(solver) * solver, uint32_t face, uint32_t side,
                         uint32_t right_corner, struct NAME(window) window)
 {
@@ -295,8 +297,8 @@ static void NAME(improve)(struct NAME(solver) * solver, uint32_t vertex, REAL di
         NAME(push)(solver, (struct NAME(event)){distance, vertex, true});
 }
 
-/* What a source inside or on the border of a face sees through the sides that it does not lie
- * on. */
+/* Emits windows from a source in a face, or on its border, through the sides that do not contain
+ * it. */
 static void NAME(emit_into_face)(struct NAME(solver) * solver, uint32_t face, const REAL weight[3],
                                  REAL sigma, uint32_t origin)
 {
@@ -328,7 +330,7 @@ static void NAME(emit_from_vertex)(struct NAME(solver) * solver, uint32_t vertex
     }
 }
 
-/* The window's parts on the other two sides of the face that it enters. `reach`, `back`: from
+/* Offers the parts of the window on the other two sides of the face. `reach`, `back`: vectors from
  * right and left to the apex. */
 static void NAME(offer_children)(struct NAME(solver) * solver, const struct NAME(window) * window,
                                  const uint32_t corner[3], struct NAME(vector) apex,
@@ -354,7 +356,7 @@ static void NAME(offer_children)(struct NAME(solver) * solver, const struct NAME
     }
 }
 
-/* Through the face that the window enters. */
+/* Propagates a window through the face that it enters. */
 static void NAME(propagate)(struct NAME(solver) * solver, uint32_t index)
 {
     struct NAME(window) window = solver->window[index];
@@ -392,7 +394,7 @@ static void NAME(propagate_all)(struct NAME(solver) * solver, long double radius
 
 /* --- sources ---------------------------------------------------------------------------------- */
 
-/* The weights in full, the largest from the others. Returns how many are zero. */
+/* Computes the weights, the largest one from the others. Returns how many are zero. */
 static int NAME(complete)(const struct naive_point *point, REAL out[3])
 {
     REAL weight[3] = {point->weight[0], point->weight[1], point->weight[2]};
@@ -481,8 +483,8 @@ static struct NAME(solver) * NAME(solve)(const struct naive_mesh *mesh,
     return NULL;
 }
 
-/* Distance by way of a window, or INFINITY where it does not see the point. `weight`: of the
- * point in the face entered. */
+/* Returns the distance through a window, or INFINITY if the window does not see the point.
+ * `weight`: the point's weights in the face that the window enters. */
 static REAL NAME(through_window)(const struct NAME(solver) * solver,
                                  const struct NAME(window) * window, const REAL weight[3])
 {

@@ -15,7 +15,7 @@ using namespace OpenSubdiv;
 namespace
 {
 
-/* Three numbers, as OpenSubdiv's refiner wants them. */
+/* Three coordinates with the interface that OpenSubdiv's refiner needs. */
 struct Triple {
     double x[3];
 
@@ -37,9 +37,9 @@ struct Place {
     double u, v;
 };
 
-/* A face of some level with the places of its corners. */
+/* A face of a refinement level with the parameters of its corners. */
 struct Piece {
-    gd_limit_point first; /* face and corner */
+    gd_limit_point first; /* its face and corner */
     std::vector<Place> corners;
 };
 
@@ -106,8 +106,8 @@ std::unique_ptr<Far::TopologyRefiner> refiner_of(const gd_control_mesh *mesh, gd
     return std::unique_ptr<Far::TopologyRefiner>(Factory::Create(descriptor, made));
 }
 
-/* The control mesh's faces; of those that are split the corners' places tell which part of them
- * they are, once they are. */
+/* Returns the control mesh's faces. Polygons that are split into quads have no corner parameters
+ * yet; their parts get them by children_of. */
 std::vector<Piece> pieces_of(const Far::TopologyLevel &level, int regular)
 {
     static const Place quad[4] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}},
@@ -123,7 +123,8 @@ std::vector<Piece> pieces_of(const Far::TopologyLevel &level, int regular)
     return pieces;
 }
 
-/* Where in its parent a child's corner is: at a corner, the middle of an edge or of the face. */
+/* Returns the parameters of a child's corner: a corner of the parent, or the middle of an edge or
+ * of the face. */
 Place place_in(const Far::TopologyLevel &level, int face, const Piece &parent, int vertex)
 {
     Far::ConstIndexArray corners = level.GetFaceVertices(face), edges = level.GetFaceEdges(face);
@@ -136,8 +137,9 @@ Place place_in(const Far::TopologyLevel &level, int face, const Piece &parent, i
     return middle(parent.corners[0], parent.corners[2]);
 }
 
-/* The part of a polygon at a corner of it has that corner, its next edge's middle, the polygon's
- * and its last edge's. */
+/* Returns the parameters of a corner of a polygon's part. The part's corners are the polygon's
+ * corner, the middle of the next edge, the polygon's middle, and the middle of the previous
+ * edge. */
 Place place_in_polygon(const Far::TopologyLevel &level, int face, int corner, int vertex)
 {
     Far::ConstIndexArray corners = level.GetFaceVertices(face), edges = level.GetFaceEdges(face);
@@ -166,7 +168,7 @@ std::vector<Piece> children_of(const Far::TopologyLevel &level, const Far::Topol
     return pieces;
 }
 
-/* Smooth there, or an even boundary. */
+/* Returns whether the vertex is smooth or on a regular boundary. */
 bool has_normal(const Far::TopologyLevel &level, int vertex, int regular)
 {
     int edges = level.GetVertexEdges(vertex).size();
@@ -177,7 +179,8 @@ bool has_normal(const Far::TopologyLevel &level, int vertex, int regular)
     return true;
 }
 
-/* Ends of creases are given the mask of smooth vertices, vertices of two faces that of corners. */
+/* Returns whether OpenSubdiv uses the right mask. It applies the mask of smooth vertices at ends of
+ * creases, and the mask of corners at vertices of two edges. */
 bool is_exact(const Far::TopologyLevel &level, int vertex)
 {
     int sharp = 0;
@@ -262,7 +265,7 @@ void opensubdiv_evaluate(const struct opensubdiv_surface *surface,
                              points.data(), Bfr::Surface<double>::PointDescriptor(3));
     Bfr::Parameterization domain = patch.GetParameterization();
     double uv[2] = {place->u, place->v}, scale = 1;
-    if (domain.HasSubFaces()) { /* parts of polygons are squares of 1/2 there */
+    if (domain.HasSubFaces()) { /* OpenSubdiv maps parts of polygons to squares of side 1/2 */
         const double inside[2] = {place->u, place->v};
         domain.ConvertNormalizedSubFaceToCoord(int(place->corner), inside, uv);
         scale = 0.5;

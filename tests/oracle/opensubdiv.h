@@ -1,5 +1,5 @@
-/* OpenSubdiv's limit surfaces behind a C interface: an implementation that shares nothing with the
- * engine. Not there on machines without it (libosd-dev). */
+/* A C interface to OpenSubdiv's limit surfaces, an implementation that shares no code with the
+ * engine. Without OpenSubdiv (libosd-dev) it is not available. */
 #ifndef TESTS_ORACLE_OPENSUBDIV_H
 #define TESTS_ORACLE_OPENSUBDIV_H
 
@@ -11,34 +11,34 @@
 extern "C" {
 #endif
 
-/* Levels of adaptive refinement before it approximates around an extraordinary vertex: the most
- * that it takes. Beyond 2^-(it - 1) of a face from all of them its surfaces are exact. */
+/* Levels of adaptive refinement: the maximum that OpenSubdiv allows. Around an extraordinary vertex
+ * it approximates at distances below 2^-(level - 1) of a face. Elsewhere it is exact. */
 #define OPENSUBDIV_LEVEL 10
 
 bool opensubdiv_is_available(void);
 
 struct opensubdiv_surface;
 
-/* A surface of its own from a control mesh that the engine took. NULL: OpenSubdiv is not there. */
+/* Copies a control mesh that the engine accepted. Returns NULL if OpenSubdiv is not available. */
 struct opensubdiv_surface *opensubdiv_create(const struct gd_control_mesh *mesh,
                                              enum gd_scheme scheme);
 void opensubdiv_free(struct opensubdiv_surface *surface);
 
-/* A vertex of the uniform refinement of some level, as one of its faces has it. */
+/* A vertex of a uniform refinement, as a corner of one of its faces. */
 struct opensubdiv_vertex {
     struct gd_limit_point place;
-    struct gd_vec3 position, normal; /* by the limit masks; the normal of any length */
-    /* no: on a crease it is that of any side, at other boundaries than even ones not the limit */
+    struct gd_vec3 position, normal; /* by the limit masks; the normal has any length */
+    /* false on a crease, where each side has its own normal, and on irregular boundaries */
     bool has_normal;
-    bool is_exact; /* no: its mask is another vertex' */
+    bool is_exact; /* false: OpenSubdiv used another vertex type's mask */
 };
 
-/* Vertices of all faces at `level` >= 1, one a corner of each, in `*out`, malloc'ed; returns how
- * many. */
+/* Computes the vertices of all faces at `level` >= 1, one for each corner. *out is owned by the
+ * caller. Returns their number. */
 size_t opensubdiv_vertices(const struct opensubdiv_surface *surface, int level,
                            struct opensubdiv_vertex **out);
 
-/* Position and derivatives at a place, from patches. */
+/* Computes position and derivatives at a place from patches. */
 void opensubdiv_evaluate(const struct opensubdiv_surface *surface,
                          const struct gd_limit_point *place, struct gd_limit_jet *out);
 

@@ -1,4 +1,4 @@
-/* The solver by naive windows against closed forms, against the solver by unfolding, and against
+/* Compares the solver by naive windows with closed forms, with the solver by unfolding, and with
  * itself in the other precision. */
 #include "tests/oracle/naive_windows.h"
 
@@ -38,13 +38,13 @@ static struct naive_point random_point(const struct gd_polygons *mesh, struct rn
     return point;
 }
 
-/* A point of a face, or of its border, less than 1e-9 edge lengths away from a corner, some of
- * them 1e-15. */
+/* Returns a point of a face or its border, 1e-15 to 1e-9 edge lengths away from a corner. */
 static struct naive_point point_beside_corner(const struct gd_polygons *mesh, struct rng *rng)
 {
     struct naive_point point = {.face = rng_below(rng, mesh->polygon_count)};
     uint32_t k = rng_below(rng, 3), on_edge = rng_below(rng, 3);
-    double apart = pow(10, rng_between(rng, -15, -9)), part = on_edge ? rng_unit(rng) : on_edge % 2;
+    double apart = pow(10, rng_between(rng, -15, -9)),
+           part = on_edge ? rng_unit(rng) : rng_below(rng, 2);
     point.weight[(k + 1) % 3] = apart * part;
     point.weight[(k + 2) % 3] = apart * (1 - part);
     point.weight[k] = 1 - apart;
@@ -156,7 +156,8 @@ static void make_surface(int turn, struct gd_polygons *mesh)
     if (turn % 4 >= 2) sample_jitter(mesh, 0.1, seed);
 }
 
-/* One source and its distances to all vertices. */
+/* Compares the distances from one source to all vertices and one point. Returns the largest
+ * error. */
 static double compare_unfolded(const struct gd_polygons *mesh, const struct naive_mesh *naive,
                                struct rng *rng)
 {
@@ -250,7 +251,8 @@ static double prism(const void *context, const double p[3], const double q[3])
     return closed_form_prism(*(const double *)context, 5, p, q);
 }
 
-/* Windows don't wind about tubes for as many turns as these are thin. */
+/* On thin tubes windows must not wind around as many times as the ratio of length and radius
+ * allows. */
 static void tubes(void **state)
 {
     (void)state;

@@ -1,19 +1,19 @@
-/* Limit surfaces against OpenSubdiv's, where libosd-dev is installed: positions and normals at all
- * vertices of uniform refinements, by its limit masks; positions and derivatives between them, by
- * its patches of level 10. */
+/* Compares limit surfaces with OpenSubdiv's, if libosd-dev is installed: positions and normals at
+ * all vertices of uniform refinements, by its limit masks, and positions and derivatives between
+ * them, by its patches of level 10. */
 #include "tests/oracle/opensubdiv.h"
 
 #include "tests/unit/subdiv/surfaces.h"
 
 enum { PLACES = 24 };
 
-/* Both surfaces of one control mesh, and where they were furthest apart. */
+/* Both surfaces of one control mesh and their largest differences. */
 struct pair {
     struct gd_subdivision *ours;
     struct opensubdiv_surface *theirs;
     double size;
-    /* to the size: of positions, first and second derivatives; or of positions, unit normals, and
-     * positions that OpenSubdiv approximates */
+    /* Relative to the size: of positions, first and second derivatives; or of positions, unit
+     * normals, and positions that OpenSubdiv approximates. */
     double worst[3];
     size_t count;
 };
@@ -74,17 +74,17 @@ static void compare_vertices(struct pair *pair, int level)
     free(jets);
 }
 
-/* --- between them ----------------------------------------------------------------------------- */
+/* --- places between vertices ------------------------------------------------------------------ */
 
-/* Far enough from all corners for OpenSubdiv to be exact. */
+/* Returns a parameter far enough from all corners for OpenSubdiv to be exact. */
 static double inside(struct rng *rng)
 {
     return rng_between(rng, 0.02, 0.98);
 }
 
-/* OpenSubdiv 3.5 tells second derivatives in the middle one of four triangles, whose axes are
- * turned by half, with the wrong sign. Ours agree with finite differences of the first ones
- * (test_evaluate.c). */
+/* Returns the sign of OpenSubdiv's second derivatives. OpenSubdiv 3.5 gives them the wrong sign in
+ * the middle one of four triangles, whose axes are turned by half a turn. The engine's agree with
+ * finite differences of first derivatives (test_evaluate.c). */
 static double sign_of(const struct gd_limit_jet *ours, const struct gd_limit_jet *theirs)
 {
     return gd_vec3_dot(ours->dvv, theirs->dvv) < 0 ? -1 : 1;
@@ -115,7 +115,7 @@ static void compare_places(struct pair *pair, const struct gd_control_mesh *mesh
     pair->count += (size_t)count;
 }
 
-/* What rounding leaves, with the step that halvings of (u,v) take it up by. */
+/* Errors by rounding. Each halving of (u,v) amplifies those of derivatives. */
 static const double promised[2][3] = {{1e-13, 1e-11, 1e-2}, {1e-13, 1e-11, 1e-9}};
 
 static void check_pair(const char *name, const char *what, struct pair *pair, const double most[3])
@@ -128,7 +128,7 @@ static void check_pair(const char *name, const char *what, struct pair *pair, co
     }
 }
 
-/* The furthest apart of a group of surfaces. */
+/* Largest differences of a group of surfaces. */
 struct tally {
     double vertices[3], places[3];
     size_t surfaces, count;
@@ -192,8 +192,8 @@ static void compare_samples(const char *group, const struct sample *samples, siz
 
 /* --- meshes ----------------------------------------------------------------------------------- */
 
-/* Two fans of n faces around vertices 0 and 1 above and below a ring: n kites each (Catmull-Clark),
- * whose other vertices have three faces, or n triangles. Not symmetric. */
+/* Writes two fans of n faces around vertices 0 and 1 above and below a ring, without symmetry:
+ * triangles, or kites (Catmull-Clark), whose other vertices have three faces. */
 static void make_fans(uint32_t n, bool triangles, char *text, size_t size)
 {
     FILE *out = fmemopen(text, size, "w");
@@ -232,7 +232,7 @@ static void make_prism(uint32_t n, char *text, size_t size)
     fclose(out);
 }
 
-/* An L of three bent cells with a triangle and a pentagon at its ends. */
+/* An L of three bent cells, with a triangle and a pentagon at its ends. */
 #define BENT_L                                                                                     \
     "v 0 0 0\nv 1 .1 .2\nv 2 0 -.1\nv 0 1 .3\nv 1.1 1 0\nv 2 1.1 .2\nv 0 2 .1\nv 1 2.1 -.2\nv "    \
     "2.7 .4 .3\n"                                                                                  \
@@ -304,7 +304,7 @@ static void valences(void **state)
     print_tally("valences 3 to 12", &tally);
 }
 
-/* Prisms over polygons, one edge of which is a crease for a while. */
+/* Prisms over polygons, with one semi-sharp edge. */
 static void polygons(void **state)
 {
     if (!opensubdiv_is_available()) skip();
@@ -319,8 +319,8 @@ static void polygons(void **state)
     print_tally("polygons of 3 to 9 sides", &tally);
 }
 
-/* Where a crease ends, and at vertices of two faces, its masks are those of smooth vertices and of
- * corners: near the limit, and nearer with every level. */
+/* At the end of a crease OpenSubdiv approximates by another vertex type's mask. The difference
+ * falls with every level. */
 static void approximated(void **state)
 {
     if (!opensubdiv_is_available()) skip();

@@ -1,4 +1,4 @@
-/* The brute-force solver against closed forms: neither knows the other. */
+/* Compares the brute-force solver with closed forms, which share no code with it. */
 #include "tests/oracle/closed_forms.h"
 #include "tests/oracle/unfold.h"
 
@@ -11,7 +11,7 @@
 
 enum { PLACES = 6 };
 
-/* All pairs of some places on the surface. */
+/* Compares all pairs of some random places. Returns the largest relative error. */
 static double compare(const struct gd_polygons *mesh, struct rng *rng,
                       double (*expected)(const void *context, const double *p, const double *q),
                       const void *context)
@@ -24,7 +24,7 @@ static double compare(const struct gd_polygons *mesh, struct rng *rng,
     double at[PLACES][3], worst = 0;
     for (int i = 0; i < PLACES; i++) {
         struct test_place place = test_random_place(mesh, rng);
-        if (i == 1) place.face = 0; /* so that some share a face */
+        if (i == 1) place.face = 0; /* so that some points share a face */
         if (i == 2) place.face = 0;
         vertex[i] = unfold_insert(unfold, place.face, place.weight);
         test_place_position(mesh, place, at[i]);
@@ -93,7 +93,8 @@ static void test_box(void **state)
     print_message("# box: worst error %.2g\n", worst);
 }
 
-/* The classic spider and fly: in a 30 x 12 x 12 room the way over five walls is the shortest. */
+/* The classic puzzle of the spider and the fly: in a 30 x 12 x 12 room the shortest path crosses
+ * five walls. */
 static void test_spider_and_fly(void **state)
 {
     (void)state;
@@ -146,7 +147,8 @@ static void test_cylinder(void **state)
     print_message("# cylinder: worst error %.2g\n", worst);
 }
 
-/* The weights of a point in a regular tetrahedron about the origin are linear in it. */
+/* Computes barycentric weights in a regular tetrahedron about the origin. They are linear in the
+ * position. */
 static void weights(const struct gd_polygons *mesh, const double *p, double out[4])
 {
     for (int k = 0; k < 4; k++) {

@@ -29,8 +29,8 @@ static void test_square(void **state)
     (void)state;
     const double square[4][2] = {{1, 1}, {3, 1}, {3, 3}, {1, 3}};
     struct visibility_scene scene = {square, (uint32_t[2]){0, 4}, 1};
-    check_close(distance(&scene, 0, 2, 4, 2), 2 * sqrt(2) + 2, 1e-15); /* round two corners */
-    /* through a corner, straight */
+    check_close(distance(&scene, 0, 2, 4, 2), 2 * sqrt(2) + 2, 1e-15); /* around two corners */
+    /* straight, through a corner */
     check_close(distance(&scene, 2, 0, 4, 2), 2 * sqrt(2), 1e-15);
     /* between opposite corners */
     check_close(distance(&scene, 1, 1, 3, 3), 4, 1e-15);
@@ -50,8 +50,8 @@ static void test_concave(void **state)
     check_close(distance(&scene, 2, 1, 5, 1), sqrt(10) + 1 + sqrt(10), 1e-15);
 }
 
-/* The same scenes as surfaces, by unfolding: a plan without prisms against prisms without a
- * plan. */
+/* The same scenes as surfaces, solved by unfolding. The plan knows no prisms, and the surface knows
+ * no plan. */
 static void test_against_unfolding(void **state)
 {
     (void)state;

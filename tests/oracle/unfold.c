@@ -12,20 +12,20 @@ struct place {
     real x, y;
 };
 
-/* A triangle, and where it lies in the original face that it is a part of. */
+/* A triangle and its position in the original face, of which it is a part. */
 struct face {
     uint32_t corner[3];
     uint32_t original;
-    real weight[3][3];  /* of each corner, barycentric in the original face */
-    uint32_t across[3]; /* the face beyond the edge opposite to each corner; NONE: boundary */
-    bool passed;        /* by the unfolding that is under way: a shortest path enters a face once */
+    real weight[3][3];  /* of each corner: barycentric coordinates in the original face */
+    uint32_t across[3]; /* the face across the edge opposite to each corner; NONE: boundary */
+    bool passed;        /* by the current unfolding: a shortest path enters a face only once */
 };
 
 struct unfold_mesh {
     real (*position)[3];
     struct face *face;
     uint32_t vertex_count, face_count, face_capacity;
-    real *distance; /* upper bounds, at the end exact */
+    real *distance; /* upper bounds, exact at the end */
     bool linked;    /* `across` is up to date */
 };
 
@@ -91,7 +91,8 @@ static real determinant(const real a[3], const real b[3], const real c[3])
            a[2] * (b[0] * c[1] - b[1] * c[0]);
 }
 
-/* The barycentric coordinates in a part of those in its original face; their least one. */
+/* Converts barycentric coordinates of the original face to those of a part. Returns the smallest
+ * one. */
 static real weights_in(const struct face *part, const real weight[3], real out[3])
 {
     real total = determinant(part->weight[0], part->weight[1], part->weight[2]), least = INFINITY;
@@ -102,7 +103,7 @@ static real weights_in(const struct face *part, const real weight[3], real out[3
     return least;
 }
 
-/* The part of the original face in which the point lies deepest. */
+/* Returns the part of the original face in which the point lies deepest. */
 static struct face *part_around(struct unfold_mesh *mesh, uint32_t original, const real weight[3],
                                 real local[3])
 {
@@ -120,8 +121,8 @@ static struct face *part_around(struct unfold_mesh *mesh, uint32_t original, con
     return best;
 }
 
-/* Adds a copy of `face` in which `vertex`, at `weight` in the original face, stands for corner
- * k. */
+/* Adds a copy of `face` with `vertex` as its corner k. `weight`: the vertex in the original
+ * face. */
 static void add_part(struct unfold_mesh *mesh, const struct face *face, int k, uint32_t vertex,
                      const real weight[3])
 {
@@ -138,7 +139,7 @@ static void replace_corner(struct face *face, int k, uint32_t vertex, const real
     memcpy(face->weight[k], weight, sizeof face->weight[k]);
 }
 
-/* Splits every face at the edge a-b at the vertex (1 - t) a + t b. */
+/* Splits every face that has the edge a-b at the vertex (1 - t) a + t b. */
 static void split_edge(struct unfold_mesh *mesh, uint32_t a, uint32_t b, real t, uint32_t vertex)
 {
     for (uint32_t f = 0, count = mesh->face_count; f < count; f++) {
@@ -197,7 +198,7 @@ static real between(const struct unfold_mesh *mesh, uint32_t a, uint32_t b)
     return hypotl(hypotl(p[0] - q[0], p[1] - q[1]), p[2] - q[2]);
 }
 
-/* Where c comes to lie to the left of the way from a to b, whose places are known. */
+/* Returns the position of c on the left of the line from a to b, whose positions are given. */
 static struct place lay_left(const struct unfold_mesh *mesh, uint32_t a, uint32_t b, uint32_t c,
                              struct place at_a, struct place at_b)
 {
@@ -212,17 +213,16 @@ static struct place lay_left(const struct unfold_mesh *mesh, uint32_t a, uint32_
     return (struct place){at_a.x + along * d.x - aside * d.y, at_a.y + along * d.y + aside * d.x};
 }
 
-/* An edge laid out in the plane with the source at the origin, and the cone of directions that
- * reach it, right to left. */
+/* An edge in the plane, with the source at the origin, and the cone of directions that reach it. */
 struct cone {
     uint32_t right, left; /* the edge's vertices */
     struct place at_right, at_left;
     struct place from, to;
     uint32_t ahead;  /* the face beyond */
-    uint32_t origin; /* the vertex at the source */
+    uint32_t origin; /* vertex of the source */
 };
 
-/* Distance of the origin from the segment a-b. */
+/* Returns the distance of the origin from the segment a-b. */
 static real distance_to_segment(struct place a, struct place b)
 {
     struct place d = {b.x - a.x, b.y - a.y};
@@ -231,7 +231,8 @@ static real distance_to_segment(struct place a, struct place b)
     return hypotl(a.x + t * d.x, a.y + t * d.y);
 }
 
-/* Whether a path through the cone is longer than a known one to every point of the edge. */
+/* Returns whether, for every point of the edge, a path through the cone is longer than a known
+ * one. */
 static bool is_hopeless(const struct unfold_mesh *mesh, const struct cone *cone)
 {
     real length = hypotl(cone->at_left.x - cone->at_right.x, cone->at_left.y - cone->at_right.y);
@@ -283,7 +284,7 @@ static void walk_edges(struct unfold_mesh *mesh, uint32_t vertex)
     }
 }
 
-/* All straight pieces from a vertex whose distance is known. */
+/* Finds all straight segments from a vertex whose distance is known. */
 static void unfold_from(struct unfold_mesh *mesh, uint32_t vertex)
 {
     walk_edges(mesh, vertex);
@@ -301,8 +302,8 @@ static void unfold_from(struct unfold_mesh *mesh, uint32_t vertex)
     }
 }
 
-/* Dijkstra over the vertices by the given pieces; what is in mesh->distance already are upper
- * bounds. */
+/* Dijkstra's algorithm over the vertices. `relax` improves distances from a vertex. On entry
+ * mesh->distance has upper bounds. */
 static void settle_all(struct unfold_mesh *mesh, void (*relax)(struct unfold_mesh *, uint32_t))
 {
     bool *settled = calloc(mesh->vertex_count, sizeof *settled);

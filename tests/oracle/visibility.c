@@ -7,7 +7,7 @@
 struct visibility {
     const struct visibility_scene *scene;
     double source[2];
-    double *distance; /* of each corner */
+    double *distance; /* of each corner from the source */
 };
 
 static double orientation(const double a[2], const double b[2], const double c[2])
@@ -20,7 +20,7 @@ static bool is_same(const double a[2], const double b[2])
     return a[0] == b[0] && a[1] == b[1];
 }
 
-/* Whether p lies on the closed segment a-b. */
+/* Returns whether p lies on the closed segment a-b. */
 static bool is_on(const double a[2], const double b[2], const double p[2])
 {
     return orientation(a, b, p) == 0 && fmin(a[0], b[0]) <= p[0] && p[0] <= fmax(a[0], b[0]) &&
@@ -33,7 +33,7 @@ static bool do_cross(const double a[2], const double b[2], const double c[2], co
            orientation(c, d, a) * orientation(c, d, b) < 0;
 }
 
-/* Whether p lies inside the polygon, its sides excluded. */
+/* Returns whether p lies strictly inside the polygon. */
 static bool is_inside(const struct visibility_scene *scene, uint32_t polygon, const double p[2])
 {
     bool inside = false;
@@ -47,9 +47,9 @@ static bool is_inside(const struct visibility_scene *scene, uint32_t polygon, co
     return inside;
 }
 
-/* Whether b can be seen from a. A corner on the way hides b: the way through that corner is found
- * as two pieces. Once no side crosses the segment and no corner lies on it, it is inside an
- * obstacle if its middle is. */
+/* Returns whether b is visible from a. A corner on the segment hides b, because the path through
+ * the corner is found as two segments. If no side crosses the segment and no corner lies on it, the
+ * segment is inside an obstacle exactly if its midpoint is. */
 static bool is_visible(const struct visibility_scene *scene, const double a[2], const double b[2])
 {
     double middle[2] = {0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])};

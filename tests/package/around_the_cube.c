@@ -1,5 +1,4 @@
-/* What a program of somebody else's looks like: the distance between opposite corners of a unit
- * cube, which is sqrt(5). */
+/* A user's program: the distance between opposite corners of a unit cube, which is sqrt(5). */
 #include <stdio.h>
 
 #include <gd/geodesic.h>

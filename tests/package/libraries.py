@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Looks at the engine's libraries as other programs meet them: installed, found by pkg-config.
+"""Checks the engine's libraries as other programs use them: installed, found by pkg-config.
 
 usage: tests/package/libraries.py [--build FOLDER]
 
-C and C++ programs are linked with the shared and the static libraries and run; every header stands
-alone in both languages; sonames, exported symbols and dependencies are read from the shared objects.
+Links C and C++ programs with the shared and the static libraries and runs them; compiles every
+header alone in both languages; reads sonames, exported symbols and dependencies from the shared
+objects.
 """
 import argparse
 import os
@@ -20,11 +21,19 @@ SOURCE = HERE.parent.parent
 PARTS = ("geodesic", "geodesic-tools", "geodesic-smooth")
 UMBRELLA = {"geodesic": "geodesic", "geodesic-tools": "tools", "geodesic-smooth": "smooth"}
 # of others, and of the system on any machine
-NEEDED = {"geodesic": {"libstdc++.so.6"}, "geodesic-tools": {"libgeodesic.so.0", "libz.so.1"}, "geodesic-smooth": {"libgeodesic.so.0"}}
+NEEDED = {"geodesic": {"libstdc++.so.6", "libz.so.1", "libminizip.so.1", "libexpat.so.1"}, "geodesic-tools": {"libgeodesic.so.0", "libz.so.1", "libOpenMeshCore.so.9.0", "libOpenMeshTools.so.9.0", "libstdc++.so.6"}, "geodesic-smooth": {"libgeodesic.so.0"}}
 SYSTEM = re.compile(r"(libc|libm|libgcc_s|ld-linux.*)\.so\.\d+")
 LANGUAGES = {"C": ["cc", "-std=c17", "-x", "c"], "C++": ["c++", "-std=c++17", "-x", "c++"]}
 MOST_ARGUMENTS = 5
 SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n"
+
+
+def static_flags(flags):
+    """Returns flags that link the engine statically. Debian has OpenMesh only as shared libraries,
+    so a program that uses it is not static."""
+    if not any("OpenMesh" in flag for flag in flags):
+        return ["-static", *flags]
+    return [f"-l:lib{flag[2:]}.a" if flag.startswith("-lgeodesic") else flag for flag in flags]
 
 
 def run(*command, **options):
@@ -33,7 +42,7 @@ def run(*command, **options):
 
 
 class Installed:
-    """A tree that `make install-libraries` made, and what is expected of it."""
+    """A tree made by `make install-libraries`, and its checks."""
 
     def __init__(self, prefix):
         self.prefix, self.failed = prefix, 0
@@ -80,7 +89,7 @@ def headers_stand_alone(tree):
 
 
 def argument_counts(header):
-    """Pairs of a function and the number of its arguments."""
+    """Yields pairs of a function and the number of its arguments."""
     text = re.sub(r"/\*.*?\*/", "", header.read_text(), flags=re.S)
     text = re.sub(r"^#(?:.*\\\n)*.*$", "", text, flags=re.M)
     for found in re.finditer(r"\b(gd_\w+)\(", text):
@@ -111,7 +120,7 @@ def programs_link(tree):
                 if kind == "shared":
                     libraries, found = tree.flags("--libs", part), {"LD_LIBRARY_PATH": str(tree.folder)}
                 else:
-                    libraries, found = ["-static", *tree.flags("--static", "--libs", part)], {}
+                    libraries, found = static_flags(tree.flags("--static", "--libs", part)), {}
                 code, told = run(*compiler, "-Wall", "-Wextra", "-Werror", source, "-x", "none", "-o", program, *tree.flags("--cflags", part), *libraries)
                 if not code:
                     code, told = run(program, mesh, "0", "2", env={"PATH": os.environ["PATH"], **found})

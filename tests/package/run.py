@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
-"""What is installed, by `make install` and by the Debian packages: that it is all there, works where it lies, and goes away again.
+"""Checks `make install` and the Debian packages: they are complete, work when installed, and can be
+removed.
 
     tests/package/run.py [--build DIR] [--chroot]
 
-Packages what lies in DIR, so `make build client-c` comes first. --chroot: the packages as `make deb` builds them, hardened, are installed in a
-fresh Debian (mmdebstrap, as root), the daemon is started as its unit says, asked, and everything is removed again.
-Parts whose programs are missing (debhelper, lintian, pkg-config) say so and are skipped.
+Packages the files in DIR, so run `make build client-c` first. --chroot: installs the hardened
+packages of `make deb` in a fresh Debian (mmdebstrap, as root), starts the daemon as its unit says,
+sends requests, and removes everything again. Parts whose programs are missing (debhelper, lintian,
+pkg-config) are skipped with a message.
 """
 import argparse
 import math
@@ -27,12 +29,14 @@ EXPECTED = {
     "geodesicd": {"/usr/bin/geodesicd", "/lib/systemd/system/geodesicd.service", "/etc/geodesicd/environment",
                   "/usr/share/man/man8/geodesicd.8.gz", "/usr/share/doc/geodesicd/copyright"},
     "geodesicd-clients": {"/usr/bin/geodesic", "/usr/share/man/man1/geodesic.1.gz", "/usr/share/bash-completion/completions/geodesic",
+                          "/usr/share/zsh/vendor-completions/_geodesic", "/usr/share/fish/vendor_completions.d/geodesic.fish",
                           "/usr/lib/python3/dist-packages/geodesicd/__init__.py"},
     "libgeodesic0": {"/usr/lib/{multiarch}/libgeodesic.so.0", "/usr/lib/{multiarch}/libgeodesic-tools.so.0", "/usr/lib/{multiarch}/libgeodesic-smooth.so.0"},
     "libgeodesic-dev": {"/usr/include/geodesic/gd/geodesic.h", "/usr/lib/{multiarch}/libgeodesic.so", "/usr/lib/{multiarch}/libgeodesic.a",
                         "/usr/lib/{multiarch}/pkgconfig/geodesic.pc", "/usr/share/man/man3/geodesic.3.gz",
                         "/usr/share/doc/libgeodesic-dev/examples/geodesic.c"},
-    "libgeodesicd-dev": {"/usr/include/geodesicd.h", "/usr/lib/{multiarch}/libgeodesicd-client.a", "/usr/lib/{multiarch}/pkgconfig/geodesicd-client.pc"},
+    "libgeodesicd-dev": {"/usr/include/geodesicd.h", "/usr/include/geodesicd.hpp",
+                         "/usr/lib/{multiarch}/cmake/geodesicd-client/geodesicd-client-config.cmake", "/usr/lib/{multiarch}/libgeodesicd-client.a", "/usr/lib/{multiarch}/pkgconfig/geodesicd-client.pc"},
 }
 
 
@@ -45,7 +49,7 @@ def run(*command, **options):
 
 
 class Report:
-    """A line for each thing that is expected."""
+    """Prints a line for each expectation."""
 
     def __init__(self):
         self.failed = 0
@@ -59,15 +63,15 @@ class Report:
 
 
 def make(build, *targets):
-    """As the tests were started: by the same compiler and flags, which make hands on in the environment."""
+    """Runs make with the compiler and flags of the tests, which make passes in the environment."""
     return run("make", "--no-print-directory", f"BUILD={build}", *targets)
 
 
-# --- make install ---------------------------------------------------------------------------------------------------------
+# --- make install -------------------------------------------------------------------------------
 
 
 def look_at_libraries(report, build, prefix):
-    """A stranger's program, built by what pkg-config says and nothing else."""
+    """Builds a user's program with the flags of pkg-config and nothing else."""
     if not shutil.which("pkg-config"):
         return report.skip("libraries by pkg-config", "pkg-config is not installed")
     found = dict(os.environ, PKG_CONFIG_PATH=str(prefix / "lib/pkgconfig"))
@@ -99,7 +103,7 @@ def look_at_install(report, build):
         report.expect("uninstall leaves no file", not left, left)
 
 
-# --- the Debian packages --------------------------------------------------------------------------------------------------
+# --- the Debian packages ------------------------------------------------------------------------
 
 
 def packages_of(build):
@@ -124,17 +128,17 @@ def look_at_packages(report, build):
     report.expect("lintian has nothing to say", said.returncode == 0 and not said.stdout, said.stdout + said.stderr)
 
 
-# --- in a fresh Debian ------------------------------------------------------------------------------------------------------
+# --- in a fresh Debian --------------------------------------------------------------------------
 
 
 def dependencies(packages):
-    """The names of the other packages that these want."""
+    """Returns the names of the other packages that these depend on."""
     fields = ",".join(run("dpkg-deb", "--field", package, "Depends") for package in packages)
     return sorted({word.split()[0] for word in fields.split(",") if word.split()} - set(EXPECTED))
 
 
 class Fresh:
-    """A minimal Debian with what the packages depend on, and nothing of ours."""
+    """A minimal Debian with the dependencies of the packages, but without the packages."""
 
     def __init__(self, place, packages):
         self.root = place / "root"
@@ -148,13 +152,13 @@ class Fresh:
                    f'mount --bind /dev {self.root}/dev && mount -t proc proc {self.root}/proc && exec chroot {self.root} "$@"', "sh", *command, env=clean)
 
     def files(self):
-        """All that is there, without what dpkg and apt remember."""
+        """Returns all files, without those in which dpkg and apt keep their state."""
         skipped = ("proc", "dev", "sys", "run", "tmp", "var/lib/dpkg", "var/cache", "var/log", "var/lib/systemd/deb-systemd-helper-enabled")
         inside = (str(path.relative_to(self.root)) for path in self.root.rglob("*"))
         return {path for path in inside if not path.startswith(skipped)}
 
 
-# What the unit says, done by hand: its user, its settings, its command; then a demo, by the installed command.
+# Runs the unit by hand: its user, its settings, its command; then a demo, by the installed command.
 SESSION = r"""
 set -eu
 unit=/lib/systemd/system/geodesicd.service

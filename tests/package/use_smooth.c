@@ -1,5 +1,5 @@
-/* A program that uses libgeodesic-smooth, in C and in C++: how far apart two opposite corners of a
- * unit square are on its limit surface, which passes through them. */
+/* A program that uses libgeodesic-smooth, in C and in C++: the distance of two opposite corners of
+ * a unit square on its limit surface, which passes through them. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

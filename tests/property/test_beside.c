@@ -1,6 +1,6 @@
-/* Sources and corners of curves that lie right beside edges and vertices of a plane, curves nearer
- * than windows can tell, and places asked at that do, too: each distance is Euclid's, and each path
- * leads there. GD_SCENES in the environment says how many fields of each kind are built (400). */
+/* Sources and corners of curves very close to edges and vertices of a plane, some closer than
+ * windows resolve, and target points as close. Distances equal the Euclidean ones, and paths have
+ * these lengths. GD_SCENES: number of fields of each kind (400). */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -12,8 +12,7 @@
 
 enum { SCENES = 400, POINTS_MOST = 4, PLACES = 40, POINT_DIGITS = 8, CURVE_DIGITS = 16 };
 
-/* Of a square of 8 x 8 cells: of a part of the scenes, vertices inside of it lie anywhere in their
- * cells. */
+/* A turned square of 8 x 8 cells. In two thirds of the scenes its inner vertices are displaced. */
 struct plane {
     struct gd_polygons polygons;
     struct gd_mesh *mesh;
@@ -43,7 +42,7 @@ static void close_plane(struct plane *plane)
     gd_polygons_free(&plane->polygons);
 }
 
-/* Some 1 to 10^-digits away from a vertex or an edge. */
+/* Returns a point 1 to 10^-digits away from a random vertex or edge. */
 static struct gd_point beside_something(const struct plane *plane, int digits, struct rng *rng)
 {
     uint32_t face = rng_below(rng, plane->polygons.polygon_count), k = rng_below(rng, 3);
@@ -55,7 +54,7 @@ static struct gd_point beside_something(const struct plane *plane, int digits, s
                            a[1] + t * (b[1] - a[1]) + apart * sin(angle), 0);
 }
 
-/* The distance of a place from seeds: points, or segments. */
+/* Returns the distance of a position from seeds, which are points or segments. */
 static double to_seeds(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count,
                        struct gd_vec3 p)
 {
@@ -70,7 +69,8 @@ static double to_seeds(const struct gd_mesh *mesh, const struct gd_seed *seeds, 
     return least;
 }
 
-/* The worst error of distances and lengths at all vertices and some places. */
+/* Checks distances and path lengths at all vertices and some points close to edges. Returns the
+ * largest error. */
 static double check_field(const struct plane *plane, const struct gd_seed *seeds, uint32_t count,
                           int digits, struct rng *rng)
 {
@@ -124,7 +124,7 @@ static double check_curve(const struct plane *plane, struct rng *rng)
     return worst;
 }
 
-/* What is checked in each plane; it returns its worst error. */
+/* Runs `check`, which returns its largest error, in each plane. */
 static void check_planes(double (*check)(const struct plane *plane, struct rng *rng), uint64_t seed)
 {
     const char *asked = getenv("GD_SCENES");

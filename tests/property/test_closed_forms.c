@@ -1,4 +1,4 @@
-/* The engine against surfaces whose distances are known in closed form, and against the plane's
+/* Compares the engine with surfaces whose distances have a closed form, and with the plane's
  * visibility graph on the benchmark of Y.-J. Liu, "Exact geodesic metric in 2-manifold triangle
  * meshes using edge-based data structures", section 5.1. */
 #include "tests/oracle/closed_forms.h"
@@ -32,7 +32,7 @@ static double distance_at(const struct gd_field *field, struct gd_point point)
     return distance;
 }
 
-/* Random sources and targets at vertices, on edges and in faces. Frees the polygons. */
+/* Compares random sources and targets at vertices, on edges and in faces. Frees the polygons. */
 static void compare(struct surface *surface, uint64_t rng_seed)
 {
     struct rng rng = {rng_seed};
@@ -75,7 +75,7 @@ static void test_grid(void **state)
     }
 }
 
-/* Positions on the box's surface lie exactly in its planes, which interpolation misses by a
+/* Moves a point exactly into the planes of the box, from which interpolation deviates by
  * rounding. */
 static void snap_to_box(const double size[3], const double x[3], double out[3])
 {
@@ -147,7 +147,8 @@ static void test_cylinder(void **state)
     }
 }
 
-/* The weights of a point of a regular tetrahedron about the origin are linear in it. */
+/* Computes barycentric weights with respect to the four corners. They are linear in the
+ * position. */
 static void corner_weights(const struct surface *surface, const double p[3], double out[4])
 {
     for (int k = 0; k < 4; k++) {
@@ -176,7 +177,7 @@ static void test_tetrahedron(void **state)
     }
 }
 
-/* From p and q to each other and to points of the ground. */
+/* Compares distances from p and q to each other and to points of the ground. */
 static void compare_obstacles(const struct sample_obstacles *scene, uint64_t rng_seed)
 {
     struct rng rng = {rng_seed};

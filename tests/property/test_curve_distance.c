@@ -1,5 +1,5 @@
-/* Distances between curves: closed forms, symmetry (two fields that know nothing of each other),
- * and samples, which converge to them from one side. */
+/* Distances between curves: compared with closed forms, with the distance in the other direction
+ * (from another field), and with samples, which bound it from one side. */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -13,7 +13,7 @@
 #include "tests/support/shared.h"
 #include "tests/support/field.h"
 
-/* Random points joined by shortest paths; one that cannot be joined is left out. */
+/* Returns a curve of shortest paths through random points of one component. */
 static struct gd_curve random_curve(const struct gd_mesh *mesh, const struct gd_polygons *polygons,
                                     uint32_t count, bool closed, struct rng *rng)
 {
@@ -38,9 +38,9 @@ static double sample(const struct gd_mesh *mesh, const struct gd_field *field,
     check_ok(gd_field_distance(field, &curve->points[0], &best), NULL);
     for (uint32_t i = 0; i < segments; i++) {
         const struct gd_point *a = &curve->points[i], *b = &curve->points[(i + 1) % curve->count];
-        struct gd__home home;
+        struct gd__segment_location home;
         double from[3], to[3], weight[3], distance;
-        assert_true(gd__segment_home(mesh, a, b, &home));
+        assert_true(gd__segment_locate(mesh, a, b, &home));
         uint32_t side = 2 * home.edge;
         if (home.face == GD_NONE)
             home.face = mesh->side_face[gd__side_is_boundary(mesh, side) ? side + 1 : side];
@@ -65,12 +65,14 @@ static struct gd_curve_distance least(const struct gd_field *field, const struct
 }
 
 struct sums {
-    double asymmetry, excess; /* worst relative ones */
-    double slant;             /* by which an angle was less than a right one, at the worst */
+    /* Largest relative values. excess: of the farthest distance over the sampled one. */
+    double asymmetry, excess;
+    double slant; /* largest deficit of an angle below a right angle */
     int meetings, pairs;
 };
 
-/* Nowhere less than a right one, or the distance would not be the least. */
+/* Records the angle of the shortest path with a curve. Below a right angle the path could be
+ * shorter. */
 static void check_angle(const struct gd_curve *curve, double angle, struct sums *sums)
 {
     assert_true(isnan(angle) == (curve->count == 1));
@@ -185,18 +187,18 @@ static struct gd_curve line(const struct gd_mesh *mesh, double x0, double y0, do
     return curve;
 }
 
-/* Lines in the plane: apart, touching, crossing. */
+/* Segments in a plane: separate, touching, crossing. */
 static void lines_in_the_plane(void **state)
 {
     (void)state;
     static const struct {
         double a[4], b[4], distance, at_a, at_b, angle_a, angle_b, farthest;
     } cases[] = {
-        /* b stands upright over a */
+        /* b is perpendicular to a, above it */
         {{0.1, 0.2, 1.9, 0.2}, {0.7, 0.5, 0.7, 0.9}, 0.3, 1. / 3, 0, M_PI / 2, M_PI, 0.7},
-        /* they cross at right angles */
+        /* crossing at right angles */
         {{0.1, 0.4, 1.9, 0.4}, {0.5, 0.1, 0.5, 0.9}, 0, 2. / 9, 3. / 8, NAN, NAN, 0.5},
-        /* end against end */
+        /* nearest at their ends */
         {{0.1, 0.1, 0.4, 0.1},
          {0.7, 0.5, 1.3, 1.3},
          0.5,
@@ -235,7 +237,7 @@ static void lines_in_the_plane(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* A boundary loop of a cylinder, and one to which no path leads. */
+/* The two boundaries of a cylinder; and a curve that is not the field's. */
 static void boundaries(void **state)
 {
     (void)state;

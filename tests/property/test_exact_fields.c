@@ -1,5 +1,5 @@
-/* Fields whose sources lie right beside vertices, against the solver by naive windows: at
- * vertices, inside faces and beside the same vertex. */
+/* Fields with sources very close to vertices, compared with the solver by naive windows: at
+ * vertices, inside faces and close to the same vertex. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,8 +10,8 @@
 
 enum { FIELDS = 6, PLACES = 24, NEAR = 6, SETS_MOST = 5 };
 
-static const double SNAP = 1e-14;     /* edge lengths */
-static const double ROUNDING = 1e-11; /* of two distances that are compared, relative */
+static const double SNAP = 1e-14;     /* in edge lengths */
+static const double ROUNDING = 1e-11; /* relative, of two compared distances */
 
 static struct gd_field *build_field(struct exact_unit *unit)
 {
@@ -40,8 +40,8 @@ static struct gd_point vertex_point(const struct exact_scene *scene, uint32_t in
     return point;
 }
 
-/* The field of some seeds, all beside `vertex`, at all vertices, at random places, and beside
- * the vertex. */
+/* Checks the field of seeds close to `vertex` at all vertices, at random points and close to
+ * `vertex`. */
 static void check_field(struct exact_scene *scene, uint32_t vertex, const struct gd_seed *seeds,
                         uint32_t count, struct exact_tally *tally)
 {
@@ -59,7 +59,7 @@ static void check_field(struct exact_scene *scene, uint32_t vertex, const struct
     exact_conclude(&unit, tally);
 }
 
-/* Neither the source nor the faces are anything special: what both solvers are checked by. */
+/* Random sources on ordinary surfaces, which test both solvers. */
 static void general_position(uint64_t number, struct exact_tally *tally)
 {
     struct exact_scene scene;
@@ -120,7 +120,7 @@ static double rounded(double x, int digits)
     return strtod(text, NULL);
 }
 
-/* The law |d(s, x) - d(v, x)| <= |sv|, and the distances themselves. */
+/* Checks the law |d(s, x) - d(v, x)| <= |sv| and both distances. */
 static void check_law(struct exact_unit *unit, struct exact_truth *truth,
                       const struct gd_field *beside, const struct gd_field *vertex,
                       struct gd_point point, double apart)
@@ -163,7 +163,7 @@ static void rounded_vertices(uint64_t number, struct exact_tally *tally)
     uint32_t turn = (uint32_t)(number / 4 % 3);
     enum exact_kind kind = (enum exact_kind)(number % EXACT_KINDS);
     struct exact_scene scene;
-    if (kind == EXACT_GRADED) turn = 0; /* moved away, its small faces would fall together */
+    if (kind == EXACT_GRADED) turn = 0; /* far from the origin its small faces would degenerate */
     exact_scene_open_at(kind, number, offsets[turn], &scene);
     for (int i = 0; i < FIELDS; i++) {
         uint32_t vertex = exact_random_vertex(&scene);
@@ -180,7 +180,7 @@ static void rounded_vertices(uint64_t number, struct exact_tally *tally)
 
 /* --- snapping --------------------------------------------------------------------------------- */
 
-/* A point that is asked for by weights moves by no more than 1e-14 edge lengths. */
+/* A point given by weights is moved by at most 1e-14 edge lengths. */
 static void check_weights(struct exact_scene *scene, struct exact_tally *tally)
 {
     struct rng *rng = &scene->rng;
@@ -209,8 +209,8 @@ static void check_weights(struct exact_scene *scene, struct exact_tally *tally)
     exact_conclude(&unit, tally);
 }
 
-/* A point of space is put where it is nearest, or within 1e-14 edge lengths and the rounding of its
- * coordinates of there; the distance that is reported is the one that it was moved by. */
+/* A position becomes its nearest surface point, up to 1e-14 edge lengths and the rounding of its
+ * coordinates. The reported distance is that between the position and this point. */
 static void check_position(struct exact_scene *scene, struct exact_tally *tally)
 {
     uint32_t index = exact_random_vertex(scene);
@@ -249,9 +249,10 @@ static void compare_pair(struct exact_unit *unit, struct exact_truth *truth,
                          const struct gd_point *target)
 {
     struct gd_pair_answer answer = {0};
-    enum gd_status status = gd_pair_solve(
-        unit->scene->mesh, &(struct gd_pair_request){.from = from, .to = to, .wish = GD_PAIR_PATH},
-        NULL, &answer, NULL);
+    enum gd_status status =
+        gd_pair_solve(unit->scene->mesh,
+                      &(struct gd_pair_request){.from = from, .to = to, .output = GD_PAIR_PATH},
+                      NULL, &answer, NULL);
     if (status) {
         exact_failure(unit, "gd_pair_solve", status, target);
         return;
@@ -261,7 +262,7 @@ static void compare_pair(struct exact_unit *unit, struct exact_truth *truth,
     gd_pair_answer_free(&answer);
 }
 
-/* A source beside a vertex, and points as near to it, or the vertex itself. */
+/* A source close to a vertex; targets are the vertex and points as close to it. */
 static void short_distances(uint64_t number, struct exact_tally *tally)
 {
     struct exact_scene scene;

@@ -1,5 +1,5 @@
-/* Points beside vertices and edges as targets, ends of curves, members of sets, starts of
- * traces, vectors and splines. */
+/* Points close to vertices and edges as targets, ends of curves, members of sets, starts of traces,
+ * vectors and splines. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -11,7 +11,8 @@
 
 enum { UNITS = 6, TARGETS = 8, POINTS_MOST = 4, SAMPLES = 32, STEPS = 60 };
 
-/* Error of distances right beside a curve, over an edge's length (engine/doc/002). */
+/* Allowed error of distances very close to a curve, relative to the edge length
+ * (engine/doc/002). */
 static const double BESIDE_CURVE = 1e-10;
 
 static struct gd_point beside_something(struct exact_scene *scene)
@@ -103,7 +104,7 @@ static void members(uint64_t number, struct exact_tally *tally)
 
 /* --- curves ----------------------------------------------------------------------------------- */
 
-/* A point of a segment: its ends are given by weights in one face. */
+/* Returns the point at t of a segment whose ends are given by weights in one face. */
 static struct naive_point between(const struct naive_point *a, const struct naive_point *b,
                                   double t)
 {
@@ -112,8 +113,8 @@ static struct naive_point between(const struct naive_point *a, const struct naiv
     return out;
 }
 
-/* The least distance of the segment from the truth's source: by samples, and by golden sections
- * around the best. */
+/* Returns the smallest distance of a segment from the source: by samples, then golden-section
+ * search around the best sample. */
 static long double to_segment(const struct exact_truth *truth, const struct naive_point *a,
                               const struct naive_point *b)
 {
@@ -140,7 +141,7 @@ static long double to_segment(const struct exact_truth *truth, const struct naiv
     return least;
 }
 
-/* Weights of the point in that face; false: it lies elsewhere. */
+/* Converts a point to weights in a face. Returns false if the face does not contain it. */
 static bool in_face(const struct exact_scene *scene, const struct gd_point *point, uint32_t face,
                     struct naive_point *out)
 {
@@ -241,8 +242,8 @@ static void curves(uint64_t number, struct exact_tally *tally)
 
 /* --- traces ----------------------------------------------------------------------------------- */
 
-/* A line is as long as was asked for unless it meets the boundary, and its end is no farther
- * than its length. */
+/* Checks that a line has the requested length unless it meets the boundary, and that its end is no
+ * farther than its length. */
 static void check_trace(struct exact_unit *unit, struct exact_truth *truth,
                         const struct gd_trace *trace, double length)
 {
@@ -289,8 +290,9 @@ static void traces(uint64_t number, struct exact_tally *tally)
 
 /* --- log, exp and transport ------------------------------------------------------------------- */
 
-/* exp of a log's answer ends where the path ends. In graded patches it only succeeds: an angle in
- * double precision does not tell on which side of an apex of 1e-20 a line passes. */
+/* Checks that exp of the log ends where the path ends. In graded patches it must only succeed: an
+ * angle in double precision does not determine on which side of an apex, at a distance of 1e-20, a
+ * line passes. */
 static void check_exp(struct exact_unit *unit, const struct gd_log *log,
                       const struct gd_point *from, const struct gd_point *to)
 {
@@ -344,7 +346,7 @@ static void vectors(uint64_t number, struct exact_tally *tally)
             enum gd_status status =
                 gd_pair_solve(scene.mesh,
                               &(struct gd_pair_request){
-                                  .from = &seed.point, .to = &to, .wish = GD_PAIR_PATH_AND_CUT},
+                                  .from = &seed.point, .to = &to, .output = GD_PAIR_PATH_AND_CUT},
                               NULL, &answer, NULL);
             if (status)
                 exact_failure(&unit, "gd_pair_solve", status, &to);
@@ -359,7 +361,7 @@ static void vectors(uint64_t number, struct exact_tally *tally)
 
 /* --- splines ---------------------------------------------------------------------------------- */
 
-/* It passes through its points. */
+/* Checks that the spline passes through its points. */
 static void check_spline(struct exact_unit *unit, const struct gd_spline *spline,
                          const struct gd_point *points)
 {
@@ -381,8 +383,8 @@ static void check_spline(struct exact_unit *unit, const struct gd_spline *spline
     gd_spline_line_free(&line);
 }
 
-/* The engine takes points that lie closer together than 1e-12 of their neighbours' distance for
- * one. */
+/* Returns whether consecutive points keep a distance. The engine treats points as equal if they are
+ * closer than 1e-12 of their neighbours' distance. */
 static bool are_apart(const struct exact_scene *scene, const struct gd_point *points,
                       uint32_t count)
 {

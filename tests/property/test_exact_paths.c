@@ -1,4 +1,5 @@
-/* Paths into the smallest faces, and the same question asked in every way that the engine has. */
+/* Paths into the smallest faces, and the same distance computed by every operation of the
+ * engine. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -8,7 +9,7 @@
 
 enum { SOURCES = 3, TARGETS = 4, LANES_MOST = 24, LANDMARKS = 4 };
 
-static const double ONE_LANE = 1e-12; /* relative difference of two ways to ask */
+static const double ONE_LANE = 1e-12; /* relative difference of two operations */
 
 static struct gd_field *field_from(struct exact_unit *unit, const struct gd_point *point,
                                    double radius, const struct gd_point *target)
@@ -46,9 +47,10 @@ static void ask_pair(struct exact_unit *unit, struct exact_truth *truth,
     else
         exact_answer(unit, truth, target, answer.distance);
     gd_pair_answer_free(&answer);
-    status = gd_pair_solve(unit->scene->mesh,
-                           &(struct gd_pair_request){.from = from, .to = to, .wish = GD_PAIR_PATH},
-                           NULL, &answer, NULL);
+    status =
+        gd_pair_solve(unit->scene->mesh,
+                      &(struct gd_pair_request){.from = from, .to = to, .output = GD_PAIR_PATH},
+                      NULL, &answer, NULL);
     if (status)
         exact_failure(unit, "gd_pair_solve, path", status, target);
     else
@@ -56,7 +58,7 @@ static void ask_pair(struct exact_unit *unit, struct exact_truth *truth,
     gd_pair_answer_free(&answer);
 }
 
-/* A pair by search and by fields, from either end. */
+/* Checks a path by pair search and by fields, in both directions. */
 static void check_path(const struct exact_scene *scene, struct exact_truth *truth,
                        const struct gd_field *field, const struct gd_seed *seed, struct gd_point to,
                        struct exact_tally *tally)
@@ -93,7 +95,7 @@ static void graded_paths(uint64_t number, struct exact_tally *tally)
 
 /* --- lanes ------------------------------------------------------------------------------------ */
 
-/* One pair's answers, each way. */
+/* Distances of a pair by each operation. */
 struct lanes {
     struct exact_unit unit;
     struct gd_point from, to;
@@ -101,7 +103,7 @@ struct lanes {
     uint32_t count;
 };
 
-/* `distance` is read after the call that fills it. */
+/* Adds the result of a call. `distance` is read after the call that fills it. */
 static void add(struct lanes *lanes, const char *call, enum gd_status status,
                 const double *distance)
 {
@@ -115,14 +117,15 @@ static void by_search(struct lanes *lanes, const struct gd_point *from, const st
                       const struct gd_landmarks *landmarks)
 {
     const struct gd_mesh *mesh = lanes->unit.scene->mesh;
-    for (enum gd_pair_wish wish = GD_PAIR_DISTANCE; wish <= GD_PAIR_PATH_AND_CUT; wish++) {
+    for (enum gd_pair_output output = GD_PAIR_DISTANCE; output <= GD_PAIR_PATH_AND_CUT; output++) {
         struct gd_pair_answer answer = {0};
-        enum gd_status status = gd_pair_solve(
-            mesh,
-            &(struct gd_pair_request){.from = from, .to = to, .wish = wish, .landmarks = landmarks},
-            NULL, &answer, NULL);
+        enum gd_status status =
+            gd_pair_solve(mesh,
+                          &(struct gd_pair_request){
+                              .from = from, .to = to, .output = output, .landmarks = landmarks},
+                          NULL, &answer, NULL);
         add(lanes, "gd_pair_solve", status, &answer.distance);
-        if (wish != GD_PAIR_DISTANCE && !status)
+        if (output != GD_PAIR_DISTANCE && !status)
             add(lanes, "gd_pair_solve", GD_OK, &answer.path.length);
         gd_pair_answer_free(&answer);
     }
@@ -177,7 +180,7 @@ static void by_distances_only(struct lanes *lanes, const struct gd_point *from,
     free(distance);
 }
 
-/* All answers against the first, to 1e-12, and the first against the truth. */
+/* Compares all distances with the first one (1e-12), and that one with the exact distance. */
 static void compare(struct lanes *lanes)
 {
     for (uint32_t i = 1; i < lanes->count; i++) {

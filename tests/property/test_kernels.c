@@ -1,5 +1,5 @@
-/* Kernels on whole fields: whichever this machine has, distances, predecessors and the bytes of all
- * wedges are the same. */
+/* Compares whole fields of all kernels that this machine supports: distances, predecessors and all
+ * bytes of wedges are equal. */
 #include <stdio.h>
 #include <string.h>
 
@@ -59,7 +59,8 @@ static struct gd_field *field_by(const char *kernel, const struct gd_mesh *mesh,
     return field;
 }
 
-/* In how many of the vertices, edges and bytes of wedges the fields differ. */
+/* Returns the number of vertices and edges at which the fields differ, plus 1 if their wedges
+ * differ. */
 static uint64_t differences(const struct gd_field *a, const struct gd_field *b, const char *what)
 {
     const struct gd_mesh *mesh = a->mesh;
@@ -79,7 +80,7 @@ static uint64_t differences(const struct gd_field *a, const struct gd_field *b, 
     return total;
 }
 
-/* From one source as far as all, a radius and a target; the number of wedges. */
+/* Compares a whole field, one with a radius and one with a target. Returns the number of wedges. */
 static uint64_t compare(const struct gd_mesh *mesh, const char *name, struct gd_point source,
                         struct gd_point target)
 {

@@ -1,5 +1,5 @@
-/* Laws of the metric on surfaces for which nobody knows the distances, and what must not change
- * them. */
+/* Laws of the metric on surfaces without known distances, and changes of a mesh that preserve
+ * distances. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -57,9 +57,8 @@ static void test_metric(void **state)
     }
 }
 
-/* On steep surfaces vertices emit again and again as their distances fall, and what an edge has
- * already must not stand in the way of what is new: between all vertices the distance is the same
- * in both directions, and along every edge it changes by no more than the edge. */
+/* On steep surfaces a vertex emits windows repeatedly as its distance falls, and stored wedges must
+ * not block newer windows. Distances between all vertices are the same in both directions. */
 static void test_steep(void **state)
 {
     (void)state;
@@ -97,7 +96,7 @@ static void test_steep(void **state)
     }
 }
 
-/* Pairs of places and the distances between them. */
+/* Pairs of points and the distances between them. */
 struct pairs {
     struct test_place from[PAIRS], to[PAIRS];
     double distance[PAIRS];
@@ -117,7 +116,7 @@ static struct pairs measure(const struct gd_polygons *polygons, struct rng *rng)
     return pairs;
 }
 
-/* The same pairs on a changed mesh: distances are `factor` times as long. */
+/* Checks that the pairs' distances on a changed mesh are `factor` times as long. */
 static double measure_again(const struct gd_polygons *polygons, const struct pairs *pairs,
                             double factor, double tolerance)
 {
@@ -166,7 +165,7 @@ static void test_scale(void **state)
     }
 }
 
-/* The place with its weights moved to where the renumbered face has the same corners. */
+/* Returns the same place in the renumbered mesh. */
 static struct test_place renumbered(const struct gd_polygons *before,
                                     const struct gd_polygons *after, struct test_place place,
                                     const uint32_t *vertex_map, const uint32_t *face_map)
@@ -206,7 +205,7 @@ static void test_renumbering_and_orientation(void **state)
     }
 }
 
-/* The same point in the quarters of sample_subdivide. */
+/* Returns the same place after sample_subdivide. */
 static struct test_place in_quarter(struct test_place place)
 {
     const double *w = place.weight;

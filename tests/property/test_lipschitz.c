@@ -1,10 +1,10 @@
-/* 1-Lipschitz, Property 4 of Y.-J. Liu, "Exact geodesic metric in 2-manifold triangle meshes using
- * edge-based data structures": for any set A |d_A(x) - d_A(y)| <= d(x, y). Random sets of points
- * and a curve, with offsets, at random points inside faces, on every mesh of a folder
- * (tests/support/shared.h).
+/* Lipschitz continuity, Property 4 of Y.-J. Liu, "Exact geodesic metric in 2-manifold triangle
+ * meshes using edge-based data structures": for any set A, |d_A(x) - d_A(y)| <= d(x, y). Sets are
+ * random points and a curve, with offsets. Tested at random points inside faces, on every mesh of a
+ * folder (tests/support/shared.h).
  *
- * An offset is a distance to the set as well: d_A(x) = min over the members of offset + d(x,
- * member) is the least of functions that obey the law. */
+ * With offsets d_A(x) = min over the members of offset + d(x, member). This is a minimum of
+ * functions that obey the law, and obeys it too. */
 #include <dirent.h>
 #include <math.h>
 #include <stdio.h>
@@ -21,9 +21,9 @@ static const double promise = 1e-9;
 enum {
     SETS = 2,
     MOST_MEMBERS = 12,
-    /* the law at its sharpest: the straight way within the face is shortest, or as good */
+    /* within a face the straight segment bounds d(x, y), which makes the law sharpest */
     PAIRS_IN_A_FACE = 400,
-    PAIRS = 12, /* anywhere, with the distance searched for */
+    PAIRS = 12, /* of any two points, with d(x, y) from a search */
     PATH_LENGTH = 4096,
     NAME_LENGTH = 256
 };
@@ -38,7 +38,7 @@ static struct gd_face random_face(const struct gd_mesh *mesh, struct rng *rng)
     return face;
 }
 
-/* In the interior, however flat the face is: no weight is less than 1/20. */
+/* Returns a point in the interior of the face, with all weights at least 1/21. */
 static struct gd_point random_point(const struct gd_mesh *mesh, struct gd_face face,
                                     struct rng *rng)
 {
@@ -51,7 +51,8 @@ static struct gd_point random_point(const struct gd_mesh *mesh, struct gd_face f
     return point;
 }
 
-/* The shortest path between two points of one component; between others the first point alone. */
+/* Returns the shortest path between two random points, or the first point alone if they are on
+ * different components. */
 static struct gd_curve random_curve(const struct gd_mesh *mesh, struct rng *rng)
 {
     struct gd_point ends[2];
@@ -89,11 +90,12 @@ static struct gd_field *random_set(const struct gd_mesh *mesh, struct rng *rng)
 /* --- the law ---------------------------------------------------------------------------------- */
 
 struct tally {
-    uint32_t pairs, nearly_equal; /* of these some at which the law holds with nothing to spare */
-    double worst;                 /* by how much it is broken, relative to the distances */
+    /* nearly_equal: pairs at which the law holds almost with equality */
+    uint32_t pairs, nearly_equal;
+    double worst; /* largest violation relative to the distances */
 };
 
-/* `apart` is d(x, y), or an upper bound of it. */
+/* Checks the law. `apart` is d(x, y) or an upper bound of it. */
 static void check_pair(const struct gd_field *field, const struct gd_point *x,
                        const struct gd_point *y, double apart, struct tally *tally)
 {
@@ -101,7 +103,7 @@ static void check_pair(const struct gd_field *field, const struct gd_point *x,
     check_ok(gd_field_distance(field, x, &at_x), NULL);
     check_ok(gd_field_distance(field, y, &at_y), NULL);
     if (isinf(at_x) || isinf(at_y)) {
-        /* a component has members or it has none */
+        /* if one point is reached and the other is not, they are on different components */
         assert_true(isinf(apart) || (isinf(at_x) && isinf(at_y)));
         return;
     }

@@ -1,6 +1,6 @@
-/* The engine against the brute-force solver on thousands of small random surfaces: boundaries,
- * saddles, slivers, parts of very different size, inconsistent orientations, unreferenced vertices,
- * several sources. */
+/* Compares the engine with the brute-force solver on thousands of small random surfaces:
+ * boundaries, saddles, slivers, components of very different size, inconsistent orientations,
+ * unreferenced vertices, several sources. */
 #include "tests/oracle/unfold.h"
 
 #include <math.h>
@@ -15,7 +15,7 @@ static const double promise = 1e-9;
 
 enum { MAX_SOURCES = 2, TARGETS = 5 };
 
-/* One random question: a mesh, sources, targets. */
+/* A random test case: a mesh, sources, targets. */
 struct question {
     struct gd_polygons polygons;
     uint32_t source_count;
@@ -23,7 +23,7 @@ struct question {
     double offsets[MAX_SOURCES];
 };
 
-/* `squeeze` < 1: one axis is squeezed by anything between it and 1. */
+/* Returns a random mesh. `squeeze` < 1: one axis is scaled by a random factor between it and 1. */
 static struct gd_polygons random_polygons(struct rng *rng, double squeeze)
 {
     struct gd_polygons polygons, small;
@@ -60,7 +60,7 @@ static struct question random_question(uint64_t seed, double squeeze)
     return question;
 }
 
-/* The exact answers: of every vertex first, then of the targets. malloc'ed. */
+/* Returns the exact distances of all vertices, then of the targets. The caller frees them. */
 static double *exact_answers(const struct question *question)
 {
     const struct gd_polygons *polygons = &question->polygons;
@@ -103,7 +103,8 @@ static struct gd_field *build_field(const struct gd_mesh *mesh, const struct que
     return field;
 }
 
-/* The path's length is the distance, less the offset of the source at which it ends. */
+/* Checks that the path's length plus its source's offset is the distance. Returns the relative
+ * error. */
 static double check_path(const struct gd_field *field, const struct question *question,
                          struct gd_point target, double expected)
 {
@@ -180,7 +181,7 @@ static void test_random_surfaces(void **state)
     print_message("# 6000 random surfaces: worst error %.2g\n", compare_all(6000, 1));
 }
 
-/* Squeezed along one axis by up to a hundred thousand: needles and caps almost without area. */
+/* One axis is scaled by factors down to 1e-5: needles and caps almost without area. */
 static void test_slivers(void **state)
 {
     (void)state;

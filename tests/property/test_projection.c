@@ -1,8 +1,8 @@
-/* Figure 1 of "Geodesic Hermite splines on triangular meshes" remade: Hermite curves in space,
- * projected onto the surface (to the nearest point, and along two directions of view), against
- * those on the surface. Projected curves jump: their widest gap stays what it is however closely
- * they are sampled; and a projection along a direction may meet nothing. A curve on the surface has
- * neither. */
+/* Reproduces Figure 1 of "Geodesic Hermite splines on triangular meshes": Hermite curves in space
+ * that are projected onto the surface (to the nearest point, and along two view directions),
+ * compared with splines on the surface. Projected curves jump: their widest gap does not shrink
+ * with finer sampling. A projection along a direction may also miss the surface. Splines on the
+ * surface have neither defect. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -50,8 +50,8 @@ static void scene_free(struct scene *scene)
 
 /* --- the curve in space ----------------------------------------------------------------------- */
 
-/* Catmull and Rom's tangent at point i, for centripetal parameters as the chords give them; at the
- * ends natural ones. */
+/* Returns the Catmull-Rom tangent at point i for centripetal parameters; at the ends the natural
+ * one. */
 static struct gd_vec3 tangent(const struct gd_vec3 *p, const double *u, int i)
 {
     if (i > 0 && i + 1 < POINTS)
@@ -61,7 +61,7 @@ static struct gd_vec3 tangent(const struct gd_vec3 *p, const double *u, int i)
     return gd_vec3_along(gd_vec3_scale(slope, 1.5), -0.5, tangent(p, u, other));
 }
 
-/* Segment `i` at t in [0, 1]. */
+/* Returns the point of segment `i` at t in [0, 1]. */
 static struct gd_vec3 in_space(const struct scene *scene, int i, double t)
 {
     struct gd_vec3 p[POINTS];
@@ -77,8 +77,9 @@ static struct gd_vec3 in_space(const struct scene *scene, int i, double t)
 
 /* --- gaps ------------------------------------------------------------------------------------- */
 
-/* The widest gap between places that follow each other, how many of them are on no surface, and how
- * far the curve passes by a point that it should go through. */
+/* Defects of a projected curve: the widest gap between consecutive samples, the number of samples
+ * that miss the surface, and the largest distance from a point that the curve should pass
+ * through. */
 struct gaps {
     double widest;
     uint32_t missed;
@@ -98,7 +99,7 @@ static bool to_nearest(const struct gd_mesh *mesh, struct gd_vec3 from, const vo
     return true;
 }
 
-/* What is seen at that place of the picture. */
+/* Projects along the view direction: finds the first hit of the ray through `from`. */
 static bool along_view(const struct gd_mesh *mesh, struct gd_vec3 from, const void *user,
                        struct gd_vec3 *out)
 {
@@ -153,9 +154,9 @@ static double widest_of_ours(const struct scene *scene, uint32_t count)
 
 /* --- the figure ------------------------------------------------------------------------------- */
 
-/* Sampled FINER times as closely, ours has gaps so many times smaller; the nearest points keep
- * theirs, and directions of view miss the surface, jump, or pass by points that the surface
- * hides. */
+/* Checks that FINER times as many samples make the spline's gaps FINER times as small. Nearest
+ * points keep their gaps. View directions miss the surface, jump, or hit a part that hides the
+ * points. */
 static void check(struct scene *scene)
 {
     static const struct gd_vec3 views[2] = {{0.6, 0, -0.8}, {0, 0.8, -0.6}};
@@ -176,7 +177,7 @@ static void check(struct scene *scene)
     scene_free(scene);
 }
 
-/* Round the rim of a thin plate from one face to the other: the curve in space goes through it. */
+/* Around the rim of a thin plate, from face to face: the curve in space crosses the plate. */
 static void thin_plate(void **state)
 {
     (void)state;
@@ -187,7 +188,7 @@ static void thin_plate(void **state)
     check(&scene);
 }
 
-/* Round the hole of a torus: the curve in space cuts across it. */
+/* Around the hole of a torus: the curve in space crosses the hole. */
 static void torus(void **state)
 {
     (void)state;
@@ -198,7 +199,7 @@ static void torus(void **state)
     check(&scene);
 }
 
-/* From ear to ear and down the back of the bunny. */
+/* From ear to ear and down the bunny's back. */
 static void bunny(void **state)
 {
     (void)state;

@@ -1,6 +1,5 @@
-/* Pruned searches against whole fields: a pair's distance and path from nothing, with and without
- * landmarks, must be the field's. GD_PAIRS in the environment says how many pairs are tried in all
- * (2,200). */
+/* Compares pruned searches with whole fields: a pair's distance and path, with and without
+ * landmarks. GD_PAIRS: total number of pairs (2,200). */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -28,7 +27,7 @@ struct trial {
 static void compare(struct trial *trial, const struct gd_point *from, const struct gd_point *to,
                     double expected)
 {
-    for (int k = 0; k < 4; k++) { /* with landmarks and without, either way round */
+    for (int k = 0; k < 4; k++) { /* with and without landmarks, in both directions */
         const struct gd_point *a = k & 2 ? to : from, *b = k & 2 ? from : to;
         struct gd_pair_answer answer = {0};
         struct gd_detail detail = {0};
@@ -36,7 +35,7 @@ static void compare(struct trial *trial, const struct gd_point *from, const stru
             gd_pair_solve(trial->mesh,
                           &(struct gd_pair_request){.from = a,
                                                     .to = b,
-                                                    .wish = GD_PAIR_PATH,
+                                                    .output = GD_PAIR_PATH,
                                                     .landmarks = k & 1 ? trial->landmarks : NULL},
                           &trial->control, &answer, &detail),
             &detail);
@@ -84,7 +83,7 @@ static void check_mesh(const char *name, struct gd_polygons *polygons, uint32_t 
     gd_polygons_free(polygons);
 }
 
-static void pruned_is_unpruned(void **state)
+static void pruned_equals_unpruned(void **state)
 {
     (void)state;
     const char *wish = getenv("GD_PAIRS");
@@ -128,6 +127,6 @@ static void pruned_is_unpruned(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(pruned_is_unpruned)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(pruned_equals_unpruned)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

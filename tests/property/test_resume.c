@@ -1,6 +1,6 @@
-/* A field that was resumed gives the distances of one that was built at once: on random surfaces
- * with points, offsets and segments as seeds, from small reaches and from targets, in several
- * steps, from images, on each set of kernels' lanes, and on real scans. */
+/* A resumed field has the distances of a field that was built at once: on random surfaces with
+ * points, offsets and segments as seeds, from small radii and from targets, in one step and in
+ * several, for each kernel, and on real scans. */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -15,14 +15,14 @@
 
 enum { MOST_SEEDS = 16, POINTS = 40 };
 
-/* A surface, seeds on it, and their whole field. */
+/* A surface, seeds on it, and the whole field of these seeds. */
 struct scene {
     struct gd_polygons polygons;
     struct gd_mesh *mesh;
     struct gd_seed seeds[MOST_SEEDS];
     uint32_t seed_count;
     struct gd_field *whole;
-    double farthest; /* of the vertices */
+    double farthest; /* largest distance of a vertex */
     struct rng rng;
 };
 
@@ -37,7 +37,7 @@ static struct gd_field *build(const struct scene *scene, double radius,
     return field;
 }
 
-/* Releases the partial one. */
+/* Resumes and releases a partial field. */
 static struct gd_field *resumed(struct gd_field *partial, double radius)
 {
     struct gd_field *field;
@@ -60,7 +60,7 @@ static double farthest_vertex(const struct gd_mesh *mesh, const struct gd_field 
 
 /* --- scenes ----------------------------------------------------------------------------------- */
 
-/* A segment within a face, and its ends. */
+/* Adds a segment within a face, and its ends. */
 static void put_segment(struct scene *scene, double offset)
 {
     struct test_place a = test_random_place(&scene->polygons, &scene->rng), b = a;
@@ -75,7 +75,7 @@ static void put_segment(struct scene *scene, double offset)
         (struct gd_seed){.point = ends[0], .end = ends[1], .is_segment = true, .offset = offset};
 }
 
-/* Of 1 to 3 points or segments, the first without an offset. */
+/* Adds 1 to 3 points or segments as seeds. The first one has no offset. */
 static void put_seeds(struct scene *scene, double size)
 {
     uint32_t members = 1 + rng_below(&scene->rng, 3);
@@ -91,7 +91,7 @@ static void put_seeds(struct scene *scene, double size)
     }
 }
 
-/* Takes the polygons over. */
+/* Opens a scene and takes ownership of the polygons. */
 static void open_scene(struct scene *scene, struct gd_polygons polygons, uint64_t seed)
 {
     *scene = (struct scene){.polygons = polygons, .mesh = test_mesh(&polygons), .rng = {seed}};
@@ -121,7 +121,7 @@ static double check_point(const struct scene *scene, const struct gd_field *fiel
         return 0;
     }
     check_ok(status, NULL);
-    /* no path, or none that is near enough to be known as such */
+    /* no path, or none within the reach */
     if (isinf(expected) || isinf(distance)) {
         assert_true(isinf(expected) && isinf(distance));
         return 0;
@@ -129,7 +129,8 @@ static double check_point(const struct scene *scene, const struct gd_field *fiel
     return check_close(distance, expected, 1e-12);
 }
 
-/* At all vertices and some other points, and the paths of these. */
+/* Checks the distances of all vertices and some random points, and that paths to these points
+ * exist. */
 static double check_field(struct scene *scene, const struct gd_field *field)
 {
     double worst = 0, radius = gd_field_reach(field);
@@ -158,7 +159,7 @@ static double check_field(struct scene *scene, const struct gd_field *field)
 
 /* --- tests ------------------------------------------------------------------------------------ */
 
-/* Resumed once, to all and to twice the reach, and in steps. */
+/* Resumes to twice the radius, to the end, and in several steps. */
 static double check_scene(struct scene *scene)
 {
     static const double parts[] = {0.001, 0.03, 0.15, 0.4, 0.7, 0.97};
@@ -183,7 +184,7 @@ static double check_scene(struct scene *scene)
     return worst;
 }
 
-/* The bound of a field with a target shrinks on the way. */
+/* A field with a target ends at a bound that shrank during propagation. */
 static double check_targets(struct scene *scene)
 {
     double worst = 0;
@@ -191,11 +192,11 @@ static double check_targets(struct scene *scene)
         struct gd_point target =
             test_point(scene->mesh, test_random_place(&scene->polygons, &scene->rng));
         struct gd_field *field = build(scene, 0, &target);
-        if (isinf(gd_field_reach(field))) { /* in another component: the field is complete */
+        if (isinf(gd_field_reach(field))) { /* another component: the field is complete */
             gd_field_release(field);
             continue;
         }
-        if (gd_field_reach(field) > 0) { /* the target is no seed */
+        if (gd_field_reach(field) > 0) { /* the target is not a seed */
             field = resumed(field, 1.5 * gd_field_reach(field));
             worst = fmax(worst, check_field(scene, field));
         }
@@ -238,7 +239,7 @@ static void terrains(void **state)
     print_message("# worst relative error %.1e\n", worst);
 }
 
-/* Flat faces: ties everywhere, and faces that are slivers; very small and very large ones. */
+/* Flat faces with many ties, slivers, and very small and very large meshes. */
 static void boxes_and_slivers(void **state)
 {
     (void)state;
@@ -257,7 +258,7 @@ static void boxes_and_slivers(void **state)
     print_message("# worst relative error %.1e\n", worst);
 }
 
-/* Each set of lanes gives the same bits. */
+/* Each kernel gives the same distances bit for bit. */
 static void kernels_agree(void **state)
 {
     (void)state;

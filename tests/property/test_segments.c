@@ -1,6 +1,6 @@
-/* Segments as sources: distances to curves, against closed forms and against the distances from the
- * other end: the field of a point, whose least value along the curve must be the curve's value at
- * the point. */
+/* Segments as sources. Distances to curves are compared with closed forms, and with the other
+ * direction: the minimum along the curve of the field of a point must be the curve's distance at
+ * that point. */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -34,12 +34,12 @@ static void put_segment(const struct gd_point *a, const struct gd_point *b)
     curve.seeds[curve.count++] = (struct gd_seed){.point = *b};
 }
 
-/* The shortest path between two points. */
+/* Appends the shortest path between two points. */
 static void put_geodesic(const struct gd_mesh *mesh, struct gd_point from, struct gd_point to)
 {
     struct gd_pair_answer answer;
     check_ok(gd_pair_solve(
-                 mesh, &(struct gd_pair_request){.from = &from, .to = &to, .wish = GD_PAIR_PATH},
+                 mesh, &(struct gd_pair_request){.from = &from, .to = &to, .output = GD_PAIR_PATH},
                  NULL, &answer, NULL),
              NULL);
     curve.seeds[curve.count++] = (struct gd_seed){.point = from};
@@ -52,9 +52,9 @@ static void put_geodesic(const struct gd_mesh *mesh, struct gd_point from, struc
 
 static struct gd_point between(const struct gd_mesh *mesh, const struct gd_seed *segment, double s)
 {
-    struct gd__home home;
+    struct gd__segment_location home;
     double from[3], to[3], weight[3];
-    assert_true(gd__segment_home(mesh, &segment->point, &segment->end, &home));
+    assert_true(gd__segment_locate(mesh, &segment->point, &segment->end, &home));
     uint32_t side = 2 * home.edge;
     if (home.face == GD_NONE)
         home.face = mesh->side_face[gd__side_is_boundary(mesh, side) ? side + 1 : side];
@@ -64,8 +64,8 @@ static struct gd_point between(const struct gd_mesh *mesh, const struct gd_seed 
     return gd__point_of_face(mesh, home.face, weight);
 }
 
-/* The least value of a field along a segment: by sections, of which the field's slope bounds the
- * rest. */
+/* Returns the minimum of a field along a segment by bisection. Parts are skipped if the field's
+ * slope of at most 1 bounds them from below. */
 static double least_along(const struct gd_mesh *mesh, const struct gd_field *field,
                           const struct gd_seed *segment, double best)
 {
@@ -103,8 +103,8 @@ static double least_along_curve(const struct gd_mesh *mesh, const struct gd_fiel
     return best;
 }
 
-/* With an offset all distances are longer by it, also where a segment comes before its own end,
- * which is as near as it up to rounding. */
+/* Checks that an offset of 0.7 increases all distances by 0.7. Segments and their own ends then tie
+ * up to rounding. */
 static void check_offset(const struct gd_mesh *mesh, const struct gd_field *field,
                          const struct gd_polygons *polygons, struct rng *rng)
 {
@@ -119,7 +119,8 @@ static void check_offset(const struct gd_mesh *mesh, const struct gd_field *fiel
     gd_field_release(later);
 }
 
-/* At random points, against the field of each; and the path ends on the curve. */
+/* Compares random points with their own fields, and checks that paths end on the curve. Returns the
+ * largest relative error. */
 static double check_against_points(const struct gd_mesh *mesh, const struct gd_polygons *polygons,
                                    int count, struct rng *rng)
 {
@@ -130,7 +131,7 @@ static double check_against_points(const struct gd_mesh *mesh, const struct gd_p
         struct gd_field *back = test_field(mesh, &(struct gd_seed){.point = p}, 1, 0);
         double distance = test_distance(field, &p);
         double least = least_along_curve(mesh, back);
-        /* a point of the curve, up to rounding */
+        /* the point is on the curve, up to rounding */
         if (least < 1e-12 * mesh->summary.edge_length.mean) {
             assert_true(distance < 1e-12 * mesh->summary.edge_length.mean);
             gd_field_release(back);
@@ -156,8 +157,8 @@ static double check_against_points(const struct gd_mesh *mesh, const struct gd_p
 
 /* --- tests ------------------------------------------------------------------------------------ */
 
-/* Segments of a random walk within faces and along edges: each begins at a random place of a random
- * face and ends at another one of it. */
+/* Appends random segments: each begins at a random point of a random face and ends at another point
+ * of it. */
 static void put_random_segments(const struct gd_mesh *mesh, const struct gd_polygons *polygons,
                                 int count, struct rng *rng)
 {
@@ -166,7 +167,7 @@ static void put_random_segments(const struct gd_mesh *mesh, const struct gd_poly
                           b = {.face = a.face};
         for (int end = 0; end < 2; end++) {
             double *weight = end ? b.weight : a.weight, sum = 0;
-            /* in the face, on an edge, at a corner */
+            /* in the face, on an edge, or at a corner */
             uint32_t zeros = rng_below(rng, 3), first = rng_below(rng, 3);
             for (uint32_t k = 0; k < 3; k++)
                 weight[(first + k) % 3] = k < zeros ? 0 : 0.01 + rng_unit(rng);
@@ -180,20 +181,20 @@ static void put_random_segments(const struct gd_mesh *mesh, const struct gd_poly
     }
 }
 
-/* A chain of shortest paths between random points, bent where they meet. */
+/* Appends a chain of shortest paths between random points. */
 static void put_random_chain(const struct gd_mesh *mesh, const struct gd_polygons *polygons,
                              int count, struct rng *rng)
 {
     struct gd_point from = test_point(mesh, test_random_place(polygons, rng));
     for (int i = 0; i < count; i++) {
         struct gd_point to = test_point(mesh, test_random_place(polygons, rng));
-        if (curve.count) curve.count--; /* the last point is the next path's first */
+        if (curve.count) curve.count--; /* the last point is the first one of the next path */
         put_geodesic(mesh, from, to);
         from = to;
     }
 }
 
-/* A few segments on small random surfaces: boundaries, saddles, slivers. */
+/* A few segments on small random surfaces with boundaries, saddles and slivers. */
 static void random_segments(void **state)
 {
     (void)state;
@@ -215,8 +216,7 @@ static void random_segments(void **state)
     print_message("# worst relative error %.1e\n", worst);
 }
 
-/* Each set of lanes does the same operations in the same order: the same distances to the last
- * bit. */
+/* All kernels do the same operations in the same order: distances are equal bit for bit. */
 static void kernels_agree(void **state)
 {
     (void)state;
@@ -248,7 +248,7 @@ static void kernels_agree(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* Distances to segments in the plane, at scales and places far from the origin. */
+/* Distances to segments in a plane, at several scales. */
 static void planes(void **state)
 {
     (void)state;
@@ -287,8 +287,9 @@ static struct gd_point point_near(const struct gd_mesh *mesh, struct gd_vec3 pla
     return point;
 }
 
-/* Along the line from a joint at right angles to what it joins: there the linear wedges of both
- * segments end. bend[]: the ends and the corner of the curve. */
+/* Checks distances along the line that leaves a joint at a right angle. There the linear wedges of
+ * both segments end. bend[]: the ends and the corner of the curve. Returns the largest relative
+ * error. */
 static double check_opposite(const struct gd_mesh *mesh, const struct gd_field *field,
                              const struct gd_point *joint, struct gd_vec3 across,
                              const struct gd_vec3 bend[3])
@@ -313,7 +314,7 @@ static double check_opposite(const struct gd_mesh *mesh, const struct gd_field *
     return worst;
 }
 
-/* Straight lines, and lines with a corner of 3e-4 to 3e-12, over the joints of a plane's edges. */
+/* Straight lines, and lines with a corner of 3e-4 to 3e-12 radians, across edges of a plane. */
 static void joints(void **state)
 {
     (void)state;
@@ -351,8 +352,8 @@ static void joints(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* A segment whose ends lie in no common face is refused. */
-static void what_is_no_segment(void **state)
+/* A segment whose ends have no common face, or are equal, is refused. */
+static void invalid_segments_are_refused(void **state)
 {
     (void)state;
     struct gd_polygons polygons;
@@ -401,7 +402,7 @@ int main(void)
                                        cmocka_unit_test(joints),
                                        cmocka_unit_test(random_segments),
                                        cmocka_unit_test(kernels_agree),
-                                       cmocka_unit_test(what_is_no_segment),
+                                       cmocka_unit_test(invalid_segments_are_refused),
                                        cmocka_unit_test(geodesics_on_shared_meshes)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

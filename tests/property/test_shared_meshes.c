@@ -1,5 +1,5 @@
-/* Meshes that no one here made (tests/support/shared.h): known distances (data/reference.json of
- * the folder), and laws. */
+/* Shared meshes (tests/support/shared.h): known distances (the folder's data/reference.json), and
+ * laws. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -32,7 +32,7 @@ static uint32_t scan_numbers(const char *text, double *out)
     return count;
 }
 
-/* The bracket that closes the first one of the text. */
+/* Returns the bracket that closes the first bracket of the text. */
 static const char *list_end(const char *text)
 {
     int depth = 0;
@@ -43,7 +43,7 @@ static const char *list_end(const char *text)
     return text;
 }
 
-/* The next reference before `end`, or NULL; returns where to go on. */
+/* Reads the next reference before `end`. Returns where to continue, or NULL if there is none. */
 static const char *scan_reference(const char *text, const char *end, struct reference *out)
 {
     const char *source = strstr(text, "\"source\":");
@@ -150,8 +150,8 @@ static void test_refused(void **state)
     }
 }
 
-/* What is no surface is cut apart; written out, the surface that results needs no repair. The
- * rebuilt mesh and its polygons (freed by the caller). */
+/* Repairs a mesh and rebuilds it from its polygons, which then need no repair. Returns the rebuilt
+ * mesh and, in `surface`, its polygons, which the caller frees. */
 static struct gd_mesh *repair(const char *name, struct gd_polygons *surface)
 {
     struct gd_polygons polygons = test_shared_polygons(name);

@@ -1,6 +1,6 @@
-/* log, exp, transport, traces, means and splines at points 1e-15 to 1e-9 edge lengths beside
- * vertices and edges. None fails, exp undoes log, and traces from points close together stay as
- * close. GD_SCENES: points of each kind (300). */
+/* log, exp, transport, traces, means and splines at points 1e-15 to 1e-9 edge lengths from vertices
+ * and edges. None fails, exp undoes log, and traces from points close together stay close.
+ * GD_SCENES: points of each kind (300). */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -33,8 +33,8 @@ static double random_gap(struct rng *rng)
     return pow(10, rng_between(rng, -15, -9));
 }
 
-/* In the face of a slot of the corners' array, on one of its edges or inside, `gap` from the slot's
- * vertex. */
+/* Returns a point in the slot's face or on one of its edges, at the distance `gap` from the slot's
+ * vertex. A slot is an index into the array of corners. */
 static struct gd_point beside_corner(const struct scene *scene, uint32_t slot, double gap)
 {
     uint32_t k = slot % 3;
@@ -71,7 +71,7 @@ static struct gd_point random_point(const struct scene *scene)
     }
 }
 
-/* Beside the vertex of a slot, in any of the vertex' faces. */
+/* Returns a point close to the slot's vertex, in any face of this vertex. */
 static struct gd_point random_neighbour(const struct scene *scene, uint32_t slot)
 {
     const struct gd_polygons *polygons = scene->polygons;
@@ -93,8 +93,8 @@ static const struct gd_point *end_of(const struct gd_trace *trace)
 
 /* --- log and exp ------------------------------------------------------------------------------ */
 
-/* Straight on is not told where a line passes a vertex within the rounding of its start, nor where
- * it meets the boundary at its end. */
+/* Returns whether the trace passes no vertex and ends inside the surface. Past a vertex, a rounding
+ * error of the start decides how the trace continues. */
 static bool is_straight(const struct gd_trace *trace)
 {
     for (uint32_t i = 1; i + 1 < trace->path.count; i++)
@@ -102,17 +102,17 @@ static bool is_straight(const struct gd_trace *trace)
     return trace->end == GD_TRACE_END_LENGTH;
 }
 
-/* Returns how far exp of log ends from the point that log was asked for; `bound`: if the line is
- * straight. */
+/* Checks exp of the log from one point to another. Returns the distance of its end from `to`.
+ * `bound`: the largest allowed distance for a straight trace. */
 static double check_log(const struct gd_mesh *mesh, const struct gd_point *from,
                         const struct gd_point *to, double bound)
 {
     struct gd_pair_answer answer;
     struct gd_log log;
     struct gd_trace trace;
-    check_ok(gd_pair_solve(mesh,
-                           &(struct gd_pair_request){.from = from, .to = to, .wish = GD_PAIR_PATH},
-                           NULL, &answer, NULL),
+    check_ok(gd_pair_solve(
+                 mesh, &(struct gd_pair_request){.from = from, .to = to, .output = GD_PAIR_PATH},
+                 NULL, &answer, NULL),
              NULL);
     check_ok(gd_vector_log(mesh, &answer.path, &log, NULL), NULL);
     check_ok(gd_vector_exp(mesh,
@@ -139,7 +139,8 @@ static double check_far_logs(const struct scene *scene)
     return check_log(scene->mesh, &from, &to, 1e-10);
 }
 
-/* Both beside one vertex: off by the rounding of places in faces, not by a part of the edge. */
+/* Both points are close to the same vertex. The error is the rounding of points in faces, not a
+ * fraction of the edge. */
 static double check_near_logs(const struct scene *scene)
 {
     uint32_t slot = rng_below(scene->rng, 3 * scene->polygons->polygon_count);
@@ -149,8 +150,8 @@ static double check_near_logs(const struct scene *scene)
 
 /* --- traces ----------------------------------------------------------------------------------- */
 
-/* Does no vertex lie between two traces that start in one face? Their first edges may differ,
- * beside the vertex. */
+/* Returns whether no vertex lies between two traces that start in one face. Their first edges may
+ * differ close to the first vertex. */
 static bool are_parallel(const struct gd_trace *a, const struct gd_trace *b)
 {
     if (a->end != GD_TRACE_END_LENGTH || b->end != GD_TRACE_END_LENGTH) return false;
@@ -207,7 +208,7 @@ static double check_smooth(const struct scene *scene)
     assert_true(isfinite(mean.spread));
     struct gd_spline_request request = {.points = points, .count = 3, .alpha = 0.5};
     enum gd_status status = gd_spline_build(mesh, &request, NULL, &spline, NULL);
-    if (status == GD_INVALID_ARGUMENT) return 0; /* two points are one */
+    if (status == GD_INVALID_ARGUMENT) return 0; /* two points are equal */
     check_ok(status, NULL);
     struct gd_spline_sampling sampling = {.spline = &spline, .per_segment = SAMPLES};
     check_ok(gd_spline_sample(mesh, &sampling, NULL, &line, NULL), NULL);

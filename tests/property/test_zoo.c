@@ -1,5 +1,5 @@
-/* Degenerate shapes: each is answered to 1e-9, by closed form or by the brute-force solver, or
- * refused by name. */
+/* Degenerate shapes: distances equal a closed form or the brute-force solver's up to 1e-9, or the
+ * mesh is refused. */
 #include "tests/samples/zoo.h"
 
 #include <math.h>
@@ -22,7 +22,7 @@ enum {
     MAX_PLACES = SOURCES + TARGETS
 };
 
-/* A distance in the chart; `values` are the shape's. */
+/* Returns a distance in the chart. `values` are the parameters of the shape. */
 typedef double closed_form(const double *values, const double p[3], const double q[3]);
 
 /* --- closed forms ----------------------------------------------------------------------------- */
@@ -33,8 +33,8 @@ static double plane(const double *values, const double p[3], const double q[3])
     return hypot(p[0] - q[0], p[1] - q[1]);
 }
 
-/* From one side of the pillow to the other the way goes over one of the four rims, in which it is
- * reflected. */
+/* A path from one side of the pillow to the other crosses one of the four rims. The distance is
+ * that to the point reflected in this rim. */
 static double pillow(const double *values, const double p[3], const double q[3])
 {
     double best = INFINITY;
@@ -65,7 +65,7 @@ struct animal {
     const char *name;
     zoo_maker *make;
     double values[MAX_VALUES];
-    closed_form *distance; /* NULL: the brute-force solver knows */
+    closed_form *distance; /* NULL: compares with the brute-force solver */
 };
 
 struct refused {
@@ -171,7 +171,7 @@ static void test_refused(void **state)
 
 /* --- answered --------------------------------------------------------------------------------- */
 
-/* Places on a shape: sources first, the shape's centre before all. */
+/* Places on a shape: sources first, beginning with the shape's centre. */
 struct places {
     struct test_place at[MAX_PLACES];
 };
@@ -190,7 +190,7 @@ static struct places choose_places(const struct zoo_shape *shape, struct rng *rn
     struct places places;
     places.at[0] = place_at_vertex(&shape->mesh, shape->centre);
     for (int i = 1; i < MAX_PLACES; i++) places.at[i] = test_random_place(&shape->mesh, rng);
-    places.at[SOURCES].face = places.at[1].face; /* one in the face of a source */
+    places.at[SOURCES].face = places.at[1].face; /* a target in the face of a source */
     return places;
 }
 
@@ -219,8 +219,8 @@ static void ask_closed_form(const struct animal *animal, const struct zoo_shape 
     }
 }
 
-/* About the origin, where the positions of points that are no vertices round to the shape's own
- * size. */
+/* Moves the shape to the origin, where positions on edges and in faces have rounding errors
+ * relative to the shape's size. */
 static struct unfold_mesh *unfold_about_origin(const struct zoo_shape *shape)
 {
     const struct gd_polygons *polygons = &shape->mesh;

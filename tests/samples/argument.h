@@ -1,4 +1,4 @@
-/* Arguments of samples, as people type them: "key=value". */
+/* Command-line arguments of samples: "key=value". */
 #ifndef TESTS_SAMPLES_ARGUMENT_H
 #define TESTS_SAMPLES_ARGUMENT_H
 
@@ -6,8 +6,8 @@
 
 void sample_defaults(const struct sample *sample, double values[SAMPLE_PARAMETERS]);
 
-/* Sets the value that the argument names. False, and a sentence on standard error that begins with
- * `program`, when it is wrong. */
+/* Sets the value that the argument names. If the argument is wrong, prints a message that begins
+ * with `program` to standard error and returns false. */
 bool sample_set(const char *program, const struct sample *sample, const char *argument,
                 double values[SAMPLE_PARAMETERS]);
 

@@ -2,7 +2,7 @@
 
 #include <stdlib.h>
 
-/* Room for one element more in `*array`, or false. */
+/* Makes room for one more element in *array. Returns false if out of memory. */
 static bool make_room(void **array, size_t element, uint32_t count, uint32_t *capacity)
 {
     if (count < *capacity) return true;
@@ -65,12 +65,12 @@ void sample_add_lattice(struct sample_builder *builder, struct sample_lattice la
 
 static bool is_solid(const struct sample_voxels *voxels, const uint32_t cell[3])
 {
-    for (int k = 0; k < 3; k++) /* below zero wraps round to a large number */
+    for (int k = 0; k < 3; k++) /* a coordinate below zero wraps to a large number */
         if (cell[k] >= voxels->size[k]) return false;
     return voxels->solid(voxels, cell);
 }
 
-/* The vertex at a lattice point, made when it is met for the first time. */
+/* Returns the vertex at a lattice point, which is added at its first use. */
 static uint32_t lattice_vertex(struct sample_builder *builder, const struct sample_voxels *voxels,
                                uint32_t *vertices, const uint32_t at[3])
 {
@@ -79,8 +79,8 @@ static uint32_t lattice_vertex(struct sample_builder *builder, const struct samp
     return vertices[slot];
 }
 
-/* The square between `cell` and its neighbour along `axis` (`side` 0: below, 1: above), seen from
- * the neighbour. */
+/* Adds the square between `cell` and its neighbour along `axis`, counter-clockwise seen from the
+ * neighbour. `side` 0: the lower neighbour, 1: the upper one. */
 static void add_square(struct sample_builder *builder, const struct sample_voxels *voxels,
                        uint32_t *vertices, const uint32_t cell[3], int axis, uint32_t side)
 {

@@ -3,7 +3,8 @@
 #include "tests/samples/builder.h"
 #include "tests/samples/samples.h"
 
-/* The corners at z = +-amplitude in turn, the outermost ring first, the apex last. */
+/* Makes a fan with corners at z = +amplitude and -amplitude in turn. The outermost ring comes
+ * first, the apex last. */
 static enum gd_status make_fan(double radius, double apex, double amplitude, uint32_t sectors,
                                uint32_t rings, struct gd_polygons *out)
 {

@@ -5,14 +5,15 @@
 #include "tests/samples/samples.h"
 #include "tests/samples/transform.h"
 
-/* Of the 5 x 3 x 1 blocks, (1,1) and (3,1) are holes. */
+/* Returns whether a cell is solid. Of the 5 x 3 x 1 blocks, (1,1) and (3,1) are holes. */
 static bool is_slab(const struct sample_voxels *voxels, const uint32_t cell[3])
 {
     uint32_t block = voxels->size[2], column = cell[0] / block, row = cell[1] / block;
     return row != 1 || column % 2 == 0;
 }
 
-/* Moves each vertex halfway to the mean of its neighbours. `sum` has room for a row a vertex. */
+/* Moves each vertex halfway to the mean of its neighbours. `sum`: memory, one element per
+ * vertex. */
 static void smooth(struct gd_polygons *mesh, double (*sum)[4])
 {
     for (uint32_t v = 0; v < mesh->position_count; v++)
@@ -28,7 +29,7 @@ static void smooth(struct gd_polygons *mesh, double (*sum)[4])
             mesh->positions[v][k] = 0.5 * (mesh->positions[v][k] + sum[v][k] / sum[v][3]);
 }
 
-/* Pulls the surface to and fro by a wave of `bump` in space, which can't tear it. */
+/* Displaces the surface by waves of amplitude `bump` in space, which do not tear it. */
 static void wave(struct gd_polygons *mesh, double bump)
 {
     for (uint32_t v = 0; v < mesh->position_count; v++) {

@@ -4,8 +4,8 @@
 #include "tests/samples/random.h"
 #include "tests/samples/samples.h"
 
-/* Ring 0 is the rim, ring k has the radius ratio^-k. The apex is the origin, so that coordinates
- * are exact relative to the smallest ring. */
+/* Adds a vertex. Ring 0 is the rim, and ring k has the radius ratio^-k. The apex is the origin, so
+ * that coordinates are exact relative to the smallest ring. */
 static void add_vertex_of_ring(struct sample_builder *builder, const struct sample_grading *grading,
                                double turn, uint32_t ring, struct rng *rng)
 {
@@ -16,7 +16,8 @@ static void add_vertex_of_ring(struct sample_builder *builder, const struct samp
     sample_add_vertex(builder, r * cos(angle), r * sin(angle), ring ? r * (1 - r) * height : 0);
 }
 
-/* The rings inside the rim and the apex. `is_back`: from outside, sectors run clockwise. */
+/* Adds the rings inside the rim, and the apex. `is_back`: sectors run clockwise seen from
+ * outside. */
 static void add_patch(struct sample_builder *builder, const struct sample_grading *grading,
                       bool is_back, struct rng *rng)
 {

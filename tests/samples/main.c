@@ -1,4 +1,5 @@
-/* gd_sample NAME [key=value…] > file.obj: writes a sample mesh. gd_sample --list: what there is. */
+/* gd_sample NAME [key=value…] > file.obj: writes a sample mesh. gd_sample --list: lists the
+ * samples. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,8 +23,8 @@ static int list_samples(void)
     return EXIT_SUCCESS;
 }
 
-/* Generates the sample and writes it to standard output; false, after a sentence, when that
- * fails. */
+/* Generates the sample and writes it to standard output. On failure prints a message and returns
+ * false. */
 static bool write_sample(const struct sample *sample, const double *values)
 {
     struct gd_polygons mesh = {0};

@@ -1,6 +1,6 @@
-/* Models like those of Y.-J. Liu's tables (section 5.2): an eight, a sphere, a pot with a handle
- * and scans, in the cube [-1,1]^3, with a given number of triangles, whose edges are as even or
- * uneven as wanted. Each is made finer than needed and then remeshed. */
+/* Models like those of Y.-J. Liu's tables (section 5.2): an eight, a sphere, a pot with a handle,
+ * and scans, in the cube [-1,1]^3. The number of triangles and the evenness of edges are
+ * parameters. Each model is made finer than needed and then remeshed. */
 #include <math.h>
 
 #include "tests/samples/builder.h"
@@ -15,7 +15,7 @@ static uint32_t sphere_level(double faces)
     return level;
 }
 
-/* Hands the mesh, used up, over as `*out`. */
+/* Remeshes the mesh and moves it to *out. On failure the mesh is lost. */
 static enum gd_status remesh_fitted(struct gd_polygons *mesh, const struct remeshing *remeshing,
                                     uint64_t seed, struct gd_polygons *out)
 {
@@ -44,8 +44,8 @@ enum gd_status sample_ball(const struct remeshing *remeshing, uint64_t seed,
     return status == GD_OK ? remesh_fitted(&mesh, remeshing, seed, out) : status;
 }
 
-/* A tube around a circle, as wide as a pot's body on one side and as thin as its handle on the
- * other. */
+/* Makes a tube around a circle, as wide as a pot's body on one side and as thin as its handle on
+ * the other. */
 enum gd_status sample_pot(const struct remeshing *remeshing, uint64_t seed, struct gd_polygons *out)
 {
     struct sample_builder builder = {0};
@@ -66,7 +66,7 @@ enum gd_status sample_pot(const struct remeshing *remeshing, uint64_t seed, stru
     return status == GD_OK ? remesh_fitted(&mesh, remeshing, seed, out) : status;
 }
 
-/* Lumps and folds of all sizes down to a hundredth. */
+/* Adds lumps and folds of all sizes down to 1/100. */
 static void carve(struct gd_polygons *mesh)
 {
     for (uint32_t i = 0; i < mesh->position_count; i++) {

@@ -8,12 +8,13 @@
 #include "tests/samples/transform.h"
 #include "tests/samples/triangulation.h"
 
-/* The ground is a rectangle of whole coordinates; `scale` takes them, exactly, to [0,1] x
+/* The ground is a rectangle with integer coordinates. `scale` maps them exactly to [0,1] x
  * [0,0.75]. */
 static const int64_t width = 1 << 20, height = 3 << 18;
 static const double scale = 0x1p-20;
 
-/* More than half of the rectangle's perimeter: going round beats climbing. */
+/* More than half of the rectangle's perimeter: the way around a prism is shorter than the way over
+ * it. */
 static const double prism_height = 2;
 
 enum {
@@ -22,7 +23,7 @@ enum {
     FIRST_CORNER = 6 /* after the rectangle's corners, p and q */
 };
 
-/* Discs that keep the obstacles apart. */
+/* A disc that contains one obstacle. Discs are disjoint. */
 struct disc {
     double x, y, radius;
 };
@@ -39,8 +40,8 @@ static bool is_apart(const struct disc *discs, uint32_t count, struct disc disc)
     return true;
 }
 
-/* Throws discs until all lie apart; smaller ones when there is no room left. The first two are the
- * places of p and q. */
+/* Places random disjoint discs, which get smaller when there is no room left. The first two contain
+ * p and q. */
 static void throw_discs(struct disc *discs, uint32_t count, struct rng *rng)
 {
     double largest = 0.55 * sqrt((double)width * (double)height / count);
@@ -56,8 +57,8 @@ static void throw_discs(struct disc *discs, uint32_t count, struct rng *rng)
     }
 }
 
-/* A polygon in the disc, star-shaped about its centre; convex ones have their corners on the
- * circle. */
+/* Adds a polygon in the disc, star-shaped about its centre. A convex one has its corners on the
+ * circle. Returns the number of corners. */
 static uint32_t cut_polygon(struct triangulation *plane, struct disc disc, bool convex,
                             struct rng *rng)
 {
@@ -72,8 +73,8 @@ static uint32_t cut_polygon(struct triangulation *plane, struct disc disc, bool 
     return corners;
 }
 
-/* The rectangle, p, q and the corners of all obstacles, triangulated so that the obstacles' sides
- * are edges. */
+/* Triangulates the rectangle, p, q and the corners of all obstacles. The obstacles' sides become
+ * edges. */
 static enum gd_status draw_plan(uint32_t count, struct rng *rng, struct triangulation *plane,
                                 struct sample_obstacles *out)
 {
@@ -111,8 +112,8 @@ static enum gd_status copy_corners(const struct triangulation *plane, struct sam
     return GD_OK;
 }
 
-/* Whether the triangle's centre lies in the obstacle: how often a ray to the right crosses its
- * sides. */
+/* Returns whether the triangle's centroid lies in the obstacle, by the number of sides that a ray
+ * to the right crosses. */
 static bool is_inside(const struct triangulation *plane, const uint32_t triangle[3], uint32_t begin,
                       uint32_t end)
 {
@@ -140,8 +141,8 @@ static bool is_roof(const struct triangulation *plane, const struct sample_obsta
     return false;
 }
 
-/* Ground and roofs from the plan's triangles, walls from the obstacles' sides. A corner's upper
- * copy stands `lift` places later. */
+/* Makes the ground and the roofs from the plan's triangles, and walls from the obstacles' sides. A
+ * corner's upper copy has an index `lift` larger. */
 static enum gd_status raise_prisms(const struct triangulation *plane, struct sample_obstacles *out)
 {
     struct sample_builder builder = {0};

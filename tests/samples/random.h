@@ -1,12 +1,12 @@
-/* A small deterministic generator of random numbers (splitmix64): the same seed gives the same
- * sample on every machine. */
+/* A small deterministic random number generator (splitmix64). The same seed gives the same sample
+ * on every machine. */
 #ifndef TESTS_SAMPLES_RANDOM_H
 #define TESTS_SAMPLES_RANDOM_H
 
 #include <stdint.h>
 
 struct rng {
-    uint64_t state; /* the seed; any value will do */
+    uint64_t state; /* the seed; any value is valid */
 };
 
 static inline uint64_t rng_next(struct rng *rng)

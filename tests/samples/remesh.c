@@ -8,20 +8,19 @@
 #include "tests/samples/surface.h"
 #include "tests/samples/transform.h"
 
-/* --- a heap of edges, cheapest first; entries that are out of date are skipped when they come
- * up */
+/* --- a heap of edges by cost; stale entries are skipped when popped --------------------------- */
 
 struct candidate {
     double cost;
     uint32_t slot;
-    uint32_t age[2]; /* of its ends when it was pushed */
+    uint32_t age[2]; /* of both ends at the time of the push */
 };
 
 struct decimation {
     struct surface *surface;
     const struct remeshing *remeshing;
     uint64_t seed;
-    uint32_t *age; /* per vertex: how often it has moved */
+    uint32_t *age; /* per vertex: number of moves */
     struct candidate *heap;
     size_t count, capacity;
     bool failed; /* out of memory */
@@ -59,7 +58,7 @@ static struct candidate pop(struct decimation *d)
 
 /* --- decimation ------------------------------------------------------------------------------- */
 
-/* How much shorter than elsewhere edges shall be around the slot's edge. */
+/* Returns the factor by which edges shall be shorter than elsewhere near the slot's edge. */
 static double density(const struct decimation *d, uint32_t slot)
 {
     uint32_t vertex = d->surface->corners[slot];
@@ -114,7 +113,7 @@ static enum gd_status decimate(struct surface *surface, const struct remeshing *
     return surface->faces == remeshing->faces ? GD_OK : GD_INVALID_ARGUMENT;
 }
 
-/* --- evening out ------------------------------------------------------------------------------ */
+/* --- smoothing -------------------------------------------------------------------------------- */
 
 static struct gd_vec3 position_of(const struct surface *surface, uint32_t vertex)
 {
@@ -122,13 +121,13 @@ static struct gd_vec3 position_of(const struct surface *surface, uint32_t vertex
     return (struct gd_vec3){p[0], p[1], p[2]};
 }
 
-/* Twice the area vector of the triangle. */
+/* Returns twice the triangle's area vector. */
 static struct gd_vec3 area_vector(struct gd_vec3 a, struct gd_vec3 b, struct gd_vec3 c)
 {
     return gd_vec3_cross(gd_vec3_sub(b, a), gd_vec3_sub(c, a));
 }
 
-/* The two faces after a flip of the edge face the way they do now. */
+/* Returns whether both faces keep their orientation if the edge is flipped, up to 60 degrees. */
 static bool flips_flat(const struct surface *surface, uint32_t slot)
 {
     uint32_t twin = surface->twin[slot];
@@ -143,7 +142,7 @@ static bool flips_flat(const struct surface *surface, uint32_t slot)
            gd_vec3_dot(two, normal) > 0.5 * gd_vec3_length(two) * size;
 }
 
-/* Valences come closer to six, in the sum of squares. */
+/* Returns whether a flip brings valences closer to six in the sum of squares. */
 static bool evens_valences(const struct surface *surface, uint32_t slot)
 {
     uint32_t twin = surface->twin[slot];
@@ -159,7 +158,7 @@ static double cotangent(struct gd_vec3 at, struct gd_vec3 a, struct gd_vec3 b)
            gd_vec3_length(area_vector(at, a, b));
 }
 
-/* The angles opposite to the edge sum to more than pi. */
+/* Returns whether the angles opposite to the edge sum to more than pi. */
 static bool is_not_delaunay(const struct surface *surface, uint32_t slot)
 {
     uint32_t twin = surface->twin[slot];
@@ -176,11 +175,11 @@ static void flip_where(struct surface *surface,
     for (uint32_t slot = 0; slot < 3 * surface->face_slots; slot++) {
         if (surface->corners[slot] == GD_NONE || slot > surface->twin[slot]) continue;
         if (wanted(surface, slot) && flips_flat(surface, slot))
-            (void)surface_flip(surface, slot); /* one that can't be flipped stays */
+            (void)surface_flip(surface, slot); /* an edge that can't be flipped stays */
     }
 }
 
-/* Moves the vertex towards the centroid of its faces, within its tangent plane. */
+/* Moves the vertex to the centroid of its faces, within its tangent plane. */
 static void relax_vertex(struct surface *surface, uint32_t vertex)
 {
     struct gd_vec3 at = position_of(surface, vertex), sum = {0, 0, 0}, normal = {0, 0, 0};

@@ -118,7 +118,7 @@ static enum gd_status make_scan(const double *v, struct gd_polygons *out)
     return sample_scan(&remeshing, (uint64_t)v[5], out);
 }
 
-/* The inside of a parameter's braces. */
+/* The content of a parameter's braces. */
 #define COUNT(name, value, least, most) name, value, least, most, true
 #define LENGTH(name, value)             name, value, 1e-100, 1e100, false
 #define SEED                            COUNT("seed", 1, 0, 1e15)

@@ -102,8 +102,8 @@ uint32_t surface_valence(const struct surface *surface, uint32_t vertex)
     return count;
 }
 
-/* The ends of the edge have two neighbours in common, the apexes of its faces, and no apex loses
- * its third face. */
+/* Returns whether the edge may be collapsed: its ends have exactly two common neighbours, the
+ * apexes of its faces, and both apexes keep at least three faces. */
 static bool may_collapse(const struct surface *surface, uint32_t slot)
 {
     uint32_t a = surface->corners[slot], b = surface_destination(surface, slot), common = 0;
@@ -122,8 +122,8 @@ static void normal_of(const double a[3], const double b[3], const double c[3], d
         out[k] = u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3];
 }
 
-/* Moving the vertex would turn one of its faces, other than those at `gone`, by more than some 60
- * degrees. */
+/* Returns whether moving the vertex would turn one of its faces by more than about 60 degrees. The
+ * two faces at `gone` are ignored. */
 static bool turns_a_face(const struct surface *surface, uint32_t vertex, const double to[3],
                          uint32_t gone)
 {
@@ -145,8 +145,8 @@ static bool turns_a_face(const struct surface *surface, uint32_t vertex, const d
     return false;
 }
 
-/* Removes the slot's face and joins the two others of its edges. `kept` is the vertex that its
- * destination becomes. */
+/* Removes the slot's face and joins the faces across its other two edges. `kept`: the vertex that
+ * replaces the destination. */
 static void zip(struct surface *surface, uint32_t slot, uint32_t kept)
 {
     uint32_t ahead = surface->twin[surface_next(slot)],
@@ -189,8 +189,8 @@ static void join(struct surface *surface, uint32_t slot, uint32_t twin)
     surface->outgoing[surface->corners[twin]] = twin;
 }
 
-/* Faces (a, b, c) and (b, a, d) become (d, b, c) and (c, a, d), their shared edge in the last slot
- * of `slot`'s and `twin`'s face. */
+/* Faces (a, b, c) and (b, a, d) become (d, b, c) and (c, a, d). The shared edge is in the last slot
+ * of each face. */
 bool surface_flip(struct surface *surface, uint32_t slot)
 {
     uint32_t twin = surface->twin[slot], a = surface->corners[slot], b = surface->corners[twin];

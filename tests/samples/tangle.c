@@ -1,6 +1,6 @@
-/* Small random surfaces. Each step of the random walk keeps the surface a 2-manifold: an edge or a
- * face is split, an edge is flipped when its new ends are no neighbours yet, a face is torn out
- * when the faces round its corners stay one fan. */
+/* Small random surfaces by a random walk. Each step keeps the surface a 2-manifold. It splits an
+ * edge or a face, flips an edge unless the new edge exists, or removes a face if the faces at each
+ * of its corners remain one fan. */
 #include <math.h>
 
 #include "gd/vec.h"
@@ -9,8 +9,8 @@
 #include "tests/samples/samples.h"
 #include "tests/samples/transform.h"
 
-/* The face other than `but` with the edge a-b in either direction, or GD_NONE; *apex is its third
- * corner. */
+/* Returns the face other than `but` with the edge a-b in either direction, or GD_NONE. *apex: its
+ * third corner. */
 static uint32_t face_across(const struct gd_polygons *mesh, uint32_t but, uint32_t a, uint32_t b,
                             uint32_t *apex)
 {
@@ -31,7 +31,7 @@ static void set_face(struct gd_polygons *mesh, uint32_t face, uint32_t a, uint32
     corner[0] = a, corner[1] = b, corner[2] = c;
 }
 
-/* A vertex on the way from a to b, or from their middle to c. */
+/* Adds a vertex at the fraction s of the line from the middle of a-b to c. */
 static uint32_t add_between(struct sample_builder *builder, uint32_t a, uint32_t b, uint32_t c,
                             double s)
 {
@@ -76,7 +76,8 @@ static void flip_edge(struct gd_polygons *mesh, uint32_t face)
     set_face(mesh, other, d, b, c);
 }
 
-/* A vertex whose faces form one fan has two boundary edges at most. */
+/* Returns whether the vertex' faces form one fan: then at most two of its edges are on the
+ * boundary. */
 static bool is_one_fan(const struct gd_polygons *mesh, uint32_t vertex)
 {
     uint32_t faces = 0, ends = 0, unused;
@@ -104,7 +105,7 @@ static void tear_face(struct gd_polygons *mesh, uint32_t face)
     if (mesh->polygon_count > 0 && is_one_fan(mesh, moved[0]) && is_one_fan(mesh, moved[1]) &&
         is_one_fan(mesh, moved[2]))
         return;
-    mesh->polygon_count++; /* it stays, though at the end */
+    mesh->polygon_count++; /* the face stays, as the last one */
 }
 
 static enum gd_status make_start(struct rng *rng, struct gd_polygons *out)
@@ -141,7 +142,7 @@ static double rounded(double x, double step)
     return step * round(x / step);
 }
 
-/* Whether no two vertices coincide when their coordinates are rounded. */
+/* Returns whether no two vertices coincide after rounding of their coordinates. */
 static bool stay_apart(const struct gd_polygons *mesh, double step)
 {
     for (uint32_t i = 0; i < mesh->position_count; i++) {
@@ -155,7 +156,8 @@ static bool stay_apart(const struct gd_polygons *mesh, double step)
     return true;
 }
 
-/* Whether every face keeps an area when coordinates are rounded: exact on a lattice. */
+/* Returns whether every face keeps an area after rounding of the coordinates. Exact on a
+ * lattice. */
 static bool stay_open(const struct gd_polygons *mesh, double step)
 {
     for (uint32_t f = 0; f < mesh->polygon_count; f++) {
@@ -170,7 +172,7 @@ static bool stay_open(const struct gd_polygons *mesh, double step)
     return true;
 }
 
-/* Moves the vertices to a coarse lattice, where ties and flat corners abound. */
+/* Moves the vertices to a coarse lattice, which gives many ties and flat vertices. */
 static void snap(struct gd_polygons *mesh)
 {
     double step = 0.5;

@@ -4,7 +4,7 @@
 #include "tests/samples/random.h"
 #include "tests/samples/samples.h"
 
-/* A number in [-1,1) for each lattice point of each octave. */
+/* Returns a number in [-1,1) for a lattice point of an octave. */
 static double lattice_value(uint64_t seed, uint32_t octave, uint32_t i, uint32_t j)
 {
     struct rng rng = {seed};
@@ -14,8 +14,8 @@ static double lattice_value(uint64_t seed, uint32_t octave, uint32_t i, uint32_t
     return rng_between(&rng, -1, 1);
 }
 
-/* The octave's noise at (x,y) in the unit square: bilinear between the points of a lattice of
- * 2^(octave + 1) cells. */
+/* Returns an octave's noise at (x,y) in the unit square: bilinear interpolation on a lattice of
+ * 2^(octave + 1) cells per side. */
 static double noise(uint64_t seed, uint32_t octave, double x, double y)
 {
     double cells = ldexp(1, (int)octave + 1), u = x * cells, v = y * cells;

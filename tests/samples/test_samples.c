@@ -1,5 +1,4 @@
-/* Every sample is the surface that it is meant to be: accepted as a mesh, of the expected topology
- * and measure. */
+/* Each sample is accepted as a mesh and has the expected topology and area. */
 #include "tests/samples/samples.h"
 
 #include <math.h>
@@ -16,7 +15,7 @@ struct expectation {
     uint32_t faces;
     int64_t genus;
     uint32_t boundaries, saddles;
-    double area, area_error; /* relative error; 1: any */
+    double area, area_error; /* relative error; 1: not checked */
 };
 
 static const struct expectation expectations[] = {
@@ -75,7 +74,8 @@ static void test_expectations(void **state)
     }
 }
 
-/* Positive when the faces of a closed surface are counter-clockwise seen from outside. */
+/* Returns the volume. It is positive if the faces of a closed surface are counter-clockwise seen
+ * from outside. */
 static double volume(const struct gd_polygons *mesh)
 {
     double sum = 0;
@@ -87,6 +87,16 @@ static double volume(const struct gd_polygons *mesh)
                a[2] * (b[0] * c[1] - b[1] * c[0]);
     }
     return sum / 6;
+}
+
+/* Each list of parameters ends with one that has no name. */
+static void test_lists_of_parameters_end(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < sample_count; i++) {
+        const size_t room = sizeof samples[i].parameters / sizeof *samples[i].parameters;
+        assert_null(samples[i].parameters[room - 1].name);
+    }
 }
 
 static void test_faces_outwards(void **state)
@@ -106,7 +116,7 @@ static void test_faces_outwards(void **state)
     }
 }
 
-/* Standard deviation of the edges' length over their mean. */
+/* Returns the standard deviation of edge lengths divided by their mean. */
 static double unevenness(const struct gd_polygons *polygons)
 {
     double sum = 0, squares = 0, count = 3.0 * polygons->polygon_count;
@@ -122,8 +132,8 @@ static double unevenness(const struct gd_polygons *polygons)
     return sqrt(squares / count - (sum / count) * (sum / count)) / (sum / count);
 }
 
-/* A remeshed surface has the number of faces that was asked for, fits its cube, and is as even as
- * was asked for. */
+/* Unevenness grows with fewer passes and more contrast. The surface fits its cube. An odd number of
+ * faces is refused. */
 static void test_remeshing(void **state)
 {
     (void)state;
@@ -167,7 +177,7 @@ static void test_defaults(void **state)
     assert_null(sample_find("no such sample"));
 }
 
-/* All manifold, and of every kind that the tests of the metric count on. */
+/* Random surfaces are manifold, and each kind that other tests need occurs. */
 static void test_tangles(void **state)
 {
     (void)state;
@@ -190,8 +200,8 @@ static void test_tangles(void **state)
     assert_in_range(unreferenced, 10, 250);
 }
 
-/* Closed walls on a ground whose only boundary is the rectangle; ground plus roofs have the
- * rectangle's area. */
+/* Ground, walls and roofs are one surface whose only boundary is the rectangle. The ground and the
+ * roofs together have the rectangle's area. */
 static void test_obstacles(void **state)
 {
     (void)state;
@@ -253,7 +263,7 @@ int main(void)
         cmocka_unit_test(test_expectations), cmocka_unit_test(test_faces_outwards),
         cmocka_unit_test(test_remeshing),    cmocka_unit_test(test_defaults),
         cmocka_unit_test(test_tangles),      cmocka_unit_test(test_obstacles),
-        cmocka_unit_test(test_transforms),
+        cmocka_unit_test(test_transforms),   cmocka_unit_test(test_lists_of_parameters_end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -14,7 +14,7 @@ static int64_t turn(const struct triangulation *t, uint32_t a, uint32_t b, uint3
     return triangulation_orientation(t->points[a], t->points[b], t->points[c]);
 }
 
-/* Whether d lies inside the circle through a, b, c, which turn left. */
+/* Returns whether d lies inside the circle through a, b, c, which are counter-clockwise. */
 static bool is_in_circle(const struct triangulation *t, uint32_t a, uint32_t b, uint32_t c,
                          uint32_t d)
 {
@@ -29,7 +29,7 @@ static bool is_in_circle(const struct triangulation *t, uint32_t a, uint32_t b, 
     return determinant > 0;
 }
 
-/* The triangle with the directed edge a -> b, turned so that it begins with it, or NULL. */
+/* Returns the triangle with the directed edge a -> b, rotated to begin with it, or NULL. */
 static uint32_t *seek(struct triangulation *t, uint32_t a, uint32_t b)
 {
     for (uint32_t i = 0; i < t->triangle_count; i++) {
@@ -44,7 +44,7 @@ static uint32_t *seek(struct triangulation *t, uint32_t a, uint32_t b)
     return NULL;
 }
 
-/* Turns the diagonal a-b of two triangles into c-d, c to the left of a -> b. */
+/* Replaces the common diagonal a-b of two triangles by c-d. c is to the left of a -> b. */
 static void flip(uint32_t *left, uint32_t *right)
 {
     uint32_t a = left[0], b = left[1], c = left[2], d = right[2];
@@ -52,8 +52,8 @@ static void flip(uint32_t *left, uint32_t *right)
     right[0] = d, right[1] = b, right[2] = c;
 }
 
-/* Restores the empty circles from the edge a -> b outwards, whose triangle has the new point p as
- * its apex. */
+/* Restores the Delaunay property from the edge a -> b outwards. The edge's triangle has the new
+ * point p as its apex. */
 static void legalise(struct triangulation *t, uint32_t a, uint32_t b, uint32_t p)
 {
     uint32_t *outside = seek(t, b, a), *inside = seek(t, a, b);
@@ -97,8 +97,8 @@ static uint32_t *triangle_around(struct triangulation *t, uint32_t p)
     return NULL;
 }
 
-/* A point on an edge leaves a flat triangle behind, which legalise flips away: the point beyond is
- * in its infinite circle. */
+/* A point on an edge leaves a degenerate triangle, whose circumcircle is a half-plane that contains
+ * the point beyond. legalise therefore flips it away. */
 uint32_t triangulation_insert(struct triangulation *t, int64_t x, int64_t y)
 {
     uint32_t p = t->point_count++;
@@ -126,7 +126,7 @@ static bool cross(const struct triangulation *t, uint32_t a, uint32_t b, uint32_
            opposite(turn(t, c, d, a), turn(t, c, d, b));
 }
 
-/* The edges that cross a-b into `edges`, which has room for all; how many there are. */
+/* Writes the edges that cross a-b to `edges`, which has room for all. Returns their number. */
 static uint32_t edges_across(const struct triangulation *t, uint32_t a, uint32_t b,
                              uint32_t (*edges)[2])
 {
@@ -142,9 +142,9 @@ static uint32_t edges_across(const struct triangulation *t, uint32_t a, uint32_t
     return count;
 }
 
-/* Flips the crossing edges one after the other; an edge that can't be flipped yet, or still
- * crosses, waits for its next turn (S. W. Sloan, "A fast algorithm for generating constrained
- * Delaunay triangulations", 1993). */
+/* Flips the crossing edges in turn. An edge that can't be flipped yet, or still crosses, is tried
+ * again later (S. W. Sloan, "A fast algorithm for generating constrained Delaunay triangulations",
+ * 1993). */
 bool triangulation_constrain(struct triangulation *t, uint32_t a, uint32_t b)
 {
     uint32_t(*ring)[2] = malloc(3 * (size_t)t->triangle_count * sizeof *ring);

@@ -1,6 +1,6 @@
-/* Triangulation: the constrained Delaunay triangulation of points with whole coordinates in a
- * rectangle. Every predicate is exact, so it needs no tolerance. Made for some thousand points:
- * searches are linear. */
+/* Triangulation: constrained Delaunay triangulation of points with integer coordinates in a
+ * rectangle. All predicates are exact and need no tolerance. Suitable for some thousand points,
+ * because searches are linear. */
 #ifndef TESTS_SAMPLES_TRIANGULATION_H
 #define TESTS_SAMPLES_TRIANGULATION_H
 
@@ -14,21 +14,22 @@ struct triangulation {
     uint32_t triangle_count;
 };
 
-/* > 0: a, b, c turn left; 0: they lie on a line. */
+/* > 0: a, b, c are counter-clockwise; 0: they are collinear. */
 int64_t triangulation_orientation(const int64_t a[2], const int64_t b[2], const int64_t c[2]);
 
 /* Starts with the rectangle's corners (0,0), (width,0), (width,height), (0,height) as points 0 to 3
- * and room for `capacity` more. false: memory is out. Free it by triangulation_free in any case. */
+ * and room for `capacity` more. Returns false if out of memory. The caller frees the triangulation
+ * by triangulation_free in any case. */
 bool triangulation_start(struct triangulation *triangulation, int64_t width, int64_t height,
                          uint32_t capacity);
 void triangulation_free(struct triangulation *triangulation);
 
 /* Adds a point strictly inside the rectangle, different from all others, and returns its number.
- * Before any constraint. */
+ * All points must be added before the first constraint. */
 uint32_t triangulation_insert(struct triangulation *triangulation, int64_t x, int64_t y);
 
-/* Makes a-b an edge. It must cross no other constraint and pass through no point. false: memory is
- * out. */
+/* Makes a-b an edge. It must not cross another constraint or pass through a point. Returns false if
+ * out of memory. */
 bool triangulation_constrain(struct triangulation *triangulation, uint32_t a, uint32_t b);
 
 #endif

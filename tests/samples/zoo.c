@@ -29,7 +29,7 @@ static enum gd_status finish(struct sample_builder *builder, uint32_t centre, st
     return status;
 }
 
-/* Takes what a generator made. */
+/* Makes a shape of a generator's mesh, if the generator succeeded. */
 static enum gd_status adopt(enum gd_status status, struct gd_polygons mesh, uint32_t centre,
                             struct zoo_shape *out)
 {
@@ -37,8 +37,8 @@ static enum gd_status adopt(enum gd_status status, struct gd_polygons mesh, uint
     return status;
 }
 
-/* Keeps the positions as the chart, so that they can be changed to others that leave all edges as
- * long. */
+/* Stores the positions as the chart, before they are changed in a way that keeps all edge
+ * lengths. */
 static enum gd_status remember_chart(struct zoo_shape *shape)
 {
     size_t bytes = shape->mesh.position_count * sizeof *shape->chart;
@@ -51,7 +51,7 @@ static enum gd_status remember_chart(struct zoo_shape *shape)
     return GD_OK;
 }
 
-/* --- to be refused ---------------------------------------------------------------------------- */
+/* --- refused shapes --------------------------------------------------------------------------- */
 
 enum gd_status zoo_twin_vertices(const double *values, struct zoo_shape *out)
 {
@@ -62,8 +62,7 @@ enum gd_status zoo_twin_vertices(const double *values, struct zoo_shape *out)
     return adopt(status, mesh, 5, out);
 }
 
-/* Triangles over five points in general position, of which faces may share more or less than they
- * should. */
+/* Makes triangles over five points in general position. The result may be non-manifold. */
 static enum gd_status from_corners(const uint32_t (*corners)[3], uint32_t count,
                                    struct zoo_shape *out)
 {
@@ -175,7 +174,7 @@ enum gd_status zoo_accordion(const double *values, struct zoo_shape *out)
     return status;
 }
 
-/* The i-th of 4 n points round the rectangle, counter-clockwise. */
+/* Computes the i-th of 4 n points around the rectangle, counter-clockwise. */
 static void rim_point(double width, double height, uint32_t i, uint32_t n, double out[2])
 {
     static const double corners[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};

@@ -1,8 +1,8 @@
-/* Zoo: degenerate shapes made by rule, those that break geodesic programs. Some of them are no
- * surface that distances can be trusted on, and have to be refused.
+/* Zoo: degenerate shapes that often break geodesic programs. On some of them distances are not well
+ * defined: these must be refused.
  *
- * `values` are the numbers that each shape's comment names. Every maker returns GD_OK or
- * GD_NO_MEMORY. */
+ * Each maker's comment begins with its parameters, which `values` holds in this order. Every maker
+ * returns GD_OK or GD_NO_MEMORY. */
 #ifndef TESTS_SAMPLES_ZOO_H
 #define TESTS_SAMPLES_ZOO_H
 
@@ -11,46 +11,45 @@
 
 struct zoo_shape {
     struct gd_polygons mesh;
-    /* per vertex where it lies on the surface laid flat, for closed forms; NULL: its position */
+    /* per vertex: its position on the unfolded surface, for closed forms; NULL: its position */
     double (*chart)[3];
-    uint32_t centre; /* the vertex about which the shape is degenerate */
-    double offset;   /* by which each coordinate was moved; taking it off again is exact */
+    uint32_t centre; /* the vertex at which the shape is degenerate */
+    double offset;   /* added to each coordinate; subtracting it is exact */
 };
 
 typedef enum gd_status zoo_maker(const double *values, struct zoo_shape *out);
 
 void zoo_shape_free(struct zoo_shape *shape);
 
-/* --- to be refused ---------------------------------------------------------------------------- */
+/* --- refused shapes --------------------------------------------------------------------------- */
 
-zoo_maker zoo_twin_vertices;   /* a grid, two neighbours of which have the same position */
+zoo_maker zoo_twin_vertices;   /* a grid with two adjacent vertices at one position */
 zoo_maker zoo_repeated_corner; /* a face a, a, b */
-zoo_maker zoo_duplicate_face;  /* reversed: a triangle, and again, as it is or turned over */
+zoo_maker zoo_duplicate_face;  /* reversed: a triangle and its copy, or its reversed copy */
 zoo_maker zoo_three_at_edge;   /* three faces at an edge */
 zoo_maker zoo_bow_tie;         /* two fans at a vertex */
 zoo_maker zoo_moebius;         /* cells: a band with half a twist */
-zoo_maker zoo_not_finite;      /* coordinate: a triangle that has it */
+zoo_maker zoo_not_finite;      /* coordinate: a triangle with this coordinate */
 
 /* --- flat ------------------------------------------------------------------------------------- */
 
-/* height: a quadrilateral in the plane; one of its four triangles has a base of 1 and that
- * height. */
+/* height: a quadrilateral in a plane. One of its four triangles has the base 1 and this height. */
 zoo_maker zoo_cap;
 
-/* columns, rows, width, slant: cells in the plane, each row moved by `slant` against the one
+/* columns, rows, width, slant: planar cells. Each row is shifted by `slant` against the one
  * below. */
 zoo_maker zoo_needles;
 
-/* spokes, reach: a regular polygon of radius 1 in the plane, a fan round a vertex at that distance
- * from its middle. */
+/* spokes, reach: a regular polygon of radius 1 in a plane, as a fan about a vertex at the distance
+ * `reach` from its centre. */
 zoo_maker zoo_wheel;
 
-/* columns, rows, width, folds: cells of height 1, folded onto themselves along columns: the faces
- * lie upon each other. */
+/* columns, rows, width, folds: cells of height 1, folded flat along columns, so that the faces lie
+ * on top of each other. */
 zoo_maker zoo_accordion;
 
-/* width, height, points a side: two rectangles upon each other, joined at the rim; chart: z > 0
- * above, < 0 below. */
+/* width, height, points per side: two coincident rectangles, joined along their border. In the
+ * chart one has z > 0, the other z < 0. */
 zoo_maker zoo_pillow;
 
 /* --- curved ----------------------------------------------------------------------------------- */
@@ -58,26 +57,28 @@ zoo_maker zoo_pillow;
 /* radius, height, sides, rings: sample_cylinder. */
 zoo_maker zoo_tube;
 
-/* radius, apex, +-z of the corners, sectors: sample_cone, or sample_saddle with the apex at 0. */
+/* radius, apex, +-z of the corners, sectors: sample_cone if z is 0, otherwise sample_saddle, whose
+ * apex is the origin. */
 zoo_maker zoo_fan;
 
-/* a, b, c: sample_box with one cell a side. */
+/* a, b, c: sample_box with one cell per side. */
 zoo_maker zoo_box;
 
-/* x, y, z: an octahedron with those half axes. */
+/* x, y, z: an octahedron with these half axes. */
 zoo_maker zoo_octahedron;
 
-/* seed, stretch, columns, rows: a grid, half of whose vertices are moved by up to one and a half
- * cells, so that parts of it are folded over; then stretched along x. */
+/* seed, stretch, columns, rows: a grid with about half of its vertices moved by up to 1.5 cells, so
+ * that parts of it fold over. Then stretched along x. */
 zoo_maker zoo_crumpled;
 
-/* seed, faces, scale, offset: sample_tangle scaled, then moved along each axis. */
+/* seed, faces, scale, offset: sample_tangle, scaled, then moved along each axis. */
 zoo_maker zoo_tangle;
 
-/* seed, ratio: two tangles, the second one so much smaller. */
+/* seed, ratio: two tangles. The second one is scaled by `ratio`. */
 zoo_maker zoo_assembly;
 
-/* columns, length: a fine grid of size 1, with one face beside it that reaches so far. */
+/* columns, length: a fine grid of size 1 with one more face at its side, whose tip is at x =
+ * length. */
 zoo_maker zoo_spike;
 
 #endif

@@ -9,7 +9,7 @@
 
 static const double promise = 1e-9;
 
-enum { SECTIONS = 4 /* of an edge, the ends of which are looked at */ };
+enum { SECTIONS = 4 /* sections of an edge; check_edges tests their ends */ };
 
 /* --- members ---------------------------------------------------------------------------------- */
 
@@ -48,7 +48,7 @@ void member_set_put_path(struct member_set *set, const struct gd_mesh *mesh, str
 {
     struct gd_pair_answer answer;
     check_ok(gd_pair_solve(
-                 mesh, &(struct gd_pair_request){.from = &from, .to = &to, .wish = GD_PAIR_PATH},
+                 mesh, &(struct gd_pair_request){.from = &from, .to = &to, .output = GD_PAIR_PATH},
                  NULL, &answer, NULL),
              NULL);
     member_set_put_curve(set, answer.path.points, answer.path.count, false, 0);
@@ -71,7 +71,7 @@ void member_set_free(struct member_set *set)
 
 /* --- diagrams --------------------------------------------------------------------------------- */
 
-/* Its seeds follow each other. */
+/* Returns the field of one member, whose seeds are consecutive. */
 static struct gd_field *field_of_member(const struct gd_mesh *mesh, const struct member_set *set,
                                         uint32_t member)
 {
@@ -81,7 +81,7 @@ static struct gd_field *field_of_member(const struct gd_mesh *mesh, const struct
     return test_field(mesh, set->seeds + first, count, 0);
 }
 
-/* At a vertex. */
+/* Returns the largest finite distance of a vertex. */
 static double greatest_distance(const struct gd_field *field)
 {
     uint32_t vertices = gd_mesh_summary(gd_field_mesh(field))->index_count;
@@ -158,7 +158,7 @@ static void fail_at(const struct diagram *diagram, const struct gd_bisector *bis
     fail();
 }
 
-/* Both members are as near, and nothing is nearer. */
+/* Checks that both members are equidistant and that no member is nearer. */
 static void check_point(const struct diagram *diagram, const struct gd_bisector *bisector,
                         const struct gd_point *point)
 {
@@ -180,7 +180,7 @@ static bool is_on_boundary(const struct gd_mesh *mesh, const struct gd_point *po
            gd__side_is_boundary(mesh, 2 * point->element + 1);
 }
 
-/* An open bisector ends on the boundary or where others do. */
+/* Checks that an end is on the boundary or that at least three bisectors end there. */
 static void check_end(const struct diagram *diagram, const struct gd_bisector *bisector, uint32_t i)
 {
     const struct gd_point *point = &bisector->points[i];
@@ -211,7 +211,7 @@ static void check_bisector(const struct diagram *diagram, const struct gd_bisect
 
 /* --- labels ----------------------------------------------------------------------------------- */
 
-/* A vertex is of a member that is as near as any. */
+/* Checks that each vertex is labelled with a nearest member. */
 static void check_labels(const struct diagram *diagram)
 {
     uint32_t vertices = gd_mesh_summary(diagram->mesh)->index_count,
@@ -236,7 +236,7 @@ static void check_labels(const struct diagram *diagram)
 
 /* --- edges ------------------------------------------------------------------------------------ */
 
-/* Where a bisector crosses an edge. */
+/* A crossing of a bisector and an edge. */
 struct crossing {
     uint32_t edge;
     double t;
@@ -289,7 +289,7 @@ static struct gd_point point_of_edge(const struct gd_mesh *mesh, uint32_t edge, 
     return (struct gd_point){.kind = GD_POINT_EDGE, .element = edge, .weight = {t}};
 }
 
-/* The member that a point is nearest to; UINT32_MAX if that is none, or two. */
+/* Returns the nearest member; UINT32_MAX if no member or several are nearest. */
 static uint32_t owner_of(const struct diagram *diagram, const struct gd_point *point)
 {
     double least;

@@ -27,7 +27,7 @@ static enum gd_status make_graded(struct rng *rng, struct gd_polygons *out)
     return sample_graded(&grading, rng_next(rng), out);
 }
 
-/* As many rings as it takes to have no face that the engine refuses as flat. */
+/* Uses as many rings as needed to avoid faces that the engine refuses as degenerate. */
 static enum gd_status make_tube(struct rng *rng, struct gd_polygons *out)
 {
     double radius = pow(10, rng_between(rng, -8.3, -6));
@@ -65,7 +65,7 @@ static void measure(struct exact_scene *scene)
     scene->mean_edge = summary->edge_length.mean;
 }
 
-/* False: noise made a face too flat for the engine. */
+/* Returns false if noise made a face too flat for the engine. */
 static bool build(struct exact_scene *scene)
 {
     if (gd_mesh_build(&scene->polygons, NULL, NULL, &scene->mesh, NULL) != GD_OK) return false;
@@ -149,7 +149,7 @@ uint32_t exact_random_vertex(struct exact_scene *scene)
     return scene->polygons.corners[rng_below(&scene->rng, 3 * scene->polygons.polygon_count)];
 }
 
-/* A face around the vertex, chosen at random, and the vertex' corner of it. */
+/* Returns a random face at the vertex. *corner: the vertex' corner in this face. */
 static uint32_t face_around(struct exact_scene *scene, uint32_t vertex, uint32_t *corner)
 {
     uint32_t slots = 3 * scene->polygons.polygon_count, slot = rng_below(&scene->rng, slots);
@@ -177,7 +177,7 @@ struct gd_point exact_beside_vertex(struct exact_scene *scene, uint32_t vertex, 
     double apart = pow(10, rng_between(rng, least, most)), part = rng_unit(rng);
     if (kind == 0) return on_edge(scene, vertex, corner[(k + 1) % 3], apart);
     if (kind == 1) return on_edge(scene, corner[(k + 2) % 3], vertex, 1 - apart);
-    if (kind == 2) part = pow(10, rng_between(rng, -6, 0)); /* beside the edge, too */
+    if (kind == 2) part = pow(10, rng_between(rng, -6, 0)); /* also close to an edge */
     double weight[3];
     weight[(k + 1) % 3] = apart * part;
     weight[(k + 2) % 3] = apart * (1 - part);

@@ -14,11 +14,11 @@
 
 enum { JOBS_MOST = 64, CASES_TOLD = 5, TEXT = 256 };
 
-/* Of the whole process: how failures are reported. */
+/* How this process reports failures. */
 static struct {
-    const char *section, *folder; /* folder NULL: none */
+    const char *section, *folder; /* folder NULL: standard output */
     bool verbose, quiet;
-    uint64_t told[2]; /* of failures, and of those that are wrong only nearby */
+    uint64_t told[2]; /* number of reported failures, and of those that are wrong only nearby */
     uint64_t scene;
 } report;
 
@@ -96,8 +96,8 @@ static void write_mesh(const struct exact_scene *scene, const char *path)
     fclose(file);
 }
 
-/* Where failures are listed: in a file of the folder, or with the results. NULL: enough were
- * listed. */
+/* Opens the list of failures: a file of the folder, or standard output. Returns NULL if enough
+ * failures were listed. */
 static FILE *open_list(bool is_nearby)
 {
     if (report.quiet) return NULL;
@@ -147,7 +147,8 @@ static void tell(const struct exact_unit *unit)
     if (list != stdout) fclose(list);
 }
 
-/* The error; where a law allows more than the promise, as absolute rounding, what is left of it. */
+/* Returns the error. Where a law allows more than the promise (absolute rounding), the error is
+ * scaled by the promise over the allowed error. */
 static double weighed(const struct exact_answer *answer)
 {
     return fmin(answer->error, answer->excess * EXACT_PROMISE);
@@ -199,7 +200,7 @@ static void add_tally(struct exact_tally *sum, const struct exact_tally *tally)
     sum->worst_near = fmax(sum->worst_near, tally->worst_near);
 }
 
-/* A job that crashes counts as a failure of the scene that it had. */
+/* Waits for a job. A crash counts as a failure of the job's current scene. */
 static void wait_for(pid_t child, struct exact_tally *tally)
 {
     int status = 0;
@@ -254,7 +255,7 @@ static bool holds(const struct exact_section *section, const struct exact_tally 
            (section->flag == EXACT_MAY_FAIL || tally->failed == 0);
 }
 
-/* A line for tests/fault/table.py. */
+/* Prints a line for tests/fault/table.py. Returns whether the section passed. */
 static bool print_row(const struct exact_section *section, const struct exact_tally *tally)
 {
     char text[TEXT];
@@ -323,9 +324,9 @@ static void ask_pair(const struct exact_scene *scene, const char *name, const st
     printf("%s       %.17g  %s %s\n", name, status ? NAN : answer.distance, gd_status_name(status),
            detail.text);
     gd_pair_answer_free(&answer);
-    status = gd_pair_solve(scene->mesh,
-                           &(struct gd_pair_request){.from = from, .to = to, .wish = GD_PAIR_PATH},
-                           NULL, &answer, &detail);
+    status = gd_pair_solve(
+        scene->mesh, &(struct gd_pair_request){.from = from, .to = to, .output = GD_PAIR_PATH},
+        NULL, &answer, &detail);
     printf("%s, path %.17g  %s %s\n", name, status ? NAN : answer.path.length,
            gd_status_name(status), detail.text);
     gd_pair_answer_free(&answer);
@@ -337,7 +338,7 @@ static void ask_solver(const struct exact_scene *scene, const struct gd_seed *se
     struct exact_truth truth;
     exact_truth_open(scene, seeds, count, INFINITY, &truth);
     printf("extended       %.17g\n", exact_distance(&truth, to));
-    exact_error(&truth, to, -1); /* solves in quadruple precision */
+    exact_error(&truth, to, -1); /* makes the truth switch to quadruple precision */
     printf("quadruple      %.17g\n", exact_distance(&truth, to));
     exact_truth_close(&truth);
 }

@@ -1,12 +1,13 @@
 /* Exact run: the main function of programs that compare many random answers with exact ones.
  *
- *     test_exact_X                          each section in its short form, as cmocka tests
- *     test_exact_X --long [SECTION...]      ... in its long form, on all processors; prints rows
- *                                           for tests/fault/table.py
- *         --count N  --jobs N  --first N    number of answers, of processes, of the first scene
- *         --cases FOLDER                    meshes and points of what fails are written there
- *     test_exact_X --replay SECTION SCENE   one scene, and each of its failures in words
- *     test_exact_X --ask MESH POINT... --to POINT    what the engine and the solver say
+ *     test_exact_X                          runs each section in short form, as cmocka tests
+ *     test_exact_X --long [SECTION...]      runs the long form on all processors; prints rows for
+ *                                           tests/fault/table.py
+ *         --count N  --jobs N  --first N    how many answers and processes; the first scene
+ *         --cases FOLDER                    writes the meshes and points of failures there
+ *     test_exact_X --replay SECTION SCENE   runs one scene and describes each of its failures
+ *     test_exact_X --ask MESH POINT... --to POINT
+ *                                           prints the distances of the engine and the solver
  *
  * A point is v:VERTEX, e:FROM,TO,T or f:FACE,W0,W1,W2. */
 #ifndef TESTS_SUPPORT_EXACT_RUN_H
@@ -14,45 +15,46 @@
 
 #include "tests/support/exact.h"
 
-/* What was seen of one section. A field, a path, a curve... counts once, however many of its
- * answers are wrong. */
+/* Results of one section. A field, a path or a curve counts once, however many of its values are
+ * wrong. */
 struct exact_tally {
     uint64_t asked, failed, wrong;
-    uint64_t wrong_near; /* of the others: at points less than 1e-6 edge lengths away */
-    double worst;        /* greatest relative error of what was answered, but for near points */
+    uint64_t wrong_near; /* units that are wrong only at points less than 1e-6 edge lengths away */
+    double worst;        /* largest relative error, without nearby points */
     double worst_near;
-    uint64_t scene; /* that is under way */
+    uint64_t scene; /* the current scene */
 };
 
 enum exact_flag {
     EXACT_HOLDS,
-    EXACT_MAY_FAIL /* errors are counted, and allowed; wrong answers are not */
+    EXACT_MAY_FAIL /* errors are counted and allowed; wrong values are not */
 };
 
 struct exact_section {
     const char *name, *promise;
-    void (*run)(uint64_t scene, struct exact_tally *tally); /* of one scene; adds to the tally */
-    uint64_t short_count, long_count;                       /* of tally->asked */
+    void (*run)(uint64_t scene, struct exact_tally *tally); /* tests a scene */
+    uint64_t short_count, long_count;                       /* number of units (tally->asked) */
     enum exact_flag flag;
 };
 
 int exact_main(int argc, char **argv, const struct exact_section *sections, uint32_t count);
 
 struct exact_answer {
-    double excess; /* error over the one that is allowed: wrong above 1 */
+    double excess; /* error divided by the allowed error: wrong above 1 */
     double error;  /* relative */
     double answered, expected;
     struct gd_point point;
 };
 
-/* One unit of a tally while its answers come in. All zero but for the first line. */
+/* One unit of a tally while its values are compared. Only the first line is set at first; the rest
+ * is zero. */
 struct exact_unit {
     const struct exact_scene *scene;
     const struct gd_seed *seeds; /* the sources, for reports */
     uint32_t seed_count;
-    struct exact_answer worst;  /* of greatest excess */
-    struct exact_answer nearby; /* the same of points less than 1e-6 edge lengths away */
-    const char *failure;        /* a call's name, NULL: none failed */
+    struct exact_answer worst;  /* value with the largest excess */
+    struct exact_answer nearby; /* the same, of points less than 1e-6 edge lengths away */
+    const char *failure;        /* name of the failed call; NULL: none */
     enum gd_status status;
     struct gd_point failed_at;
 };
@@ -62,7 +64,7 @@ void exact_answer(struct exact_unit *unit, struct exact_truth *truth, const stru
 void exact_failure(struct exact_unit *unit, const char *call, enum gd_status status,
                    const struct gd_point *point);
 
-/* An answer that some law sets against another one, `expected`; `excess` as in struct
+/* Adds a value that a law compares with another one, `expected`. `excess`: as in struct
  * exact_answer. */
 void exact_law(struct exact_unit *unit, const struct gd_point *point, double answered,
                double expected, double excess);

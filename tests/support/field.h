@@ -1,11 +1,11 @@
-/* Field: fields and distances of tests. Whatever goes wrong fails the test. */
+/* Field: builds fields and computes distances for tests. Any error fails the test. */
 #ifndef TESTS_SUPPORT_FIELD_H
 #define TESTS_SUPPORT_FIELD_H
 
 #include "gd/curve.h"
 #include "gd/field.h"
 
-/* The field of some seeds as far as a radius, 0: all of it; the caller releases it. */
+/* Builds the field of some seeds up to a radius; 0: all of it. The caller releases it. */
 struct gd_field *test_field(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count,
                             double radius);
 struct gd_field *test_field_from(const struct gd_mesh *mesh, struct gd_point point);
@@ -14,7 +14,7 @@ struct gd_field *test_field_of_curve(const struct gd_mesh *mesh, const struct gd
 
 double test_distance(const struct gd_field *field, const struct gd_point *point);
 
-/* Euclid's, of p from the segment between a and b. */
+/* Returns the Euclidean distance of p from the segment between a and b. */
 double test_distance_to_segment(struct gd_vec3 p, struct gd_vec3 a, struct gd_vec3 b);
 
 #endif

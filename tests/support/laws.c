@@ -12,7 +12,8 @@ static struct gd_pair_answer solve(const struct gd_mesh *mesh, struct gd_point p
 {
     struct gd_pair_answer answer = {0};
     struct gd_detail detail = {0};
-    check_ok(gd_pair_solve(mesh, &(struct gd_pair_request){.from = &p, .to = &q, .wish = want_path},
+    check_ok(gd_pair_solve(mesh,
+                           &(struct gd_pair_request){.from = &p, .to = &q, .output = want_path},
                            NULL, &answer, &detail),
              &detail);
     return answer;
@@ -37,7 +38,7 @@ double law_metric(const struct gd_mesh *mesh, struct gd_point p, struct gd_point
     return error;
 }
 
-/* Whether the point lies in the closed face. */
+/* Returns whether the closed face contains the point. */
 static bool is_in_face(const struct gd_polygons *polygons, uint32_t face,
                        const struct gd_point_description *point)
 {

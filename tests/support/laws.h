@@ -1,23 +1,23 @@
-/* Laws: what every geodesic distance obeys, on whatever surface. Each check fails the running test
- * when a law is broken by more than 1e-9 and returns the largest relative error. */
+/* Laws of geodesic distances on any surface. A violation by more than 1e-9 fails the running test.
+ * Functions that return a double, except law_distance, return the largest relative error. */
 #ifndef TESTS_SUPPORT_LAWS_H
 #define TESTS_SUPPORT_LAWS_H
 
 #include "tests/support/test.h"
 
-/* Distance from p to q, without a path. */
+/* Returns the distance from p to q, computed without a path. */
 double law_distance(const struct gd_mesh *mesh, struct gd_point p, struct gd_point q);
 
-/* d(p,p) = 0, d(p,q) = d(q,p), d(p,q) <= d(p,r) + d(r,q). */
+/* Checks d(p,p) = 0, d(p,q) = d(q,p), d(p,q) <= d(p,r) + d(r,q). */
 double law_metric(const struct gd_mesh *mesh, struct gd_point p, struct gd_point q,
                   struct gd_point r);
 
-/* The path from p to q runs on the surface, consecutive points in one face, from p to q, and is as
- * long as the distance. The polygons are those that the mesh was built from. */
+/* Checks the path from p to q: its ends, that consecutive points share a face, and that its length
+ * is the distance. The mesh must be built from `polygons`. */
 double law_path(const struct gd_mesh *mesh, const struct gd_polygons *polygons, struct gd_point p,
                 struct gd_point q);
 
-/* Along every edge the distance from p changes by no more than the edge's length. */
+/* Checks that the distance from p changes along every edge by at most the edge's length. */
 void law_lipschitz(const struct gd_mesh *mesh, const struct gd_polygons *polygons,
                    struct gd_point p);
 

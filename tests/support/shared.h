@@ -1,6 +1,6 @@
-/* Shared: meshes that no one here made, where they are at hand: the folder named by
- * GEODESICD_SHARED, or ../shared beside the project. A test that asks for one is skipped where
- * there is no such folder, with a line that says so. */
+/* Shared: optional test meshes from other projects, in the folder GEODESICD_SHARED (default:
+ * ../shared beside the project). Without the folder a test that uses it prints a line and is
+ * skipped. */
 #ifndef TESTS_SUPPORT_SHARED_H
 #define TESTS_SUPPORT_SHARED_H
 
@@ -9,16 +9,16 @@
 #include "gd/mesh.h"
 #include "gd/polygons.h"
 
-/* The folder's path. */
+/* Returns the folder's path, or skips the running test. */
 const char *test_shared_folder(void);
 
-/* A file of the folder, as test_read_file has it; the caller frees it. */
+/* Reads a file of the folder. The caller frees the bytes, which end with a NUL. */
 char *test_shared_file(const char *name, size_t *size);
 
-/* The mesh of that name, as it was made; the caller frees the polygons. */
+/* Reads the polygons of a mesh, unchanged. The caller frees them. */
 struct gd_polygons test_shared_polygons(const char *name);
 
-/* The same built, and cut apart where it is no surface; the caller releases it. */
+/* Reads a mesh and separates its non-manifold parts. The caller releases it. */
 struct gd_mesh *test_shared_mesh(const char *name);
 
 #endif

@@ -8,7 +8,7 @@
 #include "gd/locate.h"
 #include "tests/samples/samples.h"
 
-/* Before any test: a suite is run on chosen kernels without a word in it. */
+/* Selects the kernels that GEODESICD_CPU names, before any test runs. */
 __attribute__((constructor)) static void select_kernels(void)
 {
     const char *name = getenv("GEODESICD_CPU");

@@ -1,21 +1,21 @@
-/* Watch: what tests have a long call report to. */
+/* Watch: a progress callback for tests of long calls. */
 #ifndef TESTS_SUPPORT_WATCH_H
 #define TESTS_SUPPORT_WATCH_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-/* All zero: a call that has not begun, and is not to be cancelled. */
+/* All zero: before the call, never cancels. */
 struct test_watch {
-    double last;          /* what was reported last */
-    uint32_t calls, most; /* cancels at call number `most` */
+    double last;          /* the last reported fraction */
+    uint32_t calls, most; /* cancels at call number `most`; 0: never */
 };
 
-/* For struct gd_control's `progress`, with a watch for its `user`: fails the test unless reports go
- * up within [0, 1]. */
+/* Callback for struct gd_control's `progress`; `user` is a struct test_watch. Fails the test unless
+ * the fractions ascend within [0, 1]. */
 bool test_watch(void *user, double fraction);
 
-/* The same that cancels at once; `user` is not looked at. */
+/* Callback that cancels at once. `user` is ignored. */
 bool test_cancel(void *user, double fraction);
 
 #endif

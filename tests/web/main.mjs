@@ -1,9 +1,17 @@
-// Runs the tests in one browser, one after the other, each with a page of its own: a line a test, as tests/run.py reads them.
+// Runs the tests in one browser, one after the other, each with its own page. Prints a line for
+// each test in the format that tests/run.py reads.
 
 import { Browser } from "./browser.mjs";
+import * as answers from "./answers.mjs";
+import * as derive from "./derive.mjs";
+import * as embed from "./embed.mjs";
 import * as docs from "./docs.mjs";
+import * as history from "./history.mjs";
+import * as layout from "./layout.mjs";
 import * as modes from "./modes.mjs";
 import * as modules from "./modules.mjs";
+import * as picture from "./picture.mjs";
+import * as uploads from "./uploads.mjs";
 import * as viewer from "./viewer.mjs";
 
 const settings = JSON.parse(process.argv[2]);
@@ -24,9 +32,24 @@ async function run(name, test) {
   await browser.closePages();
 }
 
-for (const [group, tests] of Object.entries({ modules: modules.tests, viewer: viewer.tests, modes: await modes.tests(browser), docs: docs.tests })) {
+const withLong = ({ tests, longTests }) => (settings.all ? { ...tests, ...longTests } : tests);
+
+const groups = {
+  modules: modules.tests,
+  viewer: withLong(viewer),
+  uploads: uploads.tests,
+  answers: answers.tests,
+  history: history.tests,
+  layout: layout.tests,
+  picture: withLong(picture),
+  derive: derive.tests,
+  embed: embed.tests,
+  modes: await modes.tests(browser),
+  docs: docs.tests,
+};
+for (const [group, tests] of Object.entries(groups)) {
   for (const [name, test] of Object.entries(tests)) {
-    if (`${group}: ${name}`.includes(settings.only)) await run(`${group}: ${name}`, test);
+    if (settings.only.some((word) => `${group}: ${name}`.includes(word))) await run(`${group}: ${name}`, test);
   }
 }
 await browser.close();

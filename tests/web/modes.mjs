@@ -1,10 +1,11 @@
-// Each mode once, on what it opens by itself: an answer, no error, a picture at desktop and phone size.
+// Tests each mode once on its default surface: an answer, no error, a picture at desktop and phone
+// size.
 
 import assert from "node:assert/strict";
 import { DESKTOP, PHONE } from "./browser.mjs";
 import { read, settle } from "./viewer.mjs";
 
-/** Modes as the page offers them, so that a new one is tested as soon as it is there. */
+/** Returns the modes that the page offers, so that a new mode is tested automatically. */
 async function labels(browser) {
   const page = await browser.page("/");
   await settle(page);

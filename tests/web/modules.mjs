@@ -1,4 +1,4 @@
-// Modules of the viewer that need no page, by laws and by plain ways to the same.
+// Modules of the viewer that need no page, checked by mathematical laws and simpler computations.
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
@@ -8,19 +8,20 @@ import { fileURLToPath } from "node:url";
 
 const SOURCES = path.join(path.dirname(fileURLToPath(import.meta.url)), "../../clients/web/src");
 
-/** A module of the viewer, compiled by the esbuild that compiles the pages. */
+/** Loads a module of the viewer, compiled by the esbuild that compiles the pages. */
 async function load(settings, name) {
   const { buildSync } = createRequire(path.join(settings.pages, "package.json"))("esbuild");
   const [{ text }] = buildSync({
     entryPoints: [path.join(SOURCES, `${name}.ts`)],
     bundle: true,
     format: "esm",
+    nodePaths: [path.join(settings.pages, "node_modules")],
     write: false,
   }).outputFiles;
   return import(`data:text/javascript;base64,${Buffer.from(text).toString("base64")}`);
 }
 
-/** Numbers that are the same in every run, from 0 to 1. */
+/** Returns a generator of reproducible numbers from 0 to 1. */
 function randoms(seed) {
   return () => {
     seed = (Math.imul(seed, 1664525) + 1013904223) >>> 0;
@@ -76,7 +77,7 @@ async function files({ settings }) {
   }
 }
 
-/** What a shell makes of a command line: its words. */
+/** Returns the words into which a shell splits a command line. */
 const words = (command) =>
   execFileSync("sh", ["-c", `printf '%s\\n' ${command}`])
     .toString()
@@ -154,7 +155,77 @@ async function numbers({ settings }) {
   assert.equal(units.length(2), "2 in");
 }
 
+const CUBE = {
+  positions: Float32Array.from([0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1]),
+  faces: Uint32Array.from([
+    0, 2, 1, 0, 3, 2, 4, 5, 6, 4, 6, 7, 0, 1, 5, 0, 5, 4, 2, 3, 7, 2, 7, 6, 1, 2, 6, 1, 6, 5, 3, 0, 4, 3, 4, 7,
+  ]),
+};
+
+/** A cube gets one normal for each side at each vertex; a flat sheet keeps its vertices. */
+async function creases({ settings }) {
+  const { shaded } = await load(settings, "creases");
+  const cube = shaded(CUBE.positions, CUBE.faces);
+  assert.equal(cube.copied.length, 16);
+  assert.equal(cube.positions.length, 3 * 24);
+  for (let i = 0; i < cube.faces.length; i++) {
+    const [vertex, normal] = [cube.faces[i], cube.normals.subarray(3 * cube.faces[i], 3 * cube.faces[i] + 3)];
+    const own = vertex < 8 ? vertex : cube.copied[vertex - 8];
+    assert.equal(own, CUBE.faces[i]);
+    assert.deepEqual([...normal].map(Math.abs).sort(), [0, 0, 1]);
+  }
+  const sheet = shaded(CUBE.positions.subarray(0, 12), Uint32Array.from([0, 1, 2, 0, 2, 3]));
+  assert.equal(sheet.copied.length, 0);
+  assert.deepEqual([...sheet.normals], [0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1]);
+}
+
+/** Lines in each format, read back. */
+async function lineFiles({ settings }) {
+  const { objOf, csvOf, glbOf } = await load(settings, "files");
+  const lines = [
+    [[1e6 + 0.25, 2, 3], [1e6 + 0.5, 2, 3], [1e6 + 0.5, 2.5, 3]],
+    [[1e6, -1, 0.1], [1e6 + 1, -1, 0.1]],
+  ];
+  const obj = objOf(lines).trim().split("\n").map((row) => row.split(" "));
+  const vertices = obj.filter(([word]) => word === "v").map((row) => row.slice(1).map(Number));
+  assert.deepEqual(obj.filter(([word]) => word === "l").map((row) => row.slice(1).map((i) => vertices[i - 1])), lines);
+  const rows = csvOf(lines).trim().split("\n").slice(1).map((row) => row.split(",").map(Number));
+  assert.deepEqual(rows.map(([line, point]) => lines[line][point]), rows.map((row) => row.slice(2)));
+  const bytes = glbOf(lines);
+  const view = new DataView(bytes.buffer);
+  assert.deepEqual([view.getUint32(0, true), view.getUint32(8, true)], [0x46546c67, bytes.length]);
+  const size = view.getUint32(12, true);
+  const json = JSON.parse(new TextDecoder().decode(bytes.subarray(20, 20 + size)));
+  const floats = new Float32Array(bytes.slice(28 + size).buffer);
+  const [centre] = json.nodes.map(({ translation }) => translation);
+  assert.equal(json.accessors[0].count, 6);
+  const first = [0, 1, 2].map((axis) => floats[axis] + centre[axis]);
+  assert.ok(first.every((x, axis) => Math.abs(x - lines[0][0][axis]) < 1e-6), `${first}`);
+}
+
+async function names({ settings }) {
+  const { freeName, nameOf } = await load(settings, "uploads");
+  assert.equal(nameOf("my part (v2).obj"), "my-part--v2-");
+  assert.equal(nameOf(".obj"), "mesh");
+  assert.equal(freeName("spot", ["spot", "spot-2", "spot-4"]), "spot-3");
+}
+
+async function maps({ settings }) {
+  const { RAMP_NAMES, rampBytes } = await load(settings, "colours");
+  for (const name of ["viridis", "turbo", "coolwarm"]) assert.ok(RAMP_NAMES.includes(name), name);
+  const ends = (isReversed) => {
+    const bytes = rampBytes({ name: "viridis", isReversed }, 256);
+    return [[...bytes.subarray(0, 3)], [...bytes.subarray(-4, -1)]];
+  };
+  assert.deepEqual(ends(false), [[68, 1, 84], [253, 231, 37]]);
+  assert.deepEqual(ends(true), ends(false).reverse());
+}
+
 export const tests = {
+  "creases split normals": creases,
+  "lines as files": lineFiles,
+  "names of uploads": names,
+  "colour maps": maps,
   "rays hit what every triangle alone says": rays,
   "binary PLY": files,
   "command lines are what a shell makes of them": commands,

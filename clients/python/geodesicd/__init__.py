@@ -1,4 +1,5 @@
-"""Exact geodesics on surfaces, from a geodesicd daemon. Standard library only; arrays are numpy's where numpy is there.
+"""Exact geodesics on surfaces, from a geodesicd daemon. Needs only the standard library; arrays are
+numpy arrays if numpy is installed.
 
     import geodesicd
 
@@ -9,7 +10,8 @@
     bunny.field([0, 100]).values()                       # a distance per vertex
     bunny.query("trace", {"start": {"vertex": 12}, "fan": 8, "length": 0.05})["paths"]
 """
-from .client import Client, Field, Mesh, Path, Resource, Surface, point_set
+from .aio import AsyncClient
+from .client import Batch, Client, Field, Mesh, Path, Resource, Surface, point_set
 from .errors import (Conflict, ConnectionFailed, DeadlineExceeded, Forbidden, GeodesicError, Insufficient, InvalidMesh, InvalidRequest, JobCancelled,
                      NotFound, Overloaded, PointNotOnSurface, ProblemError, TooLarge, Unauthorized)
 from .jobs import Job
@@ -18,7 +20,7 @@ from .points import Point, near, ray
 __version__ = "0.1.0"
 
 __all__ = [
-    "Client", "Conflict", "ConnectionFailed", "DeadlineExceeded", "Field", "Forbidden", "GeodesicError", "Insufficient", "InvalidMesh", "InvalidRequest",
+    "AsyncClient", "Batch", "Client", "Conflict", "ConnectionFailed", "DeadlineExceeded", "Field", "Forbidden", "GeodesicError", "Insufficient", "InvalidMesh", "InvalidRequest",
     "Job", "JobCancelled", "Mesh", "NotFound", "Overloaded", "Path", "Point", "PointNotOnSurface", "ProblemError", "Resource", "Surface", "TooLarge",
     "Unauthorized", "near", "point_set", "ray"
 ]

@@ -1,13 +1,18 @@
-"""The arrays container, version 1: numbers as bytes in requests and answers (server/doc/020 of the daemon)."""
+"""The arrays container, version 1: the binary form of numbers in requests and answers
+(server/doc/020)."""
+from __future__ import annotations
+
 import array
+import importlib
 import struct
 import sys
-from typing import Any, Dict, Mapping
+from typing import Any, Dict, Mapping, Union
 
+numpy: Any = None  # the module, if it is installed
 try:
-    import numpy
+    numpy = importlib.import_module("numpy")
 except ImportError:
-    numpy = None  # type: ignore[assignment]
+    pass
 
 MEDIA_TYPE = "application/octet-stream"
 _HEAD, _ENTRY = struct.Struct("<8sII"), struct.Struct("<32sIIQQQ")
@@ -15,14 +20,16 @@ _LETTERS = {1: "d", 2: "f", 3: "I"}
 _TYPES = {letter: number for number, letter in _LETTERS.items()}
 
 
-def _little(values: "array.array[Any]") -> "array.array[Any]":
+def little(values: "array.array[Any]") -> "array.array[Any]":
     if sys.byteorder == "big":
         values.byteswap()
     return values
 
 
-def read(body: bytes) -> Dict[str, Any]:
-    """The arrays by name: numpy's, or without numpy an array.array each, row after row."""
+def read(body: Union[bytes, bytearray]) -> Dict[str, Any]:
+    """Returns the arrays of a container by name, writable: numpy arrays, or without numpy
+    array.array, stored by rows."""
+    body = bytearray(body)
     magic, version, count = _HEAD.unpack_from(body)
     if (magic, version) != (b"GDARRAYS", 1):
         raise ValueError("no arrays container of version 1")
@@ -34,12 +41,18 @@ def read(body: bytes) -> Dict[str, Any]:
             values = numpy.frombuffer(body, letter, rows * (columns or 1), offset)
             arrays[name.rstrip(b"\0").decode()] = values.reshape(rows, columns) if columns else values
         else:
-            arrays[name.rstrip(b"\0").decode()] = _little(array.array(_LETTERS[kind], body[offset:offset + size]))
+            arrays[name.rstrip(b"\0").decode()] = little(array.array(_LETTERS[kind], body[offset:offset + size]))
     return arrays
 
 
+def floats(body: bytes) -> Any:
+    """Converts little-endian float64 to a writable numpy array, or without numpy an array.array."""
+    return numpy.frombuffer(bytearray(body), "<f8") if numpy is not None else little(array.array("d", body))
+
+
 def _flat(values: Any) -> Any:
-    """(array.array-like letter, columns, bytes) of a numpy array, an array.array, or a list of numbers or of triples."""
+    """Returns (type letter as in array.array, columns, bytes) of a numpy array, an array.array, or
+    a list of numbers or of triples. Columns are 0 if the rows are single numbers."""
     if numpy is not None and not isinstance(values, array.array):
         given = numpy.asarray(values)
         letter = "I" if given.dtype.kind in "iu" and given.ndim == 1 else "f" if given.dtype == numpy.float32 else "d"
@@ -47,14 +60,15 @@ def _flat(values: Any) -> Any:
         return letter, given.shape[1] if given.ndim == 2 else 0, given.tobytes()
     if isinstance(values, array.array):
         letter = "I" if values.typecode in "bBhHiIlLqQ" else values.typecode
-        return letter, 0 if letter == "I" else 3, _little(array.array(letter, values)).tobytes()
+        return letter, 0 if letter == "I" else 3, little(array.array(letter, values)).tobytes()
     if values and hasattr(values[0], "__len__"):
-        return "d", len(values[0]), _little(array.array("d", (x for row in values for x in row))).tobytes()
-    return "I", 0, _little(array.array("I", values)).tobytes()
+        return "d", len(values[0]), little(array.array("d", (x for row in values for x in row))).tobytes()
+    return "I", 0, little(array.array("I", values)).tobytes()
 
 
 def write(arrays: Mapping[str, Any]) -> bytes:
-    """A container: of each name whole numbers, which are vertices or faces, or rows of three coordinates. An array.array of numbers is rows of three."""
+    """Returns a container of the named arrays. Integers are indices of vertices or faces; other
+    arrays hold rows of three coordinates. A flat array.array of floats holds such rows, too."""
     head, data = [_HEAD.pack(b"GDARRAYS", 1, len(arrays))], []
     offset = _HEAD.size + _ENTRY.size * len(arrays)
     for name, values in arrays.items():

@@ -1,29 +1,26 @@
-"""The daemon and what it holds: meshes, their fields, smooth surfaces, jobs."""
+"""The client of a daemon, and its resources: meshes, their fields, smooth surfaces, batches."""
 from __future__ import annotations
 
-import array
 import dataclasses
 import os
 import pathlib
 import ssl
-import sys
+import time
 import urllib.parse
-from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Union, cast
 
-from . import arrays, points
+from . import answers, arrays, notebook, ply, points
+from .arrays import floats, numpy
 from .errors import GeodesicError, NotFound
-from .jobs import Job, Progress
-from .points import Point, PointLike, Vec3
+from .jobs import Job, Progress, listener
+from .points import Point, PointLike, Points, Vec3
 from .transport import Response, Transport
-
-try:
-    import numpy
-except ImportError:
-    numpy = None  # type: ignore[assignment]
 
 DEFAULT_URL = "http://127.0.0.1:8080"
 FLOATS = "application/octet-stream"
-BATCH_WAIT = 30  # seconds, of one request that waits for a batch
+BATCH_WAIT = 30  # seconds, the longest wait of one request for a batch
+SPLIT_MOST = 64  # the most meshes that one request creates
+PREVIEW_WAIT = 0.5  # seconds, the pause between two requests for a preview
 
 
 @dataclasses.dataclass(frozen=True)
@@ -35,42 +32,36 @@ class Path:
 
     @classmethod
     def read(cls, answer: Mapping[str, Any]) -> "Path":
-        return cls(answer["length"], [tuple(xyz) for xyz in answer["points"]])
+        return cls(answer["length"], [(x, y, z) for x, y, z in answer["points"]])
 
 
-def _floats(body: bytes) -> Any:
-    """Of little-endian float64: a numpy array, or without numpy an array.array."""
-    if numpy is not None:
-        return numpy.frombuffer(body, dtype="<f8")
-    values = array.array("d", body)
-    if sys.byteorder == "big":
-        values.byteswap()
-    return values
-
-
-def point_set(sources: Union[Mapping[str, Any], PointLike, Sequence[PointLike]]) -> Dict[str, Any]:
-    """A set as the contract has it, of: such a set; a point; a list of points."""
+def point_set(sources: Union[Mapping[str, Any], PointLike, Points]) -> Dict[str, Any]:
+    """Returns a set of the contract, made from: a set; a point; a list or an array of points."""
+    sources = points.listed(sources)
     if isinstance(sources, Mapping) and sources.keys() & {"points", "curves", "boundaries"}:
         return dict(sources)
     if isinstance(sources, (list, tuple)) and not (len(sources) == 3 and all(isinstance(x, float) for x in sources)):
         return {"points": points.all_as_json(sources)}
-    return {"points": [points.as_json(sources)]}  # type: ignore[arg-type]
+    return {"points": [points.as_json(sources)]}
 
 
 class Resource:
-    """What lies at a path of the daemon, and is asked there."""
+    """A resource at a path of the daemon, with its queries."""
 
     def __init__(self, client: "Client", location: str):
         self.client, self.location = client, location
 
     def query(self, name: str, body: Mapping[str, Any], *, progress: Optional[Progress] = None, **query: Any) -> Dict[str, Any]:
-        """Any query of the contract: the answer to POST `location`/`name`. Keywords go into the query string (`select`, `geometry`, `timeout_ms`). With
-        `progress` it is a job that is awaited, and `progress` is told how far it is."""
-        return self.client.call("POST", f"{self.location}/{name}", query, body, progress=progress).json
+        """Sends any query of the contract (POST `location`/`name`) and returns its answer. Keywords
+        are parameters of the query string (`select`, `geometry`, `timeout_ms`). With `progress` the
+        query runs as a job, and the method waits for it. `progress` is a function that receives the
+        progress in [0,1], or True for a tqdm bar."""
+        return cast(Dict[str, Any], self.client.call("POST", f"{self.location}/{name}", query, body, progress=progress).json)
 
     def query_arrays(self, name: str, body: Mapping[str, Any], *, form: str = "f64", **query: Any) -> Dict[str, Any]:
-        """The same as arrays by name (`matrix`, `isolines`, `trace`, `voronoi`, …): numpy's, or without numpy an array.array each, row after row; with the
-        form "f32" of single precision."""
+        """As `query`, with arrays by name as the answer (`matrix`, `isolines`, `trace`, `voronoi`,
+        …): numpy arrays, or without numpy array.array, stored by rows. The form "f32" has single
+        precision."""
         return arrays.read(self.client.call("POST", f"{self.location}/{name}", {**query, "format": form}, body).body)
 
     def _bulk(self, name: str, given: Mapping[str, Any]) -> Dict[str, Any]:
@@ -80,7 +71,7 @@ class Resource:
     def delete(self) -> None:
         self.client.call("DELETE", self.location)
 
-    def describe(self) -> Dict[str, Any]:
+    def describe(self) -> Any:
         return self.client.call("GET", self.location).json
 
     def exists(self) -> bool:
@@ -92,7 +83,7 @@ class Resource:
 
 
 class Surface(Resource):
-    """A surface that has a name: a mesh, a subdivision surface, a NURBS."""
+    """A named surface: a mesh, a subdivision surface, a NURBS."""
 
     def __init__(self, client: "Client", kind: str, name: str):
         super().__init__(client, f"/v1/{kind}/{urllib.parse.quote(name, safe='')}")
@@ -103,63 +94,92 @@ class Surface(Resource):
 
 
 class Field(Resource):
-    """The distances from a set to the whole surface, kept by the daemon."""
+    """The distances from a set to the whole surface. The daemon stores them."""
 
     def __init__(self, mesh: "Mesh", answer: Dict[str, Any]):
         super().__init__(mesh.client, f"{mesh.location}/fields/{answer['id']}")
+        self.mesh = mesh
         self.id: str = answer["id"]
         self.max: Optional[float] = answer["max"]
         self.farthest = Point.read(answer["farthest"]) if answer.get("farthest") else None
 
+    def describe(self) -> answers.Field:
+        return cast(answers.Field, super().describe())
+
     def values(self) -> Any:
-        """The distance at each vertex, NaN where there is none: a numpy array, or an array.array("d")."""
-        return _floats(self.client.call("GET", self.location + "/values", headers={"Accept": FLOATS}).body)
+        """Returns the distance at each vertex; NaN if no path reaches the vertex. The result is a
+        writable numpy array, or without numpy an array.array("d")."""
+        return floats(self.client.call("GET", self.location + "/values", headers={"Accept": FLOATS}).body)
 
     def file(self, format: str = "ply") -> bytes:
-        """The mesh with the distance at each vertex, as a file: ply, glb (as colours) or csv (a row per vertex)."""
+        """Returns a file of the mesh with the distance at each vertex: ply, glb (as colours) or csv
+        (a row per vertex)."""
         return self.client.call("GET", self.location + "/values", {"format": format}).body
 
-    def distances(self, at: Sequence[PointLike]) -> List[Optional[float]]:
-        """The distance at each point; None where there is none."""
+    def distances(self, at: Points) -> List[Optional[float]]:
+        """Returns the distance at each point; None if no path reaches the point."""
         results = self.query("evaluate", {"points": points.all_as_json(at)}, select="distance")["results"]
         return [result["distance"] for result in results]
 
-    def evaluate(self, at: Sequence[PointLike], path: bool = False, gradient: bool = False) -> List[Dict[str, Any]]:
-        """At each point the distance, the nearest member of the set, and what is asked for."""
+    def evaluate(self, at: Points, path: bool = False, gradient: bool = False) -> List[answers.Result]:
+        """Returns for each point the distance and the nearest element of the set, and on request
+        the path to it and the gradient."""
         body = {"points": points.all_as_json(at), "path": path, "gradient": gradient}
-        return self.query("evaluate", body)["results"]
+        return cast(List[answers.Result], self.query("evaluate", body)["results"])
 
-    def isolines(self, levels: Sequence[float], tolerance: Optional[float] = None) -> List[Dict[str, Any]]:
-        """For each level its lines; flattened to `tolerance` within faces, or without it to the daemon's own."""
-        return self.query("isolines", self._levels(levels, tolerance))["isolines"]
+    def isolines(self, levels: Optional[Sequence[float]] = None, tolerance: Optional[float] = None, count: Optional[int] = None,
+                 geometry: Optional[str] = None) -> List[answers.Isoline]:
+        """Returns the lines of each level, or of `count` even levels. Within faces the daemon
+        approximates the curves to `tolerance` (default: its own). `geometry`: "full", "xyz" or
+        "none"."""
+        return cast(List[answers.Isoline], self.query("isolines", self._levels(levels, tolerance, count), geometry=geometry)["isolines"])
+
+    def isoline_arrays(self, levels: Optional[Sequence[float]] = None, tolerance: Optional[float] = None,
+                       count: Optional[int] = None) -> Dict[str, Any]:
+        """As `isolines`, as arrays by name. Line i is the rows of `points` from `first[i]` to
+        `first[i + 1]`; `level` and `length` have an entry for each line."""
+        return self.query_arrays("isolines", self._levels(levels, tolerance, count))
 
     def isolines_file(self, levels: Sequence[float], format: str = "obj", tolerance: Optional[float] = None, mesh: bool = False) -> bytes:
-        """The lines of all levels as a file: obj, glb or csv; `mesh`: with their mesh, of obj and glb."""
+        """Returns the lines of all levels as a file: obj, glb or csv. `mesh`: include the mesh (obj
+        and glb)."""
         query = {"format": format, "mesh": mesh or None}
         return self.client.call("POST", self.location + "/isolines", query, self._levels(levels, tolerance)).body
 
     @staticmethod
-    def _levels(levels: Sequence[float], tolerance: Optional[float]) -> Dict[str, Any]:
-        return {"levels": list(levels), **({} if tolerance is None else {"tolerance": tolerance})}
+    def _levels(levels: Optional[Sequence[float]], tolerance: Optional[float], count: Optional[int] = None) -> Dict[str, Any]:
+        given = {"levels": None if levels is None else list(points.listed(levels)), "tolerance": tolerance, "count": count}
+        return {name: value for name, value in given.items() if value is not None}
+
+    def show(self) -> Any:
+        """Draws the mesh with the distances as colours (`Mesh.show`)."""
+        return notebook.show(self.mesh, self)
+
+    def _repr_html_(self) -> str:
+        return notebook.html(self.mesh, f"distances on {self.mesh.name}, up to {self.max}", {"field": self.id})
 
 
 class Mesh(Surface):
-    """A triangle mesh. Points are given in any of the forms of `geodesicd.points.as_json`."""
+    """A triangle mesh. Its methods accept points in all forms of `geodesicd.points.as_json`."""
 
     def __init__(self, client: "Client", name: str):
         super().__init__(client, "meshes", name)
 
+    def describe(self) -> answers.Mesh:
+        return cast(answers.Mesh, super().describe())
+
     def distance(self, start: PointLike, end: PointLike, via: Sequence[PointLike] = ()) -> Optional[float]:
-        """The exact distance; None if no path joins the points."""
-        return self.query("distance", self._ends(start, end, via), select="distance")["distance"]
+        """Returns the exact distance; None if no path joins the points."""
+        return cast(Optional[float], self.query("distance", self._ends(start, end, via), select="distance")["distance"])
 
     def path(self, start: PointLike, end: PointLike, via: Sequence[PointLike] = ()) -> Optional[Path]:
-        """A shortest path; None if there is none."""
+        """Returns a shortest path; None if no path joins the points."""
         answer = self.query("path", self._ends(start, end, via), select="path", geometry="xyz")
         return Path.read(answer["path"]) if answer.get("path") else None
 
     def path_file(self, start: PointLike, end: PointLike, via: Sequence[PointLike] = (), format: str = "obj", mesh: bool = False) -> bytes:
-        """A shortest path as a file: obj, glb, csv, or svg (the faces that it runs through, laid flat); of obj and glb with its mesh, if wanted."""
+        """Returns a shortest path as a file: obj, glb, csv, or svg (the faces that the path
+        crosses, unfolded into the plane). `mesh`: include the mesh (obj and glb)."""
         query = {"format": format, "mesh": mesh or None}
         return self.client.call("POST", self.location + "/path", query, self._ends(start, end, via)).body
 
@@ -169,61 +189,144 @@ class Mesh(Surface):
         return {**body, "via": points.all_as_json(via)} if via else body
 
     def nearest(self, point: PointLike) -> Point:
-        """The point of the surface that is meant, with all that is known of it."""
+        """Returns the surface point that `point` stands for, in all forms (see `Point`)."""
         return Point.read(self.query("nearest", {"point": points.as_json(point)}))
 
     def pairs(self, starts: Any, ends: Any) -> Any:
-        """The distance of each pair of a start and an end, NaN where there is no path. Both are arrays or lists: of vertices, or of rows of three
-        coordinates, whose nearest points are taken; one of them may have one point for all pairs."""
+        """Returns the distance of each pair of a start and an end; NaN if no path joins them.
+        `starts` and `ends` are arrays or lists of vertex indices, or of rows of three coordinates,
+        which stand for the nearest surface points. One of them may hold a single point for all
+        pairs."""
         return self._bulk("pairs", {"from": starts, "to": ends})["distances"]
 
     def nearest_points(self, xyz: Any) -> Dict[str, Any]:
-        """The nearest points of the surface to rows of three coordinates: arrays `faces`, `barycentric`, `xyz`, `snap_distances`."""
+        """Returns the surface points nearest to rows of three coordinates, as the arrays `faces`,
+        `barycentric`, `xyz`, `snap_distances`."""
         return self._bulk("nearest-points", {"points": xyz})
 
-    def matrix(self, sources: Sequence[PointLike], targets: Sequence[PointLike], max_distance: Optional[float] = None,
+    def matrix(self, sources: Points, targets: Points, max_distance: Optional[float] = None,
                progress: Optional[Progress] = None) -> Any:
-        """The distances from each source to each target, NaN where there is none: a numpy array, or without numpy a list of array.array."""
-        body: Dict[str, Any] = {"sources": points.all_as_json(sources), "targets": points.all_as_json(targets)}
+        """Returns the distances from each source to each target; NaN if no path joins them or the
+        distance exceeds `max_distance`. The result is a numpy array, or without numpy a list of
+        array.array."""
+        sources, targets = points.all_as_json(sources), points.all_as_json(targets)
+        body: Dict[str, Any] = {"sources": sources, "targets": targets}
         if max_distance is not None:
             body["max_distance"] = max_distance
-        values = _floats(self.client.call("POST", self.location + "/matrix", None, body, {"Accept": FLOATS}, progress).body)
+        values = floats(self.client.call("POST", self.location + "/matrix", None, body, {"Accept": FLOATS}, progress).body)
         if numpy is not None:
             return values.reshape(len(sources), len(targets))
         return [values[row * len(targets):(row + 1) * len(targets)] for row in range(len(sources))]
 
     def field(self, sources: Any, max_distance: Optional[float] = None, progress: Optional[Progress] = None) -> Field:
-        """The distances from a point, points or a set (`point_set`) to all of the surface. The same request gives the same field again."""
+        """Computes the distances from a point, points or a set (`point_set`) to the whole surface.
+        Equal requests return the same field."""
         body: Dict[str, Any] = {"set": point_set(sources)}
         if max_distance is not None:
             body["max_distance"] = max_distance
         return Field(self, self.query("fields", body, progress=progress))
 
-    def distance_to_set(self, sources: Any, at: Sequence[PointLike], path: bool = False) -> List[Dict[str, Any]]:
-        """At each point the distance to the nearest member of a set, and which it is."""
-        return self.query("distance-to-set", {"set": point_set(sources), "points": points.all_as_json(at), "path": path})["results"]
+    def distance_to_set(self, sources: Any, at: Points, path: bool = False) -> List[answers.Result]:
+        """Returns for each point the nearest element of a set and the distance to it; with `path`
+        also the path."""
+        body = {"set": point_set(sources), "points": points.all_as_json(at), "path": path}
+        return cast(List[answers.Result], self.query("distance-to-set", body)["results"])
 
     def picture(self, form: str = "png", **query: Any) -> bytes:
-        """A rendered picture, a file of form png or svg. Keywords as the contract has them, points in compact form: source="v:12", view="iso",
-        size="800x600", **{"from": "v:3"}, to="v:7", ..."""
+        """Returns a rendered picture as a PNG or SVG file. Keywords are parameters of the contract,
+        with points in compact form: source="v:12", view="iso", size="800x600", **{"from": "v:3"},
+        to="v:7", ..."""
         return self.client.call("GET", f"{self.location}/picture.{form}", query).body
 
+    def show(self, field: Optional[Field] = None, path: Optional[Path] = None) -> Any:
+        """Draws the mesh, optionally with the distances of a field as colours and with a path.
+        Returns a figure of pyvista or plotly, if one is installed; otherwise the daemon's
+        picture."""
+        return notebook.show(self, field, path)
+
+    def _repr_html_(self) -> str:
+        return notebook.html(self, f"{self.name}: {self.describe()['faces']} faces", {})
+
+    def arrays(self) -> Tuple[Any, Any]:
+        """Returns (vertices, faces): rows of coordinates and rows of vertex indices, as numpy
+        arrays, or without numpy array.array. `field.values()` has a distance for each vertex."""
+        return ply.read(self.content("ply"))
+
     def content(self, format: str = "obj") -> bytes:
-        """The mesh as a file: obj, ply, off, stl, glb or gltf."""
+        """Returns the mesh as a file: obj, ply, off, stl, glb or gltf."""
         return self.client.call("GET", self.location + "/content", {"format": format}).body
+
+    def derive(self, name: str, *operations: Mapping[str, Any], progress: Optional[Progress] = None) -> "Mesh":
+        """Creates a mesh with this name by applying operations in order: {"operation": "simplify",
+        "faces": 10000}. The contract also has fill, smooth, subdivide and components."""
+        answer = self.query("derive", {"mesh": name, "operations": list(operations)}, progress=progress)
+        return Mesh(self.client, answer["name"])
+
+    def split(self, name: str, *operations: Mapping[str, Any], progress: Optional[Progress] = None) -> List["Mesh"]:
+        """Applies the operations, if there are any, and stores each component of the result as a
+        mesh of its own: name-1, name-2 and so on, by decreasing area."""
+        steps = list(operations) or [{"operation": "components", "keep": SPLIT_MOST + 1}]
+        answer = self.query("derive", {"mesh": name, "split": True, "operations": steps}, progress=progress)
+        return [Mesh(self.client, part["name"]) for part in answer["meshes"]]
+
+    def origins(self) -> List[List[float]]:
+        """Returns for each vertex of a derived mesh its point on the original mesh: the face and
+        the barycentric coordinates."""
+        return cast(List[List[float]], self.client.call("GET", self.location + "/origins").json["origins"])
+
+    def preview(self, faces: int = 100000, format: str = "glb", progress: Optional[Progress] = None) -> bytes:
+        """Returns a simplified mesh for display as a glb or ply file. Blocks until the daemon has
+        built the file."""
+        tell = listener(progress)
+        while True:
+            answer = self.client.call("GET", self.location + "/preview", {"faces": faces, "format": format})
+            if answer.status != 202:
+                return answer.body
+            if tell:
+                tell(answer.json["progress"])
+            time.sleep(PREVIEW_WAIT)
+
+
+class Batch(Dict[str, Any]):
+    """The last known state of a batch: `id`, `state` (running, done, cancelled), `items`, `done`,
+    `failed`, `progress`."""
+
+    def __init__(self, client: "Client", answer: Mapping[str, Any]):
+        super().__init__(answer)
+        self._client = client
+
+    def refresh(self) -> "Batch":
+        """Reads the state of the batch again."""
+        self.update(self._client.batch(self["id"]))
+        return self
+
+    def wait(self, progress: Optional[Progress] = None) -> "Batch":
+        """Waits until the batch has ended (`Client.wait_batch`)."""
+        self.update(self._client.wait_batch(self["id"], progress))
+        return self
+
+    def results(self, wait: bool = False) -> Iterator[Dict[str, Any]]:
+        """Yields the items that have an answer (`Client.batch_results`)."""
+        return self._client.batch_results(self["id"], wait)
+
+    def delete(self) -> None:
+        """Cancels it; removes one that has ended."""
+        self._client.delete_batch(self["id"])
 
 
 class Client:
-    """A daemon.
+    """A client of one daemon. Thread-safe.
 
-    url: where it is (default: $GEODESICD_URL, or http://127.0.0.1:8080); also https:// and unix:PATH. key: of a daemon that wants one (default:
-    $GEODESICD_KEY). timeout: seconds without a byte. retries: how often a request is sent again that a busy daemon turned away. context: of TLS.
-    Thread-safe.
+    url: the daemon's address: http://HOST:PORT, https://HOST:PORT or unix:PATH (default:
+    $GEODESICD_URL, or http://127.0.0.1:8080). key: the access key, if the daemon requires one
+    (default: $GEODESICD_KEY). timeout: a request fails after so many seconds without a byte.
+    retries: how often the client repeats a request if the daemon is busy or the connection fails.
+    context: the TLS context.
     """
 
     def __init__(self, url: Optional[str] = None, key: Optional[str] = None, timeout: float = 120, retries: int = 5,
                  context: Optional[ssl.SSLContext] = None):
-        url = url or os.environ.get("GEODESICD_URL", DEFAULT_URL)
+        url = url or os.environ.get("GEODESICD_URL") or DEFAULT_URL
         self.transport = Transport(url, key or os.environ.get("GEODESICD_KEY"), timeout, retries, context)
 
     def __enter__(self) -> "Client":
@@ -236,33 +339,35 @@ class Client:
         """Closes the connections; the next call opens another one."""
         self.transport.close()
 
-    # --- calls -----------------------------------------------------------------------------------------------------------
+    # --- calls -----------------------------------------------------------------------------------
 
     def call(self, method: str, path: str, query: Optional[Mapping[str, Any]] = None, body: Any = None,
              headers: Optional[Mapping[str, str]] = None, progress: Optional[Progress] = None, repeatable: bool = True) -> Response:
-        """Any request; with `progress` as a job that is awaited. What is not repeatable, as it makes something new each time, is not sent again when
-        its connection fails: ConnectionFailed, and it may have been done."""
-        if progress is None:
+        """Sends any request. With `progress` the request runs as a job, and the method waits for
+        it. repeatable=False is for requests that create something each time: the client does not
+        repeat them if the connection fails. The daemon may have executed such a request although
+        the method raises ConnectionFailed."""
+        if progress is None or progress is False:
             return self.transport.request(method, path, query, body, headers, repeatable)
         return self.submit(method, path, query, body, headers).wait(progress).response()
 
     def submit(self, method: str, path: str, query: Optional[Mapping[str, Any]] = None, body: Any = None,
                headers: Optional[Mapping[str, str]] = None) -> Job:
-        """Any query or upload as a job, which is not awaited."""
+        """Starts any query or upload as a job. Does not wait for the job."""
         response = self.transport.request(method, path, query, body, {**(headers or {}), "Prefer": "respond-async"})
         if response.status != 202:
             raise GeodesicError(f"{method} {path} can't be a job")
         return Job(self.transport, response.json)
 
-    def service(self) -> Dict[str, Any]:
-        """The daemon's version, limits and capabilities."""
-        return self.call("GET", "/v1").json
+    def service(self) -> answers.Service:
+        """Returns the daemon's version, limits and capabilities."""
+        return cast(answers.Service, self.call("GET", "/v1").json)
 
     def job(self, id: str) -> Job:
         return Job(self.transport, self.call("GET", f"/v1/jobs/{id}").json)
 
     def pages(self, path: str, member: str, **query: Any) -> Iterator[Dict[str, Any]]:
-        """All entries of a list; keywords are parameters of each request, such as prefix="a-"."""
+        """Yields all entries of a list. Keywords are parameters of each request: prefix="a-"."""
         after = None
         while True:
             page = self.call("GET", path, {**query, "after": after}).json
@@ -271,30 +376,34 @@ class Client:
             if after is None:
                 return
 
-    # --- batches ---------------------------------------------------------------------------------------------------------
+    # --- batches ---------------------------------------------------------------------------------
 
-    def create_batch(self, request: Mapping[str, Any]) -> Dict[str, Any]:
-        """Begins work of many sources, which outlives this client and the daemon: {"query": "all-pairs", "mesh", "vertices"} or {"query": "fields",
-        "meshes", "set"}, as the contract has it. The batch: its `id`, `state` (running, done, cancelled), `items`, `done`, `failed`, `progress`. After
-        ConnectionFailed it may have begun all the same: GET /v1/batches lists those that have (`pages`)."""
-        return self.call("POST", "/v1/batches", None, dict(request), repeatable=False).json
+    def create_batch(self, request: Mapping[str, Any]) -> Batch:
+        """Starts a batch: a query for many sources that continues without this client and across
+        restarts of the daemon. `request` is as in the contract: {"query": "all-pairs", "mesh",
+        "vertices"} or {"query": "fields", "meshes", "set"}. After ConnectionFailed the batch may
+        exist: GET /v1/batches lists all batches (`pages`)."""
+        return Batch(self, self.call("POST", "/v1/batches", None, dict(request), repeatable=False).json)
 
-    def batch(self, id: str) -> Dict[str, Any]:
-        """How far it is."""
-        return self.call("GET", f"/v1/batches/{id}").json
+    def batch(self, id: str) -> Batch:
+        """Reads the state of a batch."""
+        return Batch(self, self.call("GET", f"/v1/batches/{id}").json)
 
-    def wait_batch(self, id: str, progress: Optional[Progress] = None) -> Dict[str, Any]:
-        """The batch, once it has ended. `progress` is called about once a second with the part that is done, in [0,1]."""
+    def wait_batch(self, id: str, progress: Optional[Progress] = None) -> Batch:
+        """Waits until a batch has ended. Calls `progress` about once a second with the fraction of
+        finished work, in [0,1]."""
+        tell = listener(progress)
         while True:
-            batch = self.call("GET", f"/v1/batches/{id}", {"wait": 1 if progress else BATCH_WAIT}).json
-            if progress:
-                progress(batch["progress"])
+            batch = self.call("GET", f"/v1/batches/{id}", {"wait": 1 if tell else BATCH_WAIT}).json
+            if tell:
+                tell(batch["progress"])
             if batch["state"] != "running":
-                return batch
+                return Batch(self, batch)
 
     def batch_results(self, id: str, wait: bool = False) -> Iterator[Dict[str, Any]]:
-        """The items that have an answer by now, in their order: `answer`, or the `problem` of one that failed. With `wait` each item as soon as it is
-        answered, until the batch has ended."""
+        """Yields the items that have an answer now, in the order of the request. An item has an
+        `answer`, or a `problem` if it failed. With `wait` yields each item as soon as it has an
+        answer, until the batch has ended."""
         if not wait:
             yield from self.pages(f"/v1/batches/{id}/results", "results")
             return
@@ -308,38 +417,46 @@ class Client:
         """Cancels it; removes one that has ended."""
         self.call("DELETE", f"/v1/batches/{id}")
 
-    # --- what it holds ---------------------------------------------------------------------------------------------------
+    # --- surfaces --------------------------------------------------------------------------------
 
-    def meshes(self, prefix: Optional[str] = None) -> Iterator[Dict[str, Any]]:
-        """The descriptions of all meshes, or of those whose names begin with `prefix`."""
-        return self.pages("/v1/meshes", "meshes", prefix=prefix)
+    def meshes(self, prefix: Optional[str] = None) -> Iterator[answers.Mesh]:
+        """Yields the descriptions of all meshes, or of meshes whose names begin with `prefix`."""
+        return cast(Iterator[answers.Mesh], self.pages("/v1/meshes", "meshes", prefix=prefix))
 
     def mesh(self, name: str) -> Mesh:
-        """The mesh of that name; nothing is asked yet."""
+        """Returns the mesh with this name. Sends no request."""
         return Mesh(self, name)
 
-    def upload(self, name: Optional[str], content: Union[str, os.PathLike, bytes, Tuple[Any, Any]], format: Optional[str] = None,
-               weld: Optional[float] = None, repair: Optional[str] = None, progress: Optional[Progress] = None) -> Mesh:
-        """Creates or replaces a mesh of a file (a path), of a file's bytes, or of (vertices, faces), as lists or arrays. Name None: one made of the
-        content. What is no surface is refused with InvalidMesh, unless weld=TOLERANCE or repair="split" mends it."""
-        query = {"format": format, "weld": weld, "repair": repair}
+    def upload(self, name: Optional[str], content: Union[str, "os.PathLike[str]", bytes, Tuple[Any, Any]], format: Optional[str] = None,
+               weld: Optional[float] = None, repair: Optional[str] = None, progress: Optional[Progress] = None,
+               description: Optional[str] = None, edits: Optional[Mapping[str, int]] = None) -> Mesh:
+        """Creates or replaces a mesh. `content` is the path of a file, the bytes of a file, or
+        (vertices, faces): rows of three coordinates and rows of vertex indices, as lists or arrays.
+        Arrays are sent in binary form. If `name` is None, the daemon derives the name from the
+        content. A non-manifold mesh raises InvalidMesh, unless weld=TOLERANCE or repair="split"
+        repairs it. `description` is a short text for people; without it a replaced mesh keeps its
+        description. The daemon applies `edits` before it stores the mesh: {"fill": 1000,
+        "simplify": 50000}."""
+        query = {"format": format, "weld": weld, "repair": repair, "description": description, **(edits or {})}
         headers: Dict[str, str] = {}
         body: Any = content
-        if isinstance(content, tuple):
-            vertices, faces = (part.tolist() if hasattr(part, "tolist") else [list(row) for row in part] for part in content)
+        if isinstance(content, tuple) and numpy is not None and any(hasattr(part, "dtype") for part in content):
+            body = ply.write(*content)
+        elif isinstance(content, tuple):
+            vertices, faces = ([list(row) for row in points.listed(part)] for part in content)
             body = {"vertices": vertices, "faces": faces}
         elif not isinstance(content, (bytes, bytearray, memoryview)):
             body = pathlib.Path(content).read_bytes()
         if not isinstance(body, dict):
-            headers["Content-Type"] = FLOATS  # the bytes tell what they are
+            headers["Content-Type"] = FLOATS  # the daemon detects the format from the bytes
         path = "/v1/meshes" if name is None else "/v1/meshes/" + urllib.parse.quote(name, safe="")
         answer = self.call("POST" if name is None else "PUT", path, query, body, headers, progress)
         return Mesh(self, answer.json["name"])
 
     def subdivision(self, name: str) -> Surface:
-        """The limit surface of that name, to be asked by `query`."""
+        """Returns the subdivision surface with this name. Sends no request."""
         return Surface(self, "subdivisions", name)
 
     def nurbs(self, name: str) -> Surface:
-        """The NURBS of that name, to be asked by `query`."""
+        """Returns the NURBS with this name. Sends no request."""
         return Surface(self, "nurbs", name)

@@ -1,22 +1,24 @@
-"""What a daemon answers when it can't do what it was asked for, as exceptions: one class a code of the contract."""
+"""Exceptions of the client. Each error code of the contract belongs to one class."""
 from __future__ import annotations
 
 from typing import Any, Dict, List, Optional, Type
 
 
 class GeodesicError(Exception):
-    """Any failure of a call. The text is the daemon's sentence, which tells what to change."""
+    """A failed call. The message says what is wrong and what to change."""
 
 
 class ConnectionFailed(GeodesicError):
-    """No answer came: the daemon is not there, hung up, or took longer than the client's timeout."""
+    """The daemon did not answer: it does not run at this address, closed the connection, or took
+    longer than the client's timeout."""
 
 
 class ProblemError(GeodesicError):
-    """An answer that is a problem (RFC 9457).
+    """An error that the daemon reports (RFC 9457).
 
-    Attributes: `status` (of HTTP), `code`, `detail`, and where it applies `pointer` (into the body that was sent), `parameter` (of the query
-    string), `limit` (the maximum that was passed), `elements` (the first offending ones), `retry_after` (seconds), `request_id`.
+    Attributes: `status` (HTTP status), `code`, `detail`. These may be absent: `pointer` (into the
+    request's body), `parameter` (of the query string), `reason`, `limit` (the maximum that the
+    request exceeds), `elements` (the first offending ones), `retry_after` (seconds), `request_id`.
     """
 
     def __init__(self, problem: Dict[str, Any], status: int, request_id: str = "", retry_after: Optional[float] = None):
@@ -47,7 +49,7 @@ class Forbidden(ProblemError):
 
 
 class NotFound(ProblemError):
-    """not_found: no such mesh, field, job or path."""
+    """not_found: the mesh, field, job or path does not exist."""
 
 
 class Conflict(ProblemError):
@@ -55,23 +57,23 @@ class Conflict(ProblemError):
 
 
 class TooLarge(ProblemError):
-    """too_large: beyond a limit, which is `limit`."""
+    """too_large: the request exceeds a limit of the daemon, `limit`."""
 
 
 class InvalidMesh(ProblemError):
-    """invalid_mesh: bytes that are no surface; `reason` and `elements` say why and where."""
+    """invalid_mesh: the upload is not a surface; `reason` and `elements` say why and where."""
 
 
 class PointNotOnSurface(ProblemError):
-    """point_not_on_surface: a ray without a hit, or max_snap was exceeded."""
+    """point_not_on_surface: a ray has no hit, or a point is farther away than max_snap."""
 
 
 class Overloaded(ProblemError):
-    """overloaded, draining, store_unavailable or rate_limited: still so after the client's retries."""
+    """overloaded, draining, store_unavailable or rate_limited, still after all retries."""
 
 
 class DeadlineExceeded(ProblemError):
-    """deadline_exceeded."""
+    """deadline_exceeded: the request took longer than its timeout."""
 
 
 class Insufficient(ProblemError):
@@ -79,7 +81,7 @@ class Insufficient(ProblemError):
 
 
 class JobCancelled(GeodesicError):
-    """The job that was awaited has been cancelled."""
+    """The awaited job was cancelled."""
 
 
 _CLASSES: Dict[str, Type[ProblemError]] = {
@@ -101,12 +103,12 @@ _CLASSES: Dict[str, Type[ProblemError]] = {
     "insufficient_storage": Insufficient,
 }
 
-# Of answers without a body (HEAD), or that come from something in between.
+# Codes for answers without a problem as body: answers to HEAD, and errors of proxies.
 _CODES = {400: "invalid_request", 401: "unauthorized", 403: "forbidden", 404: "not_found", 409: "conflict", 412: "precondition_failed",
           413: "too_large", 429: "rate_limited", 503: "overloaded", 504: "deadline_exceeded"}
 
 
 def problem_error(problem: Dict[str, Any], status: int, request_id: str = "", retry_after: Optional[float] = None) -> ProblemError:
-    """The exception of a problem's code; of one that this client does not know, a ProblemError."""
+    """Returns the exception for a problem's code; a ProblemError if the code is unknown."""
     problem = {"code": _CODES.get(status, ""), **problem}
     return _CLASSES.get(problem["code"], ProblemError)(problem, status, request_id, retry_after)

@@ -1,19 +1,40 @@
-"""Work that takes long: its progress, its result, its end."""
+"""Jobs: slow requests that the daemon runs in the background."""
 from __future__ import annotations
 
 import json
-from typing import Any, Callable, Dict, Optional
+import importlib
+from typing import Any, Callable, Dict, Optional, Union
 
 from .errors import JobCancelled
 from .transport import Response, Transport
 
-Progress = Callable[[float], None]
+Listener = Callable[[float], None]
+Progress = Union[Listener, bool]  # True: a tqdm bar, if tqdm is installed
+
+
+def listener(progress: Optional[Progress]) -> Optional[Listener]:
+    """Returns the function to call with the progress in [0,1]; None if there is none to call."""
+    if not isinstance(progress, bool):
+        return progress
+    try:
+        bar = importlib.import_module("tqdm.auto").tqdm(total=1.0, bar_format="{percentage:3.0f} %|{bar}| {elapsed}") if progress else None
+    except ImportError:
+        bar = None
+
+    def tell(part: float) -> None:
+        if bar is not None:
+            bar.update(part - bar.n)
+            if part >= 1:
+                bar.close()
+
+    return tell if progress else None
 
 
 class Job:
-    """A request that was accepted to be worked on (202). The daemon keeps its result for a while.
+    """A request that the daemon runs as a job (202). The daemon keeps the result for some time.
 
-    Attributes: `id`, `state` (queued, running, done, failed, cancelled), `progress` (in [0,1]), as last heard of.
+    Attributes: `id`, and as last read `state` (queued, running, done, failed, cancelled) and
+    `progress` (in [0,1]).
     """
 
     def __init__(self, transport: Transport, answer: Dict[str, Any]):
@@ -32,26 +53,32 @@ class Job:
     def is_over(self) -> bool:
         return self.state in ("done", "failed", "cancelled")
 
-    def refresh(self) -> "Job":
-        """Asks how far it is."""
-        self._hear(self._transport.request("GET", f"/v1/jobs/{self.id}").json)
+    def refresh(self, wait: int = 0) -> "Job":
+        """Reads state and progress. Returns when the job has ended, or after `wait` seconds (at
+        most 60)."""
+        self._hear(self._transport.request("GET", f"/v1/jobs/{self.id}?wait={wait}").json)
         return self
 
     def wait(self, progress: Optional[Progress] = None) -> "Job":
-        """Until it is over; `progress` is told how far it is, ten times a second at most."""
+        """Waits until the job has ended. Calls `progress` at once, and then at most ten times a
+        second."""
+        tell = listener(progress)
+        if tell:
+            tell(self.progress)
         while not self.is_over:
             for _, data in self._transport.events(f"/v1/jobs/{self.id}/events"):
                 self._hear(json.loads(data))
-                if progress:
-                    progress(self.progress)
+                if tell:
+                    tell(self.progress)
         return self
 
     def response(self) -> Response:
-        """The answer as it would have come at once, of a job that is over; the exception of its problem if it failed."""
+        """Returns the answer of a job that has ended, as if the request had not been a job. Raises
+        a ProblemError if the job failed."""
         if self.state == "cancelled":
             raise JobCancelled(f"job {self.id} has been cancelled")
         return self._transport.request("GET", f"/v1/jobs/{self.id}/result")
 
     def cancel(self) -> None:
-        """Stops it, within milliseconds. A job that is over is forgotten."""
+        """Stops the job within milliseconds. Deletes a job that has ended."""
         self._transport.request("DELETE", f"/v1/jobs/{self.id}")

@@ -1,6 +1,7 @@
-"""Points of a surface, as they are asked about and as they come back."""
+"""Points of a surface in requests and in answers."""
 from __future__ import annotations
 
+import array
 import dataclasses
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
@@ -9,8 +10,9 @@ Vec3 = Tuple[float, float, float]
 
 @dataclasses.dataclass(frozen=True)
 class Point:
-    """A point of a surface. `face`, `barycentric` and `xyz` are always known of one that comes back; `vertex`, or `edge` and `t`, when it lies on one.
-    It can be asked about in turn."""
+    """A point of a surface, for requests and in answers. A point of an answer always has `face`,
+    `barycentric` and `xyz`. It has `vertex` if it lies on a vertex, `edge` and `t` if it lies on an
+    edge."""
 
     face: Optional[int] = None
     barycentric: Optional[Vec3] = None
@@ -22,12 +24,12 @@ class Point:
 
     @classmethod
     def read(cls, answer: Mapping[str, Any]) -> "Point":
-        """Of an answer's point."""
+        """Reads a point of an answer."""
         known = {field.name: answer[field.name] for field in dataclasses.fields(cls) if answer.get(field.name) is not None}
         return cls(**{name: tuple(value) if isinstance(value, list) else value for name, value in known.items()})
 
     def as_json(self) -> Dict[str, Any]:
-        """The most exact of what is known."""
+        """Returns the most exact form of the point that a request can have."""
         if self.vertex is not None:
             return {"vertex": self.vertex}
         if self.edge is not None:
@@ -39,23 +41,28 @@ class Point:
         return {"xyz": list(self.xyz)}
 
 
-PointLike = Union[Point, int, str, Mapping[str, Any], Sequence[float]]
+# Arrays are Any, since numpy is optional.
+PointLike = Union[Point, int, str, Mapping[str, Any], Sequence[float], Any]
+Points = Union[Sequence[PointLike], Any]
 
 
 def ray(origin: Sequence[float], direction: Sequence[float]) -> Dict[str, Any]:
-    """The first point of the surface that the ray hits."""
+    """Returns, as a point of a request, the first surface point that the ray hits."""
     return {"ray": {"origin": [float(x) for x in origin], "direction": [float(x) for x in direction]}}
 
 
 def near(xyz: Sequence[float], max_snap: Optional[float] = None) -> Dict[str, Any]:
-    """The point of the surface nearest to a place in space, which may be `max_snap` away."""
+    """Returns, as a point of a request, the surface point nearest to a point in space. The daemon
+    reports an error if their distance exceeds `max_snap`."""
     point: Dict[str, Any] = {"xyz": [float(x) for x in xyz]}
     return point if max_snap is None else {**point, "max_snap": float(max_snap)}
 
 
 def as_json(point: PointLike) -> Dict[str, Any]:
-    """What the daemon takes for a point, of: a Point; the index of a vertex; three coordinates (the nearest point); the compact forms "v:12",
-    "e:3-9:0.25", "f:34:0.2,0.3,0.5", "p:1,2,3"; or a dictionary as the contract has it."""
+    """Converts a point to the form of the contract. It may be a Point; the index of a vertex; three
+    coordinates (the nearest point), also as a row of an array; a compact form ("v:12",
+    "e:3-9:0.25", "f:34:0.2,0.3,0.5", "p:1,2,3"); or a dictionary as in the contract."""
+    point = listed(point)
     if isinstance(point, Point):
         return point.as_json()
     if isinstance(point, Mapping):
@@ -64,14 +71,23 @@ def as_json(point: PointLike) -> Dict[str, Any]:
         return _read_compact(point)
     if hasattr(point, "__index__"):
         return {"vertex": point.__index__()}
-    coordinates = [float(x) for x in point]  # type: ignore[union-attr]
-    if len(coordinates) != 3:
-        raise ValueError(f"a place in space has three coordinates, not {len(coordinates)}")
-    return {"xyz": coordinates}
+    if isinstance(point, float) or len(point) != 3:
+        raise ValueError(f"{point!r} is not a point; give the index of a vertex, or three coordinates")
+    return {"xyz": [float(x) for x in point]}
 
 
-def all_as_json(points: Sequence[PointLike]) -> List[Dict[str, Any]]:
-    return [as_json(point) for point in points]
+def listed(values: Any) -> Any:
+    """Converts a numpy array to a list, and a flat array.array of floats with more than three
+    elements to a list of rows of three. Returns other values unchanged."""
+    if isinstance(values, array.array) and values.typecode in "fd" and len(values) > 3:
+        return [values[i:i + 3].tolist() for i in range(0, len(values), 3)]
+    return values.tolist() if hasattr(values, "tolist") else values
+
+
+def all_as_json(points: Points) -> List[Dict[str, Any]]:
+    """Converts a sequence of points, an array of vertex indices, or rows of coordinates to the form
+    of the contract."""
+    return [as_json(point) for point in listed(points)]
 
 
 def _read_compact(text: str) -> Dict[str, Any]:
@@ -90,4 +106,4 @@ def _read_compact(text: str) -> Dict[str, Any]:
             return {"xyz": [float(x) for x in rest.split(",")]}
     except ValueError:
         pass
-    raise ValueError(f"{text!r} is no point; write v:12, e:3-9:0.25, f:34:0.2,0.3,0.5 or p:1,2,3")
+    raise ValueError(f"{text!r} is not a point; write v:12, e:3-9:0.25, f:34:0.2,0.3,0.5 or p:1,2,3")

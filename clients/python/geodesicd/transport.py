@@ -1,10 +1,11 @@
-"""HTTP exchanges: connections that are kept and used again, gzip, retries with back-off."""
+"""HTTP exchanges: a pool of open connections, gzip, retries with back-off."""
 from __future__ import annotations
 
 import gzip
 import http.client
 import json
 import random
+import re
 import socket
 import ssl
 import threading
@@ -14,13 +15,14 @@ from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Optional, Tup
 
 from .errors import ConnectionFailed, problem_error
 
-BACKOFF_SECONDS = 0.1  # before the first retry; twice as long before each next one
+BACKOFF_SECONDS = 0.1  # before the first retry; doubles with each further retry
 BACKOFF_MOST = 10.0
+LOOPBACK = re.compile(r"localhost|::1|127\.[\d.]+")
 
 
 class Response(NamedTuple):
     status: int
-    headers: Mapping[str, str]
+    headers: Union[Mapping[str, str], http.client.HTTPMessage]  # names ignore case
     body: bytes
 
     @property
@@ -40,10 +42,12 @@ class _UnixConnection(http.client.HTTPConnection):
 
 
 class Transport:
-    """Where the daemon is, and how patient to be. Thread-safe: as many connections are kept as were ever needed at once.
+    """Sends requests to one daemon. Thread-safe: the pool grows to the number of simultaneous
+    requests.
 
-    url: http://HOST:PORT, https://HOST:PORT or unix:PATH. key: sent as a bearer key. timeout: seconds without a byte. retries: of a request
-    that a busy daemon turned away (429, 503; as long as its Retry-After says, or with back-off), or whose connection failed.
+    url: http://HOST:PORT, https://HOST:PORT or unix:PATH. key: sent as a bearer token. timeout: a
+    request fails after so many seconds without a byte. retries: how often a request is repeated if
+    the daemon is busy (429, 503; after Retry-After, or with back-off) or the connection fails.
     """
 
     def __init__(self, url: str, key: Optional[str], timeout: float, retries: int, context: Optional[ssl.SSLContext]):
@@ -51,9 +55,11 @@ class Transport:
         self.timeout, self.retries = timeout, retries
         self._parts = urllib.parse.urlsplit(self.url)
         if self._parts.scheme not in ("http", "https", "unix"):
-            raise ValueError(f"{url!r} is no address of a daemon; write http://HOST:PORT, https://HOST:PORT or unix:PATH")
+            raise ValueError(f"{url!r} is not an address of a daemon; write http://HOST:PORT, https://HOST:PORT or unix:PATH")
         self._context = context
-        self._headers = {"Accept-Encoding": "gzip", "User-Agent": "geodesicd-python"}
+        is_near = self._parts.scheme == "unix" or LOOPBACK.fullmatch(self._parts.hostname or "") is not None
+        # compression takes longer than the transfer within a machine
+        self._headers = {"Accept-Encoding": "identity" if is_near else "gzip", "User-Agent": "geodesicd-python"}
         if key:
             self._headers["Authorization"] = f"Bearer {key}"
         self._lock = threading.Lock()
@@ -68,8 +74,10 @@ class Transport:
 
     def request(self, method: str, path: str, query: Optional[Mapping[str, Any]] = None, body: Union[bytes, Any, None] = None,
                 headers: Optional[Mapping[str, str]] = None, repeatable: bool = True) -> Response:
-        """The answer, or the exception of its problem. A body that is no bytes is sent as JSON; values of None in the query are left out. What is not
-        repeatable makes something new each time: it is not sent again when its connection fails, as it may have arrived."""
+        """Returns the answer, or raises the exception for the problem that it reports. Sends bytes
+        unchanged and other bodies as JSON. Omits parameters of the query that are None.
+        repeatable=False is for requests that create something each time: they are not repeated if
+        the connection fails after it was opened, since the daemon may have received them."""
         fields = {name: _parameter(value) for name, value in (query or {}).items() if value is not None}
         target = self._parts.path * (self._parts.scheme != "unix") + path + ("?" + urllib.parse.urlencode(fields) if fields else "")
         sent = {**self._headers, **(headers or {})}
@@ -94,7 +102,8 @@ class Transport:
         raise AssertionError("unreachable")
 
     def events(self, path: str) -> Iterator[Tuple[str, str]]:
-        """Server-sent events, (event, data) each, on a connection of their own, until the daemon ends them."""
+        """Yields server-sent events as (event, data) until the daemon closes the stream. Uses a
+        connection of its own."""
         connection = self._connect()
         try:
             connection.request("GET", path, headers={**self._headers, "Accept-Encoding": "identity", "Accept": "text/event-stream"})
@@ -129,7 +138,7 @@ class Transport:
         return self._open()
 
     def _open(self) -> http.client.HTTPConnection:
-        """One that is new, which the daemon has had no time to close."""
+        """Opens a new connection. Unlike a pooled one, the daemon cannot have closed it as idle."""
         connection = self._connect()
         connection.connect()
         if self._parts.scheme != "unix":
@@ -145,7 +154,7 @@ class Transport:
         except BaseException:
             connection.close()
             raise
-        if connection.sock is not None:  # else the daemon wanted it closed
+        if connection.sock is not None:  # None: the daemon closes the connection after this answer
             with self._lock:
                 self._idle.append(connection)
         if answer.headers.get("Content-Encoding") == "gzip":

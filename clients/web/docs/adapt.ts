@@ -1,7 +1,10 @@
-// The contract as Swagger UI can show it and try it out.
+// Adapts the contract to Swagger UI.
 import { type Contract, type Operation, resolve } from "./contract.ts";
 
-/** Swagger UI asks for a file where a schema has a media type; what has an example is text to begin from. */
+/**
+ * Removes the media type from the schema of a body that has an example. Such a body is text, but
+ * Swagger UI would show a file input.
+ */
 function showAsText(contract: Contract, operation: Operation): void {
   if (!operation.requestBody) return;
   for (const media of Object.values(resolve(contract, operation.requestBody).content)) {
@@ -9,11 +12,15 @@ function showAsText(contract: Contract, operation: Operation): void {
   }
 }
 
-/** Changes it so that each operation stands there once, with its example, and is answered at once: every example is sent, `Prefer` too. */
+/**
+ * Adapts the contract. Keeps only the first tag of each operation, so that the page lists it once.
+ * Removes the example of the `Prefer` header, because Swagger UI sends every example and this one
+ * would turn each request into a job.
+ */
 export function adapt(contract: Contract): void {
   delete contract.components.parameters["Prefer"]!.example;
   for (const item of Object.values(contract.paths)) {
-    for (const operation of [item.put, item.post]) {
+    for (const operation of [item.get, item.put, item.post]) {
       if (!operation) continue;
       operation.tags.splice(1);
       showAsText(contract, operation);
@@ -21,7 +28,10 @@ export function adapt(contract: Contract): void {
   }
 }
 
-/** Swagger UI quotes a text whose media type ends in `json`, such as lines of JSON; no operation takes a quoted text. */
+/**
+ * Removes the quotes that Swagger UI adds to text whose media type ends in `json`. No operation
+ * accepts a quoted text.
+ */
 export function unquote(request: { body?: unknown }): unknown {
   if (typeof request.body === "string" && request.body.startsWith('"')) request.body = JSON.parse(request.body);
   return request;

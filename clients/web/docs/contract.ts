@@ -1,4 +1,4 @@
-// What this page reads of the contract.
+// Types of the parts of the contract that this page reads, and functions on them.
 
 export interface Parameter {
   name: string;
@@ -18,6 +18,7 @@ export interface Operation {
 
 export interface PathItem {
   parameters?: (Parameter | Reference)[];
+  get?: Operation;
   put?: Operation;
   post?: Operation;
 }
@@ -32,14 +33,14 @@ interface Reference {
   $ref: string;
 }
 
-/** The component that a reference names, or the value itself. */
+/** Returns the component that a reference names, or the value itself. */
 export function resolve<Value extends object>(contract: Contract, value: Value | Reference): Value {
   if (!("$ref" in value)) return value;
   const parts = value.$ref.split("/").slice(1);
   return parts.reduce((node, part) => (node as Record<string, unknown>)[part], contract as unknown) as Value;
 }
 
-/** The path with the examples of its parameters in their places. */
+/** Returns the path with its parameters replaced by their examples. */
 export function examplePath(contract: Contract, path: string): string {
   return (contract.paths[path]?.parameters ?? [])
     .map((parameter) => resolve(contract, parameter))
@@ -47,7 +48,7 @@ export function examplePath(contract: Contract, path: string): string {
     .reduce((text, parameter) => text.replace(`{${parameter.name}}`, encodeURIComponent(String(parameter.example))), path);
 }
 
-/** The JSON body that stands first among the operation's examples. */
+/** Returns the first JSON example of the operation's body. */
 export function exampleBody(contract: Contract, operation: Operation): string {
   const media = operation.requestBody && resolve(contract, operation.requestBody).content["application/json"];
   return JSON.stringify(media?.example ?? Object.values(media?.examples ?? {})[0]?.value);

@@ -1,14 +1,14 @@
-// The API's page: /openapi.json shown by Swagger UI, whose requests go to the daemon that serves it.
+// The API page: Swagger UI shows /openapi.json and sends requests to the daemon of the page.
 import SwaggerUI from "swagger-ui-dist/swagger-ui-es-bundle.js";
 import { adapt, unquote } from "./adapt.ts";
 import type { Contract } from "./contract.ts";
-import { makeExamples } from "./examples.ts";
+import { Examples } from "./examples.ts";
 import { keepMended } from "./mend.ts";
 import "./style.css";
 
 function element<Kind extends HTMLElement>(id: string): Kind {
   const found = document.getElementById(id);
-  if (!found) throw new Error(`the page has no #${id}`);
+  if (!found) throw new Error(`The page has no element #${id}.`);
   return found as Kind;
 }
 
@@ -16,7 +16,7 @@ function say(text: string): void {
   element("prepared").textContent = text;
 }
 
-/** Swagger UI is dark by a class of the document. */
+/** Sets the class that makes Swagger UI dark while the system's theme is dark. */
 function followSystem(): void {
   const system = matchMedia("(prefers-color-scheme: dark)");
   const follow = (): unknown => document.documentElement.classList.toggle("dark-mode", system.matches);
@@ -24,10 +24,28 @@ function followSystem(): void {
   follow();
 }
 
+/** Shows the conventions of the API, which are long, only when the user presses the button. */
+function foldConventions(): void {
+  const button = element<HTMLButtonElement>("conventions");
+  button.addEventListener("click", () => {
+    const isShown = element("operations").classList.toggle("with-conventions");
+    button.setAttribute("aria-expanded", String(isShown));
+  });
+}
+
+interface Request {
+  url: string;
+  method?: string;
+  loadSpec?: boolean;
+  body?: unknown;
+}
+
 async function show(): Promise<void> {
   const contract = (await (await fetch("/openapi.json")).json()) as Contract;
   adapt(contract);
   element("version").textContent = contract.info.version;
+  const examples = new Examples(contract);
+  const key = (): string | undefined => page.authSelectors.authorized().getIn(["key", "value"]);
   const page = SwaggerUI({
     spec: contract,
     domNode: element("operations"),
@@ -35,19 +53,23 @@ async function show(): Promise<void> {
     defaultModelsExpandDepth: -1,
     displayRequestDuration: true,
     docExpansion: "list",
-    requestInterceptor: unquote,
+    requestInterceptor: async (request: Request) => {
+      if (!request.loadSpec) await examples.prepare(request, key()).catch((error: Error) => say(error.message));
+      return unquote(request);
+    },
     tryItOutEnabled: true,
     syntaxHighlight: { theme: "monokai" },
     validatorUrl: null,
   });
   keepMended(element("operations"));
+  foldConventions();
   const button = element<HTMLButtonElement>("prepare");
   button.addEventListener("click", async () => {
     button.disabled = true;
     try {
-      const made = await makeExamples(contract, page.authSelectors.authorized().getIn(["key", "value"]));
+      const made = await examples.create(key());
       page.specActions.updateSpec(JSON.stringify(contract));
-      say(`Made: ${made.join(", ")}.`);
+      say(`Created: ${made.join(", ")}.`);
     } catch (error) {
       say((error as Error).message);
     }
@@ -56,4 +78,4 @@ async function show(): Promise<void> {
 }
 
 followSystem();
-show().catch((error: Error) => say(`The page could not be made: ${error.message}`));
+show().catch((error: Error) => say(`The contract could not be shown: ${error.message}`));

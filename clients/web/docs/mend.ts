@@ -1,4 +1,5 @@
-// What Swagger UI leaves out for those who do not see the page or have no mouse: names of fields, keys for what scrolls, links within buttons.
+// Repairs the accessibility of Swagger UI: names fields, makes scrolling texts reachable by
+// keyboard, and removes links inside buttons.
 
 const NAMES: [selector: string, name: string][] = [
   ["#servers", "Server"],
@@ -15,7 +16,7 @@ function nameFields(root: ParentNode): void {
   }
 }
 
-/** A parameter's field is called as the parameter is. */
+/** Returns the name of the parameter that a field belongs to, if it belongs to one. */
 function nameOf(field: Element): string | undefined {
   return field.closest("tr[data-param-name]")?.getAttribute("data-param-name") ?? undefined;
 }
@@ -23,10 +24,11 @@ function nameOf(field: Element): string | undefined {
 function mend(root: ParentNode): void {
   nameFields(root);
   for (const text of root.querySelectorAll("pre:not([tabindex])")) text.setAttribute("tabindex", "0");
-  for (const link of root.querySelectorAll("button a[href]")) link.removeAttribute("href"); /* the button does what the link would */
+  // The button around the link has the same effect.
+  for (const link of root.querySelectorAll("button a[href]")) link.removeAttribute("href");
 }
 
-/** Mends what is in the element, and what comes into it. */
+/** Repairs the content of the element, now and after each change. */
 export function keepMended(element: HTMLElement): void {
   mend(element);
   new MutationObserver(() => mend(element)).observe(element, { childList: true, subtree: true, attributes: true, attributeFilter: ["href"] });

@@ -1,4 +1,4 @@
-// What this page uses of Swagger UI, which has no types of its own.
+// Types of the parts of Swagger UI that this page uses. The package has no types.
 declare module "swagger-ui-dist/swagger-ui-es-bundle.js" {
   interface SwaggerUI {
     authSelectors: { authorized(): { getIn(path: string[]): string | undefined } };

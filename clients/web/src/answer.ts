@@ -1,5 +1,4 @@
-// The part of the panel that tells what came back: facts, an error's sentence, progress, and the requests that were
-// made.
+// The answer in the panel: facts, errors, progress, and the requests that were sent.
 
 import type { Request } from "./api.ts";
 import { curlOf } from "./curl.ts";
@@ -8,7 +7,7 @@ import { button, byId, make } from "./dom.ts";
 export interface Fact {
   label: string;
   value: string;
-  /** The one that was asked for. */
+  /** Whether this is the main number of the answer. */
   main?: boolean;
   title?: string;
 }
@@ -16,15 +15,18 @@ export interface Fact {
 export class Answer {
   private readonly body = byId("answer");
   private readonly error = byId("error");
+  private readonly remedy = byId("remedy");
   private readonly progress = byId("progress");
   private readonly request = byId("request");
-  /** On phones the number that was asked for stands in the picture, too. */
+  /** Shows the main number over the picture. */
   private readonly readout = byId("readout");
   private requests: Request[] = [];
-  private readonly copyButton = button("Copy as curl", () => void this.copy(), { "aria-keyshortcuts": "c" });
+  private readonly copyButton = button("Copy as curl", () => void this.copy(), {
+    "aria-keyshortcuts": "c",
+  });
   private readonly code = make("code");
 
-  /** `hasKey`: requests need the access key. */
+  /** `hasKey` returns whether requests send an access key. */
   constructor(private readonly hasKey: () => boolean) {
     const details = make(
       "details",
@@ -32,43 +34,55 @@ export class Answer {
       make("summary", {}, "The request"),
       make("pre", { tabindex: 0, "aria-label": "The request as curl" }, this.code),
     );
-    this.request.append(this.copyButton, details);
-    this.request.hidden = true;
+    byId("actions").prepend(this.copyButton);
+    this.request.append(details);
+    this.showRequests([]);
   }
 
   show(facts: Fact[], ...more: Node[]): void {
-    this.error.textContent = "";
+    this.warn("");
     const rows = facts.flatMap(({ label, value, main, title = "" }) => [
       make("dt", main ? { class: "main" } : {}, label),
       make("dd", { ...(main && { class: "main" }), title }, value),
     ]);
     this.body.replaceChildren(make("dl", {}, ...rows), ...more);
-    this.readout.textContent = facts.find(({ main }) => main)?.value ?? "";
+    const main = facts.find((fact) => fact.main);
+    this.readout.textContent = main ? `${main.label}: ${main.value}` : "";
   }
 
-  /** Shows an error, and what mends it: a button for instance. */
-  fail(error: unknown, ...remedy: Node[]): void {
+  /**
+   * Shows an error and the buttons `remedy` beside the answer, which stays valid. An empty text
+   * removes the error.
+   */
+  warn(error: unknown, ...remedy: Node[]): void {
     this.error.textContent = error instanceof Error ? error.message : String(error);
-    this.body.replaceChildren(...remedy);
-    this.readout.textContent = "";
+    this.remedy.replaceChildren(...remedy);
+  }
+
+  /** Shows an error instead of the answer. */
+  fail(error: unknown, ...remedy: Node[]): void {
+    this.clear();
+    this.warn(error, ...remedy);
   }
 
   clear(): void {
-    this.error.textContent = "";
+    this.warn("");
     this.body.replaceChildren();
     this.readout.textContent = "";
     this.showRequests([]);
   }
 
-  /** What made the answer that is shown. */
+  /** Shows the requests of the answer. */
   showRequests(requests: Request[]): void {
     this.requests = requests;
-    this.request.hidden = requests.length === 0;
+    this.request.hidden = this.copyButton.hidden = requests.length === 0;
     this.code.textContent = this.curl();
   }
 
   curl(): string {
-    return this.requests.map((request) => curlOf(request, location.origin, this.hasKey())).join("\n");
+    return this.requests
+      .map((request) => curlOf(request, location.origin, this.hasKey()))
+      .join("\n");
   }
 
   async copy(): Promise<void> {
@@ -78,20 +92,24 @@ export class Answer {
       this.copyButton.textContent = "Copied";
     } catch {
       this.request.querySelector("details")!.open =
-        true; /* where a page may not write to the clipboard it can be read */
+        true; /* the user can copy it by hand if the page may not write to the clipboard */
       this.copyButton.textContent = "Copy it from below";
     }
     setTimeout(() => (this.copyButton.textContent = "Copy as curl"), 2000);
   }
 
-  /** A bar with a way to cancel, until `hideProgress`; `part` is null while nobody knows how far it is. */
+  /**
+   * Shows a progress bar and a Cancel button until `hideProgress`. `part` is null while progress is
+   * unknown.
+   */
   showProgress(label: string, part: number | null, cancel: () => void): void {
     if (this.progress.hidden) {
       const bar = make("progress", { max: 1, "aria-label": "Progress" });
       this.progress.replaceChildren(make("span"), bar, button("Cancel", cancel));
       this.progress.hidden = false;
     }
-    this.progress.querySelector("span")!.textContent = part === null ? label : `${label}, ${Math.floor(part * 100)} %`;
+    this.progress.querySelector("span")!.textContent =
+      part === null ? label : `${label}, ${Math.floor(part * 100)} %`;
     if (part === null) this.progress.querySelector("progress")!.removeAttribute("value");
     else this.progress.querySelector("progress")!.value = part;
   }

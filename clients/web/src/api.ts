@@ -1,4 +1,4 @@
-// Requests to the daemon, and its problems as exceptions. Everything that the page knows comes through here.
+// Sends requests to the daemon and turns its error answers into exceptions.
 
 import type { Problem } from "../../js/types.d.ts";
 
@@ -8,12 +8,13 @@ export interface Request {
   query?: Record<string, string>;
   /** Sent as JSON. */
   json?: unknown;
-  /** Sent as it is; `name` stands for it where the request is shown. */
+  /** Sent unchanged. The page shows `name` instead of the content. */
   file?: { name: string; body: Blob };
   accept?: string;
+  headers?: Record<string, string>;
 }
 
-/** What the API refused, in its own words. */
+/** An error answer of the API. The message is for people; `problem` is as the API sent it. */
 export class ApiError extends Error {
   constructor(
     readonly status: number,
@@ -23,14 +24,29 @@ export class ApiError extends Error {
   }
 }
 
+/** The daemon does not answer: it has stopped, or the network is down. */
+export class NoAnswer extends Error {}
+
+/** Messages for statuses whose cause is not in the request, with the next step. */
+const SENTENCES: Record<number, string> = {
+  401: "The daemon needs an access key. Enter a valid one under Access key.",
+  403: "This access key may not do that. Ask the operator for a key with the role write.",
+  404: "The daemon does not have this surface. Choose another one, or upload it again.",
+  429: "The daemon limits how often this key may ask. Wait a few seconds, then try again.",
+  503: "The daemon is busy. Wait a few seconds, then try again.",
+};
+
 function sentence(problem: Partial<Problem>, status: number): string {
-  if (!problem.detail) return `The daemon answered ${status}.`;
+  if (SENTENCES[status]) return SENTENCES[status];
+  if (!problem.detail) return `The daemon answered with status ${status}.`;
   return problem.reason ? `${problem.detail} (${problem.reason})` : problem.detail;
 }
 
-export async function errorOf(response: Response): Promise<ApiError> {
+/** Returns a successful response; throws ApiError otherwise. */
+export async function ask(response: Response): Promise<Response> {
+  if (response.ok) return response;
   const problem = (await response.json().catch(() => ({}))) as Partial<Problem>;
-  return new ApiError(response.status, problem);
+  throw new ApiError(response.status, problem);
 }
 
 export function pathOf(request: Request): string {
@@ -39,7 +55,7 @@ export function pathOf(request: Request): string {
 }
 
 export class Api {
-  /** The access key, kept for this tab only. */
+  /** The access key; forgotten when the tab closes. */
   get key(): string {
     return sessionStorage.getItem("key") ?? "";
   }
@@ -50,30 +66,42 @@ export class Api {
   }
 
   private headers(request: Request, more: Record<string, string>): Headers {
-    const headers = new Headers(more);
+    const headers = new Headers({ ...request.headers, ...more });
     if (request.json !== undefined) headers.set("Content-Type", "application/json");
     if (request.accept) headers.set("Accept", request.accept);
     if (this.key) headers.set("Authorization", `Bearer ${this.key}`);
     return headers;
   }
 
-  /** The response, right or wrong; a connection that breaks is an error with a sentence. */
-  async fetch(request: Request, signal?: AbortSignal, headers: Record<string, string> = {}): Promise<Response> {
+  /** Returns the response, whatever its status. Throws NoAnswer if the connection breaks. */
+  async fetch(
+    request: Request,
+    signal?: AbortSignal,
+    headers: Record<string, string> = {},
+  ): Promise<Response> {
     const body = request.json !== undefined ? JSON.stringify(request.json) : request.file?.body;
-    const options = { method: request.method, headers: this.headers(request, headers), body, signal };
+    const options = {
+      method: request.method,
+      headers: this.headers(request, headers),
+      body,
+      signal,
+    };
     try {
       return await fetch(pathOf(request), options);
     } catch (error) {
       if (signal?.aborted) throw error;
-      throw new Error("The daemon does not answer. Is it still running?", { cause: error });
+      throw new NoAnswer(
+        `The daemon at ${location.host} does not answer. Start it again, then try again.`,
+        {
+          cause: error,
+        },
+      );
     }
   }
 
-  /** The response; problems are thrown. */
+  /** Returns a successful response; throws ApiError or NoAnswer otherwise. */
   async send(request: Request, signal?: AbortSignal): Promise<Response> {
-    const response = await this.fetch(request, signal);
-    if (!response.ok) throw await errorOf(response);
-    return response;
+    return ask(await this.fetch(request, signal));
   }
 
   async json<T>(request: Request, signal?: AbortSignal): Promise<T> {

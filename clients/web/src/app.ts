@@ -1,11 +1,12 @@
-// The viewer as a whole: it brings surface, mode, points, URL and panel together.
+// Connects the parts of the viewer: surface, mode, points, address and panel.
 
 import type { Service } from "../../js/types.d.ts";
 import { Answer } from "./answer.ts";
-import { Api, ApiError } from "./api.ts";
+import { Api, ApiError, NoAnswer } from "./api.ts";
 import { Bench, isAbort } from "./bench.ts";
 import { rememberCage } from "./cages.ts";
 import { Chooser } from "./chooser.ts";
+import { Display } from "./display.ts";
 import { button, byId } from "./dom.ts";
 import { Handles } from "./handles.ts";
 import { Latest } from "./latest.ts";
@@ -13,26 +14,27 @@ import { Legend } from "./legend.ts";
 import { loadSurface, namesOf } from "./load.ts";
 import { allModes } from "./modes/index.ts";
 import type { Mode } from "./modes/mode.ts";
-import type { Place } from "./place.ts";
+import { type Place, snapped } from "./place.ts";
 import { Points } from "./points.ts";
 import { Rate } from "./rate.ts";
 import { SAMPLES, type Sample } from "./samples.ts";
 import { type Pixel, Scene } from "./scene.ts";
+import { spot } from "./spots.ts";
 import { State } from "./state.ts";
 import type { Kind, Surface } from "./surface.ts";
 import { Units } from "./units.ts";
-import { type Description, upload } from "./upload.ts";
+import { type Made, Uploads, type UserFile } from "./uploads.ts";
 
-const STARTING_FACES = 300000; /* a larger mesh is not opened unasked */
-const PATIENCE = 700; /* milliseconds until the user is told that an answer takes long */
+const STARTING_FACES = 300000; /* a larger mesh opens only on request */
+const PATIENCE = 700; /* milliseconds until the page shows that it waits for an answer */
 const KINDS: Kind[] = ["meshes", "subdivisions", "nurbs"];
+const RETRIED = [401, 404, 429, 503]; /* statuses after which the same request may succeed */
 
 /**
- * Where the first points of a surface lie: on a ring about the middle of the picture, and nearer to it where the
- * surface is not seen there.
+ * Returns whether a ray missed the surface. Near the outline, a ray may hit the preview but not the
+ * original. During a drag, the previous answer then stays.
  */
-const RING = 6;
-const RADII = [0.3, 0.22, 0.14, 0.07, 0];
+const isMiss = (error: unknown): boolean => error instanceof ApiError && error.status === 422;
 
 export class App {
   readonly api = new Api();
@@ -40,49 +42,65 @@ export class App {
   readonly points = new Points();
   readonly units = new Units();
   readonly answer = new Answer(() => this.api.key !== "");
-  readonly bench = new Bench(this.api, this.scene, this.points, this.answer, new Legend(), this.units, {
-    ramp: "dusk",
-  });
+  readonly bench = new Bench(
+    this.api,
+    this.scene,
+    this.points,
+    this.answer,
+    new Legend(),
+    this.units,
+  );
   readonly modes: Mode[] = allModes(this.bench);
   readonly rate = new Rate();
   mode: Mode = this.modes[0]!;
-  /** Called when something has changed that parts of the panel show. */
+  /** Called when content that the panel shows may have changed. */
   readonly watchers: (() => void)[] = [];
-  /** Called when another surface is shown. */
-  onSurface: () => void = () => {};
+  readonly display: Display;
   private readonly handles = new Handles(byId("handles"), this.scene, this.points);
-  private readonly state = new State();
+  private readonly state = new State(
+    () => this.read(),
+    () => void this.restore(),
+  );
   private readonly asker = new Latest<boolean>((live) => this.ask(live));
   private readonly chooser: Chooser;
-  private opening: AbortController | undefined;
-  /** The surface of each kind that was open last. */
+  private readonly uploads: Uploads;
+  /** The name of the surface of each kind that was open last. */
   private readonly latest = new Map<Kind, string>();
   /** The surface that the points lie on. */
   private placesOf: Surface | undefined;
-  /** How many surfaces are on their way. */
+  /** Number of surfaces and files that are being read. */
   private loads = 0;
 
   constructor() {
     this.chooser = new Chooser({
       open: (kind, name) => void this.open(kind, name),
       sample: (sample) => void this.openSample(sample),
-      upload: (file, kind, query) => void this.upload(kind, { name: file.name, body: file }, query),
+      upload: (files) => void this.upload(files),
       remove: () => void this.remove(),
     });
+    this.uploads = new Uploads(
+      this.api,
+      this.answer,
+      (kind) => this.chooser.known[kind],
+      (made) => this.openMade(made),
+    );
+    this.display = new Display(this);
     this.bench.onMeshes = () => void this.list();
     this.points.onChange = (live) => this.changed(live);
     this.points.onLook = () => this.showHandles();
     this.scene.onFrame = () => this.handles.place();
-    this.scene.onCamera = () => this.writeState();
+    this.scene.isWaiting = () => this.asker.busy || this.loads > 0 || this.uploads.busy;
+    this.scene.onCamera = () => this.state.write(false);
     for (const mode of this.modes) mode.settings.onChange = (live) => this.changed(live);
-    addEventListener("hashchange", () => void this.restore());
   }
 
-  /** What the URL says, or what there is. */
+  /** Shows the content that the address names, or a surface of the daemon. */
   async start(): Promise<void> {
-    await this.list();
-    await this.readFormats();
+    const listed = Promise.all([this.list(), this.readFormats()]);
+    const isNamed = KINDS.some((kind) => this.state.parameters.has(kind));
+    if (!isNamed) await listed;
     await this.restore();
+    await listed;
   }
 
   private async readFormats(): Promise<void> {
@@ -92,73 +110,99 @@ export class App {
 
   private async list(): Promise<void> {
     try {
-      const [meshes, subdivisions, nurbs] = await Promise.all(KINDS.map((kind) => namesOf(this.api, kind)));
+      const [meshes, subdivisions, nurbs] = await Promise.all(
+        KINDS.map((kind) => namesOf(this.api, kind)),
+      );
       this.bench.taken = new Set(meshes);
-      this.chooser.show({ meshes: meshes!, subdivisions: subdivisions!, nurbs: nurbs! }, this.bench.surface);
+      this.chooser.show(
+        { meshes: meshes!, subdivisions: subdivisions!, nurbs: nurbs! },
+        this.bench.surface,
+      );
     } catch (error) {
-      this.fail(error);
+      this.fail(error, () => this.reload());
     }
   }
 
-  /** Reads the lists of surfaces again, after a key was given for instance. */
+  /** Loads everything again, for example with a new access key. */
   async reload(): Promise<void> {
     this.answer.clear();
     await this.start();
   }
 
-  private fail(error: unknown, ...remedy: Node[]): void {
+  /** Shows an error, with a button for `retry` if another attempt may succeed. */
+  private fail(error: unknown, retry: () => Promise<void> | void): void {
     if (isAbort(error)) return;
-    this.answer.fail(error, ...remedy);
-    if (error instanceof ApiError && error.status === 401) byId<HTMLDetailsElement>("access").open = true;
+    const isRetried =
+      error instanceof NoAnswer || (error instanceof ApiError && RETRIED.includes(error.status));
+    this.answer.fail(
+      error,
+      ...(isRetried ? [button("Try again", () => void retry(), { class: "main" })] : []),
+    );
+    if (error instanceof ApiError && error.status === 401)
+      byId<HTMLDetailsElement>("access").open = true;
   }
 
   private say(text: string): void {
     byId("busy").textContent = text;
   }
 
-  // --- surfaces ------------------------------------------------------------------------------------------------------
+  // --- surfaces ----------------------------------------------------------------------------------
 
   private async restore(): Promise<void> {
     const parameters = this.state.parameters;
     const kind = KINDS.find((name) => parameters.has(name));
     const wanted = this.modes.find((mode) => mode.id === parameters.get("mode"));
     if (kind) {
+      if (this.bench.surface) this.leaveMode();
       this.mode = wanted?.kind === kind ? wanted : this.modes.find((mode) => mode.kind === kind)!;
-      await this.open(kind, parameters.get(kind)!, parameters);
+      await this.show(kind, parameters.get(kind)!, parameters);
     } else {
       if (wanted) this.mode = wanted;
-      await (wanted && wanted.kind !== "meshes" ? this.openKind(wanted.kind) : this.openSomething());
+      await (wanted && wanted.kind !== "meshes" ? this.openKind(wanted.kind) : this.openFirst());
     }
   }
 
-  /** The surface of a kind that was open last, the first one that there is, or a sample. */
+  /** Shows a surface with the parameters of an address. Loads it unless it is open. */
+  private async show(kind: Kind, name: string, parameters: URLSearchParams): Promise<void> {
+    const { surface } = this.bench;
+    if (surface?.kind !== kind || surface.name !== name) return this.open(kind, name, parameters);
+    this.applyView(parameters);
+    this.enterMode(parameters);
+  }
+
+  /** Opens the last open surface of a kind, or the daemon's first one, or a sample. */
   private async openKind(kind: Kind): Promise<void> {
     const names = this.chooser.known[kind];
-    const known =
-      names.find((name) => name === this.latest.get(kind)) ?? names.find((name) => !/-(limit|mesh)$/.test(name));
+    const known = names.find((name) => name === this.latest.get(kind)) ?? names[0];
     if (known) await this.open(kind, known);
     else await this.openSample(SAMPLES.find((sample) => sample.kind === kind)!);
   }
 
-  /** The first mesh of the daemon, unless it is very large; else the user is shown where to begin. */
-  private async openSomething(): Promise<void> {
+  /** Opens the daemon's first mesh. If there is none or it is very large, shows the start card. */
+  private async openFirst(): Promise<void> {
     const first = this.chooser.known.meshes[0];
     const mesh =
-      first && (await this.api.get<{ faces: number }>(`/v1/meshes/${encodeURIComponent(first)}`).catch(() => null));
+      first &&
+      (await this.api
+        .get<{ faces: number }>(`/v1/meshes/${encodeURIComponent(first)}`)
+        .catch(() => null));
     if (mesh && mesh.faces <= STARTING_FACES) return this.open("meshes", first);
     byId("start").hidden = this.bench.surface !== undefined;
+    if (!this.bench.surface) this.scene.warmUp();
     this.tell();
   }
 
   async open(kind: Kind, name: string, parameters?: URLSearchParams): Promise<void> {
     this.bench.abort();
-    this.say(`Loading ${name}.`);
+    this.say(`Loading ${name}`);
     this.loads++;
     try {
-      const surface = await loadSurface(this.api, kind, name, (request) => this.bench.prelude.push(request));
+      const onLoad = (part: number): void =>
+        this.say(`Loading ${name}, ${Math.floor(100 * part)} %`);
+      const surface = await loadSurface(this.api, kind, name, onLoad);
       this.showSurface(surface, parameters);
     } catch (error) {
-      this.fail(error);
+      this.fail(error, () => this.open(kind, name, parameters));
       byId("start").hidden = this.bench.surface !== undefined;
     }
     this.loads--;
@@ -171,45 +215,44 @@ export class App {
     this.bench.surface = surface;
     this.latest.set(surface.kind, surface.name);
     this.scene.show(surface);
-    this.onSurface();
-    this.scene.up = parameters?.get("up") ?? SAMPLES.find((sample) => sample.name === surface.name)?.up ?? "y";
-    this.scene.fit();
-    if (parameters?.has("camera")) this.scene.view = parameters.get("camera")!;
-    if (this.mode.kind !== surface.kind) this.mode = this.modes.find((mode) => mode.kind === surface.kind)!;
+    this.applyView(parameters);
+    if (this.mode.kind !== surface.kind)
+      this.mode = this.modes.find((mode) => mode.kind === surface.kind)!;
     this.chooser.show(this.chooser.known, surface);
     this.chooser.expect(surface.kind);
     this.enterMode(parameters);
   }
 
-  async openSample(sample: Sample): Promise<void> {
-    if (this.chooser.known[sample.kind].includes(sample.name)) return this.open(sample.kind, sample.name);
-    const { name, text } = sample.file();
-    await this.upload(sample.kind, { name, body: new Blob([text]) }, {});
+  private applyView(parameters?: URLSearchParams): void {
+    const surface = this.bench.surface!;
+    this.display.restore(parameters);
+    this.scene.up =
+      parameters?.get("up") ?? SAMPLES.find((sample) => sample.name === surface.name)?.up ?? "y";
+    if (!parameters?.has("camera")) return this.scene.fit();
+    this.scene.view = parameters.get("camera")!;
   }
 
-  private async upload(kind: Kind, file: { name: string; body: Blob }, query: Record<string, string>): Promise<void> {
-    this.opening?.abort();
-    const opening = (this.opening = new AbortController());
-    const onUpload = (what: string, part: number): void =>
-      this.answer.showProgress(`${what} ${file.name}`, part, () => opening.abort());
-    let made: Description | undefined;
+  async openSample(sample: Sample): Promise<void> {
+    if (this.chooser.known[sample.kind].includes(sample.name))
+      return this.open(sample.kind, sample.name);
+    const { name, text } = sample.file();
+    await this.upload([{ kind: sample.kind, name, body: new Blob([text]), query: {} }]);
+  }
+
+  private async upload(files: UserFile[]): Promise<void> {
     this.loads++;
-    try {
-      if (kind === "subdivisions") await rememberCage(await file.body.text());
-      made = await upload(this.api, kind, file, query, onUpload, opening.signal);
-      await this.list();
-    } catch (error) {
-      const mend = (): void => void this.upload(kind, file, { ...query, repair: "split" });
-      const isMendable = error instanceof ApiError && !!error.problem.detail?.includes("?repair=split");
-      this.fail(error, ...(isMendable ? [button("Mend and upload", mend)] : []));
-    }
-    this.answer.hideProgress();
-    this.opening = undefined;
-    if (made) {
-      this.bench.prelude = [{ method: "PUT", path: `/v1/${kind}/${encodeURIComponent(made.name)}`, query, file }];
-      await this.open(kind, made.name);
-    }
+    for (const file of files)
+      if (file.kind === "subdivisions") await rememberCage(await file.body.text());
+    const added = this.uploads.add(files);
     this.loads--;
+    await added;
+  }
+
+  /** Opens the last of the surfaces that were uploaded. */
+  private async openMade(made: Made[]): Promise<void> {
+    const { kind, name, request } = made.at(-1)!;
+    this.bench.prelude = [request];
+    await Promise.all([this.list(), this.open(kind, name)]);
   }
 
   private async remove(): Promise<void> {
@@ -217,21 +260,22 @@ export class App {
     if (!surface || !confirm(`Delete ${surface.name} from the daemon, for everybody?`)) return;
     try {
       await this.api.send({ method: "DELETE", path: surface.path });
+      this.leaveMode();
       this.bench.surface = undefined;
       this.scene.show(undefined);
       this.points.reset([]);
       this.handles.update();
-      history.replaceState(null, "", " ");
+      this.state.write(false);
       await this.list();
       byId("start").hidden = false;
     } catch (error) {
-      this.fail(error);
+      this.fail(error, () => this.remove());
     }
   }
 
-  // --- modes ---------------------------------------------------------------------------------------------------------
+  // --- modes -------------------------------------------------------------------------------------
 
-  /** Changes the mode; where it needs another kind of surface, one of that kind is opened. */
+  /** Changes the mode. If it needs another kind of surface, opens a surface of that kind. */
   async choose(mode: Mode): Promise<void> {
     if (mode === this.mode && this.bench.surface?.kind === mode.kind) return;
     this.leaveMode();
@@ -257,20 +301,27 @@ export class App {
     byId("mode").replaceChildren(...mode.settings.elements(), ...mode.extras());
     for (const group of mode.groups) {
       const text = parameters?.get(group.id);
-      if (text) points.restore(group.id, text, bench.surface!);
+      if (text && text !== "none") points.restore(group.id, text, bench.surface!);
     }
-    if (points.all.length === 0) this.setFirstPoints(before);
-    this.changed(false);
+    const hasPoints = ["points", ...mode.groups.map(({ id }) => id)].some((id) =>
+      parameters?.has(id),
+    );
+    if (!hasPoints) this.setFirstPoints(before);
+    this.changed(false, !parameters);
   }
 
   /**
-   * As many points as the mode begins with: those of the mode before, then places where the surface is seen about the
-   * middle of the picture.
+   * Sets the points that the mode begins with: the points of the previous mode, then standard
+   * points of the picture (spots.ts).
    */
   private setFirstPoints(before: Place[]): void {
-    let spot = before.length;
+    let next = before.length;
     for (const group of this.mode.groups) {
-      const places = Array.from({ length: group.first ?? group.least }, () => before.shift() ?? this.spot(spot++));
+      const count = group.first ?? group.least;
+      const places = Array.from(
+        { length: count },
+        () => before.shift() ?? spot(this.scene, next++),
+      );
       this.points.set(
         group.id,
         places.filter((place) => place !== null),
@@ -278,29 +329,24 @@ export class App {
     }
   }
 
-  private spot(i: number): Place | null {
-    const { x, y } = this.scene.size;
-    const angle = 2.4 + (2 * Math.PI * (i % RING)) / RING;
-    for (const part of RADII) {
-      const radius = part * Math.min(x, y) * (i < RING ? 1 : 0.5);
-      const place = this.scene.pick({ x: x / 2 + radius * Math.cos(angle), y: y / 2 + radius * Math.sin(angle) });
-      if (place) return place;
-    }
-    return null;
-  }
-
-  /** Points or settings have changed: ask again, newest first. */
-  changed(live: boolean): void {
-    this.showHandles();
-    this.tell();
-    this.writeState();
+  /**
+   * Repeats the query after a change of points or settings. `live`: during a drag. `isEdit`: the
+   * change becomes a history entry.
+   */
+  changed(live: boolean, isEdit = !live): void {
+    this.scene.hold(live);
+    if (live) this.handles.place();
+    else this.showHandles();
+    if (!live) this.tell();
+    this.state.write(isEdit);
     if (live && !this.mode.followsDrag) return;
     this.bench.makeWay(live);
     this.asker.put(live);
   }
 
   private showWaiting(): void {
-    if (!this.answer.showsProgress) this.answer.showProgress("Waiting for the answer", null, () => this.bench.abort());
+    if (!this.answer.showsProgress)
+      this.answer.showProgress("Waiting for the answer", null, () => this.bench.abort());
   }
 
   private showHandles(): void {
@@ -311,50 +357,85 @@ export class App {
   private async ask(live: boolean): Promise<void> {
     const { bench, mode, points } = this;
     if (!bench.surface || bench.surface.kind !== mode.kind) return;
-    if (!points.complete) return mode.clear();
     bench.begin();
+    if (!points.complete) return this.clearAnswer();
     const waiting = setTimeout(() => this.showWaiting(), PATIENCE);
     try {
+      if (!live) await points.map((place) => snapped(this.api, bench.surface!.path, place));
       await mode.ask(live);
       if (live) this.rate.count();
     } catch (error) {
-      if (!isAbort(error)) mode.clear();
-      this.fail(error);
+      if (!(live && isMiss(error))) this.refuse(error);
     }
     clearTimeout(waiting);
     bench.end();
-    this.showHandles();
+    if (!live) this.showHandles();
     this.tell();
   }
 
-  // --- the rest of the page ------------------------------------------------------------------------------------------
+  /** Shows an error instead of the answer. */
+  private refuse(error: unknown): void {
+    if (!isAbort(error)) this.mode.clear();
+    this.fail(error, () => this.changed(false, false));
+  }
+
+  /** Removes the answer if the present points have none. */
+  private clearAnswer(): void {
+    this.mode.clear();
+    this.answer.clear();
+  }
+
+  // --- the rest of the page ----------------------------------------------------------------------
 
   private tell(): void {
     for (const watch of this.watchers) watch();
   }
 
   get busy(): boolean {
-    return this.asker.busy || this.loads > 0 || this.state.isPending;
+    return this.asker.busy || this.loads > 0 || this.uploads.busy || this.state.isPending;
   }
 
-  /** Drops the question and the upload under way. */
+  /** Aborts the running query and all uploads. */
   cancel(): void {
     this.bench.abort();
-    this.opening?.abort();
+    this.uploads.cancel();
   }
 
   showFacts(): void {
     this.chooser.showFacts(this.bench.surface, this.units);
   }
 
-  /** Sets a point where a pixel shows the surface. */
-  addAt(pixel: Pixel): void {
+  /**
+   * Adds the surface point that a pixel shows, if any, to the active group. `isOptional`: to the
+   * optional group of the mode.
+   */
+  addAt(pixel: Pixel, isOptional = false): void {
     const place = this.scene.pick(pixel);
-    if (place) this.points.add(place);
+    if (place) this.points.add(place, isOptional ? this.points.optional : undefined);
   }
 
-  writeState(): void {
-    this.state.write(() => this.read());
+  /** Shows the answer again, in other units or colours. */
+  reshow(): void {
+    this.asker.put(false);
+  }
+
+  /** Writes a changed view to the address. */
+  writeView(isEdit: boolean): void {
+    this.state.write(isEdit);
+  }
+
+  undo(): void {
+    this.state.undo();
+  }
+
+  redo(): void {
+    this.state.redo();
+  }
+
+  /** Writes the address at once and copies it. */
+  async copyLink(): Promise<void> {
+    this.state.flush();
+    await navigator.clipboard.writeText(location.href);
   }
 
   read(): Record<string, string> {
@@ -366,8 +447,9 @@ export class App {
     return {
       [surface.kind]: surface.name,
       mode: this.mode.id,
-      ...Object.fromEntries(groups),
+      ...(groups.length > 0 ? Object.fromEntries(groups) : { points: "none" }),
       ...this.mode.settings.read(),
+      ...this.display.read(),
       ...(this.scene.up === "z" && { up: "z" }),
       camera: this.scene.view,
     };

@@ -1,9 +1,10 @@
-// What every mode works with: the surface, its points, the picture, the panel, and calls that belong to the present
-// question.
+// The services that all modes share: the surface, its points, the picture, the panel, and the
+// requests of the current query.
 
 import type { ResultsAnswer } from "../../js/types.d.ts";
 import type { Answer } from "./answer.ts";
-import { type Api, errorOf, type Request } from "./api.ts";
+import type { ColourMap } from "./colours.ts";
+import { type Api, ask, type Request } from "./api.ts";
 import { runJob } from "./jobs.ts";
 import type { Legend } from "./legend.ts";
 import { pointOf } from "./place.ts";
@@ -12,25 +13,21 @@ import type { Scene } from "./scene.ts";
 import type { Surface } from "./surface.ts";
 import type { Units } from "./units.ts";
 
-/** From so many faces on what takes long is a job, with progress and a way to cancel. */
-const JOB_FACES = 20000;
-const SLOW = 300; /* milliseconds after which a question is dropped for a newer one */
-
-export interface Display {
-  ramp: string;
-}
+const JOB_FACES = 20000; /* from this size, slow queries run as jobs, with progress and Cancel */
+const SLOW = 300; /* milliseconds after which a newer query aborts a running one */
 
 export class Bench {
   surface: Surface | undefined;
-  /** How long the last answer took, in milliseconds. */
+  colours: ColourMap = { ramp: { name: "viridis", isReversed: false }, low: 0, high: 1 };
+  /** Duration of the last request, in milliseconds. */
   elapsed = 0;
-  /** The last answer, as it came. */
+  /** The last answer, unchanged. */
   last: unknown;
   /** The names of the daemon's meshes. */
   taken: ReadonlySet<string> = new Set();
-  /** Called when a mode has made meshes. */
+  /** Called when a mode has created meshes. */
   onMeshes: () => void = () => {};
-  /** What came before the next question and belongs to it: an upload, a discretization. */
+  /** Requests that the query depends on, such as an upload; shown before its own requests. */
   prelude: Request[] = [];
   private requests: Request[] = [];
   private running: AbortController | undefined;
@@ -44,10 +41,9 @@ export class Bench {
     readonly answer: Answer,
     readonly legend: Legend,
     readonly units: Units,
-    readonly display: Display,
   ) {}
 
-  /** What is asked beside the mode's own question, at the press of a button; its problems are shown. */
+  /** Runs a query that a button has started, instead of the mode's query, and shows its errors. */
   async question(work: () => Promise<void>): Promise<boolean> {
     this.abort();
     this.begin();
@@ -56,37 +52,50 @@ export class Bench {
       await work();
       done = true;
     } catch (error) {
-      if (!isAbort(error)) this.answer.fail(error);
+      if (!isAbort(error)) this.answer.warn(error);
     }
     this.end();
     return done;
   }
 
-  /** Begins a question. */
+  /** Runs work independent of the query, such as a download, and shows its errors. */
+  async beside(work: () => Promise<void>): Promise<void> {
+    try {
+      await work();
+    } catch (error) {
+      if (!isAbort(error)) this.answer.warn(error);
+    }
+  }
+
+  /** Begins a query. */
   begin(): void {
     this.running = new AbortController();
+    this.last = undefined;
     this.requests = this.prelude.splice(0);
     this.isJob = false;
     this.begun = performance.now();
   }
 
-  /** Ends it: the requests that it made are shown. */
+  /** Ends a query and shows its requests. */
   end(): void {
     this.answer.hideProgress();
     this.answer.showRequests(this.requests);
   }
 
-  /** The requests of the question. */
+  /** The requests of the current query. */
   get made(): Request[] {
     return this.requests;
   }
 
-  /** Drops the question under way; its work at the daemon, too, if it is a job. */
+  /** Aborts the running query, and its job at the daemon. */
   abort(): void {
     this.running?.abort();
   }
 
-  /** Makes way for something newer: a job is not waited for, nor what takes long while nothing is dragged. */
+  /**
+   * Aborts the running query before a newer one if it is a job. If nothing is dragged, also if it
+   * has run for SLOW.
+   */
   makeWay(live: boolean): void {
     if (this.isJob || (!live && performance.now() - this.begun > SLOW)) this.abort();
   }
@@ -98,8 +107,7 @@ export class Bench {
   private async timed(request: Request, send: () => Promise<Response>): Promise<Response> {
     this.requests.push(request);
     const started = performance.now();
-    const response = await send();
-    if (!response.ok) throw await errorOf(response);
+    const response = await ask(await send());
     this.elapsed = performance.now() - started;
     return response;
   }
@@ -111,29 +119,44 @@ export class Bench {
     return answer;
   }
 
-  /** A question of the surface: `query` is what stands behind its name. */
+  /** Posts a query of the surface; `query` is the last part of its path. */
   async post<T>(query: string, json: unknown, parameters?: Record<string, string>): Promise<T> {
-    const request: Request = { method: "POST", path: `${this.surface!.path}/${query}`, query: parameters, json };
-    return this.parsed(await this.timed(request, () => this.api.fetch(request, this.running?.signal)));
+    const request: Request = {
+      method: "POST",
+      path: `${this.surface!.path}/${query}`,
+      query: parameters,
+      json,
+    };
+    return this.parsed(
+      await this.timed(request, () => this.api.fetch(request, this.running?.signal)),
+    );
   }
 
   async get(path: string, parameters?: Record<string, string>, accept?: string): Promise<Response> {
-    const request: Request = { method: "GET", path: `${this.surface!.path}/${path}`, query: parameters, accept };
+    const request: Request = {
+      method: "GET",
+      path: `${this.surface!.path}/${path}`,
+      query: parameters,
+      accept,
+    };
     return this.timed(request, () => this.api.fetch(request, this.running?.signal));
   }
 
   /**
-   * The exact distances to a set, and the nearest member, at the vertices of the finer mesh of a coarse one. Only the
-   * picture needs them: they are not among the requests that are shown.
+   * Returns, for each sample of the surface, the exact distance to a set and the index of the
+   * nearest element of the set. Returns null if the surface has no samples. Only colours need this
+   * request, so the page does not show it.
    */
-  async fineDistances(set: object): Promise<{ values: Float64Array; labels: (number | null)[] } | null> {
-    const { fine } = this.surface!;
-    if (!fine) return null;
+  async fineDistances(
+    set: object,
+  ): Promise<{ values: Float64Array; labels: (number | null)[] } | null> {
+    const { samples, path } = this.surface!;
+    if (!samples) return null;
     const request: Request = {
       method: "POST",
-      path: `${this.surface!.path}/distance-to-set`,
+      path: `${path}/distance-to-set`,
       query: { select: "distance,nearest" },
-      json: { set, points: fine.places.map(pointOf) },
+      json: { set, points: samples.map(pointOf) },
     };
     const { results } = await this.api.json<ResultsAnswer>(request, this.running?.signal);
     return {
@@ -142,15 +165,35 @@ export class Bench {
     };
   }
 
-  /** A question that may take long; from so many faces on a job. */
-  async postLong<T>(query: string, json: unknown, parameters?: Record<string, string>, faces = JOB_FACES): Promise<T> {
-    if (this.surface!.faceCount < faces) return this.post(query, json, parameters);
-    const request: Request = { method: "POST", path: `${this.surface!.path}/${query}`, query: parameters, json };
+  /** Posts a slow query; as a job if the surface has at least `faces` faces, except in a drag. */
+  async postLong<T>(
+    query: string,
+    json: unknown,
+    { live = false, faces = JOB_FACES, parameters }: Long = {},
+  ): Promise<T> {
+    if (live || this.surface!.faceCount < faces) return this.post(query, json, parameters);
+    const request: Request = {
+      method: "POST",
+      path: `${this.surface!.path}/${query}`,
+      query: parameters,
+      json,
+    };
     this.isJob = true;
     const running = this.running!;
-    const onProgress = (part: number): void => this.answer.showProgress("Working", part, () => running.abort());
-    return this.parsed(await this.timed(request, () => runJob(this.api, request, onProgress, running.signal)));
+    const onProgress = (part: number): void =>
+      this.answer.showProgress("Working", part, () => running.abort());
+    return this.parsed(
+      await this.timed(request, () => runJob(this.api, request, onProgress, running.signal)),
+    );
   }
 }
 
-export const isAbort = (error: unknown): boolean => error instanceof DOMException && error.name === "AbortError";
+interface Long {
+  /** Whether the query belongs to a drag; it then never runs as a job. */
+  live?: boolean;
+  faces?: number;
+  parameters?: Record<string, string>;
+}
+
+export const isAbort = (error: unknown): boolean =>
+  error instanceof DOMException && error.name === "AbortError";

@@ -1,4 +1,4 @@
-// The boundary of a surface: the edges of one face only.
+// The boundary of a surface: the edges that have only one face.
 
 import type { Place } from "./place.ts";
 import type { Surface } from "./surface.ts";
@@ -6,7 +6,7 @@ import { add, dot, length, scale, subtract, type Vec3 } from "./vector.ts";
 
 interface Side {
   face: number;
-  /** Its first corner, 0 to 2. */
+  /** The corner of the face where the edge begins, 0 to 2. */
   corner: number;
 }
 
@@ -22,7 +22,7 @@ export function boundaryOf(surface: Surface): Side[] {
   return [...sides.values()].filter((side) => side !== null);
 }
 
-/** The place of the boundary that is nearest to a point of space; null without a boundary. */
+/** Returns the boundary point nearest to a point in space; null without a boundary. */
 export function nearestOnBoundary(surface: Surface, boundary: Side[], to: Vec3): Place | null {
   let [best, least]: [Place | null, number] = [null, Infinity];
   for (const { face, corner } of boundary) {

@@ -1,5 +1,5 @@
-// The first triangle that a ray hits. Triangles are sorted along a Morton curve; a complete binary tree of boxes stands
-// over runs of them. It takes 0.4 s of a processor for a million triangles, and a ray 35 microseconds.
+// Finds the first triangle that a ray hits, with a bounding volume hierarchy. Triangles are sorted
+// along a Morton curve. The tree is a complete binary tree; each leaf has a run of triangles.
 
 import type { Vec3 } from "./vector.ts";
 
@@ -7,14 +7,14 @@ export interface Hit {
   face: number;
   /** Weights of the face's three corners. */
   barycentric: Vec3;
-  /** In lengths of the ray's direction. */
+  /** In multiples of the length of the ray's direction. */
   distance: number;
 }
 
-const RUN = 6; /* triangles of a leaf, about */
-const CELLS = 1023; /* of the Morton grid, in each direction */
+const RUN = 6; /* triangles per leaf */
+const CELLS = 1023; /* of the Morton grid along each axis */
 
-/** The ten bits of n with two zeros after each. */
+/** Inserts two zero bits between neighbouring bits of n, which has ten bits. */
 function spread(n: number): number {
   n = (n | (n << 16)) & 0x030000ff;
   n = (n | (n << 8)) & 0x0300f00f;
@@ -22,7 +22,7 @@ function spread(n: number): number {
   return (n | (n << 2)) & 0x09249249;
 }
 
-/** The indices of the codes (30 bits) in ascending order: a radix sort of three passes. */
+/** Returns the order that sorts 30-bit codes, by a radix sort of three passes. */
 function sortedByCode(codes: Uint32Array): Uint32Array {
   let from = Uint32Array.from(codes.keys());
   let to = new Uint32Array(codes.length);
@@ -36,32 +36,57 @@ function sortedByCode(codes: Uint32Array): Uint32Array {
   return from;
 }
 
+/** The arrays of a tree. They can be transferred between threads. */
+export interface Tree {
+  /** The faces along the Morton curve. */
+  order: Uint32Array;
+  /** Six numbers per node: the lower and the upper corner of its box. */
+  boxes: Float32Array;
+}
+
 export class Bvh {
   private readonly order: Uint32Array;
-  /** How many leaves, a power of two; node i has the children 2i + 1 and 2i + 2, the leaves come last. */
+  /**
+   * Number of leaves, a power of two. Node i has the children 2i + 1 and 2i + 2; the leaves come
+   * last.
+   */
   private readonly leaves: number;
-  /** Six numbers a node: the lower corner, the upper one. */
   private readonly boxes: Float32Array;
 
-  /** `positions` and `faces` are borrowed for the tree's life. */
+  /**
+   * Borrows `positions` and `faces` for the life of this object. `tree`: a tree built before for
+   * the same mesh; by default the constructor builds one.
+   */
   constructor(
     private readonly positions: Float32Array,
     private readonly faces: Uint32Array,
+    tree?: Tree,
   ) {
     const count = faces.length / 3;
     this.leaves = 2 ** Math.max(0, Math.ceil(Math.log2(count / RUN)));
-    this.order = sortedByCode(this.codes(count));
-    this.boxes = new Float32Array(6 * (2 * this.leaves - 1));
+    this.order = tree?.order ?? sortedByCode(this.codes(count));
+    this.boxes = tree?.boxes ?? new Float32Array(6 * (2 * this.leaves - 1));
+    if (tree) return;
     for (let leaf = 0; leaf < this.leaves; leaf++) this.boundLeaf(leaf);
     for (let node = this.leaves - 2; node >= 0; node--) this.boundNode(node);
   }
 
-  /** Positions lie in [-1, 1], as the frame of a surface makes them. */
+  get tree(): Tree {
+    return { order: this.order, boxes: this.boxes };
+  }
+
+  /** Returns the Morton codes of the faces. Positions lie in [-1, 1]. */
   private codes(count: number): Uint32Array {
     const { positions, faces } = this;
     const codes = new Uint32Array(count);
     const cell = (a: number, b: number, c: number): number =>
-      Math.max(0, Math.min(CELLS, Math.floor(((positions[a]! + positions[b]! + positions[c]!) / 6 + 0.5) * CELLS)));
+      Math.max(
+        0,
+        Math.min(
+          CELLS,
+          Math.floor(((positions[a]! + positions[b]! + positions[c]!) / 6 + 0.5) * CELLS),
+        ),
+      );
     for (let i = 0; i < count; i++) {
       const [a, b, c] = [3 * faces[3 * i]!, 3 * faces[3 * i + 1]!, 3 * faces[3 * i + 2]!];
       const [x, y, z] = [cell(a, b, c), cell(a + 1, b + 1, c + 1), cell(a + 2, b + 2, c + 2)];
@@ -98,7 +123,7 @@ export class Bvh {
     }
   }
 
-  /** Where the ray enters a node's box, or infinity. */
+  /** Returns the ray parameter at which the ray enters a node's box; Infinity if it misses. */
   private entry(node: number, origin: Vec3, inverse: Vec3): number {
     let [near, far] = [0, Infinity];
     for (let axis = 0; axis < 3; axis++) {
@@ -110,7 +135,7 @@ export class Bvh {
     return near <= far ? near : Infinity;
   }
 
-  /** The first hit, from either side; null when there is none. */
+  /** Returns the first hit, from either side of the faces; null without a hit. */
   cast(origin: Vec3, direction: Vec3): Hit | null {
     const inverse: Vec3 = [1 / direction[0], 1 / direction[1], 1 / direction[2]];
     let best: Hit | null = null;
@@ -118,7 +143,8 @@ export class Bvh {
     while (stack.length > 0) {
       const node = stack.pop()!;
       if (this.entry(node, origin, inverse) >= (best?.distance ?? Infinity)) continue;
-      if (node >= this.leaves - 1) best = this.castLeaf(node - this.leaves + 1, origin, direction, best);
+      if (node >= this.leaves - 1)
+        best = this.castLeaf(node - this.leaves + 1, origin, direction, best);
       else stack.push(...this.nearLast(node, origin, inverse));
     }
     return best;
@@ -126,7 +152,9 @@ export class Bvh {
 
   private nearLast(node: number, origin: Vec3, inverse: Vec3): [number, number] {
     const [left, right] = [2 * node + 1, 2 * node + 2];
-    return this.entry(left, origin, inverse) < this.entry(right, origin, inverse) ? [right, left] : [left, right];
+    return this.entry(left, origin, inverse) < this.entry(right, origin, inverse)
+      ? [right, left]
+      : [left, right];
   }
 
   private castLeaf(leaf: number, origin: Vec3, direction: Vec3, best: Hit | null): Hit | null {
@@ -138,7 +166,7 @@ export class Bvh {
     return best;
   }
 
-  /** Möller and Trumbore 1997, without culling. */
+  /** Intersects the ray with a face (Möller and Trumbore 1997), without culling. */
   private castFace(face: number, origin: Vec3, direction: Vec3): Hit | null {
     const { positions: p, faces } = this;
     const [a, b, c] = [3 * faces[3 * face]!, 3 * faces[3 * face + 1]!, 3 * faces[3 * face + 2]!];
@@ -155,6 +183,8 @@ export class Bvh {
     const [qx, qy, qz] = [sy * uz - sz * uy, sz * ux - sx * uz, sx * uy - sy * ux];
     const v = (dx * qx + dy * qy + dz * qz) / determinant;
     const distance = (vx * qx + vy * qy + vz * qz) / determinant;
-    return v >= 0 && u + v <= 1 && distance > 0 ? { face, barycentric: [1 - u - v, u, v], distance } : null;
+    return v >= 0 && u + v <= 1 && distance > 0
+      ? { face, barycentric: [1 - u - v, u, v], distance }
+      : null;
   }
 }

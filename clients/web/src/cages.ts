@@ -1,13 +1,13 @@
-// Control meshes of subdivision surfaces. The daemon keeps them but does not hand them out, so the page knows those
-// that it has sent itself: samples, and the files of this visit. They are recognized by their SHA-256, which the
-// description of a surface tells.
+// Control meshes of subdivision surfaces. The daemon does not return control meshes, so the page
+// knows only samples and files that it has uploaded since it was opened. The description of a
+// surface has the SHA-256 of its file, by which the page finds the control mesh.
 
 import { SAMPLES } from "./samples.ts";
 import type { Vec3 } from "./vector.ts";
 
 const known = new Map<string, string>();
 
-/** Only pages of this machine or of https may hash; others show no control meshes. */
+/** Returns null on a page loaded over plain HTTP from another machine: it has no crypto.subtle. */
 async function sha256(text: string): Promise<string | null> {
   if (!globalThis.crypto?.subtle) return null;
   const digest = await crypto.subtle.digest("SHA-256", new TextEncoder().encode(text));
@@ -28,11 +28,16 @@ function parseObj(text: string): Polygons {
   const rows = text.split("\n").map((line) => line.trim().split(/\s+/));
   const vertices = rows.filter(([word]) => word === "v").map((row) => row.slice(1, 4).map(Number));
   const index = (corner: string): number =>
-    Number.parseInt(corner) > 0 ? Number.parseInt(corner) - 1 : vertices.length + Number.parseInt(corner);
-  return { vertices, faces: rows.filter(([word]) => word === "f").map((row) => row.slice(1).map(index)) };
+    Number.parseInt(corner) > 0
+      ? Number.parseInt(corner) - 1
+      : vertices.length + Number.parseInt(corner);
+  return {
+    vertices,
+    faces: rows.filter(([word]) => word === "f").map((row) => row.slice(1).map(index)),
+  };
 }
 
-/** A mesh in JSON, or in the arrays of OpenUSD. */
+/** Parses a mesh in the daemon's JSON form, or in JSON with the array names of OpenUSD. */
 function parseJson(text: string): Polygons {
   const file = JSON.parse(text) as Partial<Polygons> & {
     points?: number[][];
@@ -41,14 +46,20 @@ function parseJson(text: string): Polygons {
   };
   if (file.vertices && file.faces) return file as Polygons;
   let at = 0;
-  const faces = (file.faceVertexCounts ?? []).map((count) => (file.faceVertexIndices ?? []).slice(at, (at += count)));
+  const faces = (file.faceVertexCounts ?? []).map((count) =>
+    (file.faceVertexIndices ?? []).slice(at, (at += count)),
+  );
   return { vertices: file.points ?? [], faces };
 }
 
-/** The edges of the control mesh of this hash, in the file's unit; none if the page does not know it. */
+/**
+ * Returns the edges of the control mesh whose file has this SHA-256, in the file's unit; an empty
+ * list if the page does not know it.
+ */
 export async function cageEdges(hash: string): Promise<Vec3[][]> {
   if (known.size === 0)
-    for (const sample of SAMPLES) if (sample.kind === "subdivisions") await rememberCage(sample.file().text);
+    for (const sample of SAMPLES)
+      if (sample.kind === "subdivisions") await rememberCage(sample.file().text);
   const text = known.get(hash);
   if (!text) return [];
   const { vertices, faces } = text.trimStart().startsWith("{") ? parseJson(text) : parseObj(text);

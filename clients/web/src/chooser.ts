@@ -1,10 +1,13 @@
-// Which surface: those that the daemon has, samples, and files.
+// The choice of a surface: a surface of the daemon, a sample, or a file.
 
 import type { Mesh, Nurbs, Subdivision } from "../../js/types.d.ts";
 import { button, byId, freshId, make } from "./dom.ts";
 import { SAMPLES, type Sample } from "./samples.ts";
 import type { Kind, Surface } from "./surface.ts";
 import { type Units, whole } from "./units.ts";
+import type { UserFile } from "./uploads.ts";
+
+const START_NAMES = 12; /* the most surfaces of the daemon on the start card */
 
 const KINDS: [Kind, string][] = [
   ["meshes", "Meshes"],
@@ -12,10 +15,10 @@ const KINDS: [Kind, string][] = [
   ["nurbs", "NURBS surfaces"],
 ];
 
-/** What a file is uploaded as: value, label, kind and parameters. */
+/** The ways to read a file: value, label, kind and parameters of the upload. */
 const UPLOADS: [string, string, Kind, Record<string, string>][] = [
   ["mesh", "a mesh", "meshes", {}],
-  ["mended", "a mesh, mended where it is no surface", "meshes", { repair: "split", weld: "0" }],
+  ["mended", "a mesh, repaired where it is not manifold", "meshes", { repair: "split", weld: "0" }],
   ["cage", "a Catmull-Clark control cage", "subdivisions", { scheme: "catmull_clark" }],
   ["loop", "a Loop control cage", "subdivisions", { scheme: "loop" }],
   ["nurbs", "a NURBS surface (JSON)", "nurbs", {}],
@@ -24,7 +27,7 @@ const UPLOADS: [string, string, Kind, Record<string, string>][] = [
 export interface ChooserCalls {
   open: (kind: Kind, name: string) => void;
   sample: (sample: Sample) => void;
-  upload: (file: File, kind: Kind, query: Record<string, string>) => void;
+  upload: (files: UserFile[]) => void;
   remove: () => void;
 }
 
@@ -34,7 +37,7 @@ export class Chooser {
   private readonly file = make("input", {
     type: "file",
     id: "file",
-
+    multiple: true,
     "aria-label": "File to upload",
   });
   private readonly facts = make("p", { class: "faint", id: "surface-facts" });
@@ -44,10 +47,17 @@ export class Chooser {
   constructor(private readonly calls: ChooserCalls) {
     const [selectId, howId] = [freshId(), freshId()];
     this.select = make("select", { id: selectId, change: () => this.choose() });
-    this.how = make("select", { id: howId }, ...UPLOADS.map(([value, label]) => make("option", { value }, label)));
-    this.remove = button("Delete it from the daemon", calls.remove, { class: "quiet" });
+    this.how = make(
+      "select",
+      { id: howId },
+      ...UPLOADS.map(([value, label]) => make("option", { value }, label)),
+    );
+    this.remove = button("Delete", calls.remove, {
+      class: "quiet",
+      title: "Delete this surface from the daemon",
+    });
     this.file.addEventListener("change", () => {
-      if (this.file.files?.[0]) this.take(this.file.files[0]);
+      this.take([...(this.file.files ?? [])]);
       this.file.value = "";
     });
     this.build(selectId, howId);
@@ -55,22 +65,24 @@ export class Chooser {
   }
 
   private build(selectId: string, howId: string): void {
-    const pick = button("Upload a file", () => this.file.click());
-    const samples = SAMPLES.map((sample) => button(sample.title, () => this.calls.sample(sample)));
+    const pick = button("Upload", () => this.file.click(), {
+      title: "Upload files; or drop them on the window",
+    });
+    const samples = (): HTMLElement[] =>
+      SAMPLES.map((sample) => button(sample.title, () => this.calls.sample(sample)));
     byId("chooser").append(
-      make("div", { class: "field" }, make("label", { for: selectId }, "On the daemon"), this.select),
-      this.facts,
-      make("div", { class: "row" }, pick, this.file),
+      make("label", { for: selectId, class: "unseen" }, "On the daemon"),
+      make("div", { class: "row tight" }, this.select, pick, this.file),
+      make("div", { class: "row facts" }, this.facts, this.remove),
       make(
         "details",
         {},
         make("summary", {}, "Samples, and how to read files"),
-        make("div", { class: "row" }, ...samples),
+        make("div", { class: "row" }, ...samples()),
         make("div", { class: "field" }, make("label", { for: howId }, "A file is"), this.how),
-        this.remove,
       ),
     );
-    byId("start-samples").append(...SAMPLES.map((sample) => button(sample.title, () => this.calls.sample(sample))));
+    byId("start-samples").append(...samples());
   }
 
   private choose(): void {
@@ -78,9 +90,9 @@ export class Chooser {
     if (name) this.calls.open(kind, name);
   }
 
-  private take(file: File): void {
+  private take(files: File[]): void {
     const [, , kind, query] = UPLOADS.find(([value]) => value === this.how.value)!;
-    this.calls.upload(file, kind, query);
+    this.calls.upload(files.map((file) => ({ kind, name: file.name, body: file, query })));
   }
 
   private listenForDrops(): void {
@@ -96,34 +108,52 @@ export class Chooser {
     addEventListener("drop", (event) => {
       event.preventDefault();
       sign.hidden = true;
-      const file = event.dataTransfer?.files[0];
-      if (file) this.take(file);
+      this.take([...(event.dataTransfer?.files ?? [])]);
     });
   }
 
-  /** Which files the daemon reads. */
+  /** Shows the formats that the daemon reads. */
   showFormats(formats: string[]): void {
     this.file.accept = formats.map((format) => `.${format}`).join(",");
     byId("start-formats").textContent = formats.map((format) => format.toUpperCase()).join(", ");
   }
 
-  /** What the daemon has, and what is open. */
+  /** Shows the surfaces of the daemon; `open` is the open surface. */
   show(names: Record<Kind, string[]>, open: Surface | undefined): void {
     this.names = names;
     const groups = KINDS.filter(([kind]) => names[kind].length > 0).map(([kind, label]) =>
-      make("optgroup", { label }, ...names[kind].map((name) => make("option", { value: `${kind}/${name}` }, name))),
+      make(
+        "optgroup",
+        { label },
+        ...names[kind].map((name) => make("option", { value: `${kind}/${name}` }, name)),
+      ),
     );
-    const nothing = make("option", { value: "" }, groups.length > 0 ? "Choose a surface" : "Nothing yet");
+    const nothing = make(
+      "option",
+      { value: "" },
+      groups.length > 0 ? "Choose a surface" : "Nothing yet",
+    );
     this.select.replaceChildren(nothing, ...groups);
     this.select.value = open ? `${open.kind}/${open.name}` : "";
     this.remove.hidden = !open;
+    this.showStart();
+  }
+
+  /** Shows the daemon's first surfaces on the start card. */
+  private showStart(): void {
+    const known = KINDS.flatMap(([kind]) => this.names[kind].map((name) => ({ kind, name })));
+    const buttons = known
+      .slice(0, START_NAMES)
+      .map(({ kind, name }) => button(name, () => this.calls.open(kind, name)));
+    byId("start-known").hidden = known.length === 0;
+    byId("start-names").replaceChildren(...buttons);
   }
 
   get known(): Record<Kind, string[]> {
     return this.names;
   }
 
-  /** Files are read as this, until the user says otherwise. */
+  /** Reads files as this kind of surface until the user chooses another kind. */
   expect(kind: Kind): void {
     if (UPLOADS.find(([value]) => value === this.how.value)![2] !== kind)
       this.how.value = UPLOADS.find((row) => row[2] === kind)![0];
@@ -134,7 +164,8 @@ export class Chooser {
   }
 }
 
-const plural = (count: number, one: string, many: string): string => `${whole(count)} ${count === 1 ? one : many}`;
+const plural = (count: number, one: string, many: string): string =>
+  `${whole(count)} ${count === 1 ? one : many}`;
 
 function meshFacts(mesh: Mesh, units: Units): string {
   const parts = [`${whole(mesh.faces)} faces`, `area ${units.area(mesh.area)}`];
@@ -146,8 +177,13 @@ function meshFacts(mesh: Mesh, units: Units): string {
 }
 
 function factsOf(surface: Surface, units: Units): string {
-  if (surface.kind === "meshes") return meshFacts(surface.mesh, units);
-  const shown = `Shown by the mesh ${surface.mesh.name} of ${whole(surface.faceCount)} faces.`;
+  if (surface.kind === "meshes") {
+    const { deviation } = surface;
+    const facts = meshFacts(surface.description as Mesh, units);
+    if (deviation === undefined) return facts;
+    return `${facts}. Drawn with ${whole(surface.drawnFaces)} faces, at most ${units.length(deviation, 2)} off`;
+  }
+  const shown = `Drawn with ${whole(surface.drawnFaces)} faces.`;
   if (surface.kind === "nurbs") {
     const { shape, degree, control_points: points } = surface.description as Nurbs;
     return `${points ? `${points.join(" × ")} control points of degree ${degree!.join(" × ")}. ` : `A ${shape}. `}${shown}`;

@@ -1,24 +1,67 @@
-// Colours of values and of members: ramps of even lightness, and hues as far apart as they can be. In OKLab (Ottosson
-// 2020), where equal steps look equal.
+// Colour maps for values, and colours for the elements of a set, whose hues differ as much as
+// possible. Maps that are not from d3, and element colours, are computed in OKLab (Ottosson 2020),
+// where equal steps look equal.
+
+import { interpolateTurbo, interpolateViridis } from "d3-scale-chromatic";
 
 export type Rgb = [number, number, number];
 
-/** Anchors from dark to light. */
-const RAMPS: Record<string, string[]> = {
+/**
+ * Colours at equal steps of the maps that are not from d3. coolwarm: Moreland, "Diverging Color
+ * Maps for Scientific Visualization", 2009.
+ */
+const ANCHORS: Record<string, string[]> = {
+  coolwarm: ["#3b4cc0", "#7b9ff9", "#c0d4f5", "#dddddd", "#f2cbb7", "#ee8468", "#b40426"],
   dusk: ["#1b1464", "#24569c", "#1e8e9b", "#54bf83", "#b9e06c", "#fdf5a6"],
   ember: ["#1f0c3a", "#6a1a5e", "#b93556", "#ec6d43", "#f8b44c", "#fdf3c0"],
   slate: ["#1f2933", "#4c5b68", "#8496a3", "#bccad2", "#f2f6f8"],
 };
 
+/** Functions that return the colour of each map at a value from 0 to 1. */
+const RAMPS: Record<string, (part: number) => Rgb> = {
+  viridis: (part) => parse(interpolateViridis(part)),
+  turbo: (part) => parse(interpolateTurbo(part)),
+  ...Object.fromEntries(Object.entries(ANCHORS).map(([name, anchors]) => [name, between(anchors)])),
+};
+
 export const RAMP_NAMES = Object.keys(RAMPS);
 
-function parse(hex: string): Rgb {
-  const bits = Number.parseInt(hex.slice(1), 16);
-  return [(bits >> 16) / 255, ((bits >> 8) & 255) / 255, (bits & 255) / 255];
+export interface Ramp {
+  name: string;
+  isReversed: boolean;
 }
 
-export const toLinear = (c: number): number => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4);
-const fromLinear = (c: number): number => (c <= 0.0031308 ? 12.92 * c : 1.055 * c ** (1 / 2.4) - 0.055);
+/** A colour map for the values from `low` to `high`, as fractions of the largest value. */
+export interface ColourMap {
+  ramp: Ramp;
+  low: number;
+  high: number;
+}
+
+/** Parses #rrggbb and rgb(r, g, b). */
+function parse(text: string): Rgb {
+  const numbers = text.startsWith("#")
+    ? [1, 3, 5].map((at) => Number.parseInt(text.slice(at, at + 2), 16))
+    : text.match(/\d+/g)!.map(Number);
+  return numbers.map((x) => x / 255) as Rgb;
+}
+
+function between(colours: string[]): (part: number) => Rgb {
+  const anchors = colours.map((colour) => toLab(parse(colour)));
+  return (part) => {
+    const at = part * (anchors.length - 1);
+    const low = Math.min(Math.floor(at), anchors.length - 2);
+    return fromLab(mix(anchors[low]!, anchors[low + 1]!, at - low));
+  };
+}
+
+export function toLinear(c: number): number {
+  return c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4;
+}
+
+function fromLinear(c: number): number {
+  return c <= 0.0031308 ? 12.92 * c : 1.055 * c ** (1 / 2.4) - 0.055;
+}
 
 function toLab(rgb: Rgb): Rgb {
   const [r, g, b] = rgb.map(toLinear) as Rgb;
@@ -46,14 +89,12 @@ function fromLab([lightness, a, b]: Rgb): Rgb {
 
 const mix = (a: Rgb, b: Rgb, t: number): Rgb => a.map((x, i) => x + t * (b[i]! - x)) as Rgb;
 
-/** `size` colours of a ramp as bytes, red, green, blue, 255. */
-export function rampBytes(name: string, size: number): Uint8Array<ArrayBuffer> {
-  const anchors = (RAMPS[name] ?? RAMPS.dusk!).map((hex) => toLab(parse(hex)));
+/** Returns `size` colours of a ramp, four bytes each: red, green, blue, 255. */
+export function rampBytes({ name, isReversed }: Ramp, size: number): Uint8Array<ArrayBuffer> {
+  const ramp = RAMPS[name] ?? RAMPS.viridis!;
   const bytes = new Uint8Array(4 * size);
   for (let i = 0; i < size; i++) {
-    const at = (i / (size - 1)) * (anchors.length - 1);
-    const low = Math.min(Math.floor(at), anchors.length - 2);
-    const rgb = fromLab(mix(anchors[low]!, anchors[low + 1]!, at - low));
+    const rgb = ramp((isReversed ? size - 1 - i : i) / (size - 1));
     bytes.set([...rgb.map((c) => Math.round(c * 255)), 255], 4 * i);
   }
   return bytes;
@@ -61,7 +102,7 @@ export function rampBytes(name: string, size: number): Uint8Array<ArrayBuffer> {
 
 const GOLDEN_ANGLE = Math.PI * (3 - Math.sqrt(5));
 
-/** The colour of member i of a set: any number of members have different hues. */
+/** Returns the colour of element i of a set. All elements have different hues. */
 export function memberColour(i: number, lightness = 0.72): Rgb {
   const hue = 0.6 + i * GOLDEN_ANGLE;
   const light = lightness - 0.06 * (Math.floor(i / 8) % 3);

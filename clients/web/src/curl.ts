@@ -1,8 +1,9 @@
-// A request as the command line that sends the same.
+// Formats a request as a curl command line.
 
 import { pathOf, type Request } from "./api.ts";
 
-const quote = (text: string): string => (/^[\w./:=@%+,-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);
+const quote = (text: string): string =>
+  /^[\w./:=@%+,-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`;
 
 function payload(request: Request): string[] {
   if (request.json !== undefined) return ["--json", quote(JSON.stringify(request.json))];
@@ -14,11 +15,15 @@ function method(request: Request): string[] {
   return request.method === usual ? [] : ["-X", request.method];
 }
 
-/** The key stands as a variable of the shell: what is copied is often pasted where others read it. */
+/** Writes a shell variable instead of the key, because people share such commands. */
 export function curlOf(request: Request, origin: string, hasKey: boolean): string {
-  const accept = request.accept ? ["-H", quote(`Accept: ${request.accept}`)] : [];
+  const sent = { ...(request.accept && { Accept: request.accept }), ...request.headers };
+  const headers = Object.entries(sent).flatMap(([name, value]) => [
+    "-H",
+    quote(`${name}: ${value}`),
+  ]);
   const output = request.accept === "application/octet-stream" ? ["-o", "answer.bin"] : [];
   const key = hasKey ? ["-H", '"Authorization: Bearer $KEY"'] : [];
-  const words = ["curl", ...method(request), ...accept, ...output, ...key, ...payload(request)];
+  const words = ["curl", ...method(request), ...headers, ...output, ...key, ...payload(request)];
   return [...words, quote(origin + pathOf(request))].join(" ");
 }

@@ -1,60 +1,129 @@
-// How things look: units, colours, edges, which way is up.
+// Settings of the display: units, colours, shading, edges, the upward axis.
 
-import type { App } from "./app.ts";
+import type { Bench } from "./bench.ts";
 import { RAMP_NAMES } from "./colours.ts";
 import { button, byId } from "./dom.ts";
-import { check, choice, Settings } from "./settings.ts";
+import type { Scene } from "./scene.ts";
+import { check, choice, range, Settings } from "./settings.ts";
+import { SHADINGS, type Shading } from "./skin.ts";
 import { isDark } from "./theme.ts";
-import { UNITS } from "./units.ts";
+import { UNITS, type Units } from "./units.ts";
 
-const pairs = (values: string[]): [string, string][] => values.map((value) => [value, value]);
+const pairs = (values: readonly string[]): [string, string][] =>
+  values.map((value) => [value, value]);
+const percent = (value: number): string => `${Math.round(100 * value)} %`;
+
+/** The colour of the surface where it shows no values, by theme. */
+const SKIN = { light: "#d9d6d0", dark: "#b3b8bb" };
+
+/** Returns the storage key of the unit that the user has chosen for a surface. */
+const unitKey = (sha256: string): string => `unit:${sha256}`;
+
+/** The part of the viewer that the display reads and calls. */
+interface Viewer {
+  readonly scene: Scene;
+  readonly bench: Bench;
+  readonly units: Units;
+  undo: () => void;
+  redo: () => void;
+  reshow: () => void;
+  showFacts: () => void;
+  writeView: (isEdit: boolean) => void;
+}
 
 export class Display {
   private readonly settings = new Settings({
-    file: choice("The file's unit", "units", pairs(UNITS)),
-    shown: choice("Lengths are shown in", "units", [["units", "the file's unit"], ...pairs(UNITS.slice(1))]),
-    ramp: choice("Colours of values", "dusk", pairs(RAMP_NAMES)),
-    flat: check("Flat faces", false),
+    unit: choice("Unit of the file", "units", pairs(UNITS)),
+    shown: choice("Lengths are shown in", "units", [
+      ["units", "the unit of the file"],
+      ...pairs(UNITS.slice(1)),
+    ]),
+    ramp: choice("Colour map", RAMP_NAMES[0]!, pairs(RAMP_NAMES)),
+    reverse: check("Reverse the colour map", false),
+    low: range("Colours begin at", 0, 0, 1, 0.01, percent),
+    high: range("Colours end at", 1, 0, 1, 0.01, percent),
+    shading: choice("Shading", "creases", Object.entries(SHADINGS)),
     edges: check("Edges of the mesh", false),
+    shadow: check("Ground shadow", true),
   });
 
-  constructor(private readonly app: App) {
+  constructor(private readonly app: Viewer) {
     const { scene } = app;
-    this.settings.onChange = () => this.apply(true);
+    this.settings.onChange = (live) => this.change(live);
     byId("display").append(...this.settings.elements());
     byId("toolbar").append(
-      button("Fit", () => scene.fit(), { title: "The whole surface (F)", "aria-keyshortcuts": "f" }),
-      button("+", () => scene.zoom(1.25), { "aria-label": "Zoom in", title: "Nearer (+)" }),
-      button("−", () => scene.zoom(0.8), { "aria-label": "Zoom out", title: "Farther (−)" }),
+      button("Fit", () => this.fit(), {
+        title: "Fit the whole surface (F)",
+        "aria-keyshortcuts": "f",
+      }),
+      button("+", () => scene.zoom(1.25), { "aria-label": "Zoom in", title: "Zoom in (+)" }),
+      button("−", () => scene.zoom(0.8), { "aria-label": "Zoom out", title: "Zoom out (−)" }),
       button("Up", () => this.turnUp(), { title: "Let y or z point up" }),
+      button("↶", () => app.undo(), { "aria-label": "Undo", title: "Undo (Ctrl+Z)" }),
+      button("↷", () => app.redo(), { "aria-label": "Redo", title: "Redo (Ctrl+Shift+Z)" }),
     );
+  }
+
+  fit(): void {
+    this.app.scene.fit();
+    this.app.writeView(false);
   }
 
   private turnUp(): void {
     const { scene } = this.app;
     scene.up = scene.up === "y" ? "z" : "y";
-    scene.fit();
-    this.app.writeState();
+    this.fit();
   }
 
   toggleEdges(): void {
     this.settings.set("edges", !this.settings.on("edges"));
-    this.apply(false);
+    this.apply();
+    this.app.writeView(true);
   }
 
-  /** Puts the settings and the theme on what is shown; `again`: answers are shown again, too. */
-  apply(again: boolean): void {
+  private change(live: boolean): void {
+    const { surface } = this.app.bench;
+    if (surface)
+      localStorage.setItem(unitKey(surface.description.sha256), this.settings.text("unit"));
+    this.apply();
+    this.app.bench.legend.recolour(this.app.bench.colours);
+    if (!live) this.app.reshow();
+    this.app.writeView(!live);
+  }
+
+  /** Returns the settings for the address. */
+  read(): Record<string, string> {
+    return this.settings.read();
+  }
+
+  /**
+   * Restores the settings of an address. Without an address, restores the unit that the user has
+   * chosen for the surface.
+   */
+  restore(parameters: URLSearchParams | undefined): void {
+    const { surface } = this.app.bench;
+    if (parameters) this.settings.restore(parameters);
+    const unit = surface && localStorage.getItem(unitKey(surface.description.sha256));
+    if (!parameters?.has("unit"))
+      this.settings.set("unit", unit && UNITS.includes(unit) ? unit : "units");
+    this.apply();
+  }
+
+  /** Applies settings and theme to the picture. */
+  apply(): void {
     const { app, settings } = this;
-    app.units.file = settings.text("file");
+    app.units.file = settings.text("unit");
     app.units.shown = settings.text("shown");
-    app.bench.display.ramp = settings.text("ramp");
+    const ramp = { name: settings.text("ramp"), isReversed: settings.on("reverse") };
+    const [low, high] = [settings.number("low"), settings.number("high")];
+    app.bench.colours = { ramp, low: Math.min(low, high - 0.01), high };
     const { skin } = app.scene;
-    skin?.setColour(isDark() ? "#a9b4bb" : "#d5dadd");
-    skin?.setRamp(settings.text("ramp"));
-    skin?.setFlat(settings.on("flat") || app.bench.surface?.fine != null); /* a coarse mesh looks as it is */
+    skin?.setColour(isDark() ? SKIN.dark : SKIN.light);
+    skin?.setColours(app.bench.colours);
+    skin?.setShading(settings.text("shading") as Shading);
     app.scene.showEdges(settings.on("edges"));
+    app.scene.showShadow(settings.on("shadow"));
     app.showFacts();
     app.scene.setGround(getComputedStyle(document.body).backgroundColor);
-    if (again) app.changed(false);
   }
 }

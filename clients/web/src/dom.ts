@@ -1,4 +1,4 @@
-// Elements made in one expression. Text is set as text, so nothing that the daemon answers can become markup.
+// Creates elements in one expression. Content is set as text, so answers never become markup.
 
 type Content = Node | string;
 type Attributes = Record<string, string | number | boolean | ((event: never) => void)>;
@@ -9,7 +9,7 @@ function apply(node: HTMLElement, name: string, value: Attributes[string]): void
   else if (value !== false) node.setAttribute(name, String(value));
 }
 
-/** An element with attributes (functions are listeners) and contents. */
+/** Creates an element with attributes (functions become event listeners) and contents. */
 export function make<K extends keyof HTMLElementTagNameMap>(
   tag: K,
   attributes: Attributes = {},
@@ -21,11 +21,15 @@ export function make<K extends keyof HTMLElementTagNameMap>(
   return node;
 }
 
-export function button(label: string, onClick: () => void, attributes: Attributes = {}): HTMLButtonElement {
+export function button(
+  label: string,
+  onClick: () => void,
+  attributes: Attributes = {},
+): HTMLButtonElement {
   return make("button", { type: "button", click: onClick, ...attributes }, label);
 }
 
-/** The element of the page with this id, which index.html promises. */
+/** Returns the element with this id; throws if index.html does not have it. */
 export function byId<T extends HTMLElement = HTMLElement>(id: string): T {
   const node = document.getElementById(id);
   if (!node) throw new Error(`The page has no element #${id}.`);
@@ -34,5 +38,5 @@ export function byId<T extends HTMLElement = HTMLElement>(id: string): T {
 
 let ids = 0;
 
-/** A new id, for a label and what it labels. */
+/** Returns a new id, to connect a label with its control. */
 export const freshId = (): string => `c${++ids}`;

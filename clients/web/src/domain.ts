@@ -1,4 +1,4 @@
-// The domain of a NURBS surface as a small drawing: where the ends lie, and the path's control polygon.
+// Draws the domain of a NURBS surface with the ends of the path and the path's control polygon.
 
 import type { Nurbs, Place } from "../../js/types.d.ts";
 
@@ -12,11 +12,16 @@ function part(tag: string, attributes: Record<string, string | number>): SVGElem
   return node;
 }
 
-/** Lines of the domain, each with a class of the style sheet. */
-export function domainDrawing(surface: Nurbs, lines: { points: Place[]; style: string }[]): SVGSVGElement {
+/** Draws lines of the domain. `style` is a class of the style sheet. */
+export function domainDrawing(
+  surface: Nurbs,
+  lines: { points: Place[]; style: string }[],
+): SVGSVGElement {
   const { u, v } = surface.domain;
-  const x = ([at]: Place): number => MARGIN + ((at - u.range[0]) / (u.range[1] - u.range[0])) * SIZE;
-  const y = ([, at]: Place): number => MARGIN + (1 - (at - v.range[0]) / (v.range[1] - v.range[0])) * SIZE;
+  const x = ([at]: Place): number =>
+    MARGIN + ((at - u.range[0]) / (u.range[1] - u.range[0])) * SIZE;
+  const y = ([, at]: Place): number =>
+    MARGIN + (1 - (at - v.range[0]) / (v.range[1] - v.range[0])) * SIZE;
   const whole = SIZE + 2 * MARGIN;
   const svg = part("svg", {
     viewBox: `0 0 ${whole} ${whole}`,
@@ -27,7 +32,10 @@ export function domainDrawing(surface: Nurbs, lines: { points: Place[]; style: s
   svg.append(part("rect", { x: MARGIN, y: MARGIN, width: SIZE, height: SIZE, class: "border" }));
   for (const { points, style } of lines) {
     svg.append(
-      part("polyline", { points: points.map((p) => `${x(p).toFixed(1)},${y(p).toFixed(1)}`).join(" "), class: style }),
+      part("polyline", {
+        points: points.map((p) => `${x(p).toFixed(1)},${y(p).toFixed(1)}`).join(" "),
+        class: style,
+      }),
     );
   }
   return svg;

@@ -1,34 +1,35 @@
-// A coarse mesh cut finer for its colours: between far vertices a distance is not linear. The finer vertices lie in the
-// faces of the mesh, and the daemon is asked for the exact distance at each.
+// Refines a coarse mesh for its colours, because a distance is not linear in a large face. The new
+// vertices lie in the faces of the mesh. The daemon computes the exact distance at each vertex.
 
 import { type Place, rounded } from "./place.ts";
 import type { Triangles } from "./ply.ts";
 import type { Vec3 } from "./vector.ts";
 
-const COARSE = 3000; /* faces; more are fine enough */
-const FACES = 16000; /* that a coarse mesh is cut into, about */
-const MOST_PARTS = 32; /* of an edge */
+const COARSE = 3000; /* faces; meshes with more are not refined */
+const FACES = 16000; /* the most faces of the refined mesh */
+const MOST_PARTS = 32; /* the most parts of an edge */
 
 export interface Fine {
-  /** In the frame. */
+  /** In normalised coordinates (Frame in prepare.ts). */
   positions: Float32Array;
   faces: Uint32Array;
-  /** Of the mesh: three for each finer vertex, and their weights. */
+  /** The three vertices of the mesh that each refined vertex interpolates; then their weights. */
   corners: Uint32Array;
   weights: Float32Array;
   places: Place[];
 }
 
-/** Weights of the grid points of a triangle whose edges are cut into `parts`, row by row. */
-function gridWeights(parts: number): Vec3[] {
+/** Returns barycentric weights of a triangle's grid points by row; edges have `parts` parts. */
+export function gridWeights(parts: number): Vec3[] {
   const weights: Vec3[] = [];
   for (let i = 0; i <= parts; i++)
-    for (let j = 0; j <= parts - i; j++) weights.push(rounded([1 - (i + j) / parts, j / parts, i / parts]));
+    for (let j = 0; j <= parts - i; j++)
+      weights.push(rounded([1 - (i + j) / parts, j / parts, i / parts]));
   return weights;
 }
 
-/** The grid's triangles by the numbers of its points. */
-function gridFaces(parts: number): number[] {
+/** Returns the triangles between the points of gridWeights, as indices. */
+export function gridFaces(parts: number): number[] {
   const faces: number[] = [];
   for (let i = 0, row = 0; i < parts; row += parts + 1 - i, i++) {
     const above = row + parts + 1 - i;
@@ -40,17 +41,17 @@ function gridFaces(parts: number): number[] {
   return faces;
 }
 
-/** The part of a surface that refined reads. */
+/** The properties of a surface that `refined` reads. */
 interface Coarse {
-  readonly faceCount: number;
+  readonly drawnFaces: number;
   readonly positions: Float32Array;
   readonly triangles: Triangles;
   place(face: number, weights: Vec3): Place;
 }
 
-/** The finer mesh; null for one that is fine enough. */
+/** Returns the refined mesh; null if the mesh is fine enough. */
 export function refined(surface: Coarse): Fine | null {
-  const { faceCount, positions } = surface;
+  const { drawnFaces: faceCount, positions } = surface;
   if (faceCount > COARSE) return null;
   const parts = Math.min(MOST_PARTS, Math.floor(Math.sqrt(FACES / faceCount)));
   const [grid, triangles] = [gridWeights(parts), gridFaces(parts)];
@@ -78,7 +79,7 @@ export function refined(surface: Coarse): Fine | null {
   return fine;
 }
 
-/** What is `size` numbers a vertex of the mesh, at each of the finer vertices, linear between. */
+/** Interpolates `size` numbers per vertex of the mesh at the refined vertices. */
 export function interpolated(fine: Fine, values: ArrayLike<number>, size: number): Float64Array {
   const { corners, weights } = fine;
   const count = corners.length / 3;

@@ -1,6 +1,15 @@
-// An object that moves along a curve: it looks where the curve goes, and stands upright on the surface.
+// An object that moves along a curve: it points along the tangent and stands on the surface.
 
-import { ConeGeometry, Group, Matrix4, Mesh, MeshLambertMaterial, BoxGeometry, Vector3 } from "three";
+import {
+  ConeGeometry,
+  Group,
+  Matrix4,
+  Mesh,
+  MeshLambertMaterial,
+  BoxGeometry,
+  Vector3,
+} from "three";
+import { encode } from "./encode.ts";
 import type { Scene } from "./scene.ts";
 import type { Vec3 } from "./vector.ts";
 
@@ -11,21 +20,27 @@ export interface Frame {
   binormal: Vec3;
 }
 
-const SIZE = 0.075; /* in the surface's frame */
-const ROUND = 8; /* seconds that a whole curve takes */
+const SIZE = 0.075; /* in normalised coordinates (Frame in prepare.ts) */
+const ROUND = 8; /* seconds for the whole curve */
+
+function paint(color: string): MeshLambertMaterial {
+  const material = new MeshLambertMaterial({ color });
+  material.onBeforeCompile = encode;
+  return material;
+}
 
 function shape(): Group {
   const body = new Mesh(
     new ConeGeometry(SIZE * 0.3, SIZE * 2, 20).rotateZ(-Math.PI / 2),
-    new MeshLambertMaterial({ color: "#c98a00" }),
+    paint("#c98a00"),
   );
   const fin = new Mesh(
     new BoxGeometry(SIZE * 0.6, SIZE * 0.08, SIZE * 0.9).translate(-SIZE * 0.5, 0, SIZE * 0.4),
-    new MeshLambertMaterial({ color: "#7a1fa2" }),
+    paint("#7a1fa2"),
   );
   const wings = new Mesh(
     new BoxGeometry(SIZE * 0.5, SIZE * 1.8, SIZE * 0.08).translate(-SIZE * 0.3, 0, 0),
-    new MeshLambertMaterial({ color: "#7a1fa2" }),
+    paint("#7a1fa2"),
   );
   return new Group().add(body, fin, wings);
 }
@@ -41,9 +56,7 @@ export class Glider {
     this.object.matrixAutoUpdate = false;
   }
 
-  /**
-   * Goes along these frames, which follow each other at equal times; where it is now it stays, as a part of the whole.
-   */
+  /** Moves along frames at equal times. On a new curve, continues at the same fraction. */
   follow(frames: Frame[]): void {
     this.frames = frames;
     this.scene.props.add(this.object);

@@ -1,13 +1,13 @@
-// The points as buttons over the picture: they can be dragged by mouse, pen and finger, and moved by the arrow keys.
+// Shows points as buttons over the picture. Mouse, pen and finger drag them; arrow keys move them.
 
 import { make } from "./dom.ts";
 import type { Place } from "./place.ts";
 import type { Mark, Points } from "./points.ts";
 import type { Pixel, Scene } from "./scene.ts";
 
-const STEP = 4; /* pixels an arrow key moves a point */
+const STEP = 4; /* pixels by which an arrow key moves a point */
 const LARGE_STEP = 24; /* with Shift */
-const STRIDES = 32; /* in which the outline is looked for */
+const STRIDES = 32; /* steps of the search for the outline */
 const ARROWS: Record<string, Pixel> = {
   ArrowLeft: { x: -1, y: 0 },
   ArrowRight: { x: 1, y: 0 },
@@ -24,9 +24,17 @@ export class Handles {
     private readonly layer: HTMLElement,
     private readonly scene: Scene,
     private readonly points: Points,
-  ) {}
+  ) {
+    layer.addEventListener("wheel", (event) => this.passWheel(event), { passive: false });
+  }
 
-  /** A button for each point, as they are now. Buttons stay, so that the focus does. */
+  /** Forwards wheel events to the canvas, so that the wheel zooms over a handle, too. */
+  private passWheel(event: WheelEvent): void {
+    event.preventDefault();
+    this.scene.canvas.dispatchEvent(new WheelEvent(event.type, event));
+  }
+
+  /** Makes a button for each point. Buttons are reused, so that the focus stays. */
   update(): void {
     this.marks = this.points.all;
     while (this.buttons.length > this.marks.length) this.buttons.pop()!.remove();
@@ -40,7 +48,7 @@ export class Handles {
     node.setAttribute("aria-label", label);
     node.title = `${label}: drag it, or move it by the arrow keys`;
     node.style.setProperty("--mark", mark.group.colour);
-    node.textContent = mark.group.most === 1 ? "" : String(mark.index + 1);
+    node.textContent = mark.group.letter ?? (mark.group.most === 1 ? "" : String(mark.index + 1));
   }
 
   private append(): void {
@@ -58,7 +66,7 @@ export class Handles {
     this.layer.append(node);
   }
 
-  /** Puts the buttons where their points are seen now. */
+  /** Moves the buttons to their points in the picture. */
   place(): void {
     this.marks.forEach((mark, i) => {
       const { x, y } = this.scene.project(mark.place.xyz);
@@ -90,14 +98,17 @@ export class Handles {
   }
 
   /**
-   * The surface at a pixel; beside the surface what is first seen on the way to its middle, so that a point glides
-   * along the outline.
+   * Returns the surface point at a pixel. Beside the surface, returns the first surface point on
+   * the line to the middle of the surface, so that a dragged point glides along the outline.
    */
   private towardsMiddle(pixel: Pixel): Place | null {
     const middle = this.scene.middle;
     for (let i = 0; i < STRIDES; i++) {
       const t = i / STRIDES;
-      const place = this.scene.pick({ x: pixel.x + t * (middle.x - pixel.x), y: pixel.y + t * (middle.y - pixel.y) });
+      const place = this.scene.pick({
+        x: pixel.x + t * (middle.x - pixel.x),
+        y: pixel.y + t * (middle.y - pixel.y),
+      });
       if (place) return place;
     }
     return null;

@@ -1,25 +1,29 @@
-// Keys, and the dialog that tells them.
+// The keys of the page, and the dialog that lists them.
 
 import type { App } from "./app.ts";
-import type { Display } from "./display.ts";
 import { button, byId, make } from "./dom.ts";
+import type { Kept } from "./kept.ts";
 
 const KEYS: [string, string][] = [
-  ["1 to 9", "what to ask for"],
+  ["1 to 9", "choose a question"],
   ["A", "set a point in the middle of the picture"],
+  ["Shift+click", "add a point on the way of a path"],
   ["Tab", "go from point to point; arrow keys move a point, with Shift farther; Delete removes it"],
   ["Arrow keys", "turn the surface, when the picture has the focus; + and − zoom"],
   ["F", "fit the surface into the picture"],
-  ["E", "show the edges of the mesh"],
+  ["E", "show or hide the edges of the mesh"],
+  ["K", "keep the path"],
   ["C", "copy the request as curl"],
-  ["Esc", "cancel what is under way"],
+  ["L", "copy a link to this view"],
+  ["Ctrl+Z", "undo; Ctrl+Shift+Z or Ctrl+Y: redo"],
+  ["Esc", "cancel the running question"],
   ["?", "this list"],
 ];
 
 const HELP =
   "Click the surface to set points, drag them to move them. Drag the picture to turn it, with the right button or two " +
-  "fingers to shift it, and use the wheel or pinch to zoom. The address of the page tells all that is shown: copy it to " +
-  "show it to others.";
+  "fingers to shift it. The wheel or a pinch zooms to the cursor. The address holds surface, points, question, unit, " +
+  "colours, edges and camera: copy it to show this view to others. Kept paths stay in this window only.";
 
 const isTyping = (target: EventTarget | null): boolean =>
   target instanceof HTMLElement &&
@@ -30,9 +34,12 @@ export class Help {
 
   constructor(
     private readonly app: App,
-    private readonly display: Display,
+    private readonly kept: Kept,
   ) {
-    const rows = KEYS.flatMap(([key, what]) => [make("dt", {}, make("kbd", {}, key)), make("dd", {}, what)]);
+    const rows = KEYS.flatMap(([key, what]) => [
+      make("dt", {}, make("kbd", {}, key)),
+      make("dd", {}, what),
+    ]);
     this.dialog.append(
       make("h2", { id: "help-title" }, "How to use it"),
       make("p", {}, HELP),
@@ -47,11 +54,18 @@ export class Help {
   }
 
   private key(event: KeyboardEvent): void {
-    if (event.ctrlKey || event.metaKey || event.altKey || isTyping(event.target) || this.dialog.open) return;
-    const action = this.actionOf(event.key);
+    if (event.altKey || isTyping(event.target) || this.dialog.open) return;
+    const action =
+      event.ctrlKey || event.metaKey ? this.historyOf(event) : this.actionOf(event.key);
     if (!action) return;
     action();
     event.preventDefault();
+  }
+
+  private historyOf({ key, shiftKey }: KeyboardEvent): (() => void) | undefined {
+    const letter = key.toLowerCase();
+    if (letter === "y" || (letter === "z" && shiftKey)) return () => this.app.redo();
+    return letter === "z" ? () => this.app.undo() : undefined;
   }
 
   private actionOf(key: string): (() => void) | undefined {
@@ -60,8 +74,10 @@ export class Help {
     if (mode) return () => void app.choose(mode);
     const actions: Record<string, () => void> = {
       a: () => app.addAt({ x: app.scene.size.x / 2, y: app.scene.size.y / 2 }),
-      f: () => app.scene.fit(),
-      e: () => this.display.toggleEdges(),
+      f: () => app.display.fit(),
+      e: () => app.display.toggleEdges(),
+      k: () => this.kept.keep(),
+      l: () => void app.copyLink(),
       c: () => void app.answer.copy(),
       Escape: () => app.cancel(),
       "?": () => this.open(),

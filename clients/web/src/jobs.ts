@@ -1,11 +1,11 @@
-// Long work as a job of the daemon: its progress is watched, and it can be cancelled.
+// Runs slow requests as jobs of the daemon, with progress and cancellation.
 
 import type { Job } from "../../js/types.d.ts";
-import { type Api, errorOf, type Request } from "./api.ts";
+import { type Api, type Request } from "./api.ts";
 
 export type OnProgress = (part: number, state: Job["state"]) => void;
 
-/** The data of the server-sent events of a stream, one after the other. */
+/** Yields the data of the server-sent events of a stream. */
 async function* events(response: Response): AsyncGenerator<Job> {
   const reader = response.body!.pipeThrough(new TextDecoderStream()).getReader();
   let text = "";
@@ -21,11 +21,18 @@ async function* events(response: Response): AsyncGenerator<Job> {
 
 const hasEnded = (job: Job): boolean => job.state !== "queued" && job.state !== "running";
 
-/** Follows a job until it has ended; a stream that ends early is opened again. */
-async function follow(api: Api, path: string, onProgress: OnProgress, signal?: AbortSignal): Promise<Job> {
+/** Follows a job until it has ended. Reopens the stream if it ends earlier. */
+async function follow(
+  api: Api,
+  path: string,
+  onProgress: OnProgress,
+  signal?: AbortSignal,
+): Promise<Job> {
   for (;;) {
-    const stream = await api.fetch({ method: "GET", path: `${path}/events`, accept: "text/event-stream" }, signal);
-    if (!stream.ok) throw await errorOf(stream);
+    const stream = await api.send(
+      { method: "GET", path: `${path}/events`, accept: "text/event-stream" },
+      signal,
+    );
     for await (const job of events(stream)) {
       onProgress(job.progress, job.state);
       if (hasEnded(job)) return job;
@@ -34,7 +41,8 @@ async function follow(api: Api, path: string, onProgress: OnProgress, signal?: A
 }
 
 /**
- * Waits for a job and answers what its request would have answered itself. An abort cancels the job at the daemon, too.
+ * Waits for a job and returns the response of its request. Aborting the signal also cancels the job
+ * at the daemon.
  */
 export async function followJob(
   api: Api,
@@ -53,7 +61,7 @@ export async function followJob(
   }
 }
 
-/** Sends a request as a job and answers as if it had been none. */
+/** Sends a request as a job and returns the response of the request. */
 export async function runJob(
   api: Api,
   request: Request,

@@ -1,5 +1,4 @@
-// Work of which only the newest matters: one at a time, and what was asked for meanwhile is done next, the last of it
-// only.
+// Runs one task at a time. The next task takes the newest input; older inputs are dropped.
 
 export class Latest<T> {
   private next: T | undefined;

@@ -1,26 +1,33 @@
-// Lines on the surface, some pixels wide; where the surface hides them they shine through faintly.
+// Lines on the surface, some pixels wide. Parts behind the surface are drawn faintly.
 
 import { Group } from "three";
 import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
 import { LineSegments2 } from "three/examples/jsm/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeometry.js";
-import { GreaterDepth, type ColorRepresentation } from "three";
+import {
+  GreaterDepth,
+  NotEqualStencilFunc,
+  ReplaceStencilOp,
+  type ColorRepresentation,
+} from "three";
+import { encode } from "./encode.ts";
 import type { Vec3 } from "./vector.ts";
 
 /**
- * How far lines are lifted towards the eye, in steps of a depth of 24 bits: over the triangles that stand for a smooth
- * surface, too.
+ * Offset of lines towards the eye, in units of a 24-bit depth buffer. Without it, triangles that
+ * approximate the surface would hide lines on the exact surface.
  */
 const LIFT = 12000;
+const PREVIEW_LIFT = 4 * LIFT; /* a preview deviates more from the exact surface */
 
 export interface LineStyle {
   colour: ColorRepresentation;
   width: number;
-  /** How much of it shows through the surface: 0 to 1, 0.25 unless it is said. */
+  /** Opacity of hidden parts, 0 to 1; 0.25 by default. */
   hidden?: number;
 }
 
-/** Pairs of ends, as the geometry wants them. */
+/** Returns the two ends of each segment, one segment after the other. */
 function segmentsOf(polylines: Vec3[][]): Float32Array {
   const count = polylines.reduce((sum, line) => sum + Math.max(0, line.length - 1), 0);
   const ends = new Float32Array(6 * count);
@@ -31,31 +38,44 @@ function segmentsOf(polylines: Vec3[][]): Float32Array {
   return ends;
 }
 
-function material(style: LineStyle, behind: boolean): LineMaterial {
+/**
+ * Returns a material for lines, or for the hidden parts of lines (`behind`). Segments overlap at
+ * their round ends. The stencil blends each pixel of hidden parts once, so that many short segments
+ * do not add up to an opaque line.
+ */
+function material(style: LineStyle, behind: boolean, lift: number): LineMaterial {
   const made = new LineMaterial({
     color: style.colour,
     linewidth: style.width,
     transparent: true,
     depthWrite: false,
     polygonOffset: true,
-    polygonOffsetUnits: -LIFT,
+    polygonOffsetUnits: -lift,
   });
+  made.onBeforeCompile = encode;
   if (behind) {
     made.depthFunc = GreaterDepth;
     made.opacity = style.hidden ?? 0.25;
+    made.stencilWrite = true;
+    made.stencilRef = 1;
+    made.stencilFunc = NotEqualStencilFunc;
+    made.stencilZPass = ReplaceStencilOp;
   }
   return made;
 }
 
 export class Lines {
   readonly group = new Group();
+  /** Whether the lines lie on a preview. */
+  isOverPreview = false;
   /**
-   * Kept: with its last material a program of the graphics card would go, and be compiled again for the next answer.
+   * Materials by style. They are reused, because three.js drops a program together with its last
+   * material.
    */
   private readonly materials = new Map<string, LineMaterial>();
   private readonly sets = new Map<string, LineSegments2[]>();
 
-  /** Shows polylines of the frame under a name, in the place of what had that name. */
+  /** Shows polylines in normalised coordinates. Replaces the polylines with the same name. */
   set(name: string, polylines: Vec3[][], style: LineStyle): void {
     this.remove(name);
     const ends = segmentsOf(polylines);
@@ -70,8 +90,9 @@ export class Lines {
   }
 
   private material(style: LineStyle, behind: boolean): LineMaterial {
-    const key = JSON.stringify([style, behind]);
-    if (!this.materials.has(key)) this.materials.set(key, material(style, behind));
+    const lift = this.isOverPreview ? PREVIEW_LIFT : LIFT;
+    const key = JSON.stringify([style, behind, lift]);
+    if (!this.materials.has(key)) this.materials.set(key, material(style, behind, lift));
     return this.materials.get(key)!;
   }
 
@@ -81,6 +102,10 @@ export class Lines {
       this.group.remove(object);
     }
     this.sets.delete(name);
+  }
+
+  get isEmpty(): boolean {
+    return this.sets.size === 0;
   }
 
   clear(): void {

@@ -1,10 +1,15 @@
-// Starts the viewer, and shows those who look for it what it knows: `window.geodesicd`.
+// Starts the viewer, and publishes its state as `window.geodesicd`.
 
 import { buildAccess } from "./access.ts";
 import { App } from "./app.ts";
 import { button, byId } from "./dom.ts";
-import { Display } from "./display.ts";
+import { Derive } from "./derive.ts";
+import { Downloads } from "./download.ts";
+import { embed } from "./embed.ts";
+import { buildFold } from "./fold.ts";
 import { Help } from "./help.ts";
+import { Hover } from "./hover.ts";
+import { Kept } from "./kept.ts";
 import { ModePicker } from "./modepicker.ts";
 import { PointList } from "./pointlist.ts";
 import { ServicePanel } from "./service.ts";
@@ -12,16 +17,20 @@ import { themeSwitch } from "./theme.ts";
 import { Touch } from "./touch.ts";
 
 const app = new App();
-const display = new Display(app);
-const help = new Help(app, display);
+const kept = new Kept(app);
+const help = new Help(app, kept);
+new Derive(app);
+new Downloads(app);
+new Hover(app);
 new ModePicker(app);
 new PointList(app);
 new ServicePanel(app.api);
-new Touch(app.scene, (pixel) => app.addAt(pixel));
+new Touch(app.scene, (pixel, hasShift) => app.addAt(pixel, hasShift));
 buildAccess(app);
-app.onSurface = () => display.apply(false);
+buildFold();
+embed(app);
 byId("switches").append(
-  themeSwitch(() => display.apply(false)),
+  themeSwitch(() => app.display.apply()),
   button("Help", () => help.open(), { "aria-keyshortcuts": "?" }),
 );
 
@@ -30,21 +39,21 @@ const ready = app.start();
 declare global {
   interface Window {
     geodesicd: {
-      /** Settled when the page shows what its URL says. */
+      /** Resolves when the page shows the content of its address. */
       ready: Promise<void>;
-      /** What the URL tells. */
+      /** The parameters of the address. */
       readonly state: Record<string, string>;
-      /** The pixel of the window where a point of space is seen. */
+      /** Returns the pixel of the window that shows a point in space. */
       camera: { project: (point: [number, number, number]) => { x: number; y: number } };
       /** The points that are set, by group. */
       readonly points: Record<string, { face: number; barycentric: number[]; xyz: number[] }[]>;
-      /** The last answer of the API to the present mode. */
+      /** The last answer of the API to a query of the mode. */
       readonly last: unknown;
-      /** Is a question under way? */
+      /** Whether a query, a load or an upload is running. */
       readonly busy: boolean;
-      /** Answers a second while something was dragged, in the last two seconds of it. */
+      /** Answers per second in the last two seconds of a drag. */
       readonly answersPerSecond: number;
-      /** What "Copy as curl" copies. */
+      /** The command that "Copy as curl" copies. */
       readonly curl: string;
     };
   }

@@ -1,4 +1,4 @@
-// The modes, as one choice among many.
+// The control that chooses the mode.
 
 import type { App } from "./app.ts";
 import { byId, make } from "./dom.ts";
@@ -9,13 +9,23 @@ export class ModePicker {
 
   constructor(private readonly app: App) {
     this.inputs = app.modes.map((mode) =>
-      make("input", { type: "radio", name: "mode", value: mode.id, change: () => void app.choose(mode) }),
+      make("input", {
+        type: "radio",
+        name: "mode",
+        value: mode.id,
+        change: () => void app.choose(mode),
+      }),
     );
     const labels = app.modes.map((mode, i) =>
       make("label", { class: "chip" }, this.inputs[i]!, make("span", {}, mode.title)),
     );
     byId("modes").append(
-      make("fieldset", { class: "row" }, make("legend", { class: "unseen" }, "What to ask for"), ...labels),
+      make(
+        "fieldset",
+        { class: "row" },
+        make("legend", { class: "unseen" }, "What to ask for"),
+        ...labels,
+      ),
     );
     app.watchers.push(() => this.show());
   }
@@ -25,6 +35,8 @@ export class ModePicker {
     if (id === this.shown) return;
     this.shown = id;
     for (const input of this.inputs) input.checked = input.value === id;
-    this.inputs.find((input) => input.checked)?.parentElement!.scrollIntoView({ block: "nearest", inline: "center" });
+    this.inputs
+      .find((input) => input.checked)
+      ?.parentElement!.scrollIntoView({ block: "nearest", inline: "center" });
   }
 }

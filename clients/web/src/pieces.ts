@@ -1,15 +1,17 @@
-// The pieces of a cut in the place of the surface, each in its colour, pulled away from the middle.
+// Shows the pieces of a cut instead of the surface, each in its colour, moved apart.
 
 import type { Bench } from "./bench.ts";
 import { hexOf, memberColour } from "./colours.ts";
+import { shaded } from "./creases.ts";
 import { parsePly, type Triangles } from "./ply.ts";
 import { Skin } from "./skin.ts";
 import { scale, type Vec3 } from "./vector.ts";
 
-/** The mean of the triangles' corners: where a piece is. */
+/** Returns the mean of the triangles' corners. */
 function middleOf(positions: Float32Array, faces: Uint32Array): Vec3 {
   const sum: Vec3 = [0, 0, 0];
-  for (const vertex of faces) for (let axis = 0; axis < 3; axis++) sum[axis]! += positions[3 * vertex + axis]!;
+  for (const vertex of faces)
+    for (let axis = 0; axis < 3; axis++) sum[axis]! += positions[3 * vertex + axis]!;
   return scale(sum, 1 / faces.length);
 }
 
@@ -23,12 +25,12 @@ export class Pieces {
     return this.skins.length > 0;
   }
 
-  /** Whether the pieces that are shown were made by this cut. */
+  /** Returns whether the pieces of this cut are shown. */
   isOf(key: string): boolean {
     return this.areShown && this.key === key;
   }
 
-  /** Fetches the pieces and shows them instead of the surface; `key` tells the cut. */
+  /** Loads the pieces and shows them instead of the surface; `key` identifies the cut. */
   async show(names: string[], key: string): Promise<void> {
     const all = await Promise.all(names.map((name) => this.fetch(name)));
     this.clear();
@@ -47,13 +49,13 @@ export class Pieces {
 
   private add({ positions, faces }: Triangles, i: number): { skin: Skin; middle: Vec3 } {
     const view = this.bench.surface!.view(positions);
-    const skin = new Skin(view, faces);
+    const skin = new Skin({ positions: view, faces }, shaded(view, faces));
     skin.setColour(hexOf(memberColour(i)));
     this.bench.scene.solids.add(skin.mesh);
     return { skin, middle: middleOf(view, faces) };
   }
 
-  /** How far, in parts of the way that they lie from the middle. */
+  /** Moves each piece away from the middle, by this fraction of its distance from the middle. */
   pull(part: number): void {
     for (const { skin, middle } of this.skins) skin.mesh.position.set(...scale(middle, part));
     if (this.skins.length > 0) this.bench.scene.redraw();

@@ -1,6 +1,7 @@
-// A point of a surface as the page knows it: in a face of the mesh that is shown.
+// A place: a point of a surface, given by a face of the drawn mesh and barycentric coordinates.
 
 import type { Point, PointAnswer } from "../../js/types.d.ts";
+import { type Api, ApiError } from "./api.ts";
 import type { Vec3 } from "./vector.ts";
 
 export interface Place {
@@ -9,39 +10,65 @@ export interface Place {
   /** In the file's unit. */
   xyz: Vec3;
   /**
-   * The daemon knows the faces of this surface otherwise than its file tells them, so the point is told by its
-   * coordinates.
+   * Whether requests have the point's coordinates, because face numbers of the daemon differ from
+   * those of the drawn mesh.
    */
   isFree?: boolean;
+  /** The ray that hit the preview here. The daemon computes where it hits the original mesh. */
+  ray?: { origin: Vec3; direction: Vec3 };
 }
 
-/** Six digits are finer than any screen; the last weight makes the sum 1. */
+/** Rounds weights to six digits, finer than a pixel. The last weight makes the sum 1. */
 export function rounded(barycentric: Vec3): Vec3 {
   const [a, b] = [Number(barycentric[0].toFixed(6)), Number(barycentric[1].toFixed(6))];
   return [a, b, Math.max(0, Number((1 - a - b).toFixed(6)))];
 }
 
-export const pointOf = ({ face, barycentric, xyz, isFree }: Place): Point => (isFree ? { xyz } : { face, barycentric });
+export function pointOf({ face, barycentric, xyz, isFree, ray }: Place): Point {
+  if (ray) return { ray };
+  return isFree ? { xyz } : { face, barycentric };
+}
 
-/** As in the query string of the API: `f:34:0.2,0.3,0.5`. */
+/** Returns the compact form of the API: `f:34:0.2,0.3,0.5`. */
 export const compactOf = ({ face, barycentric, xyz, isFree }: Place): string =>
   isFree ? `p:${xyz.join(",")}` : `f:${face}:${barycentric.join(",")}`;
 
-/** What the daemon says of a point. */
+/** Converts a point of an answer to a place. */
 export function placeOf(answer: PointAnswer, isFree: boolean): Place {
-  return { face: answer.face!, barycentric: answer.barycentric as Vec3, xyz: answer.xyz as Vec3, isFree };
+  return {
+    face: answer.face!,
+    barycentric: answer.barycentric as Vec3,
+    xyz: answer.xyz as Vec3,
+    isFree,
+  };
 }
 
-/** The coordinates of a compact point of space, or null. */
+/** Parses a compact point in space (`p:1,2,3`); returns null for any other text. */
 export function parseXyz(text: string): Vec3 | null {
   const numbers = /^p:(.*)$/.exec(text.trim())?.[1]?.split(",").map(Number) ?? [];
   return numbers.length === 3 && numbers.every(Number.isFinite) ? (numbers as Vec3) : null;
 }
 
-/** The face and weights of a compact point of that form, or null. */
+/** Parses a compact point in a face (`f:…`); returns null for any other text. */
 export function parseCompact(text: string): { face: number; barycentric: Vec3 } | null {
   const match = /^f:(\d+):([^,]+),([^,]+),([^,]+)$/.exec(text.trim());
   if (!match) return null;
   const barycentric: Vec3 = [Number(match[2]), Number(match[3]), Number(match[4])];
   return barycentric.every(Number.isFinite) ? { face: Number(match[1]), barycentric } : null;
+}
+
+/** Moves a place that was picked on a preview to the original mesh. */
+export async function snapped(api: Api, path: string, place: Place): Promise<Place> {
+  if (!place.ray) return place;
+  const nearest = (point: Point): Promise<PointAnswer> =>
+    api.json<PointAnswer>({ method: "POST", path: `${path}/nearest`, json: { point } });
+  try {
+    return placeOf(await nearest({ ray: place.ray }), true);
+  } catch (error) {
+    if (!(error instanceof ApiError)) throw error;
+    return placeOf(
+      await nearest({ xyz: place.xyz }),
+      true,
+    ); /* near the outline, the ray misses the original */
+  }
 }

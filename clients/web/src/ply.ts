@@ -1,9 +1,10 @@
-// The daemon's own PLY: binary, little-endian, doubles, triangles in the order of the mesh's faces.
+// Parses PLY files of the daemon: binary, little-endian, doubles, triangles in the order of the
+// mesh's faces.
 
 export interface Triangles {
-  /** Three coordinates a vertex, in the file's unit. */
+  /** Three coordinates per vertex, in the file's unit. */
   positions: Float64Array;
-  /** Three corners a face. */
+  /** Three vertex indices per face. */
   faces: Uint32Array;
 }
 
@@ -26,9 +27,14 @@ function readFaces(view: DataView, at: number, faceCount: number): Uint32Array {
 }
 
 export function parsePly(bytes: ArrayBuffer): Triangles {
-  const head = new TextDecoder("latin1").decode(new Uint8Array(bytes, 0, Math.min(1024, bytes.byteLength)));
+  const head = new TextDecoder("latin1").decode(
+    new Uint8Array(bytes, 0, Math.min(1024, bytes.byteLength)),
+  );
   const start = head.indexOf("end_header\n") + "end_header\n".length;
   const vertexBytes = 24 * count(head, "vertex");
   const positions = new Float64Array(bytes.slice(start, start + vertexBytes));
-  return { positions, faces: readFaces(new DataView(bytes), start + vertexBytes, count(head, "face")) };
+  return {
+    positions,
+    faces: readFaces(new DataView(bytes), start + vertexBytes, count(head, "face")),
+  };
 }

@@ -1,9 +1,9 @@
-// The points as text: each can be read, typed in any form that the API takes, and removed.
+// Shows points as text. The user can edit them, in all forms of the API, and remove them.
 
 import type { PointAnswer } from "../../js/types.d.ts";
 import type { App } from "./app.ts";
 import { button, byId, make } from "./dom.ts";
-import { compactOf, placeOf } from "./place.ts";
+import { compactOf, parseXyz, placeOf } from "./place.ts";
 import type { Mark } from "./points.ts";
 
 export class PointList {
@@ -23,9 +23,10 @@ export class PointList {
     byId("points").addEventListener("toggle", () => this.show());
   }
 
-  /** Rows are kept while one of them has the focus, so that typing is not disturbed. */
+  /** Shows the points. Leaves the rows unchanged while one has the focus: the user types. */
   private show(): void {
-    if (!byId<HTMLDetailsElement>("points").open || this.body.contains(document.activeElement)) return;
+    if (!byId<HTMLDetailsElement>("points").open || this.body.contains(document.activeElement))
+      return;
     this.body.replaceChildren(...this.app.points.groups.flatMap((_, g) => this.rows(g)));
   }
 
@@ -41,11 +42,17 @@ export class PointList {
         () => points.remove(mark),
       ),
     );
-    if (marks.length < group.most) rows.push(this.row(`${group.label}, a new one`, "", (text) => this.add(g, text)));
+    if (marks.length < group.most)
+      rows.push(this.row(`${group.label}, new`, "", (text) => this.add(g, text)));
     return rows;
   }
 
-  private row(label: string, value: string, take: (text: string) => Promise<void>, remove?: () => void): HTMLElement {
+  private row(
+    label: string,
+    value: string,
+    take: (text: string) => Promise<void>,
+    remove?: () => void,
+  ): HTMLElement {
     const input = make("input", {
       type: "text",
       value,
@@ -62,16 +69,21 @@ export class PointList {
     return make("div", { class: "point" }, make("span", {}, label), input, ...more);
   }
 
-  /** The place that a compact point names, as the daemon understands it. */
+  /** Converts a compact point to a place. On smooth surfaces, only points in space are valid. */
   private async place(text: string): Promise<Mark["place"] | null> {
     const { api, answer, bench } = this.app;
+    const surface = bench.surface!;
+    const xyz = parseXyz(text);
     try {
-      return placeOf(
-        await api.get<PointAnswer>(`${bench.surface!.meshPath}/nearest`, { point: text }),
-        bench.surface!.isRenumbered,
-      );
+      if (surface.kind === "meshes")
+        return placeOf(
+          await api.get<PointAnswer>(`${surface.path}/nearest`, { point: text }),
+          surface.isRenumbered,
+        );
+      if (!xyz) throw new Error("On a smooth surface, type a point of space: p:1,2,3.");
+      return { face: 0, barycentric: [1, 0, 0], xyz, isFree: true };
     } catch (error) {
-      answer.fail(error);
+      answer.warn(error);
       return null;
     }
   }

@@ -1,18 +1,22 @@
-// The points that the user has set, in the groups that a mode takes.
+// The points that the user has set, in the groups of the mode.
 
 import { compactOf, type Place } from "./place.ts";
 import type { Surface } from "./surface.ts";
 
 export interface Group {
-  /** In the URL. */
+  /** The group's parameter of the address. */
   id: string;
   label: string;
-  /** As many must be there before anything is asked. */
+  /** The label in the picture, for a group of one point. */
+  letter?: string;
+  /** Number of points that the query needs. */
   least: number;
-  /** As many are there at first; `least` if it is left out. */
+  /** Number of points at the start of the mode; `least` by default. */
   first?: number;
   most: number;
   colour: string;
+  /** Whether plain clicks do not add points to the group. */
+  isOptional?: boolean;
 }
 
 export interface Mark {
@@ -21,19 +25,19 @@ export interface Mark {
   place: Place;
 }
 
-/** What has changed: a mark that is being dragged changes `live`. */
+/** `live`: a point is being dragged. */
 export type OnChange = (live: boolean) => void;
 
 export class Points {
   groups: Group[] = [];
-  /** The one that takes the next click. */
+  /** The index of the group to which the next click adds a point. */
   active = 0;
   private places: Place[][] = [];
   onChange: OnChange = () => {};
-  /** Called when they are to be shown, or hidden, or not any more. */
+  /** Called when the look of the points changes. */
   onLook: () => void = () => {};
 
-  /** Other groups, without points. */
+  /** Sets new groups, without points. */
   reset(groups: Group[]): void {
     this.groups = groups;
     this.places = groups.map(() => []);
@@ -45,7 +49,9 @@ export class Points {
   }
 
   get all(): Mark[] {
-    return this.groups.flatMap((group, g) => this.places[g]!.map((place, index) => ({ group, index, place })));
+    return this.groups.flatMap((group, g) =>
+      this.places[g]!.map((place, index) => ({ group, index, place })),
+    );
   }
 
   get complete(): boolean {
@@ -60,30 +66,44 @@ export class Points {
     return this.places[g]!.length >= this.groups[g]!.most;
   }
 
-  /** The next group that still takes a point gets the next one. */
+  /** If the active group is full, makes the first group with space active. */
   private advance(): void {
     if (!this.isFull(this.active)) return;
-    const next = this.groups.findIndex((_, g) => !this.isFull(g));
+    const next = this.groups.findIndex((group, g) => !this.isFull(g) && !group.isOptional);
     if (next >= 0) this.active = next;
   }
 
+  /** The index of the mode's optional group, or undefined. */
+  get optional(): number | undefined {
+    const g = this.groups.findIndex((group) => group.isOptional);
+    return g < 0 ? undefined : g;
+  }
+
   /**
-   * A click on the surface. Where every group is full and none has more than one point, all begin anew; else the active
-   * one does.
+   * Adds a point to a group, by default to the active one. If all groups are full, removes the
+   * points of all groups if each takes one point, else the points of the active group.
    */
-  add(place: Place): Mark {
+  add(place: Place, to?: number): Mark {
+    if (to !== undefined) return this.append(place, to);
     this.advance();
     if (this.isFull(this.active)) this.restart();
-    const places = this.places[this.active]!;
+    return this.append(place, this.active);
+  }
+
+  private append(place: Place, g: number): Mark {
+    const places = this.places[g]!;
     places.push(place);
-    const mark = { group: this.groups[this.active]!, index: places.length - 1, place };
+    const mark = { group: this.groups[g]!, index: places.length - 1, place };
     this.advance();
     this.onChange(false);
     return mark;
   }
 
   private restart(): void {
-    if (this.groups.length > 1 && this.groups.every((group) => group.most === 1)) {
+    if (
+      this.groups.length > 1 &&
+      this.groups.every((group) => group.most === 1 || group.isOptional)
+    ) {
       this.places = this.groups.map(() => []);
       this.active = 0;
     } else {
@@ -98,6 +118,16 @@ export class Points {
     this.onChange(live);
   }
 
+  /** Replaces each place by another form of the same point. Does not call `onChange`. */
+  async map(change: (place: Place) => Promise<Place>): Promise<void> {
+    for (const places of this.places) {
+      for (const [i, place] of places.entries()) {
+        const changed = await change(place);
+        if (places[i] === place) places[i] = changed;
+      }
+    }
+  }
+
   remove(mark: Mark): void {
     this.of(mark.group.id).splice(mark.index, 1);
     this.onChange(false);
@@ -108,7 +138,7 @@ export class Points {
     this.onChange(false);
   }
 
-  /** Points of a group, as they are in a URL, without a word to anybody. */
+  /** Sets the points of a group from an address. Does not call `onChange`. */
   restore(id: string, text: string, surface: Surface): void {
     const g = this.groups.findIndex((group) => group.id === id);
     if (g < 0) return;
@@ -117,6 +147,7 @@ export class Points {
     this.advance();
   }
 
+  /** Sets the points of a group. Does not call `onChange`. */
   set(id: string, places: Place[]): void {
     const g = this.groups.findIndex((group) => group.id === id);
     this.places[g] = places;

@@ -1,6 +1,6 @@
-// How many answers a second came while something was dragged.
+// Measures the answers per second during a drag.
 
-const SPAN = 2000; /* milliseconds that are looked back on */
+const SPAN = 2000; /* milliseconds before the last answer that count */
 
 export class Rate {
   private times: number[] = [];
@@ -11,7 +11,7 @@ export class Rate {
     this.times = this.times.filter((time) => time > now - SPAN);
   }
 
-  /** Of the last two seconds that had answers. */
+  /** Answers per second in the last SPAN before the last answer. */
   get perSecond(): number {
     const { times } = this;
     if (times.length < 2) return 0;

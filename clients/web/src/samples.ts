@@ -1,9 +1,9 @@
-// Surfaces to begin with, made by formulas here and uploaded like any file.
+// Sample surfaces. The page computes them by formulas and uploads them as files.
 
 import type { Kind } from "./surface.ts";
 
 export interface Sample {
-  /** Of the resource. */
+  /** The name of the resource. */
   name: string;
   title: string;
   kind: Kind;
@@ -19,11 +19,15 @@ const digits = (x: number): string => String(Number(x.toFixed(6)));
 const vertexLine = (p: number[]): string => `v ${p.map(digits).join(" ")}`;
 const faceLine = (corners: number[]): string => `f ${corners.map((i) => i + 1).join(" ")}`;
 
-/** A grid of columns x rows cells over the unit square, cut into triangles; closed directions have no seam. */
+/**
+ * Returns an OBJ file of columns x rows cells over the unit square, each cut into two triangles.
+ * `closed`: joins opposite sides of the square.
+ */
 function grid(place: Place, columns: number, rows: number, closed: boolean): string {
   const [across, up] = closed ? [columns, rows] : [columns + 1, rows + 1];
   const lines: string[] = [];
-  for (let j = 0; j < up; j++) for (let i = 0; i < across; i++) lines.push(vertexLine(place(i / columns, j / rows)));
+  for (let j = 0; j < up; j++)
+    for (let i = 0; i < across; i++) lines.push(vertexLine(place(i / columns, j / rows)));
   const at = (i: number, j: number): number => (j % up) * across + (i % across);
   for (let j = 0; j < rows; j++) {
     for (let i = 0; i < columns; i++) {
@@ -61,15 +65,17 @@ const HILLS = [
 
 const terrain: Place = (u, v) => {
   const hills = HILLS.reduce(
-    (sum, [x, y, width, height]) => sum + height * Math.exp(-((u - x) ** 2 + (v - y) ** 2) / (2 * width ** 2)),
+    (sum, [x, y, width, height]) =>
+      sum + height * Math.exp(-((u - x) ** 2 + (v - y) ** 2) / (2 * width ** 2)),
     0,
   );
   const ripples =
-    0.16 * Math.sin(19 * u + 5 * v) * Math.cos(17 * v - 3 * u) + 0.05 * Math.sin(47 * u) * Math.sin(43 * v);
+    0.16 * Math.sin(19 * u + 5 * v) * Math.cos(17 * v - 3 * u) +
+    0.05 * Math.sin(47 * u) * Math.sin(43 * v);
   return [10 * (u - 0.5), 10 * (v - 0.5), hills + ripples];
 };
 
-/** An icosahedron cut n times, its vertices put on the unit sphere. */
+/** Returns an icosahedron subdivided n times, with its vertices on the unit sphere. */
 function icosphere(times: number): string {
   const g = (1 + Math.sqrt(5)) / 2;
   const vertices = [
@@ -113,7 +119,7 @@ function icosphere(times: number): string {
   return `${[...onSphere.map(vertexLine), ...faces.map(faceLine)].join("\n")}\n`;
 }
 
-/** Each face as four, by the middles of its edges, which are appended to the vertices. */
+/** Splits each triangle into four. Appends the midpoints of the edges to the vertices. */
 function cut(vertices: number[][], faces: number[][]): number[][] {
   const middles = new Map<string, number>();
   const middle = (a: number, b: number): number => {
@@ -137,7 +143,7 @@ function cut(vertices: number[][], faces: number[][]): number[][] {
   });
 }
 
-/** Faces of a block of unit cells, quads seen from outside; shared corners are one. */
+/** Returns the boundary of a union of unit cells as quads that share vertices. */
 function blocks(cells: [number, number, number][]): string {
   const isFull = new Set(cells.map(String));
   const corners = new Map<string, number>();
@@ -163,14 +169,16 @@ function blocks(cells: [number, number, number][]): string {
         [1, 0],
         [1, 1],
         [0, 1],
-      ].map(([s, t]) => cell.map((x, i) => x + (i === axis ? side : i === b ? s! : i === c ? t! : 0)));
+      ].map(([s, t]) =>
+        cell.map((x, i) => x + (i === axis ? side : i === b ? s! : i === c ? t! : 0)),
+      );
       faces.push(faceLine((side ? turn : turn.reverse()).map(corner)));
     }
   }
   return `${[...vertices, ...faces].join("\n")}\n`;
 }
 
-/** A cage with a handle: eight cells in a ring, one on top. */
+/** The cells of a control mesh with a handle: eight cells in a ring, one on top. */
 const RING: [number, number, number][] = [
   [0, 0, 0],
   [1, 0, 0],
@@ -183,7 +191,7 @@ const RING: [number, number, number][] = [
   [0, 0, 1],
 ];
 
-/** A cubic patch of 6 x 6 control points, with a dent and a hill. */
+/** Returns a cubic NURBS patch of 6 x 6 control points, with a dent and a hill. */
 function patch(): string {
   const knots = [0, 0, 0, 0, 1, 2, 3, 3, 3, 3];
   const heights = [
@@ -221,7 +229,13 @@ const obj = (name: string, text: () => string) => (): { name: string; text: stri
 });
 
 export const SAMPLES: Sample[] = [
-  { name: "torus", title: "Torus", kind: "meshes", up: "z", file: obj("torus", () => grid(torus, 120, 60, true)) },
+  {
+    name: "torus",
+    title: "Torus",
+    kind: "meshes",
+    up: "z",
+    file: obj("torus", () => grid(torus, 120, 60, true)),
+  },
   {
     name: "terrain",
     title: "Terrain",
@@ -229,9 +243,39 @@ export const SAMPLES: Sample[] = [
     up: "z",
     file: obj("terrain", () => grid(terrain, 160, 160, false)),
   },
-  { name: "icosphere", title: "Icosphere", kind: "meshes", up: "y", file: obj("icosphere", () => icosphere(4)) },
-  { name: "cage", title: "Control cage", kind: "subdivisions", up: "z", file: obj("cage", () => blocks(RING)) },
-  { name: "cube", title: "Cube cage", kind: "subdivisions", up: "y", file: obj("cube", () => blocks([[0, 0, 0]])) },
-  { name: "patch", title: "NURBS patch", kind: "nurbs", up: "z", file: () => ({ name: "patch.json", text: patch() }) },
-  { name: "vase", title: "Vase (revolution)", kind: "nurbs", up: "z", file: () => ({ name: "vase.json", text: vase }) },
+  {
+    name: "icosphere",
+    title: "Icosphere",
+    kind: "meshes",
+    up: "y",
+    file: obj("icosphere", () => icosphere(4)),
+  },
+  {
+    name: "cage",
+    title: "Control cage",
+    kind: "subdivisions",
+    up: "z",
+    file: obj("cage", () => blocks(RING)),
+  },
+  {
+    name: "cube",
+    title: "Cube cage",
+    kind: "subdivisions",
+    up: "y",
+    file: obj("cube", () => blocks([[0, 0, 0]])),
+  },
+  {
+    name: "patch",
+    title: "NURBS patch",
+    kind: "nurbs",
+    up: "z",
+    file: () => ({ name: "patch.json", text: patch() }),
+  },
+  {
+    name: "vase",
+    title: "Vase (revolution)",
+    kind: "nurbs",
+    up: "z",
+    file: () => ({ name: "vase.json", text: vase }),
+  },
 ];

@@ -1,5 +1,5 @@
-// The picture: camera, light, the surface's skin and the lines on it. A frame is drawn when something has changed,
-// never else.
+// The picture: camera, surface, shadow and lines. The page draws a frame only after a change. After
+// a rest it draws the fine frame, which has smooth edges and ambient occlusion.
 
 import {
   Color,
@@ -8,13 +8,20 @@ import {
   HemisphereLight,
   LinearSRGBColorSpace,
   PerspectiveCamera,
+  Plane,
   Scene as ThreeScene,
   Vector3,
   WebGLRenderer,
+  WebGLRenderTarget,
 } from "three";
+import type { FullScreenQuad } from "three/examples/jsm/postprocessing/Pass.js";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { Backdrop } from "./backdrop.ts";
+import { shaded } from "./creases.ts";
+import { FaceMap } from "./facemap.ts";
 import { Lines } from "./lines.ts";
+import { Screen } from "./screen.ts";
+import { Shadow } from "./shadow.ts";
 import { Skin } from "./skin.ts";
 import type { Surface } from "./surface.ts";
 import type { Place } from "./place.ts";
@@ -25,10 +32,12 @@ export interface Pixel {
   y: number;
 }
 
-const FIELD_OF_VIEW = 35; /* degrees, upright */
-const MARGIN = 1.12; /* of the surface's sphere */
+const FIELD_OF_VIEW = 35; /* degrees, vertical */
+const MARGIN = 1.12; /* factor on the radius of the surface's bounding sphere */
+const REST = 500; /* milliseconds without a frame before the fine frame */
+const MOVING_RATIO = 0.5; /* drawn pixels per pixel of the screen, each way, during a drag */
 
-/** Where the processor draws, smooth edges would cost more than half of the frames. */
+/** Returns whether WebGL uses a graphics card. Without one, smooth edges halve the frame rate. */
 function hasGraphicsCard(): boolean {
   const context = document.createElement("canvas").getContext("webgl2");
   const info = context?.getExtension("WEBGL_debug_renderer_info");
@@ -39,93 +48,272 @@ function hasGraphicsCard(): boolean {
 
 export class Scene {
   readonly lines = new Lines();
-  /** Lines that are many and stay: they are drawn with the surface, once. */
+  /** Lines that have many points and change rarely: part of the saved drawing of the surface. */
   readonly fixedLines = new Lines();
-  /** What moves on the surface. */
+  /** Paths that the user keeps. */
+  readonly keptLines = new Lines();
+  /** Objects that move on the surface. */
   readonly props = new Group();
-  /** What a mode shows beside the surface, or instead of it. */
+  /** Solids that a mode shows beside the surface or instead of it. */
   readonly solids = new Group();
   /** Called after each frame. */
   onFrame: () => void = () => {};
+  /** Whether the page waits for an answer that changes the picture. */
+  isWaiting: () => boolean = () => false;
   /** Called when the user has moved the camera. */
   onCamera: () => void = () => {};
   skin: Skin | undefined;
+  /** The size of the picture, in CSS pixels. */
+  size: Pixel = { x: 1, y: 1 };
   private surface: Surface | undefined;
   private readonly renderer: WebGLRenderer;
-  /** The surface and its light; what lies on it, which is drawn over it. */
+  /** `ground` has the surface; `above` has lines and objects that are drawn over it. */
   private readonly ground = new ThreeScene();
   private readonly above = new ThreeScene();
-  private readonly sky = new HemisphereLight(0xffffff, 0x98a0a8, 1.5);
-  private readonly backdrop: Backdrop;
+  private readonly backdrop = new Backdrop();
+  private readonly screen = new Screen();
+  private readonly shadow = new Shadow();
+  private readonly isFast = hasGraphicsCard();
+  private readonly ratio = this.isFast ? Math.min(devicePixelRatio, 2) : 1;
+  private faceMap: FaceMap | undefined;
+  /** Whether values have changed since the surface was drawn. */
+  private hasNewValues = false;
+  private rest = 0;
+  /** Whether the user drags. Fine frames then wait, because they would delay the next answer. */
+  private isHeld = false;
+  /** A surface to compare with; `part` is the fraction of the picture that shows the first one. */
+  private other: Skin | undefined;
+  private part = 0.5;
+  private readonly leftSide = new Plane();
+  private readonly rightSide = new Plane();
+  private hasShadow = true;
+  private isShadowCast = false;
   private readonly camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.01, 100);
   private controls: OrbitControls;
   private wanted = false;
+  /** Whether the page has shown a surface. Before that it draws no frame, to start faster. */
+  private hasShown = false;
 
   constructor(readonly canvas: HTMLCanvasElement) {
-    const isFast = hasGraphicsCard();
-    this.renderer = new WebGLRenderer({ canvas, antialias: isFast });
+    this.renderer = new WebGLRenderer({ canvas, antialias: this.isFast, stencil: true });
     this.renderer.autoClear = false;
-    this.renderer.setPixelRatio(isFast ? Math.min(devicePixelRatio, 2) : 1);
-    this.backdrop = new Backdrop(isFast ? 4 : 0);
+    this.renderer.debug.checkShaderErrors = false; /* the check would wait for each program */
+    this.renderer.setPixelRatio(this.ratio);
     const lamp = new DirectionalLight(0xffffff, 2.2);
     lamp.position.set(-0.6, 0.8, 1);
-    this.camera.add(lamp);
-    this.ground.add(this.camera, this.sky, this.solids, this.fixedLines.group);
-    this.above.add(new HemisphereLight(0xffffff, 0x606870, 2), lamp.clone(), this.props, this.lines.group);
+    this.ground.add(this.camera, this.solids, this.shadow.mesh, this.fixedLines.group);
+    this.above.add(new HemisphereLight(0xffffff, 0x606870, 2), lamp, this.props);
+    this.above.add(this.keptLines.group, this.lines.group);
     this.controls = this.makeControls("y");
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement!);
     this.resize();
   }
 
+  /**
+   * Compiles the shader programs while the user chooses a file. Otherwise, without a graphics card,
+   * the first frame would block the page for the compilation.
+   */
+  warmUp(): void {
+    const { renderer, lines } = this;
+    const [positions, faces] = [Float32Array.of(0, 0, 0, 1, 0, 0, 0, 1, 0), Uint32Array.of(0, 1, 2)];
+    const skin = new Skin({ positions, faces }, shaded(positions, faces));
+    const target = new WebGLRenderTarget(1, 1, { stencilBuffer: true });
+    this.ground.add(skin.mesh);
+    lines.set("first", [[[0, 0, 0], [1, 0, 0]]], { colour: "white", width: 1 });
+    this.shadow.cast(renderer, skin.mesh, "y", 0);
+    renderer.setRenderTarget(target);
+    this.backdrop.draw(renderer, this.ground, this.camera, { wantsFine: false });
+    renderer.render(this.above, this.camera);
+    renderer.setRenderTarget(null);
+    target.dispose();
+    lines.clear();
+    this.shadow.mesh.visible = false;
+    this.ground.remove(skin.mesh); /* not disposed: three.js would drop the programs */
+    this.backdrop.spoil();
+  }
+
   private makeControls(up: string): OrbitControls {
     this.camera.up.set(0, up === "y" ? 1 : 0, up === "y" ? 0 : 1);
-    this.sky.position.copy(this.camera.up);
+    this.isShadowCast = false;
     const controls = new OrbitControls(this.camera, this.canvas);
     controls.minDistance = 0.02;
     controls.maxDistance = 30;
+    controls.zoomToCursor = true;
     controls.addEventListener("change", () => this.redraw());
-    controls.addEventListener("end", () => this.onCamera());
+    controls.addEventListener("start", () => this.hold(true));
+    controls.addEventListener("end", () => {
+      this.hold(false);
+      this.onCamera();
+    });
     return controls;
   }
 
   private resize(): void {
     const { clientWidth: width, clientHeight: height } = this.canvas.parentElement!;
     if (width === 0 || height === 0) return;
+    this.size = { x: width, y: height };
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
     this.redraw();
   }
 
-  /** The colour behind the surface. */
+  /** Sets the colour behind the surface. */
   setGround(colour: string): void {
     this.ground.background = new Color().setStyle(
       colour,
       LinearSRGBColorSpace,
-    ); /* as it is: the backdrop stores what screens take */
+    ); /* not converted to linear: the backdrop stores sRGB colours */
     this.redraw();
   }
 
-  /** Asks for a frame in which the surface itself looks different. */
+  /** Requests a frame that draws the surface again. */
   redraw(): void {
     this.backdrop.spoil();
+    this.faceMap?.spoil();
+    this.hasNewValues = false;
     this.draw();
   }
 
-  /** Asks for a frame: something on the surface has changed. */
+  /** Requests a frame after a change of only the values of the surface. */
+  recolour(): void {
+    const isCheap = this.isHeld && !this.isFast && !this.other && this.skin?.showsValuesAlone;
+    if (!isCheap) return this.redraw();
+    this.hasNewValues = true;
+    this.draw();
+  }
+
+  /** Begins or ends a drag. Without a graphics card, frames of a drag have fewer pixels. */
+  hold(isHeld: boolean): void {
+    if (isHeld === this.isHeld) return;
+    this.isHeld = isHeld;
+    clearTimeout(this.rest);
+    if (isHeld) return;
+    if (this.hasNewValues) this.redraw();
+    else this.draw();
+  }
+
+  /** Requests a frame after a change of only lines or objects on the surface. */
   draw(): void {
-    if (this.wanted) return;
+    clearTimeout(this.rest);
+    if (this.wanted || !this.hasShown) return;
     this.wanted = true;
     requestAnimationFrame(() => {
       this.wanted = false;
-      this.clip();
-      this.backdrop.draw(this.renderer, this.ground, this.camera);
-      this.renderer.render(this.above, this.camera);
+      if (!this.isFast) this.scale(this.isHeld ? MOVING_RATIO : this.ratio);
+      this.drawNow(this.isFast);
       this.onFrame();
+      this.awaitRest();
     });
   }
 
-  /** Depth is used up between the near and the far side of the surface, wherever the camera is. */
+  /** Draws the fine frame after REST, once no answer is pending that would change the picture. */
+  private awaitRest(): void {
+    if (this.isFast || this.isHeld || !this.skin) return;
+    this.rest = setTimeout(() => {
+      if (this.isWaiting()) this.awaitRest();
+      else this.drawNow(true);
+    }, REST);
+  }
+
+  /** Sets the number of drawn pixels per pixel of the screen, each way. */
+  private scale(ratio: number): void {
+    if (this.renderer.getPixelRatio() === ratio) return;
+    this.renderer.setPixelRatio(ratio);
+    if (!this.backdrop.isFine) this.backdrop.spoil();
+  }
+
+  /** Draws a frame. Composes a fine frame off the screen, where lines get smooth edges, too. */
+  private drawNow(isFine: boolean): void {
+    const { renderer } = this;
+    this.clip();
+    if (this.other) this.placeSplit();
+    if (this.hasShadow && this.skin && !this.isShadowCast) this.castShadow();
+    const pass = this.hasNewValues ? this.recoloured() : undefined;
+    renderer.setRenderTarget(isFine && !this.isFast ? this.screen.target(renderer) : null);
+    renderer.clear(false, false, true);
+    this.backdrop.draw(renderer, this.ground, this.camera, { wantsFine: isFine, pass });
+    renderer.render(this.above, this.camera);
+    if (isFine && !this.isFast) this.screen.show(renderer);
+  }
+
+  private recoloured(): FullScreenQuad {
+    this.faceMap ??= new FaceMap(this.skin!, this.backdrop.saved);
+    return this.faceMap.prepare(this.renderer, this.camera);
+  }
+
+  private castShadow(): void {
+    this.isShadowCast = true;
+    this.shadow.cast(this.renderer, this.skin!.mesh, this.up as "y" | "z", this.lowest());
+    this.backdrop.spoil();
+  }
+
+  /** Returns the least coordinate along the upward axis, in normalised coordinates. */
+  private lowest(): number {
+    const { positions, triangles } = this.surface!;
+    const axis = this.up === "y" ? 1 : 2;
+    let low = 0;
+    for (const vertex of triangles.faces) low = Math.min(low, positions[3 * vertex + axis]!);
+    return low;
+  }
+
+  /**
+   * Shows another surface on the right side of the picture, in the normalised coordinates of the
+   * first one. undefined removes it.
+   */
+  compare(other: Surface | undefined): void {
+    this.other?.mesh.removeFromParent();
+    this.other?.dispose();
+    const { surface, skin } = this;
+    this.other = other && surface ? this.otherSkin(other, surface) : undefined;
+    this.renderer.localClippingEnabled = this.other !== undefined;
+    if (skin) skin.mesh.material.clippingPlanes = this.other ? [this.leftSide] : null;
+    this.redraw();
+  }
+
+  private otherSkin(other: Surface, surface: Surface): Skin {
+    const positions = surface.view(other.triangles.positions);
+    const { faces } = other.triangles;
+    const skin = new Skin({ positions, faces }, shaded(positions, faces));
+    skin.mesh.material.color = this.skin!.mesh.material.color;
+    skin.mesh.material.clippingPlanes = [this.rightSide];
+    this.ground.add(skin.mesh);
+    return skin;
+  }
+
+  /** Sets the fraction of the picture's width that shows the first surface. */
+  split(part: number): void {
+    this.part = part;
+    this.redraw();
+  }
+
+  /** Computes the clipping planes, which the camera sees as the vertical line at `part`. */
+  private placeSplit(): void {
+    this.camera.updateMatrixWorld();
+    const on = (y: number): Vector3 =>
+      new Vector3(2 * this.part - 1, y, 0.5).unproject(this.camera);
+    this.leftSide.setFromCoplanarPoints(this.camera.position, on(1), on(-1));
+    const left = new Vector3(-2, 0, 0.5).unproject(this.camera);
+    if (this.leftSide.distanceToPoint(left) < 0) this.leftSide.negate();
+    this.rightSide.copy(this.leftSide).negate();
+  }
+
+  /** Returns the picture as a PNG file, `factor` times as large as on the screen, each way. */
+  async snapshot(factor: number): Promise<Blob> {
+    const { renderer, canvas } = this;
+    clearTimeout(this.rest);
+    renderer.setPixelRatio(factor * this.ratio);
+    this.backdrop.spoil();
+    this.drawNow(true);
+    const file = new Promise<Blob>((resolve) =>
+      canvas.toBlob((blob) => resolve(blob!), "image/png"),
+    );
+    renderer.setPixelRatio(this.ratio);
+    this.redraw();
+    return file;
+  }
+
+  /** Fits the near and far planes to the surface, for a precise depth buffer. */
   private clip(): void {
     const distance = this.camera.position.length();
     this.camera.near = Math.max(0.002, (distance - 1.5) * 0.8);
@@ -134,14 +322,24 @@ export class Scene {
   }
 
   show(surface: Surface | undefined): void {
+    this.hasShown ||= surface !== undefined;
+    this.compare(undefined);
     if (this.skin) this.ground.remove(this.skin.mesh);
     this.skin?.dispose();
+    this.faceMap?.dispose();
+    this.faceMap = undefined;
     this.lines.clear();
     this.fixedLines.clear();
+    this.keptLines.clear();
     this.props.clear();
     this.solids.clear();
     this.surface = surface;
-    this.skin = surface && new Skin(surface.positions, surface.triangles.faces, surface.fine);
+    this.isShadowCast = false;
+    this.shadow.mesh.visible = false;
+    for (const lines of [this.lines, this.fixedLines, this.keptLines])
+      lines.isOverPreview = surface?.isPreview ?? false;
+    const own = surface && { positions: surface.positions, faces: surface.triangles.faces };
+    this.skin = own && new Skin(own, surface.shaded, surface.fine);
     if (this.skin) this.ground.add(this.skin.mesh);
     this.redraw();
   }
@@ -151,7 +349,13 @@ export class Scene {
     this.redraw();
   }
 
-  /** The surface from a little above, as large as it fits. */
+  showShadow(show: boolean): void {
+    this.hasShadow = show;
+    if (!show) this.isShadowCast = this.shadow.mesh.visible = false;
+    this.redraw();
+  }
+
+  /** Moves the camera: the surface fills the picture, seen from slightly above. */
   fit(): void {
     const angle = ((FIELD_OF_VIEW / 2) * Math.PI) / 180;
     const narrow = Math.atan(Math.tan(angle) * Math.min(1, this.camera.aspect));
@@ -174,7 +378,7 @@ export class Scene {
     this.controls = this.makeControls(axis);
   }
 
-  /** Turns about the middle, in radians. */
+  /** Turns the camera about its target, by radians. */
   turn(right: number, up: number): void {
     const offset = this.camera.position.clone().sub(this.controls.target);
     const side = new Vector3().crossVectors(this.camera.up, offset).normalize();
@@ -197,7 +401,7 @@ export class Scene {
     this.onCamera();
   }
 
-  /** Position and target of the camera, in the frame. */
+  /** Position and target of the camera, in normalised coordinates. */
   get view(): string {
     const numbers = [...this.camera.position.toArray(), ...this.controls.target.toArray()];
     return numbers.map((x) => Number(x.toFixed(4))).join(",");
@@ -213,49 +417,47 @@ export class Scene {
     this.redraw();
   }
 
-  get size(): Pixel {
-    return { x: this.canvas.clientWidth, y: this.canvas.clientHeight };
-  }
-
-  /** The pixel of the canvas where a point of space (in the file's unit) is seen. */
+  /** Returns the pixel of the canvas that shows a point in space (in the file's unit). */
   project(xyz: Vec3): Pixel {
     this.camera.updateMatrixWorld();
-    const p = new Vector3(...(this.surface?.frame.toView(xyz) ?? xyz)).project(this.camera);
+    const p = new Vector3(...(this.surface?.viewOf(xyz) ?? xyz)).project(this.camera);
     return { x: ((p.x + 1) / 2) * this.size.x, y: ((1 - p.y) / 2) * this.size.y };
   }
 
-  /** Where the middle of the surface's box is seen. */
+  /** The pixel that shows the middle of the surface's box. */
   get middle(): Pixel {
     return this.project(this.surface?.frame.centre ?? [0, 0, 0]);
   }
 
-  /** The ray through a pixel, in the frame. */
+  /** Returns the ray through a pixel, in normalised coordinates. */
   private ray(pixel: Pixel): { origin: Vec3; direction: Vec3 } {
     this.camera.updateMatrixWorld();
-    const far = new Vector3((2 * pixel.x) / this.size.x - 1, 1 - (2 * pixel.y) / this.size.y, 0.5).unproject(
-      this.camera,
-    );
+    const far = new Vector3(
+      (2 * pixel.x) / this.size.x - 1,
+      1 - (2 * pixel.y) / this.size.y,
+      0.5,
+    ).unproject(this.camera);
     const origin = this.camera.position.toArray() as Vec3;
     return { origin, direction: unit(subtract(far.toArray() as Vec3, origin)) };
   }
 
-  /** The place of the surface that is seen at a pixel. */
+  /** Returns the place of the surface that a pixel shows; null if it shows none. */
   pick(pixel: Pixel): Place | null {
     const { origin, direction } = this.ray(pixel);
     return this.surface?.cast(origin, direction) ?? null;
   }
 
-  /** Whether the surface hides a point of it. */
+  /** Returns whether the surface hides one of its points. */
   hides(xyz: Vec3): boolean {
     if (!this.surface) return false;
     const origin = this.camera.position.toArray() as Vec3;
-    const to = subtract(this.surface.frame.toView(xyz), origin);
+    const to = subtract(this.surface.viewOf(xyz), origin);
     const hit = this.surface.bvh.cast(origin, to);
     return hit !== null && hit.distance < 1 - 2e-3;
   }
 
   toView(points: Vec3[]): Vec3[] {
-    const frame = this.surface?.frame;
-    return frame ? points.map((p) => frame.toView(p)) : [];
+    const { surface } = this;
+    return surface ? points.map((p) => surface.viewOf(p)) : [];
   }
 }

@@ -1,30 +1,33 @@
-// What the daemon holds in memory, and how its cache does; from /v1 and /metrics, while the panel is open.
+// Shows memory and cache of the daemon, from /v1 and /metrics, while the panel is open.
 
 import type { Service } from "../../js/types.d.ts";
 import type { Api } from "./api.ts";
 import { byId, make } from "./dom.ts";
 import { bytes, number, whole } from "./units.ts";
 
-const EVERY = 2000; /* milliseconds between looks */
+const EVERY = 2000; /* milliseconds between reads */
 
 const CLASSES: [string, string][] = [
   ["meshes", "Meshes"],
   ["fields", "Fields"],
   ["landmarks", "Landmarks"],
   ["discretizations", "Discretizations"],
-  ["flight", "Work under way"],
-  ["answers", "Answers on their way"],
+  ["flight", "Running work"],
+  ["answers", "Answers being sent"],
   ["records", "Descriptions and records"],
   ["workspaces", "Workspaces"],
   ["jobs", "Answers of jobs"],
   ["spare", "Spare"],
 ];
 
-/** The samples of a text for Prometheus by name and labels. */
+/** Parses the Prometheus text format. Returns the values by name and labels. */
 function parse(text: string): Map<string, number> {
   const lines = text.split("\n").filter((line) => line && !line.startsWith("#"));
   return new Map(
-    lines.map((line) => [line.slice(0, line.lastIndexOf(" ")), Number(line.slice(line.lastIndexOf(" ") + 1))]),
+    lines.map((line) => [
+      line.slice(0, line.lastIndexOf(" ")),
+      Number(line.slice(line.lastIndexOf(" ") + 1)),
+    ]),
   );
 }
 
@@ -52,12 +55,18 @@ export class ServicePanel {
 
   private show(service: Service, samples: Map<string, number>): void {
     const of = (name: string): number => samples.get(`geodesicd_${name}`) ?? 0;
-    const held = CLASSES.map(([name, label]) => ({ label, size: of(`memory_bytes{class="${name}"}`) })).filter(
-      ({ size }) => size > 0,
-    );
+    const held = CLASSES.map(([name, label]) => ({
+      label,
+      size: of(`memory_bytes{class="${name}"}`),
+    })).filter(({ size }) => size > 0);
     const total = held.reduce((sum, { size }) => sum + size, 0);
     const budget = service.limits.memory_budget_bytes;
-    const meter = make("meter", { min: 0, max: budget, value: total, "aria-label": "Memory in use" });
+    const meter = make("meter", {
+      min: 0,
+      max: budget,
+      value: total,
+      "aria-label": "Memory in use",
+    });
     this.body.replaceChildren(
       make("p", {}, `${bytes(total)} of ${bytes(budget)} in use`),
       meter,
@@ -74,11 +83,14 @@ export class ServicePanel {
         "Found in the cache",
         hits + misses
           ? `${number((100 * hits) / (hits + misses), 3)} % of ${whole(hits + misses)}`
-          : "nothing asked yet",
+          : "no questions yet",
       ],
       ["Evicted", whole(of("cache_evictions_total"))],
       ["Pairs searched", whole(of("searches_total"))],
-      ["Workers busy", `${of("workers_busy")} of ${service.limits.workers}, ${of("queue_depth")} waiting`],
+      [
+        "Workers busy",
+        `${of("workers_busy")} of ${service.limits.workers}, ${of("queue_depth")} waiting`,
+      ],
       ["Jobs", `${of('jobs{state="running"}')} running, ${of('jobs{state="queued"}')} queued`],
       ["Version", service.version],
     ];
@@ -86,5 +98,9 @@ export class ServicePanel {
 }
 
 function list(rows: [string, string][]): HTMLElement {
-  return make("dl", {}, ...rows.flatMap(([label, value]) => [make("dt", {}, label), make("dd", {}, value)]));
+  return make(
+    "dl",
+    {},
+    ...rows.flatMap(([label, value]) => [make("dt", {}, label), make("dd", {}, value)]),
+  );
 }

@@ -1,9 +1,9 @@
-// What can be set for a question, told once: the controls, the part of the URL and the values follow from it.
+// Settings. One table declares them; controls and parameters of the address follow from it.
 
 import { freshId, make } from "./dom.ts";
 import { number } from "./units.ts";
 
-/** Shown only while another setting has one of these values. */
+/** A setting that is shown only while another setting has one of these values. */
 interface Conditional {
   while?: { name: string; values: string[] };
 }
@@ -28,7 +28,7 @@ interface Choice extends Conditional {
   kind: "choice";
   label: string;
   value: string;
-  /** Value and what people read. */
+  /** Pairs of value and label. */
   options: [string, string][];
 }
 
@@ -64,7 +64,7 @@ export const only = <S extends Setting>(name: string, values: string[], setting:
 });
 
 export class Settings {
-  /** `live` while a slider is being moved. */
+  /** `live`: the user is moving a slider. */
   onChange: (live: boolean) => void = () => {};
   private readonly values = new Map<string, Setting["value"]>();
   private conditions: (() => void)[] = [];
@@ -92,13 +92,16 @@ export class Settings {
     this.showConditions();
   }
 
-  /** The controls, in the order of the table. */
+  /** Returns the controls, in the order of the table. */
   elements(): HTMLElement[] {
     this.conditions = [];
     const elements = Object.entries(this.table).map(([name, setting]) => {
       const node = this.element(name, setting);
       const condition = setting.while;
-      if (condition) this.conditions.push(() => (node.hidden = !condition.values.includes(this.text(condition.name))));
+      if (condition)
+        this.conditions.push(
+          () => (node.hidden = !condition.values.includes(this.text(condition.name))),
+        );
       return node;
     });
     this.showConditions();
@@ -107,7 +110,9 @@ export class Settings {
 
   private element(name: string, setting: Setting): HTMLElement {
     if (setting.kind === "range") return this.rangeElement(name, setting);
-    return setting.kind === "check" ? this.checkElement(name, setting) : this.choiceElement(name, setting);
+    return setting.kind === "check"
+      ? this.checkElement(name, setting)
+      : this.choiceElement(name, setting);
   }
 
   private showConditions(): void {
@@ -119,11 +124,22 @@ export class Settings {
     this.onChange(live);
   }
 
-  private rangeElement(name: string, { label, min, max, step, format = number }: Range): HTMLElement {
+  private rangeElement(
+    name: string,
+    { label, min, max, step, format = number }: Range,
+  ): HTMLElement {
     const id = freshId();
     const output = make("output", { for: id });
     const take = (live: boolean) => () => this.changed(name, Number(input.value), live);
-    const input = make("input", { id, type: "range", min, max, step, input: take(true), change: take(false) });
+    const input = make("input", {
+      id,
+      type: "range",
+      min,
+      max,
+      step,
+      input: take(true),
+      change: take(false),
+    });
     this.showWith(name, () => {
       input.value = String(this.number(name));
       output.value = format(this.number(name));
@@ -133,7 +149,10 @@ export class Settings {
   }
 
   private checkElement(name: string, { label }: Check): HTMLElement {
-    const input = make("input", { type: "checkbox", change: () => this.changed(name, input.checked, false) });
+    const input = make("input", {
+      type: "checkbox",
+      change: () => this.changed(name, input.checked, false),
+    });
     this.showWith(name, () => (input.checked = this.on(name)));
     return make("label", { class: "check" }, input, label);
   }
@@ -141,7 +160,11 @@ export class Settings {
   private choiceElement(name: string, { label, options }: Choice): HTMLElement {
     const id = freshId();
     const items = options.map(([value, text]) => make("option", { value }, text));
-    const select = make("select", { id, change: () => this.changed(name, select.value, false) }, ...items);
+    const select = make(
+      "select",
+      { id, change: () => this.changed(name, select.value, false) },
+      ...items,
+    );
     this.showWith(name, () => (select.value = this.text(name)));
     return make("div", { class: "field" }, make("label", { for: id }, label), select);
   }
@@ -151,13 +174,15 @@ export class Settings {
     show();
   }
 
-  /** What differs from the table, for the URL. */
+  /** Returns the values that differ from the defaults of the table, for the address. */
   read(): Record<string, string> {
-    const entries = Object.entries(this.table).filter(([name, setting]) => this.values.get(name) !== setting.value);
+    const entries = Object.entries(this.table).filter(
+      ([name, setting]) => this.values.get(name) !== setting.value,
+    );
     return Object.fromEntries(entries.map(([name]) => [name, String(this.values.get(name))]));
   }
 
-  /** Values from a URL; the table's where it has none or senseless ones. */
+  /** Restores values from an address. Missing and invalid values become the defaults. */
   restore(parameters: URLSearchParams): void {
     for (const [name, setting] of Object.entries(this.table)) {
       const text = parameters.get(name);
@@ -168,7 +193,10 @@ export class Settings {
 
 function valueOf(setting: Setting, text: string): Setting["value"] {
   if (setting.kind === "check") return text === "true";
-  if (setting.kind === "choice") return setting.options.some(([value]) => value === text) ? text : setting.value;
+  if (setting.kind === "choice")
+    return setting.options.some(([value]) => value === text) ? text : setting.value;
   const value = Number(text);
-  return Number.isFinite(value) ? Math.min(setting.max, Math.max(setting.min, value)) : setting.value;
+  return Number.isFinite(value)
+    ? Math.min(setting.max, Math.max(setting.min, value))
+    : setting.value;
 }

@@ -1,4 +1,5 @@
-// The triangles of a surface on the screen: plain, with a ramp of values, or with a colour a vertex.
+// Draws the triangles of a surface in studio light, with a colour map of values, isolines, or a
+// colour per vertex.
 
 import {
   BufferAttribute,
@@ -9,40 +10,57 @@ import {
   LinearFilter,
   Mesh,
   MeshBasicMaterial,
-  MeshLambertMaterial,
+  MeshMatcapMaterial,
   SRGBColorSpace,
 } from "three";
-import { type Rgb, rampBytes, toLinear } from "./colours.ts";
+import { type ColourMap, type Rgb, rampBytes, toLinear } from "./colours.ts";
+import type { Shaded } from "./creases.ts";
+import { encode } from "./encode.ts";
 import { type Fine, interpolated } from "./fine.ts";
+import { studioLight } from "./studio.ts";
 
 const RAMP_SIZE = 256;
 
-/** Values beyond the ramp, and those that are not there, are of the plain colour. */
+export const SHADINGS = { creases: "smooth, sharp at creases", flat: "flat faces" };
+export type Shading = keyof typeof SHADINGS;
+
+/**
+ * Shaders that colour by value. Values lie in [0, 1]; a negative value means the plain colour.
+ * Isolines have the same width on the screen everywhere.
+ */
 const RAMP_VERTEX = `
 attribute float value;
 varying float vValue;
 #include <common>`;
-const RAMP_FRAGMENT = `
+export const RAMP_UNIFORMS = `
 uniform sampler2D ramp;
+uniform vec2 ends;
+uniform float isolines;`;
+const RAMP_FRAGMENT = `
+${RAMP_UNIFORMS}
 varying float vValue;
 #include <common>`;
-const RAMP_COLOUR = `
-#include <color_fragment>
+export const RAMP_COLOUR = `
 if (vValue >= 0.0) {
-  float texel = (vValue * ${RAMP_SIZE - 1}.0 + 0.5) / ${RAMP_SIZE}.0;
+  float part = clamp((vValue - ends.x) / (ends.y - ends.x), 0.0, 1.0);
+  float texel = (part * ${RAMP_SIZE - 1}.0 + 0.5) / ${RAMP_SIZE}.0;
   diffuseColor.rgb = texture2D(ramp, vec2(texel, 0.5)).rgb;
+  float level = vValue * (isolines + 1.0);
+  float pixels = abs(level - round(level)) / max(fwidth(level), 1e-6);
+  if (round(level) > 0.5 && round(level) < isolines + 0.5)
+    diffuseColor.rgb *= mix(0.12, 1.0, smoothstep(0.4, 1.1, pixels));
 }`;
 
-/** Colours are stored as screens take them, in the backdrop too. */
-function encode(shader: { fragmentShader: string }): void {
-  shader.fragmentShader = shader.fragmentShader.replace(
-    "#include <colorspace_fragment>",
-    "gl_FragColor = sRGBTransferOETF(gl_FragColor);",
-  );
-}
+/** Shader of edges. Edges fade if they are only some pixels long. */
+const EDGE_FRAGMENT = `
+uniform float edgePixels;
+#include <common>`;
+const EDGE_COLOUR = `
+#include <color_fragment>
+diffuseColor.a *= smoothstep(1.5, 9.0, edgePixels * gl_FragCoord.w);`;
 
-function rampTexture(name: string): DataTexture {
-  const texture = new DataTexture(rampBytes(name, RAMP_SIZE), RAMP_SIZE, 1);
+function rampTexture({ ramp }: ColourMap): DataTexture {
+  const texture = new DataTexture(rampBytes(ramp, RAMP_SIZE), RAMP_SIZE, 1);
   texture.colorSpace = SRGBColorSpace;
   texture.magFilter = texture.minFilter = LinearFilter;
   texture.needsUpdate = true;
@@ -55,50 +73,73 @@ function geometryOf(positions: Float32Array, faces: Uint32Array): BufferGeometry
   return geometry.setIndex(new BufferAttribute(faces, 1));
 }
 
-/** Shaded as the coarse mesh is. */
-function finer(fine: Fine, coarse: BufferGeometry): BufferGeometry {
-  const normals = interpolated(fine, coarse.getAttribute("normal").array, 3);
-  const geometry = geometryOf(fine.positions, fine.faces);
-  return geometry.setAttribute("normal", new BufferAttribute(Float32Array.from(normals), 3));
+function drawn(shaded: Shaded, fine: Fine | null): BufferGeometry {
+  if (!fine) {
+    const geometry = geometryOf(shaded.positions, shaded.faces);
+    return geometry.setAttribute("normal", new BufferAttribute(shaded.normals, 3));
+  }
+  const normals = Float32Array.from(interpolated(fine, shaded.normals, 3));
+  return geometryOf(fine.positions, fine.faces).setAttribute(
+    "normal",
+    new BufferAttribute(normals, 3),
+  );
+}
+
+/** Returns the mean length of the first edges of a sample of the faces. */
+function meanEdge({ positions, faces }: { positions: Float32Array; faces: Uint32Array }): number {
+  const step = 3 * Math.max(1, Math.floor(faces.length / 3000));
+  let [sum, count] = [0, 0];
+  for (let i = 0; i < faces.length; i += step, count++) {
+    const [a, b] = [3 * faces[i]!, 3 * faces[i + 1]!];
+    sum += Math.hypot(...[0, 1, 2].map((axis) => positions[a + axis]! - positions[b + axis]!));
+  }
+  return sum / count;
 }
 
 export class Skin {
-  readonly mesh: Mesh<BufferGeometry, MeshLambertMaterial>;
+  readonly mesh: Mesh<BufferGeometry, MeshMatcapMaterial>;
   private edges: Mesh<BufferGeometry, MeshBasicMaterial> | undefined;
-  private readonly ramp = { value: rampTexture("dusk") };
+  /** Uniforms: the colour map, the values at its ends, and the number of isolines. */
+  readonly uniforms = {
+    ramp: { value: null as DataTexture | null },
+    ends: { value: [0, 1] },
+    isolines: { value: 0 },
+  };
+  private isFlat: boolean;
 
-  /** The triangles as the file has them. */
-  private readonly own: BufferGeometry;
-
-  /** The arrays are borrowed. With `fine` the finer mesh is shown: values and labels are those of its vertices. */
+  /**
+   * Borrows the arrays. `own`: the triangles of the mesh. `fine`: the refined mesh, which is drawn
+   * instead.
+   */
   constructor(
-    positions: Float32Array,
-    faces: Uint32Array,
+    private readonly own: { positions: Float32Array; faces: Uint32Array },
+    shaded: Shaded,
     private readonly fine: Fine | null = null,
   ) {
-    this.own = geometryOf(positions, faces);
-    this.own.computeVertexNormals();
-    const shown = fine ? finer(fine, this.own) : this.own;
-    const vertexCount = shown.getAttribute("position").count;
-    shown.setAttribute("value", new BufferAttribute(new Float32Array(vertexCount).fill(-1), 1));
-    this.mesh = new Mesh(shown, this.material());
+    this.isFlat = fine !== null;
+    const geometry = drawn(shaded, fine);
+    const vertexCount = geometry.getAttribute("position").count;
+    geometry.setAttribute("value", new BufferAttribute(new Float32Array(vertexCount).fill(-1), 1));
+    this.mesh = new Mesh(geometry, this.material());
   }
 
-  private material(): MeshLambertMaterial {
-    const material = new MeshLambertMaterial({
+  private material(): MeshMatcapMaterial {
+    const material = new MeshMatcapMaterial({
+      matcap: studioLight(),
       side: DoubleSide,
+      flatShading: this.isFlat,
       polygonOffset: true,
       polygonOffsetFactor: 1,
       polygonOffsetUnits: 1,
     });
     material.onBeforeCompile = (shader) => {
-      shader.uniforms.ramp = this.ramp;
+      Object.assign(shader.uniforms, this.uniforms);
       shader.vertexShader = shader.vertexShader
         .replace("#include <common>", RAMP_VERTEX)
         .replace("#include <begin_vertex>", "#include <begin_vertex>\nvValue = value;");
       shader.fragmentShader = shader.fragmentShader
         .replace("#include <common>", RAMP_FRAGMENT)
-        .replace("#include <color_fragment>", RAMP_COLOUR);
+        .replace("#include <color_fragment>", `#include <color_fragment>${RAMP_COLOUR}`);
       encode(shader);
     };
     return material;
@@ -108,34 +149,64 @@ export class Skin {
     this.mesh.material.color = new Color(colour);
   }
 
-  setFlat(flat: boolean): void {
-    this.mesh.material.flatShading = flat;
+  /** Sets the shading. A refined mesh always has flat shading. */
+  setShading(shading: Shading): void {
+    const isFlat = shading === "flat" || this.fine !== null;
+    if (isFlat === this.isFlat) return;
+    this.isFlat = isFlat;
+    this.mesh.material.flatShading = isFlat;
     this.mesh.material.needsUpdate = true;
   }
 
-  /** The edges of the triangles, in thin lines. */
+  /** Whether only values colour the surface, without edges or colours per vertex. */
+  get showsValuesAlone(): boolean {
+    return !this.edges?.visible && !this.mesh.material.vertexColors && this.mesh.visible;
+  }
+
+  /** Shows or hides the edges of the triangles. */
   showEdges(show: boolean): void {
-    if (show && !this.edges) {
-      const material = new MeshBasicMaterial({ wireframe: true, color: "#24323a", transparent: true, opacity: 0.35 });
-      material.onBeforeCompile = encode;
-      this.edges = new Mesh(this.own, material);
-      this.mesh.add(this.edges);
-    }
+    if (show && !this.edges) this.edges = this.makeEdges();
     if (this.edges) this.edges.visible = show;
   }
 
-  setRamp(name: string): void {
-    this.ramp.value.dispose();
-    this.ramp.value = rampTexture(name);
+  private makeEdges(): Mesh<BufferGeometry, MeshBasicMaterial> {
+    const material = new MeshBasicMaterial({
+      wireframe: true,
+      color: "#10181c",
+      transparent: true,
+      opacity: 0.45,
+    });
+    const edgePixels = { value: 0 };
+    const length = meanEdge(this.own);
+    material.onBeforeCompile = (shader) => {
+      shader.uniforms.edgePixels = edgePixels;
+      shader.fragmentShader = shader.fragmentShader
+        .replace("#include <common>", EDGE_FRAGMENT)
+        .replace("#include <color_fragment>", EDGE_COLOUR);
+      encode(shader);
+    };
+    const edges = new Mesh(geometryOf(this.own.positions, this.own.faces), material);
+    edges.onBeforeRender = (renderer, _scene, camera) => {
+      edgePixels.value =
+        (length * camera.projectionMatrix.elements[5]! * renderer.domElement.height) / 2;
+    };
+    this.mesh.add(edges);
+    return edges;
   }
 
-  /** A value for each vertex of the mesh, 0 to `max`; NaN: none. */
-  showValues(values: Float64Array, max: number): void {
-    this.showFineValues(this.fine ? interpolated(this.fine, values, 1) : values, max);
+  setColours(colours: ColourMap): void {
+    this.uniforms.ramp.value?.dispose();
+    this.uniforms.ramp.value = rampTexture(colours);
+    this.uniforms.ends.value = [colours.low, colours.high];
   }
 
-  /** The same for each vertex of the finer mesh. */
-  showFineValues(values: Float64Array, max: number): void {
+  /** Sets the number of isolines, at equal steps between 0 and the largest value. */
+  setIsolines(count: number): void {
+    this.uniforms.isolines.value = count;
+  }
+
+  /** Shows a value, 0 to `max`, at each drawn vertex; NaN: the plain colour. */
+  showValues(values: ArrayLike<number>, max: number): void {
     const attribute = this.mesh.geometry.getAttribute("value") as BufferAttribute;
     const array = attribute.array as Float32Array;
     for (let i = 0; i < array.length; i++) {
@@ -145,21 +216,20 @@ export class Skin {
     attribute.needsUpdate = true;
   }
 
-  /** The colour of the label of each vertex that is shown; null: the plain one. */
-  showLabels(labels: (number | null)[], colours: Rgb[], plain: Rgb): void {
+  /** Colours each drawn vertex by its label; null: the plain colour. */
+  showLabels(labels: ArrayLike<number | null>, colours: Rgb[], plain: Rgb): void {
+    const bytes = (rgb: Rgb): number[] => rgb.map((c) => Math.round(255 * toLinear(c)));
+    const [plainBytes, colourBytes] = [bytes(plain), colours.map(bytes)];
     const array = new Uint8ClampedArray(3 * labels.length);
-    labels.forEach((label, i) => {
-      const rgb = label === null ? plain : (colours[label] ?? plain);
-      array.set(
-        rgb.map((c) => Math.round(255 * toLinear(c))),
-        3 * i,
-      );
-    });
+    for (let i = 0; i < labels.length; i++) {
+      const label = labels[i]!;
+      array.set((label === null ? undefined : colourBytes[label]) ?? plainBytes, 3 * i);
+    }
     this.mesh.geometry.setAttribute("color", new BufferAttribute(array, 3, true));
     this.useVertexColours(true);
   }
 
-  /** Plain again. */
+  /** Removes values and labels. */
   clear(): void {
     const attribute = this.mesh.geometry.getAttribute("value") as BufferAttribute;
     (attribute.array as Float32Array).fill(-1);
@@ -176,9 +246,9 @@ export class Skin {
 
   dispose(): void {
     this.mesh.geometry.dispose();
-    this.own.dispose();
     this.mesh.material.dispose();
+    this.edges?.geometry.dispose();
     this.edges?.material.dispose();
-    this.ramp.value.dispose();
+    this.uniforms.ramp.value?.dispose();
   }
 }

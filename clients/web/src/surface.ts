@@ -1,97 +1,75 @@
-// A surface that is shown: a resource of the daemon and the triangles that stand for it on the screen.
+// A surface of the daemon, and the triangles that the page draws for it.
 
 import type { Mesh, Nurbs, Subdivision } from "../../js/types.d.ts";
 import { Bvh } from "./bvh.ts";
-import { type Fine, refined } from "./fine.ts";
+import type { Shaded } from "./creases.ts";
+import { type Fine, interpolated, refined } from "./fine.ts";
 import { parseCompact, parseXyz, type Place, rounded } from "./place.ts";
 import type { Triangles } from "./ply.ts";
-import type { Vec3 } from "./vector.ts";
+import { type Frame, type Prepared, toFrame } from "./prepare.ts";
+import { add, scale, subtract, type Vec3 } from "./vector.ts";
 
 export type Kind = "meshes" | "subdivisions" | "nurbs";
 
-/** What is shown lies in the cube [-1, 1], so that single precision is enough at any scale and far from the origin. */
-class Frame {
-  constructor(
-    readonly centre: Vec3,
-    readonly radius: number,
-  ) {}
-
-  static of(positions: Float64Array, faces: Uint32Array): Frame {
-    const [low, high]: [Vec3, Vec3] = [
-      [Infinity, Infinity, Infinity],
-      [-Infinity, -Infinity, -Infinity],
-    ];
-    for (const vertex of faces) {
-      for (let axis = 0; axis < 3; axis++) {
-        const x = positions[3 * vertex + axis]!;
-        if (x < low[axis]!) low[axis] = x;
-        if (x > high[axis]!) high[axis] = x;
-      }
-    }
-    const centre = low.map((x, axis) => (x + high[axis]!) / 2) as Vec3;
-    return new Frame(centre, Math.hypot(...low.map((x, axis) => high[axis]! - x)) / 2 || 1);
-  }
-
-  toView(p: Vec3): Vec3 {
-    const { centre, radius } = this;
-    return [(p[0] - centre[0]) / radius, (p[1] - centre[1]) / radius, (p[2] - centre[2]) / radius];
-  }
-}
-
-function viewed(positions: Float64Array, frame: Frame): Float32Array {
-  const view = new Float32Array(positions.length);
-  for (let i = 0; i < positions.length; i++) view[i] = (positions[i]! - frame.centre[i % 3]!) / frame.radius;
-  return view;
-}
-
 export class Surface {
   readonly frame: Frame;
-  /** In the frame. */
+  readonly triangles: Triangles;
+  /** In normalised coordinates. */
   readonly positions: Float32Array;
-  /** What colours are shown on, where the mesh itself is too coarse for them. */
+  readonly shaded: Shaded;
+  /** The refined mesh that is drawn for a coarse mesh; else null. */
   readonly fine: Fine | null;
-  private tree: Bvh | undefined;
+  readonly bvh: Bvh;
 
+  /**
+   * `deviation`: for a preview, its largest distance from the original mesh; undefined if the
+   * triangles are not a preview.
+   */
   constructor(
     readonly kind: Kind,
-    /** The resource's. */
     readonly name: string,
     readonly description: Mesh | Subdivision | Nurbs,
-    /** The mesh that is shown. */
-    readonly mesh: Mesh,
-    readonly triangles: Triangles,
+    prepared: Prepared,
+    readonly deviation?: number,
   ) {
-    this.frame = Frame.of(triangles.positions, triangles.faces);
-    this.positions = viewed(triangles.positions, this.frame);
+    this.frame = prepared.frame;
+    this.triangles = prepared.triangles;
+    this.positions = prepared.positions;
+    this.shaded = prepared.shaded;
+    this.bvh = new Bvh(this.positions, this.triangles.faces, prepared.tree);
     this.fine = refined(this);
   }
 
-  /** Positions in the file's unit as they lie in the frame. */
+  get isPreview(): boolean {
+    return this.deviation !== undefined;
+  }
+
+  /** Converts positions from the file's unit to normalised coordinates. */
   view(positions: Float64Array): Float32Array {
-    return viewed(positions, this.frame);
+    return toFrame(positions, this.frame);
+  }
+
+  viewOf(xyz: Vec3): Vec3 {
+    return scale(subtract(xyz, this.frame.centre), 1 / this.frame.radius);
   }
 
   get path(): string {
     return `/v1/${this.kind}/${encodeURIComponent(this.name)}`;
   }
 
-  get meshPath(): string {
-    return `/v1/meshes/${encodeURIComponent(this.mesh.name)}`;
-  }
-
-  get faceCount(): number {
+  /** Number of faces of the drawn mesh. */
+  get drawnFaces(): number {
     return this.triangles.faces.length / 3;
   }
 
-  /** Half the diagonal of its box, in the file's unit. */
-  get size(): number {
-    return this.frame.radius;
+  /** Number of faces of the daemon's mesh; for smooth surfaces, of the drawn mesh. */
+  get faceCount(): number {
+    return this.kind === "meshes" ? (this.description as Mesh).faces : this.drawnFaces;
   }
 
-  /** Made when the first ray needs it. */
-  get bvh(): Bvh {
-    this.tree ??= new Bvh(this.positions, this.triangles.faces);
-    return this.tree;
+  /** Half the diagonal of the surface's box, in the file's unit. */
+  get size(): number {
+    return this.frame.radius;
   }
 
   corner(face: number, which: number): Vec3 {
@@ -103,30 +81,88 @@ export class Surface {
   place(face: number, weights: Vec3): Place {
     const barycentric = rounded(weights);
     const corners = [this.corner(face, 0), this.corner(face, 1), this.corner(face, 2)];
-    const along = (axis: number): number => corners.reduce((sum, p, i) => sum + barycentric[i]! * p[axis]!, 0);
+    const along = (axis: number): number =>
+      corners.reduce((sum, p, i) => sum + barycentric[i]! * p[axis]!, 0);
     return { face, barycentric, xyz: [along(0), along(1), along(2)], isFree: this.isRenumbered };
   }
 
   /**
-   * Whether the daemon knows faces otherwise than its files tell them: a repair leaves gaps in its numbers, and it counts
-   * the corners of a face that it has turned over as they were uploaded.
+   * Whether face numbers or corner orders of the drawn mesh differ from the daemon's. Faces that a
+   * repair has removed still count in the daemon's numbers, and a face that it has turned keeps the
+   * corner order of the upload.
    */
   get isRenumbered(): boolean {
-    const { duplicate_faces: doubles, degenerate_faces: flat, edges_flipped: flipped } = this.mesh.repair;
-    return doubles + flat + flipped + this.mesh.orientation.flipped_faces > 0;
+    if (this.kind !== "meshes" || this.isPreview) return true;
+    const mesh = this.description as Mesh;
+    const {
+      duplicate_faces: doubles,
+      degenerate_faces: flat,
+      edges_flipped: flipped,
+    } = mesh.repair;
+    return doubles + flat + flipped + mesh.orientation.flipped_faces > 0;
   }
 
-  /** The place of a compact point on this surface, or null. */
+  /** Parses a compact point (`f:`, `p:`, `v:`) on this surface; returns null if it is invalid. */
   parse(text: string): Place | null {
-    const xyz = this.isRenumbered ? parseXyz(text) : null;
+    const xyz = parseXyz(text);
     if (xyz) return { face: 0, barycentric: [1, 0, 0], xyz, isFree: true };
-    const point = parseCompact(text);
-    return point && point.face < this.faceCount ? this.place(point.face, point.barycentric) : null;
+    if (this.isPreview) return null;
+    const point = parseCompact(text) ?? this.atVertex(text);
+    return point && point.face < this.drawnFaces ? this.place(point.face, point.barycentric) : null;
   }
 
-  /** Where a ray of the frame meets the surface first. */
+  /** Parses a vertex (`v:12`) as a face and weights; returns null if it is invalid. */
+  private atVertex(text: string): { face: number; barycentric: Vec3 } | null {
+    const vertex = /^v:(\d+)$/.exec(text.trim())?.[1];
+    const corner = vertex && !this.isRenumbered ? this.triangles.faces.indexOf(Number(vertex)) : -1;
+    if (corner < 0) return null;
+    const barycentric: Vec3 = [0, 0, 0];
+    barycentric[corner % 3] = 1;
+    return { face: Math.floor(corner / 3), barycentric };
+  }
+
+  /** Returns the first hit of a ray, which is in normalised coordinates; null without a hit. */
   cast(origin: Vec3, direction: Vec3): Place | null {
     const hit = this.bvh.cast(origin, direction);
-    return hit && this.place(hit.face, hit.barycentric);
+    if (!hit) return null;
+    const place = this.place(hit.face, hit.barycentric);
+    const { centre, radius } = this.frame;
+    return this.isPreview
+      ? { ...place, ray: { origin: add(scale(origin, radius), centre), direction } }
+      : place;
+  }
+
+  /**
+   * The places at which colours need exact values; null if the values at the mesh's vertices are
+   * enough.
+   */
+  get samples(): Place[] | null {
+    if (this.fine) return this.fine.places;
+    if (!this.isPreview) return null;
+    const p = this.triangles.positions;
+    return Array.from({ length: p.length / 3 }, (_, i) => ({
+      face: 0,
+      barycentric: [1, 0, 0],
+      xyz: [p[3 * i]!, p[3 * i + 1]!, p[3 * i + 2]!],
+      isFree: true,
+    }));
+  }
+
+  /** Converts values at the vertices of the mesh to values at the drawn vertices. */
+  spread(values: Float64Array): Float64Array {
+    if (this.fine) return interpolated(this.fine, values, 1);
+    const { copied } = this.shaded;
+    if (copied.length === 0) return values;
+    const all = new Float64Array(values.length + copied.length);
+    all.set(values);
+    copied.forEach((vertex, i) => (all[values.length + i] = values[vertex]!));
+    return all;
+  }
+
+  /** Converts values at `samples` to values at the drawn vertices. */
+  spreadSamples<T>(values: ArrayLike<T>): ArrayLike<T> {
+    const { copied } = this.shaded;
+    if (this.fine || copied.length === 0) return values;
+    return [...Array.from(values), ...Array.from(copied, (vertex) => values[vertex]!)];
   }
 }

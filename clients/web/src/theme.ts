@@ -1,4 +1,4 @@
-// Light and dark: what the system likes, until the user says otherwise.
+// The theme, light or dark: the system's theme until the user chooses one.
 
 import { button } from "./dom.ts";
 
@@ -12,7 +12,7 @@ function apply(): void {
   document.documentElement.dataset.theme = isDark() ? "dark" : "light";
 }
 
-/** The switch; `onChange` is called now and whenever it changes. */
+/** Returns the switch. Calls `onChange` now and after each change of the theme. */
 export function themeSwitch(onChange: () => void): HTMLButtonElement {
   const node = button("", () => {
     localStorage.setItem("theme", isDark() ? "light" : "dark");

@@ -2,15 +2,15 @@
 
 import type { Pixel, Scene } from "./scene.ts";
 
-const SLACK = 5; /* pixels that a click may move */
-const TURN = Math.PI / 36; /* of an arrow key */
+const SLACK = 5; /* pixels by which the pointer may move during a click */
+const TURN = Math.PI / 36; /* radians by which an arrow key turns the camera */
 
 export class Touch {
   private down: Pixel | null = null;
 
   constructor(
     private readonly scene: Scene,
-    private readonly onClick: (pixel: Pixel) => void,
+    private readonly onClick: (pixel: Pixel, hasShift: boolean) => void,
   ) {
     const { canvas } = scene;
     canvas.addEventListener(
@@ -23,7 +23,8 @@ export class Touch {
 
   private up(event: PointerEvent): void {
     const at = pixelOf(event);
-    if (this.down && event.isPrimary && Math.hypot(at.x - this.down.x, at.y - this.down.y) <= SLACK) this.onClick(at);
+    if (this.down && event.isPrimary && Math.hypot(at.x - this.down.x, at.y - this.down.y) <= SLACK)
+      this.onClick(at, event.shiftKey);
     this.down = null;
   }
 

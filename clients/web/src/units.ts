@@ -1,21 +1,28 @@
-// Numbers for people: lengths in the unit of their choice, bytes, counts, times.
+// Formats lengths in the unit that the user chooses, bytes, counts and times.
 
-/** Metres of each unit that a file may be in; a file does not say. */
-const METRES: Record<string, number> = { mm: 0.001, cm: 0.01, m: 1, km: 1000, in: 0.0254, ft: 0.3048 };
+/** Length of each unit in metres. Files do not name their unit, so the user chooses it. */
+const METRES: Record<string, number> = {
+  mm: 0.001,
+  cm: 0.01,
+  m: 1,
+  km: 1000,
+  in: 0.0254,
+  ft: 0.3048,
+};
 
 export const UNITS = ["units", ...Object.keys(METRES)];
 
 export class Units {
-  /** Of the file. */
+  /** The unit of the file. */
   file = "units";
-  /** On the screen. */
+  /** The unit that the user wants to see. */
   shown = "units";
 
   private get factor(): number {
     return METRES[this.file] && METRES[this.shown] ? METRES[this.file]! / METRES[this.shown]! : 1;
   }
 
-  /** What is really shown: of a file without a unit nothing can be converted. */
+  /** The unit that the page shows. Without the file's unit, lengths cannot be converted. */
   get name(): string {
     return METRES[this.file] ? (METRES[this.shown] ? this.shown : this.file) : "units";
   }
@@ -24,7 +31,7 @@ export class Units {
     return `${this.bare(value, digits)} ${this.name}`;
   }
 
-  /** The number only, where the unit stands elsewhere. */
+  /** Returns the number without the unit. */
   bare(value: number, digits = 6): string {
     return number(value * this.factor, digits);
   }
@@ -34,7 +41,7 @@ export class Units {
   }
 }
 
-/** So many significant digits; powers of ten only where the plain form would be long. */
+/** Formats to `digits` significant digits; with a power of ten if the plain form were long. */
 export function number(value: number, digits = 6): string {
   const size = Math.abs(value);
   if (size !== 0 && (size < 1e-4 || size >= 1e9))
@@ -42,10 +49,14 @@ export function number(value: number, digits = 6): string {
       .toExponential(digits - 1)
       .replace("e-", "e−")
       .replace("e+", "e");
-  return value.toLocaleString("en", { maximumSignificantDigits: digits }).replace("-", "−").replaceAll(",", "\u202f");
+  return value
+    .toLocaleString("en", { maximumSignificantDigits: digits })
+    .replace("-", "−")
+    .replaceAll(",", "\u202f");
 }
 
-export const whole = (value: number): string => value.toLocaleString("en").replaceAll(",", "\u202f");
+export const whole = (value: number): string =>
+  value.toLocaleString("en").replaceAll(",", "\u202f");
 
 export function bytes(count: number): string {
   const names = ["B", "KiB", "MiB", "GiB", "TiB"];

@@ -1,4 +1,4 @@
-// Points and directions of space as three numbers.
+// Points and directions in space as three numbers.
 
 export type Vec3 = [number, number, number];
 
@@ -14,7 +14,7 @@ export const cross = (a: Vec3, b: Vec3): Vec3 => [
   a[0] * b[1] - a[1] * b[0],
 ];
 
-/** The unit vector of `a`; of the zero vector itself. */
+/** Returns `a` scaled to unit length; the zero vector unchanged. */
 export function unit(a: Vec3): Vec3 {
   const size = length(a);
   return size > 0 ? scale(a, 1 / size) : a;

@@ -1,4 +1,4 @@
-/* Colour map: a colour for a distance, the same in pictures and in files. */
+/* Colour map: maps distances to colours, identically in pictures and in files. */
 #ifndef GD_COLOUR_MAP_H
 #define GD_COLOUR_MAP_H
 
@@ -6,20 +6,20 @@
 extern "C" {
 #endif
 
-/* Components of linear light, in [0,1] (glTF has these; pictures and web pages have them
- * encoded). */
+/* A colour in linear light, components in [0,1]. glTF uses linear components; pictures and web
+ * pages use the encoded ones of gd_colour_encode. */
 struct gd_colour {
     double red, green, blue;
 };
 
-/* The colour of a part of the largest distance, cut to [0,1]: a helix in the Oklab space (B.
- * Ottosson, "A perceptual color space for image processing", 2020) of constant chroma, whose
- * lightness grows evenly while the hue goes from violet by blue and green to yellow. So equal steps
- * of distance are equal steps to the eye; who sees fewer hues, or none, is left with the order by
- * lightness; and lines in red or black show on all of it. */
+/* Returns the colour of `part`, a distance as a fraction of the largest one, clamped to [0,1]. The
+ * map is a helix in the Oklab space (B. Ottosson, "A perceptual color space for image processing",
+ * 2020): constant chroma, evenly growing lightness, and hues from violet through blue and green to
+ * yellow. Equal steps of distance look equally large. Colour-blind viewers see the order by
+ * lightness. Red and black lines contrast with all colours of the map. */
 struct gd_colour gd_colour_map(double part);
 
-/* A component as sRGB encodes it (IEC 61966-2-1), cut to [0,1]. */
+/* Returns the sRGB encoding (IEC 61966-2-1) of a linear component, clamped to [0,1]. */
 double gd_colour_encode(double linear);
 
 #ifdef __cplusplus

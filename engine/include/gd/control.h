@@ -1,9 +1,9 @@
-/* Control of long calls: byte budget, deadline, progress, cancel. One mechanism for jobs, deadlines
- * and shutdown.
+/* Control of long calls: byte budget, deadline, progress, cancel.
  *
- * Every long call takes a `const struct gd_control *`; NULL and an all-zero struct mean no limits
- * and no reports. The call looks at it at least once in a millisecond of its own work and stops
- * with GD_BUDGET, GD_DEADLINE or GD_CANCELLED, leaking nothing. */
+ * Every long call takes a `const struct gd_control *`. NULL and an all-zero struct mean no limits
+ * and no reports. A call checks its control at least once in a millisecond of its own work. When a
+ * limit is exceeded, the call stops with GD_BUDGET, GD_DEADLINE or GD_CANCELLED and leaks
+ * nothing. */
 #ifndef GD_CONTROL_H
 #define GD_CONTROL_H
 
@@ -19,26 +19,28 @@ extern "C" {
 #endif
 
 struct gd_control {
-    /* most bytes that the call may hold at a time, its result included; 0: no limit */
+    /* largest number of bytes held at any time, including the result; 0: no limit */
     size_t budget_bytes;
-    uint64_t deadline_ns; /* on the clock of gd_now_ns(); 0: none */
-    /* Called from the calling thread with the part done in [0,1], never decreasing; false cancels.
-     * May be NULL. */
+    uint64_t deadline_ns; /* on the clock of gd_now_ns(); 0: no deadline */
+    /* Called on the calling thread with the completed fraction of the work, in [0,1], never
+       decreasing. Return false to cancel the call. May be NULL. */
     bool (*progress)(void *user, double fraction);
     void *user;
-    struct gd_workspace *workspace; /* memory of earlier calls, gd/workspace.h; NULL: none */
-    /* Threads for functions that work in parallel: gd_field_build, gd_field_resume and what builds
-     * fields by them. NULL: the calling thread. */
+    struct gd_workspace *workspace; /* memory reused between calls, gd/workspace.h; NULL: none */
+    /* Threads for parallel functions: gd_field_build, gd_field_resume and functions that call them.
+       NULL: only the calling thread. */
     const struct gd_executor *executor;
 };
 
-/* Nanoseconds on the monotonic clock. Thread-safe. */
+/* Returns the time of the monotonic clock in nanoseconds. Thread-safe. */
 uint64_t gd_now_ns(void);
 
-/* GD_OK, GD_DEADLINE or GD_CANCELLED; reports `fraction`. `control` may be NULL. */
+/* Checks the deadline and calls `progress` with `fraction`. Returns GD_OK, GD_DEADLINE or
+ * GD_CANCELLED. `control` may be NULL. O(1). */
 GD_MUST_USE enum gd_status gd_control_check(const struct gd_control *control, double fraction);
 
-/* GD_OK, or GD_BUDGET when `bytes` exceed the budget. `control` may be NULL. */
+/* Returns GD_OK, or GD_BUDGET if `bytes` exceed the budget. `control` may be NULL. O(1).
+ * Thread-safe. */
 GD_MUST_USE enum gd_status gd_control_afford(const struct gd_control *control, size_t bytes);
 
 #ifdef __cplusplus

@@ -1,5 +1,5 @@
-/* Control mesh: polygons with the tags of a subdivision surface, before anyone asked whether it can
- * be subdivided. io reads them, subdiv builds from them. */
+/* Control mesh: polygons, with the crease and corner tags of a subdivision surface. engine/io reads
+ * control meshes; engine/subdiv validates them and builds surfaces. */
 #ifndef GD_CONTROL_MESH_H
 #define GD_CONTROL_MESH_H
 
@@ -9,25 +9,25 @@
 extern "C" {
 #endif
 
-/* From this sharpness on a tag is infinitely sharp, as in OpenSubdiv and USD. */
+/* A tag of at least this sharpness is infinitely sharp, as in OpenSubdiv and USD. */
 #define GD_SHARPNESS_INFINITE 10.0
 
 struct gd_crease {
     uint32_t vertices[2]; /* the ends of an edge */
-    double sharpness;     /* >= 0; 0: none; from GD_SHARPNESS_INFINITE on: for ever */
+    double sharpness;     /* >= 0; 0: smooth; at least GD_SHARPNESS_INFINITE: infinitely sharp */
 };
 
 struct gd_corner {
     uint32_t vertex;
-    double sharpness; /* as a crease's */
+    double sharpness; /* as in gd_crease */
 };
 
-/* What the limit surface does at the boundary of the mesh; the names are USD's. Boundary edges are
+/* Rules for the limit surface at the boundary of the mesh, with USD's names. Boundary edges are
  * infinitely sharp creases. */
 enum gd_interpolate_boundary {
-    GD_INTERPOLATE_EDGE_AND_CORNER, /* vertices of one face are corners */
-    GD_INTERPOLATE_EDGE_ONLY,       /* the boundary curve is smooth there too */
-    /* no surface next to the boundary: taken only where there is no boundary */
+    GD_INTERPOLATE_EDGE_AND_CORNER, /* boundary vertices of only one face are corners */
+    GD_INTERPOLATE_EDGE_ONLY,       /* the boundary curve is smooth at those vertices too */
+    /* no surface next to the boundary; accepted only for meshes without boundary */
     GD_INTERPOLATE_NONE
 };
 
@@ -39,17 +39,17 @@ struct gd_control_mesh {
     enum gd_interpolate_boundary boundary;
 };
 
-/* Frees the arrays and zeroes the struct. NULL and half-built ones are harmless. */
+/* Frees the arrays and zeroes the struct. Accepts NULL and partly built structs. */
 void gd_control_mesh_free(struct gd_control_mesh *mesh);
 
-/* Reads a mesh file as gd_read_polygons does and, in OBJ, the tags that OpenSubdiv writes behind
- * it: `t crease N/M/0 v0 v1 ... s ...` (a chain of N vertices, one sharpness for all of it or one
- * an edge), `t corner N/M/0 v ... s ...`, `t interpolateboundary 1/0/0 i` (0 none, 1 edge and
- * corner, 2 edge only). Vertices of tags are counted from zero, although those of faces are counted
- * from one. Tags that concern texture coordinates are skipped. `options` and `detail` may be NULL;
- * the caller frees `*out`. Thread-safe; time and memory as gd_read_polygons. Errors: those of
- * gd_read_polygons; GD_UNSUPPORTED (any other tag, such as holes), GD_SYNTAX, GD_INDEX. That a
- * crease is an edge and its sharpness a fit one is for gd_subdivision_create to say. */
+/* Reads a mesh file as gd_read_polygons does. From an OBJ file it also reads OpenSubdiv's tags: `t
+ * crease N/M/0 v0 v1 ... s ...` (a chain of N vertices with one sharpness, or with one for each
+ * edge), `t corner N/M/0 v ... s ...`, `t interpolateboundary 1/0/0 i` (0 none, 1 edge and corner,
+ * 2 edge only). Tags count vertices from zero, although faces count them from one. Tags of texture
+ * coordinates are skipped. `options` and `detail` may be NULL; the caller frees `*out` by
+ * gd_control_mesh_free. Thread-safe; time and memory as gd_read_polygons. Errors: those of
+ * gd_read_polygons; GD_UNSUPPORTED (another tag, such as a hole), GD_SYNTAX, GD_INDEX.
+ * gd_subdivision_create checks that a crease is an edge and that its sharpness is valid. */
 GD_MUST_USE enum gd_status gd_read_control_mesh(const void *bytes, size_t size,
                                                 const struct gd_read_options *options,
                                                 struct gd_control_mesh *out,

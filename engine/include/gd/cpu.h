@@ -1,5 +1,5 @@
-/* CPU: which instructions the kernels use. All of them give the same results to the last bit; they
- * differ in speed. */
+/* CPU: selects the instruction set of the vector kernels. All kernels give the same results to the
+ * last bit; they differ only in speed. */
 #ifndef GD_CPU_H
 #define GD_CPU_H
 
@@ -9,12 +9,13 @@
 extern "C" {
 #endif
 
-/* Forces kernels by name: "baseline" (any machine), "avx2", "avx512"; "auto" is the best that this
- * machine has, and the choice at start. GD_INVALID_ARGUMENT: no such name; GD_UNSUPPORTED: not on
- * this machine. For the whole process; call it before work begins. */
+/* Selects kernels by name: "baseline" (any machine), "avx2", "avx512", or "auto" (the default): the
+ * best that this machine supports. The choice holds for the whole process: call it before any other
+ * work. O(1). Errors: GD_INVALID_ARGUMENT (unknown name), GD_UNSUPPORTED (this machine lacks the
+ * instructions). */
 GD_MUST_USE enum gd_status gd_cpu_select(const char *name);
 
-/* The name of the kernels in use. */
+/* Returns the name of the kernels in use, a static string. Thread-safe. */
 const char *gd_cpu_name(void);
 
 #ifdef __cplusplus

@@ -1,5 +1,5 @@
-/* Curve distance: how far two curves on a surface are from each other, at the least and at the
- * most; exact, not sampled.
+/* Curve distance: the exact least distance between two curves on a surface, and the greatest
+ * distance of one from the other.
  *
  *     gd_curve_seeds(&a, 0, seeds);                     // the field of one curve, built once
  *     ... gd_field_build(mesh, &request, NULL, &field_of_a, NULL);
@@ -9,8 +9,9 @@
  *         gd_curve_distance_free(&distance);
  *     }
  *
- * Along each segment of the other curve the field's distance is the lower envelope of those to few
- * sources, whose extremes are found in closed form. `control` may be NULL. Thread-safe. */
+ * Along a segment of the other curve the field's distance is the lower envelope of the distances
+ * from a few sources, whose extremes have closed forms. In all functions `control` may be NULL.
+ * Thread-safe. */
 #ifndef GD_CURVE_DISTANCE_H
 #define GD_CURVE_DISTANCE_H
 
@@ -20,37 +21,39 @@
 extern "C" {
 #endif
 
-/* A place on a curve. */
+/* A point of a curve. */
 struct gd_curve_place {
     struct gd_point point;
-    double parameter; /* part of the curve's length that lies before it, in [0, 1] */
-    /* the least between the path and the curve there, in [0, pi]: pi / 2 where the curve is smooth;
-       NaN where there is no path to measure (the curves meet), or none was wanted */
+    /* arc length from the curve's start, as a fraction of its length, in [0, 1] */
+    double parameter;
+    /* Least angle between the path and the curve at this point, in [0, pi]: pi / 2 where the curve
+       is smooth. NaN if the curves meet. */
     double angle;
 };
 
 struct gd_curve_distance {
-    /* INFINITY: no path leads from one to the other, and the rest is without meaning */
+    /* INFINITY: no path between the curves; the other members are then undefined */
     double distance;
     struct gd_curve_place a, b;
     struct gd_path path; /* from a to b */
 };
 
-/* frees the path; NULL is harmless */
+/* Frees the path. NULL is harmless. */
 void gd_curve_distance_free(struct gd_curve_distance *distance);
 
-/* The least distance between a point of `a` and one of `b`. `field`: of gd_curve_seeds(a, 0).
- * Curves that meet: 0, and a point in which they do. Errors: GD_INVALID_ARGUMENT (the field has not
- * as many seeds), GD_BEYOND_REACH (a partial field), GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE,
- * GD_INTERNAL (a path's length is not the distance). O(wedges of the edges around b). */
+/* Computes the least distance between a point of `a` and a point of `b`. `field` must have the
+ * seeds gd_curve_seeds(a, 0). Curves that meet have distance 0 and a common point. Errors:
+ * GD_INVALID_ARGUMENT (the field has another number of seeds), GD_BEYOND_REACH (a partial field),
+ * GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL (the path's length differs from the
+ * distance). O(wedges of the edges around b). */
 GD_MUST_USE enum gd_status gd_curve_distance(const struct gd_field *field, const struct gd_curve *a,
                                              const struct gd_curve *b,
                                              const struct gd_control *control,
                                              struct gd_curve_distance *out);
 
-/* The one-sided Hausdorff distance from b to a: the greatest that a point of `b` has from `a`, that
- * point, and the point of `a` nearest to it. INFINITY: from a part of b no path leads to a. Errors
- * and cost: the same. */
+/* Computes the one-sided Hausdorff distance from b to a: the greatest distance of a point of `b`
+ * from `a`, that point, and its nearest point on `a`. The distance is INFINITY if a part of b has
+ * no path to a. Errors and cost: those of gd_curve_distance. */
 GD_MUST_USE enum gd_status gd_curve_farthest(const struct gd_field *field, const struct gd_curve *a,
                                              const struct gd_curve *b,
                                              const struct gd_control *control,

@@ -1,20 +1,22 @@
-/* Direction: where a line leaves a point of the surface, as an angle and as a vector of space.
+/* Direction: a tangent direction at a point of the surface, as an angle and as a vector in space.
  *
  *     struct gd_direction direction;
  *     if (gd_direction_at_angle(mesh, &point, M_PI_2, &direction, NULL) == GD_OK)
  *         printf("%g\n", direction.xyz.z);
  *
- * Angles grow counter-clockwise as seen from outside. Zero is, with numbers as in the input,
+ * Angles grow counter-clockwise as seen from outside. Angle zero is (indices and order are those of
+ * the input)
  *     in a face             the direction of its first edge, from its first corner to its second,
  *                           in the order of the input
  *     on an edge            from the lower-numbered vertex to the higher one. The surface is flat
- *                           across an edge: up to pi an angle is in the face to the left of that
- *                           direction, beyond in the one to the right
- *     at an interior vertex the edge to the lowest-numbered neighbour; the total angle counts as
- *                           2 pi, whatever it is
+ *                           across an edge: angles up to pi lead into the face to the left of that
+ *                           direction, others into the face to the right
+ *     at an interior vertex the edge to the lowest-numbered neighbour; any total angle
+ *                           counts as 2 pi
  *     at a boundary vertex  the boundary edge from which the faces around the vertex follow each
- *                           other counter-clockwise; angles are as they are, up to the total one.
- * Vectors are tangent: in the plane of the face into which the direction leads. All functions are
+ *                           other counter-clockwise; angles are not scaled, and are at most
+ *                           the total angle.
+ * A vector lies in the plane of the face into which the direction leads. All functions are
  * thread-safe; `out` is untouched on failure. */
 #ifndef GD_DIRECTION_H
 #define GD_DIRECTION_H
@@ -26,38 +28,41 @@ extern "C" {
 #endif
 
 struct gd_direction {
-    double angle;        /* radians; in [0, 2 pi), at a boundary vertex in [0, total angle] */
-    struct gd_vec3 xyz;  /* of unit length */
-    struct gd_face face; /* the one that it leads into; along an edge one of two */
+    double angle;       /* radians; in [0, 2 pi), at a boundary vertex in [0, total angle] */
+    struct gd_vec3 xyz; /* unit vector */
+    /* the face into which the direction leads; along an edge, one of its two faces */
+    struct gd_face face;
 };
 
-/* The direction at an angle: any finite one but at the boundary, where it must be on the surface
- * (to 1e-9). `detail` may be NULL. Errors: GD_INVALID_ARGUMENT (not finite), GD_NOT_ON_SURFACE (it
- * leads over the boundary). O(1), at a vertex O(its faces). */
+/* Computes the direction at an angle. The angle may be any finite number; at the boundary the
+ * direction must lead into the surface (to 1e-9). `detail` may be NULL. Errors: GD_INVALID_ARGUMENT
+ * (not finite), GD_NOT_ON_SURFACE (the direction leads over the boundary). O(1); O(faces) at a
+ * vertex. */
 GD_MUST_USE enum gd_status gd_direction_at_angle(const struct gd_mesh *mesh,
                                                  const struct gd_point *point, double angle,
                                                  struct gd_direction *out,
                                                  struct gd_detail *detail);
 
-/* The direction that a vector of any length has when it is projected onto the surface: in a face at
- * right angles to it; on an edge to that of its faces which it projects into (of two, to the one
- * nearer to it; of none, onto the edge); at a vertex along the normal, the mean of those of the
- * faces weighted by their angles, to the face that it projects into. A vector that is tangent keeps
- * its direction. `detail` may be NULL. Errors: GD_INVALID_ARGUMENT (not finite, or nothing of it is
- * left), GD_NOT_ON_SURFACE (it leads over the boundary). O(1), at a vertex O(its faces). */
+/* Computes the direction of a vector of any length, projected onto the surface. In a face the
+ * projection is perpendicular. On an edge the vector is projected perpendicularly into one of the
+ * two faces: if both qualify, into the nearer one; if neither, onto the edge. At a vertex the
+ * vector is projected along the vertex normal (the mean of the faces' normals weighted by angle)
+ * into the face that it meets. A tangent vector keeps its direction. `detail` may be NULL. Errors:
+ * GD_INVALID_ARGUMENT (the vector is not finite, or its projection vanishes), GD_NOT_ON_SURFACE
+ * (the direction leads over the boundary). O(1); O(faces) at a vertex. */
 GD_MUST_USE enum gd_status gd_direction_along(const struct gd_mesh *mesh,
                                               const struct gd_point *point, struct gd_vec3 vector,
                                               struct gd_direction *out, struct gd_detail *detail);
 
-/* The direction in which a line goes on straight that comes from the direction `back`, which is one
- * of this point: half of the angle around the point further. Where that is over the boundary, the
- * angle is off the surface too (at a vertex: beyond the total one) and the vector is opposite to
- * back's. O(1), at a vertex O(its faces). */
+/* Returns the straight continuation of a line whose way back from this point is the direction
+ * `back`: half of the total angle further. If the continuation leads over the boundary, its angle
+ * is off the surface (at a vertex: larger than the total angle), and its vector is the negative of
+ * the vector of `back`. O(1); O(faces) at a vertex. */
 struct gd_direction gd_direction_opposite(const struct gd_mesh *mesh, const struct gd_point *point,
                                           const struct gd_direction *back);
 
-/* The unit vectors of a face (gd_mesh_has_face) from which its directions are counted: at angle a
- * there is cos(a) x + sin(a) y. O(1). */
+/* Computes the unit vectors x and y of a face: the direction at angle a is cos(a) x + sin(a) y. The
+ * face must exist (gd_mesh_has_face). O(1). */
 void gd_direction_axes(const struct gd_mesh *mesh, struct gd_face face, struct gd_vec3 *x,
                        struct gd_vec3 *y);
 

@@ -1,4 +1,5 @@
-/* Discretization: triangles whose vertices lie on a limit surface and remember where.
+/* Discretization: a triangulation with vertices on a limit surface, and the (face, u, v) of each
+ * vertex.
  *
  *     struct gd_discretization fine;
  *     const struct gd_discretize_options options = {.level = 5};
@@ -16,35 +17,35 @@ extern "C" {
 #endif
 
 struct gd_discretize_options {
-    /* every edge of the control mesh becomes 2^level; from 1 on where it has polygons that are no
-       quads (Loop: no triangles), at most 12 */
+    /* Every edge of the control mesh becomes 2^level edges. At least 1 if the mesh has polygons
+       that are not quads (Loop: triangles), at most 12. */
     uint32_t level;
-    /* > 0: instead of `level`, so fine in every face that the triangles are this near to the
-       surface */
+    /* > 0: replaces `level` by the largest distance between triangles and surface; each face gets
+       the level that it needs */
     double tolerance;
-    uint32_t max_faces; /* most triangles; 0: 2^28 */
+    uint32_t max_faces; /* largest number of triangles; 0: 2^28 */
 };
 
-/* Arrays of one item a vertex of `polygons`, which are triangles. */
+/* `polygons` are triangles. The other arrays have one entry for each vertex. */
 struct gd_discretization {
     struct gd_polygons polygons;
-    struct gd_limit_point *places; /* vertices on edges: in any of the faces */
-    /* of unit length; on a crease that of one side; 0 where there is none */
+    struct gd_limit_point *places; /* a vertex on an edge names either of its faces */
+    /* Unit normals. On a crease: the normal of one side. 0 where no normal exists. */
     struct gd_vec3 *normals;
 };
 
-/* Frees the arrays and zeroes the struct. NULL and half-built ones are harmless. */
+/* Frees the arrays and zeroes the struct. Accepts NULL and partly built structs. */
 void gd_discretization_free(struct gd_discretization *discretization);
 
-/* Triangles over the limit surface whose vertices lie on it exactly, at dyadic places: of a quad's
- * cells along the shorter diagonal, of a Loop triangle's cells as they are. With a tolerance each
- * face has its own level and neighbours are joined without cracks: an edge is as fine as the finer
- * face beside it. How near the triangles are is measured, not proven: at points two levels finer,
- * across the surface, and from edges' chords. `options` and `control` may be NULL (level 0); the
- * caller frees `*out`. Errors: GD_INVALID_ARGUMENT (level, tolerance), GD_TOO_LARGE (over
- * max_faces, or the tolerance asks for more than level 12), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
- * GD_DEADLINE. Linear time, some 0.2 us a vertex, and for each control face that isn't regular some
- * 10 us a level. 120 bytes a vertex. Thread-safe. */
+/* Triangulates the limit surface. The vertices lie exactly on it, at dyadic (u,v). Cells of quads
+ * are divided along the shorter diagonal; cells of Loop triangles are triangles already. With a
+ * tolerance each face has its own level, and an edge has the level of its finer face, so that there
+ * are no cracks. The distance between triangles and surface is measured at sample points two levels
+ * finer and on the chords of edges; it is not a proven bound. `options` and `control` may be NULL
+ * (level 0); the caller frees `*out` by gd_discretization_free. Errors: GD_INVALID_ARGUMENT (level,
+ * tolerance), GD_TOO_LARGE (over max_faces, or the tolerance needs more than level 12),
+ * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: linear time, about 0.2 us a vertex and
+ * 10 us a level for each irregular control face; 120 bytes a vertex. Thread-safe. */
 GD_MUST_USE enum gd_status gd_discretize(const struct gd_subdivision *surface,
                                          const struct gd_discretize_options *options,
                                          const struct gd_control *control,

@@ -1,14 +1,14 @@
-/* Domain curve: a curve on a parametric surface, given in its parameter domain: polyline, B-spline,
- * iso-parameter line, or a single point.
+/* Domain curve: a curve on a parametric surface, given in the parameter domain as a polyline,
+ * B-spline, iso-parameter line or single point.
  *
  *     struct gd_domain_curve *line;
  *     if (gd_domain_curve_iso(torus, GD_ISO_U, 0.5, &line, &detail) == GD_OK) …
  *
- * All are B-splines: a polyline has degree 1 and its corners at the integers 0, 1, 2, …; an iso
- * line runs through the whole domain, and its parameter is the other coordinate. A curve whose ends
- * are one place of the surface (also by way of a closed direction) is closed: its parameter is
- * periodic. Curves are immutable once made: any number of threads may read them. They keep their
- * surface alive. */
+ * All kinds are stored as B-splines. A polyline has degree 1 and its corners at the parameters 0,
+ * 1, 2, …. An iso-parameter line runs through the whole domain, and its parameter is the other
+ * coordinate. A curve is closed, with a periodic parameter, if its ends are the same point of the
+ * surface; in a closed direction they may differ by periods. Curves are immutable: any number of
+ * threads may read them. A curve keeps its surface alive. */
 #ifndef GD_DOMAIN_CURVE_H
 #define GD_DOMAIN_CURVE_H
 
@@ -19,19 +19,19 @@ extern "C" {
 #endif
 
 #define GD_DOMAIN_CURVE_COUNT_MAX 65536
-/* that a place may lie away from the domain in a closed direction */
+/* largest distance of a point from the domain in a closed direction, in periods */
 #define GD_DOMAIN_CURVE_PERIODS_MAX 1000000
 
 struct gd_domain_curve;
 
-/* Which parameter stays. */
+/* The parameter that is constant along an iso-parameter line. */
 enum gd_iso { GD_ISO_U, GD_ISO_V };
 
-/* Errors of all: GD_INVALID_ARGUMENT with a sentence (a number that is not finite, a place outside
- * the domain or too many periods away from it, two corners in one place, knots that are no knots,
- * degree or count out of range), GD_NO_MEMORY; and with `control`, which may be NULL, GD_CANCELLED,
- * GD_DEADLINE: where a long curve crosses lines of the surface takes up to a tenth of a second to
- * find. The caller owns one reference of `*out`. */
+/* Errors of all constructors: GD_INVALID_ARGUMENT with a sentence (a number that is not finite, a
+ * point outside the domain or too many periods away, two equal corners, invalid knots, degree or
+ * count out of range), GD_NO_MEMORY; with `control`, which may be NULL, GD_CANCELLED and
+ * GD_DEADLINE. A constructor computes where the curve crosses knot lines of the surface; for a long
+ * curve this takes up to 0.1 s. The caller owns one reference of `*out`. */
 GD_MUST_USE enum gd_status gd_domain_curve_point(const struct gd_parametric *surface, double u,
                                                  double v, struct gd_domain_curve **out,
                                                  struct gd_detail *detail);
@@ -41,7 +41,8 @@ struct gd_domain_polyline {
     uint32_t count;             /* at least 2 */
 };
 
-/* In closed directions corners may leave [low, high]: so a curve winds around. */
+/* Creates a polyline. In a closed direction corners may lie outside [low, high], so that a curve
+ * can wind around. */
 GD_MUST_USE enum gd_status gd_domain_curve_polyline(const struct gd_parametric *surface,
                                                     const struct gd_domain_polyline *polyline,
                                                     const struct gd_control *control,
@@ -74,10 +75,11 @@ const struct gd_parametric *gd_domain_curve_surface(const struct gd_domain_curve
 bool gd_domain_curve_is_point(const struct gd_domain_curve *curve);
 bool gd_domain_curve_is_closed(const struct gd_domain_curve *curve);
 
-/* The parameter's range. */
+/* Returns the range of the curve's parameter. */
 void gd_domain_curve_range(const struct gd_domain_curve *curve, double *low, double *high);
 
-/* (u, v) at a parameter, which is wrapped on closed curves and clamped on others. */
+/* Computes (u, v) at the parameter `s`, which is wrapped on closed curves and clamped on others.
+ * O(degree^2). Thread-safe. */
 void gd_domain_curve_at(const struct gd_domain_curve *curve, double s, double uv[2]);
 
 #ifdef __cplusplus

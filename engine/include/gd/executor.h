@@ -1,5 +1,4 @@
-/* Executor: how the engine does work in parallel without owning a thread. The caller brings the
- * threads. */
+/* Executor: runs parallel tasks on threads of the caller. The engine creates no threads. */
 #ifndef GD_EXECUTOR_H
 #define GD_EXECUTOR_H
 
@@ -10,8 +9,8 @@ extern "C" {
 #endif
 
 /* `run` calls task(context, i) once for each i in [0, count), in any order, on any threads, and
- * returns when all have returned. `width` is how many may run at a time (>= 1). A NULL executor
- * means: one after the other on the calling thread. */
+ * returns after all tasks have returned. `width` is the largest number of concurrent tasks (>=
+ * 1). */
 struct gd_executor {
     uint32_t width;
     void (*run)(void *user, void (*task)(void *context, uint32_t index), void *context,
@@ -19,8 +18,8 @@ struct gd_executor {
     void *user;
 };
 
-/* Runs `count` tasks on `executor`, or on the calling thread when it is NULL. Task functions report
- * failure through `context`. */
+/* Runs `count` tasks on `executor`; if `executor` is NULL, in order on the calling thread. Tasks
+ * report failure through `context`. */
 void gd_executor_run(const struct gd_executor *executor,
                      void (*task)(void *context, uint32_t index), void *context, uint32_t count);
 

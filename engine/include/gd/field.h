@@ -1,4 +1,4 @@
-/* Field: the exact geodesic distance from a set of source points, kept as the final-stage wedges of
+/* Field: the exact geodesic distance from a set of sources, stored as the final-stage wedges of
  * every edge.
  *
  *     struct gd_seed seed = {.point = p};
@@ -25,66 +25,68 @@ extern "C" {
 
 struct gd_field;
 
-/* A source: a point, or a straight segment within one face, without its ends, which are to be seeds
- * of their own (gd_curve_seeds makes all of a curve's). */
+/* A source: a point, or a straight open segment within one face. Each end of a segment must be a
+ * seed of its own (gd_curve_seeds makes all seeds of a curve). */
 struct gd_seed {
     struct gd_point point;
     double offset; /* >= 0, added to every distance from this seed */
     bool is_segment;
-    struct gd_point end; /* of a segment that begins at `point`; else ignored */
+    struct gd_point end; /* the end of a segment that begins at `point`; ignored for a point */
 };
 
 struct gd_field_request {
     const struct gd_seed *seeds; /* borrowed; at least one */
     uint32_t seed_count;
-    double radius; /* stop there; 0: no limit */
-    /* stop when this point's distance is final (the paper's Property 5); NULL: none */
+    double radius; /* largest distance; 0: no limit */
+    /* stops as soon as this point's distance is final (Property 5 of the paper); NULL: none */
     const struct gd_point *target;
 };
 
-/* Propagates wedges from the seeds and keeps the final ones: of segments linear ones, so that
- * distances to them are as exact as those to points (D. Bommes and L. Kobbelt, "Accurate
- * computation of geodesic distance fields for polygonal curves on triangle meshes", 2007).
- * `control` and `detail` may be NULL. An executor of width 2 or more in `control` halves a large
- * surface between two tasks (partition/partition.h): the same field every time, which differs from
- * that of one task by rounding. Errors: GD_INVALID_ARGUMENT (no seed, an offset that is negative or
- * not finite, a segment whose ends are one point or lie in no common face), GD_NO_MEMORY,
- * GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_RUNAWAY (far more windows than any surface of sense
- * needs), GD_INTERNAL (the distances of two neighbours differ by more than their edge: rounding was
- * too coarse for this surface). Cost: about n^1.5 wedges on smooth curved meshes; 24 bytes a wedge.
- */
+/* Builds the exact distance field of the seeds: propagates wedges and keeps the final ones.
+ * Segments have linear wedges, so that distances from segments are as exact as distances from
+ * points (D. Bommes and L. Kobbelt, "Accurate computation of geodesic distance fields for polygonal
+ * curves on triangle meshes", 2007). `control` and `detail` may be NULL. With an executor of width
+ * 2 or more in `control`, two tasks share a large surface (partition/partition.h). The result is
+ * then still deterministic, and differs from the result of one task only by rounding. The caller
+ * owns one reference of `*out`. Errors: GD_INVALID_ARGUMENT (no seed, an offset that is negative or
+ * not finite, a segment whose ends are one point or have no common face), GD_NO_MEMORY, GD_BUDGET,
+ * GD_CANCELLED, GD_DEADLINE, GD_RUNAWAY (far more windows than any real mesh needs), GD_INTERNAL
+ * (the distances of two neighbours differ by more than the length of their edge: rounding errors
+ * are too large on this surface). Cost: about n^1.5 wedges on smooth curved meshes, 21 to 24 bytes
+ * each. Thread-safe. */
 GD_MUST_USE enum gd_status gd_field_build(const struct gd_mesh *mesh,
                                           const struct gd_field_request *request,
                                           const struct gd_control *control, struct gd_field **out,
                                           struct gd_detail *detail);
 
-/* The distance at every vertex index, as gd_field_vertex_distances gives it of such a field, for
- * one who wants no more: no wedges are made, nothing is kept. Errors: those of gd_field_build;
- * `out` is untouched then. Cost: a field's time but for some percent; memory: 8 bytes a vertex, and
- * what is known near the front, 10 bytes a face in all at a million faces. */
+/* Computes the distance at every vertex index, as gd_field_build and gd_field_vertex_distances do,
+ * without storing wedges. `out` has index_count entries and is untouched on failure. Errors: those
+ * of gd_field_build. Cost: about the time of gd_field_build; 8 bytes a vertex plus the records near
+ * the front, together 10 bytes a face at a million faces. Thread-safe. */
 GD_MUST_USE enum gd_status gd_field_distances_only(const struct gd_mesh *mesh,
                                                    const struct gd_field_request *request,
                                                    const struct gd_control *control, double *out,
                                                    struct gd_detail *detail);
 
-/* The field of the same seeds that reaches farther, to `radius` (0: no limit): what `partial`,
- * which stays as it is, has found is kept, and only what lies beyond is propagated. Its distances
- * are those of a field that was built for the radius at once, but for rounding. Its statistics
- * count the work of both. `control` and `detail` may be NULL. With an executor of width 2 or more
- * in `control`, where half of the vertices or more lie beyond the reach of `partial` and
- * gd_field_build would halve the surface, it is built from the seeds: that takes less time. So it
- * is where `partial` reaches no farther than 1e-3 of the longest edge, or the shortest edge is less
- * than 1e-6 of it. Errors: GD_INVALID_ARGUMENT (the radius is negative or no number, `partial`
- * reaches as far already, or it is a damaged image), and those of gd_field_build but for the
- * request. Cost: a copy of `partial`, and what lies beyond. */
+/* Extends a partial field to `radius` (0: no limit): copies the wedges of `partial` and propagates
+ * beyond its reach. `partial` does not change. The distances equal those of a field built for the
+ * radius, up to rounding. The statistics count the work for `partial` and for the extension.
+ * `control` and `detail` may be NULL. The function builds the field from the seeds instead if that
+ * is faster (with an executor of width 2 or more, if at least half of the vertices lie beyond the
+ * reach and gd_field_build would share the surface between tasks) or more accurate (if the reach is
+ * below 1e-3 of the longest edge, or the shortest edge is below 1e-6 of the longest). The caller
+ * owns one reference of `*out`. Errors: GD_INVALID_ARGUMENT (the radius is negative or not a
+ * number, `partial` already reaches that far, or `partial` comes from a damaged image), and those
+ * of gd_field_build except for the request. Cost: a copy of `partial`, and the propagation beyond
+ * it. Thread-safe. */
 GD_MUST_USE enum gd_status gd_field_resume(const struct gd_field *partial, double radius,
                                            const struct gd_control *control, struct gd_field **out,
                                            struct gd_detail *detail);
 
-/* The field as one of that radius answers, which must be more than 0: what lies farther is beyond
- * its reach. It shares all of `field`, which lives as long, and tells the size of that; where
- * `field` reaches no farther it is `field` itself. The caller releases it. Errors:
- * GD_INVALID_ARGUMENT, GD_NO_MEMORY. O(1). */
+/* Creates a view of a field with the smaller reach `radius` > 0: farther points are beyond the
+ * view's reach. The view shares the arrays of `field`, keeps `field` alive, and reports the size of
+ * `field`. If `field` reaches no farther than `radius`, the result is `field` itself. The caller
+ * owns one reference. Errors: GD_INVALID_ARGUMENT, GD_NO_MEMORY. O(1). Thread-safe. */
 GD_MUST_USE enum gd_status gd_field_within(const struct gd_field *field, double radius,
                                            struct gd_field **out);
 
@@ -93,107 +95,135 @@ void gd_field_release(const struct gd_field *field); /* NULL is harmless */
 size_t gd_field_memsize(const struct gd_field *field);
 const struct gd_mesh *gd_field_mesh(const struct gd_field *field);
 
-/* Distances up to here are final and answered; INFINITY for a complete field. */
+/* Returns the largest final distance, in the caller's unit; INFINITY for a complete field. */
 double gd_field_reach(const struct gd_field *field);
 
-/* True when the field has one seed, a point without offset: `*out` is that point. */
+/* Returns true and sets `*out` if the field's only seed is a point without offset. */
 bool gd_field_single_seed(const struct gd_field *field, struct gd_point *out);
 
 struct gd_field_statistics {
-    uint64_t windows_created, windows_propagated, wedges; /* offered to lists, propagated, kept */
+    /* windows offered to the lists of edges, windows propagated, wedges kept */
+    uint64_t windows_created, windows_propagated, wedges;
     uint64_t sides_propagated, vertices_emitted;
     uint64_t build_ns;
 };
 
 const struct gd_field_statistics *gd_field_statistics(const struct gd_field *field);
 
-/* Distance at a point. INFINITY: no path (another component). GD_BEYOND_REACH: a partial field does
- * not know. O(wedges of a face's edges). */
+/* Computes the distance at a point. INFINITY: no path (another component). Error: GD_BEYOND_REACH
+ * (the distance may exceed the reach of a partial field). O(wedges of a face's edges).
+ * Thread-safe. */
 GD_MUST_USE enum gd_status gd_field_distance(const struct gd_field *field,
                                              const struct gd_point *point, double *out);
 
-/* Distances at `count` points, in any order, to `out`: to the last bit those of gd_field_distance;
- * INFINITY where there is no path, NaN where a partial field does not know. `control` may be NULL;
- * `out` is untouched on failure. Faster than one by one where the points are many or in no order:
- * they are evaluated in the order in which the mesh keeps its faces, and what comes next is fetched
- * ahead. Errors: GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Holds up to 16 bytes a point
- * while it runs. */
+/* Computes the distances at `count` points, to the last bit as gd_field_distance, and writes them
+ * to `out` in the order of `points`. INFINITY: no path; NaN: beyond the reach of a partial field.
+ * `control` may be NULL; `out` is untouched on failure. Faster than single calls for many or
+ * unordered points, because it evaluates points in the mesh's order of faces and prefetches data.
+ * Errors: GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Holds up to 16 bytes a point while it
+ * runs. Thread-safe. */
 GD_MUST_USE enum gd_status gd_field_distances(const struct gd_field *field,
                                               const struct gd_point *points, uint32_t count,
                                               const struct gd_control *control, double *out);
 
-/* Distance at every vertex index of the input (`out`: index_count doubles): INFINITY where there is
- * no path or beyond the reach, NaN for unreferenced vertices. */
+/* Writes the distance at every vertex index of the input to `out`, which has index_count entries.
+ * INFINITY: no path, or beyond the reach. NaN: an unreferenced vertex. O(vertices). */
 void gd_field_vertex_distances(const struct gd_field *field, double *out);
 
-/* How many seeds the request had. */
+/* Returns the number of seeds of the request. O(1). */
 uint32_t gd_field_seed_count(const struct gd_field *field);
 
-/* Distance at a point as gd_field_distance, and the number of the seed (in the request's order)
- * that it is the distance of: the one in which gd_field_path ends. Of seeds that are equally near
- * up to rounding it is one, always the same; gd_field_path may end in another of them. INFINITY and
- * UINT32_MAX: no path. GD_BEYOND_REACH: a partial field does not know. GD_INTERNAL: the ways that
- * the field keeps lead to no seed. O(wedges of a face's edges, and the path's bends). */
+/* Computes the distance at a point, as gd_field_distance, and the number of the nearest seed in the
+ * request's order, where gd_field_path ends. The choice between seeds that are equally near up to
+ * rounding is deterministic, but gd_field_path may end at another of them. INFINITY and UINT32_MAX:
+ * no path. Errors: GD_BEYOND_REACH, GD_INTERNAL (the field's predecessors lead to no seed).
+ * O(wedges of a face's edges + bends of the path). Thread-safe. */
 GD_MUST_USE enum gd_status gd_field_nearest(const struct gd_field *field,
                                             const struct gd_point *point, double *distance,
                                             uint32_t *seed);
 
-/* The shortest path from `point` back to its nearest seed; free it by gd_path_free. The polyline's
- * own length is compared with the distance (1e-9 relative): GD_INTERNAL if they differ.
- * GD_NOT_ON_SURFACE: no path. GD_BEYOND_REACH, GD_NO_MEMORY. O(crossings). */
+/* Computes the shortest path from `point` to its nearest seed; the caller frees it by gd_path_free.
+ * Errors: GD_INTERNAL (the polyline's own length differs from the distance by more than 1e-9
+ * relative), GD_NOT_ON_SURFACE (no path), GD_BEYOND_REACH, GD_NO_MEMORY. O(crossings).
+ * Thread-safe. */
 GD_MUST_USE enum gd_status gd_field_path(const struct gd_field *field, const struct gd_point *point,
                                          struct gd_path *out);
 
-/* The same, and the number of the seed in which the path ends: where several are as near up to
- * rounding, perhaps not the one that gd_field_nearest tells. */
+/* Computes gd_field_path and the number of the seed where the path ends. If several seeds are
+ * equally near up to rounding, gd_field_nearest may return another seed. */
 GD_MUST_USE enum gd_status gd_field_path_to_seed(const struct gd_field *field,
                                                  const struct gd_point *point, struct gd_path *out,
                                                  uint32_t *seed);
 
-/* The gradient of the distance at a point: the unit vector in the plane of a face in which the
- * distance grows, that is the direction of the shortest path's last leg, away from the source. The
- * face is the one through which that leg comes: at a point of an edge or a vertex another face
- * around it may have it turned into its own plane. Where several shortest paths arrive there is no
- * gradient in the strict sense: the answer is the one of the path that gd_field_path gives, always
- * the same. Errors: GD_INVALID_ARGUMENT (the point is the seed itself: the distance grows in all
- * directions), GD_NOT_ON_SURFACE (no path), GD_BEYOND_REACH. O(wedges of a face's edges). */
+/* Computes the gradient of the distance at a point: the unit vector of the direction in which the
+ * shortest path from the source arrives. The vector lies in the plane of the face that contains the
+ * path's last segment; at a point of an edge or a vertex, other faces have other planes. Where
+ * several shortest paths arrive, the gradient is undefined; the result then belongs to the path
+ * that gd_field_path returns. Errors: GD_INVALID_ARGUMENT (the point is a seed), GD_NOT_ON_SURFACE
+ * (no path), GD_BEYOND_REACH. O(wedges of a face's edges). Thread-safe. */
 GD_MUST_USE enum gd_status gd_field_gradient(const struct gd_field *field,
                                              const struct gd_point *point, struct gd_vec3 *out);
 
-/* The point of the surface that is farthest from the seeds, and its distance: the true maximum over
- * all points that a path reaches (components without a seed are left out). It may be a vertex, a
- * point of a boundary edge between two ways that are as long, or a point of a face where three
- * meet. Of several that are as far it is one, always the same. `control` may be NULL. Errors:
- * GD_BEYOND_REACH (the surface goes on, or by less than an edge's length may go on, beyond the
- * reach of a partial field), GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE. Cost: one pass over the
- * faces, and a closer look at those that may rise above all vertices: mostly few. */
+/* Computes the point farthest from the seeds, among all points of components with a seed, and its
+ * distance. The farthest point is a vertex, a point of a boundary edge where two shortest paths are
+ * equally long, or a point of a face where three shortest paths are. The choice between several
+ * such points is deterministic. `control` may be NULL. Errors: GD_BEYOND_REACH (the surface may
+ * continue beyond the reach of a partial field), GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE. Cost: one
+ * pass over the faces, and a search of the few faces whose distances may exceed those of all
+ * vertices. Thread-safe. */
 GD_MUST_USE enum gd_status gd_field_farthest(const struct gd_field *field,
                                              const struct gd_control *control,
                                              struct gd_point *point, double *distance);
 
-/* A final-stage wedge of an edge, Definition 1 of the paper: parameters b0 < b1 and the distances
- * d0, d1 of the pseudo-source to those ends, in the caller's unit along the edge from its
- * lower-numbered vertex; sigma: distance of the pseudo-source; tau: true when it lies to the left
- * of the edge in that direction (in the face that runs from the lower to the higher vertex). */
+/* A final wedge of an edge, Definition 1 of the paper: parameters b0 < b1, and the distances d0, d1
+ * of the pseudo-source to these ends. All numbers are in the caller's unit; the parameters grow
+ * along the edge from its lower-numbered vertex. sigma: distance of the pseudo-source. tau: true if
+ * the pseudo-source lies to the left of the edge in that direction (in the face whose corners run
+ * from the lower to the higher vertex). */
 struct gd_wedge {
     double b0, b1, d0, d1, sigma;
     bool tau;
-    /* of a segment: d0, d1 are distances at right angles to its line, sigma is the seed's offset */
+    /* true: the source is a segment, d0 and d1 are distances from its line, sigma is the seed's
+       offset */
     bool linear;
-    bool at_vertex;  /* the pseudo-source is a vertex, else it is a seed */
+    bool at_vertex;  /* true: the pseudo-source is a vertex; false: a seed */
     uint32_t source; /* input index of that vertex, or number of that seed */
 };
 
-/* The wedges of the edge a-b, sorted by b0: *count of them in `*out`, malloc'ed, owned by the
- * caller. GD_NO_SUCH_EDGE, GD_NO_MEMORY. */
+/* Returns the wedges of the edge a-b, sorted by b0: `*count` wedges in `*out`, allocated by malloc
+ * and owned by the caller. They cover the part of the edge within the field's reach. If paths run
+ * along the edge itself, d0 or d1 is 0 (both for a seed segment on the edge), and tau is arbitrary.
+ * Errors: GD_NO_SUCH_EDGE, GD_NO_MEMORY. O(wedges of the edge's faces). Thread-safe. */
 GD_MUST_USE enum gd_status gd_field_wedges(const struct gd_field *field, struct gd_vertex a,
                                            struct gd_vertex b, struct gd_wedge **out,
                                            uint32_t *count);
 
+/* The wedges of all edges: those of edge i are wedges[first[i]] to wedges[first[i + 1] - 1]. An
+ * all-zero struct is empty. */
+struct gd_all_wedges {
+    uint32_t edge_count;
+    struct gd_vertex (*edges)[2]; /* the lower-numbered vertex first */
+    uint32_t *first;              /* edge_count + 1 */
+    struct gd_wedge *wedges;
+};
+
+/* Returns the wedges of gd_field_wedges for every edge, in the mesh's internal order of edges. The
+ * caller frees the arrays by gd_all_wedges_free. `control` may be NULL. Errors, with *out empty:
+ * GD_NO_MEMORY; GD_BUDGET (also more than 2^32 - 1 wedges); GD_CANCELLED; GD_DEADLINE. O(all
+ * wedges). Thread-safe. */
+GD_MUST_USE enum gd_status gd_field_all_wedges(const struct gd_field *field,
+                                               const struct gd_control *control,
+                                               struct gd_all_wedges *out);
+
+/* Returns the size of the arrays in bytes. */
+size_t gd_all_wedges_memsize(const struct gd_all_wedges *all);
+void gd_all_wedges_free(struct gd_all_wedges *all);
+
 /* --- images: a field as bytes, to be stored and mapped back ----------------------------------- */
 
-/* Bytes of the field's image, and the image itself (gd_field_image_size bytes). Little-endian
- * machines of any kind read each other's. */
+/* gd_field_image_size returns the size of the field's binary image; gd_field_write_image writes
+ * that many bytes to `bytes`. Any little-endian machine can open the image. O(bytes).
+ * Thread-safe. */
 size_t gd_field_image_size(const struct gd_field *field);
 void gd_field_write_image(const struct gd_field *field, void *bytes);
 
@@ -204,13 +234,13 @@ struct gd_field_image {
     void *user;
 };
 
-/* A field over an image in memory, without a copy: the bytes are borrowed until `release(user)` is
- * called, which happens when the field's last reference goes, and not at all on failure. The mesh
- * must be the one the field was made on: built by the same version from the same input. Every index
- * in the image is checked, so that no image, however damaged, leads outside its arrays; that the
- * numbers are the ones written is for the caller's checksum to say. Errors: GD_UNRECOGNIZED (no
- * image, or of another version), GD_TRUNCATED, GD_INVALID_ARGUMENT (of another mesh), GD_INDEX,
- * GD_NO_MEMORY. Cost: one pass over the image. */
+/* Opens a field over an image in memory without a copy. The bytes are borrowed until the field's
+ * last reference is released, which calls `release(user)`; if opening fails, `release` is not
+ * called. The mesh must be the mesh of the field, built by the same version from the same input.
+ * Every index in the image is checked, so that a damaged image never causes an access outside its
+ * arrays. Values are not checked; use a checksum for them. Errors: GD_UNRECOGNIZED (not an image,
+ * or another version), GD_TRUNCATED, GD_INVALID_ARGUMENT (another mesh), GD_INDEX, GD_NO_MEMORY.
+ * Cost: one pass over the image. Thread-safe. */
 GD_MUST_USE enum gd_status gd_field_open_image(const struct gd_mesh *mesh,
                                                const struct gd_field_image *image,
                                                struct gd_field **out, struct gd_detail *detail);

@@ -1,5 +1,5 @@
-/* Frame: three unit vectors at right angles that go along with a curve, for an object or a camera
- * that moves along it ("Geodesic Hermite splines on triangular meshes", section 5.3). */
+/* Frame: three perpendicular unit vectors at a point of a curve, for an object or a camera that
+ * moves along the curve ("Geodesic Hermite splines on triangular meshes", section 5.3). */
 #ifndef GD_FRAME_H
 #define GD_FRAME_H
 
@@ -13,12 +13,12 @@ struct gd_frame {
     double parameter;
     struct gd_vec3 position; /* in the caller's unit */
     struct gd_vec3 tangent, normal,
-        /* normal: outwards, of the face into which the tangent leads; binormal = normal x tangent,
-           to the left */
+        /* normal: the outward normal of the face into which the tangent leads; binormal = normal x
+           tangent, to the left */
         binormal;
 };
 
-/* The frame of a place. O(1). Thread-safe. */
+/* Returns the frame at a sampled place of a spline. O(1). Thread-safe. */
 struct gd_frame gd_frame_at(const struct gd_mesh *mesh, const struct gd_spline_place *place);
 
 #ifdef __cplusplus

@@ -1,4 +1,5 @@
-/* Geodesic: the front door, and the umbrella header of the library libgeodesic.
+/* Geodesic: the umbrella header of the library libgeodesic, and functions for the most common
+ * tasks.
  *
  *     struct gd_mesh *mesh;
  *     struct gd_detail error;
@@ -48,8 +49,8 @@
 extern "C" {
 #endif
 
-/* All zero: the format is recognised, the limits are 2^30, polygons are triangulated, nothing is
- * repaired. */
+/* All zero: recognises the format, limits faces and vertices to 2^30, triangulates polygons,
+ * repairs nothing. */
 struct gd_load_options {
     enum gd_format format;
     uint32_t max_faces, max_vertices; /* see gd_read_options */
@@ -57,32 +58,32 @@ struct gd_load_options {
     const struct gd_control *control; /* borrowed for the call; NULL: none */
 };
 
-/* Reads a mesh file of any format of gd/io.h and builds its mesh. `bytes` are borrowed for the
- * call; `options` and `error` may be NULL. The caller owns one reference of `*out` and gives it
- * back by gd_mesh_release. On failure `error` always holds a sentence, and the first offending
- * elements where there are any.
+/* Reads a mesh file in any format of gd/io.h and builds its mesh. `bytes` are borrowed for the
+ * call; `options` and `error` may be NULL. The caller owns one reference of `*out`; gd_mesh_release
+ * releases it. On failure `error` contains a sentence, and the first offending elements if there
+ * are any.
  *
- * Errors: those of gd_read_polygons and gd_mesh_build. Cost: linear in the file, expected; see
- * gd_read_cost and gd_mesh_build_cost for the memory. Thread-safe. */
+ * Errors: those of gd_read_polygons and gd_mesh_build. Cost: expected linear in the file; memory:
+ * gd_read_cost and gd_mesh_build_cost. Thread-safe. */
 GD_MUST_USE enum gd_status gd_mesh_load(const void *bytes, size_t size,
                                         const struct gd_load_options *options, struct gd_mesh **out,
                                         struct gd_detail *error);
 
-/* The length of a shortest path between two points of this mesh, in its unit of length. INFINITY:
- * they lie on different components. It is the distance of gd_pair_solve, which takes landmarks and
- * a control as well; for many points from one source build a field.
+/* Computes the length of a shortest path between two points of the mesh, in the mesh's unit.
+ * INFINITY: the points lie on different components. gd_pair_solve does the same, and accepts
+ * landmarks and a control. For distances of many points from one source, build a field.
  *
- * Errors: GD_NO_MEMORY, GD_RUNAWAY, GD_INTERNAL (see gd_field_build). Cost: a small part of a
- * field's. Thread-safe. */
+ * Errors: GD_NO_MEMORY, GD_RUNAWAY, GD_INTERNAL (see gd_field_build). Cost: a small part of the
+ * cost of a field. Thread-safe. */
 GD_MUST_USE enum gd_status gd_distance(const struct gd_mesh *mesh, const struct gd_point *from,
                                        const struct gd_point *to, double *out);
 
-/* A shortest path, of at least one point: out->length is the distance. The caller frees it by
- * gd_path_free; gd_points_positions tells where its points lie. In C++ the type is written `struct
- * gd_path`, since the function has its name.
+/* Computes a shortest path of at least one point; out->length is the distance. The caller frees the
+ * path by gd_path_free. gd_points_positions computes the positions of its points. In C++ write
+ * `struct gd_path` for the type, because this function has the same name.
  *
- * Errors: GD_NOT_ON_SURFACE (no path: the points lie on different components), and those of
- * gd_distance. Cost and threads: as gd_distance. */
+ * Errors: GD_NOT_ON_SURFACE (the points lie on different components), and those of gd_distance.
+ * Cost and thread safety: as gd_distance. */
 GD_MUST_USE enum gd_status gd_path(const struct gd_mesh *mesh, const struct gd_point *from,
                                    const struct gd_point *to, struct gd_path *out);
 

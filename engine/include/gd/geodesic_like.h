@@ -8,11 +8,11 @@
  *         gd_geodesics_free(&found);
  *     }
  *
- * Source: W.-H. Chen, "Improvement of the shortest path problem with geodesic-like method": among
- * the B-splines of a given order, the one of least energy. Beyond it: pieces that join at the
- * surface's lines, a covariant Newton's method, refinement where the curve bends on the surface,
- * and the global minimum by way of exact geodesics on a tessellation (engine/doc/018). Lengths are
- * in the surface's unit, angles in radians. */
+ * Source: W.-H. Chen, "Improvement of the shortest path problem with geodesic-like method": the
+ * B-spline of least energy among those of a given order. Extensions of the paper: pieces that join
+ * at the surface's lines, a covariant Newton's method, refinement where the geodesic curvature is
+ * large, and the global minimum, found with exact geodesics on a tessellation (engine/doc/018).
+ * Lengths are in the surface's unit, angles in radians. */
 #ifndef GD_GEODESIC_LIKE_H
 #define GD_GEODESIC_LIKE_H
 
@@ -30,16 +30,17 @@ extern "C" {
 #define GD_GEODESIC_DEGREE_MOST         5
 #define GD_GEODESIC_CONTROL_POINTS_MOST 4096
 
-/* All zero: cubic, to GD_GEODESIC_TOLERANCE, the shortest one. */
+/* All zero: the shortest path, as cubic splines, to GD_GEODESIC_TOLERANCE. */
 struct gd_geodesic_options {
-    /* of the spline, GD_GEODESIC_DEGREE_LEAST to GD_GEODESIC_DEGREE_MOST; 0: GD_GEODESIC_DEGREE */
+    /* degree of the spline, GD_GEODESIC_DEGREE_LEAST to GD_GEODESIC_DEGREE_MOST; 0:
+       GD_GEODESIC_DEGREE */
     uint32_t degree;
-    /* > degree: the paper's curve, one B-spline of so many over all lines; 0: as many as the
-       tolerance needs */
+    /* > degree: the paper's curve, one B-spline with this number of control points, which ignores
+       the surface's lines; 0: as many as the tolerance needs */
     uint32_t control_points;
-    /* error of the length, relative, GD_GEODESIC_TOLERANCE_LEAST to 1; 0: GD_GEODESIC_TOLERANCE */
+    /* relative error of the length, GD_GEODESIC_TOLERANCE_LEAST to 1; 0: GD_GEODESIC_TOLERANCE */
     double tolerance;
-    bool all_minima; /* every local minimum that the seeds lead to, not only the shortest */
+    bool all_minima; /* returns every local minimum that the search finds, not only the shortest */
 };
 
 struct gd_geodesic_request {
@@ -47,71 +48,72 @@ struct gd_geodesic_request {
     const struct gd_geodesic_options *options; /* NULL: all zero */
 };
 
-/* A B-spline piece of the answer: clamped knots on [0, 1], points (u, v). Coordinates of closed
- * directions go on beyond their period. */
+/* A B-spline piece of the result: clamped knots on [0, 1], points (u, v). In closed directions
+ * coordinates may leave the domain by whole periods. */
 struct gd_geodesic_piece {
     uint32_t degree, count;
     double *knots; /* count + degree + 1 */
     double (*points)[2];
 };
 
-/* What there is to say of a path besides its numbers; bits. */
+/* Warnings about a path; bits. */
 enum gd_geodesic_warning {
-    /* the tolerance was not met: `error` says how far the length is to be trusted */
+    /* the tolerance was not met; `error` bounds the error of the length */
     GD_GEODESIC_NOT_CONVERGED = 1,
-    GD_GEODESIC_BOUNDARY_CONTACT = 2, /* it follows the border of the domain for a while */
-    /* it ends in a corner or at an end of a curve, not at a right angle */
+    GD_GEODESIC_BOUNDARY_CONTACT = 2, /* part of the path follows the border of the domain */
+    /* the path ends at a corner or an end of a curve, not at a right angle */
     GD_GEODESIC_CURVE_CORNER = 4,
-    /* it passes a pole: two pieces meet there with different (u, v) */
+    /* the path passes a pole, where two pieces with different (u, v) meet */
     GD_GEODESIC_THROUGH_POLE = 8,
-    /* critical, but not proved to be a minimum: the Hessian is not positive definite */
+    /* a critical point, but not a proven minimum: the Hessian is not positive definite */
     GD_GEODESIC_NOT_MINIMAL = 16
 };
 
 struct gd_geodesic {
     double length;
     double error;                        /* estimate of the length's error, in its unit */
-    double from_parameter, to_parameter; /* on the curves, in their ranges; 0 for a point */
-    double from_angle, to_angle;         /* between path and curve, 0 to pi; pi / 2 for a point */
-    double residual;                     /* norm of the gradient of the length, relative */
-    /* int of squared geodesic curvature by arc length: 1/length */
+    double from_parameter, to_parameter; /* parameters on the curves; 0 for a point */
+    /* between path and curve, in [0, pi]; pi / 2 for a point */
+    double from_angle, to_angle;
+    double residual; /* relative norm of the gradient of the length */
+    /* integral of the squared geodesic curvature over arc length, in 1/length */
     double curvature;
-    /* (2 E - L^2) / L^2 over the pieces: how uneven the speed is */
+    /* (2 E - L^2) / L^2 over the pieces: 0 for constant speed */
     double speed_defect;
-    uint32_t iterations; /* of Newton's method, in all */
-    /* the Hessian is positive definite: a proved local minimum among curves near it */
+    uint32_t iterations; /* total number of Newton steps */
+    /* the Hessian is positive definite: the path is a proven local minimum */
     bool is_minimum;
     uint32_t warnings;    /* enum gd_geodesic_warning */
-    uint32_t piece_count; /* 0 where from and to meet */
+    uint32_t piece_count; /* 0 if `from` and `to` meet */
     struct gd_geodesic_piece *pieces;
-    double meeting[2]; /* (u, v) where they meet, piece_count 0 */
+    double meeting[2]; /* (u, v) where `from` and `to` meet, if piece_count is 0 */
 };
 
 struct gd_geodesics {
-    uint32_t count; /* at least 1, by length */
+    uint32_t count; /* at least 1 */
     struct gd_geodesic *items;
 };
 
 void gd_geodesics_free(struct gd_geodesics *geodesics); /* NULL is harmless */
 
-/* The shortest path between two points or curves of the tessellation's surface; with `all_minima`
- * also longer ones that are local minima. Paths that are no minima are never among minima: when
- * nothing better was found, the answer is one path with GD_GEODESIC_NOT_MINIMAL. Curves that meet:
- * length 0, no pieces. The result does not depend on which of the two is `from`, up to rounding.
- * The search for the global minimum is as good as the tessellation: it must tell the ways around
- * the surface's features apart. `control` and `detail` may be NULL. Errors:
- * GD_INVALID_ARGUMENT (a curve of another surface, options out of range), those of gd_field_build,
- * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL (no path could be followed at
- * all). Cost: two fields of the tessellation and some 20 Newton steps, milliseconds.
+/* Computes the shortest path between two points or curves of the tessellation's surface; with
+ * `all_minima` also longer local minima, sorted by length. If no path is a minimum, the result is
+ * one path with GD_GEODESIC_NOT_MINIMAL. If `from` and `to` meet, the path has length 0 and no
+ * pieces. Exchanging `from` and `to` changes the result only by rounding. The function finds the
+ * global minimum if the tessellation is fine enough to distinguish the routes around the surface's
+ * features. `control` and `detail` may be NULL; the caller frees `*out` by gd_geodesics_free.
+ * Errors: GD_INVALID_ARGUMENT (a curve of another surface, options out of range), those of
+ * gd_field_build, GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL (no path
+ * converged). Cost: milliseconds, for two fields of the tessellation and about 20 Newton steps.
  * Thread-safe. */
 GD_MUST_USE enum gd_status gd_geodesic_solve(const struct gd_tessellation *tessellation,
                                              const struct gd_geodesic_request *request,
                                              const struct gd_control *control,
                                              struct gd_geodesics *out, struct gd_detail *detail);
 
-/* Points of a path: `count` >= 2 of them at even parameters through all pieces, to `uv` and `xyz`
- * (either may be NULL), from its beginning to its end. GD_INVALID_ARGUMENT: fewer than 2, or a path
- * without pieces. */
+/* Samples a path at `count` >= 2 equally spaced parameters over all pieces, ends included, and
+ * writes the points to `uv` and `xyz` (either may be NULL). Error: GD_INVALID_ARGUMENT (count < 2,
+ * or a path without pieces). O(count). Thread-safe. */
 GD_MUST_USE enum gd_status gd_geodesic_sample(const struct gd_parametric *surface,
                                               const struct gd_geodesic *geodesic, uint32_t count,
                                               double (*uv)[2], struct gd_vec3 *xyz);

@@ -4,26 +4,31 @@
  *     enum gd_status status =
  *         gd_read_polygons(bytes, size, &options, &polygons, &detail);
  *
- * The readers are bounded: memory is at most ten times `size` and a few KiB, every count that a
- * header declares is checked against the length of the input before anything is allocated for it,
- * every index is checked, nothing is opened, nothing is recursive. Coordinates keep double
- * precision. Only positions and faces are read; the rest of a file (normals, colours, materials) is
- * skipped.
+ * The readers are bounded. Memory is at most ten times `size` and a few KiB. Counts in headers are
+ * checked against the length of the input before memory is allocated. Every index is checked. No
+ * files are opened; no parser is recursive. Coordinates keep double precision. Only positions and
+ * faces are read; the rest of a file (normals, colours, materials) is skipped.
  *
  * OBJ: v and f statements, one-based and relative indices. PLY 1.0: text and binary of either byte
- * order, no triangle strips. STL: text and binary, equal corners welded into vertices in order of
- * first appearance. OFF: text, with or without colours, normals and texture coordinates. JSON:
- * {"vertices": [[x,y,z]...], "faces": [[i,j,k...]...]}, no other keys.
+ * order, faces and triangle strips. STL: text and binary, equal corners welded into vertices in
+ * order of first appearance. OFF: text, with or without colours, normals and texture coordinates.
+ * JSON: {"vertices": [[x,y,z]...], "faces": [[i,j,k...]...]}, no other keys. Text formats except
+ * PLY may be UTF-16 with a byte order mark; errors then count bytes of the UTF-8 form.
+ *
+ * 3MF: the objects of the build section, with their components, also from other model parts.
+ * Objects that touch stay separate. Lengths are in the unit of the package. Supports, colours,
+ * beams and slices are skipped. Files with document types, with encrypted parts, or with parts of
+ * more than 256 times the package's bytes are rejected.
  *
  * glTF 2.0, as GLB or as JSON whose buffers are base64 data: URIs: the triangles, strips and fans
- * of the scene's meshes (of the default scene, else the first; without scenes all root nodes;
- * without nodes all meshes), placed by their nodes; points and lines are left out. Positions are
- * floats, or whole numbers (KHR_mesh_quantization), sparse or not, and are turned in double
- * precision; a place that mirrors turns the faces round. glTF repeats a vertex wherever normals or
- * texture coordinates differ, so equal positions are welded, as in STL: vertices are numbered in
- * order of first appearance. Meshes are taken in their bind pose, without morphing. Files that are
- * compressed (Draco, meshopt) or have their bytes elsewhere are refused. A file may use its bytes
- * many times, so its memory is what gd_read_cost says. */
+ * of the meshes of the default scene, transformed by their nodes. Without a default scene the first
+ * scene is read; without scenes, all root nodes; without nodes, all meshes. Points and lines are
+ * skipped. Positions are floats or integers (KHR_mesh_quantization), sparse or not, and are
+ * transformed in double precision. A mirroring transform reverses the faces. glTF repeats a vertex
+ * wherever normals or texture coordinates differ, so equal positions are welded as in STL. Meshes
+ * are read in their bind pose, without morphing. Files that are compressed (Draco, meshopt) or
+ * refer to external bytes are rejected. A file may use its bytes many times: for its memory see
+ * gd_read_cost. */
 #ifndef GD_IO_H
 #define GD_IO_H
 
@@ -40,6 +45,11 @@ extern "C" {
 
 /* X(NAME, name = spelling in ?format=, media type) */
 #define GD_FORMAT_MAP(X)                                                                           \
+    GD_WRITTEN_FORMAT_MAP(X)                                                                       \
+    X(3MF, 3mf, "model/3mf")
+
+/* The formats that gd_write_polygons writes. */
+#define GD_WRITTEN_FORMAT_MAP(X)                                                                   \
     X(OBJ, obj, "model/obj")                                                                       \
     X(PLY, ply, "application/x-ply")                                                               \
     X(STL, stl, "model/stl")                                                                       \
@@ -49,67 +59,73 @@ extern "C" {
     X(GLTF, gltf, "model/gltf+json")
 
 enum gd_format {
-    GD_FORMAT_ANY, /* recognise the bytes */
+    GD_FORMAT_ANY, /* recognised from the bytes */
 #define GD_FORMAT_ENUM(NAME, name, media) GD_FORMAT_##NAME,
     GD_FORMAT_MAP(GD_FORMAT_ENUM)
 #undef GD_FORMAT_ENUM
 };
 
-/* Format by its name ("obj") or media type ("model/obj", parameters ignored, case-insensitive);
- * GD_FORMAT_ANY when unknown. */
+/* Return the format of a name ("obj") or of a media type ("model/obj", case-insensitive, parameters
+ * ignored); GD_FORMAT_ANY if unknown. */
 enum gd_format gd_format_by_name(const char *name);
 enum gd_format gd_format_by_media_type(const char *media_type);
 
-/* GD_FORMAT_ANY is "any" and "application/octet-stream". */
+/* Return the name and the media type of a format; for GD_FORMAT_ANY, "any" and
+ * "application/octet-stream". */
 const char *gd_format_name(enum gd_format format);
 const char *gd_format_media_type(enum gd_format format);
 
-/* The format that the bytes are in, told from content and size alone; GD_FORMAT_ANY when none fits.
- * Reads no further than the first word behind leading space and comments, which has to be in the
- * first MiB. */
+/* Recognises the format from content and size alone; returns GD_FORMAT_ANY if no format fits. Reads
+ * at most the leading space, comments and first word of text, within the first MiB. Thread-safe. */
 enum gd_format gd_format_recognise(const void *bytes, size_t size);
 
 /* All zero: the format is recognised, and the limits are 2^30. */
 struct gd_read_options {
     enum gd_format format;
-    /* triangles after triangulation (a polygon of n corners counts n - 2); 0, or more than 2^30:
-       2^30 */
+    /* limit on triangles after triangulation (a polygon of n corners counts n - 2); 0, or more than
+       2^30: 2^30 */
     uint32_t max_faces;
     uint32_t max_vertices; /* 0, or more than 2^30: 2^30 */
-    /* borrowed for the call, NULL: none; its budget is not looked at */
+    /* borrowed for the call, NULL: none; its budget is ignored */
     const struct gd_control *control;
+    /* Owned by the caller, NULL: none. Receives the lines (in binary files: bytes) of skipped
+       elements: faces with fewer than three corners, excess values in a record of PLY text, unknown
+       lines of a PLY header. */
+    struct gd_mended *skipped;
 };
 
-/* Bytes that gd_read_polygons holds at most for that input, its result included: eight for each of
- * the file's, and of glTF as many as the file's meshes take wherever they are placed
- * (options->max_vertices counts, faces beyond options->max_faces don't: they are refused). Reads a
- * glTF's document; what is wrong with it is for gd_read_polygons to say. Thread-safe. */
+/* Returns an upper bound of the bytes that gd_read_polygons holds for an input, including the
+ * result: eight for each byte of the file (32 for PLY with triangle strips). For glTF and 3MF the
+ * bound depends on the transformed meshes, limited by options->max_vertices and options->max_faces.
+ * The function parses a glTF's JSON document, or a whole 3MF; gd_read_polygons reports errors in
+ * them. Thread-safe. */
 size_t gd_read_cost(const void *bytes, size_t size, const struct gd_read_options *options);
 
-/* Reads a mesh file. `bytes` are borrowed for the call, `options` and `detail` may be NULL;
- * the caller frees `*out` by gd_polygons_free. Thread-safe; time linear in `size` (STL: expected
- * linear, a hash welds equal corners). Errors: GD_UNRECOGNIZED, GD_TRUNCATED, GD_SYNTAX,
- * GD_UNSUPPORTED, GD_INDEX, GD_NON_FINITE, GD_EMPTY (no faces, or no bytes at all), GD_TOO_LARGE,
- * GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE. The detail names the line; the byte in binary files and
- * in JSON, which is often one long line (of a glTF's numbers the byte of what describes them). A
- * face may still repeat a vertex: that is for the mesh builder to refuse by name. */
+/* Reads a mesh file. `bytes` are borrowed for the call; `options` and `detail` may be NULL; the
+ * caller frees `*out` by gd_polygons_free. Errors: GD_UNRECOGNIZED, GD_TRUNCATED, GD_SYNTAX,
+ * GD_UNSUPPORTED, GD_INDEX, GD_NON_FINITE, GD_EMPTY (no faces, or no bytes), GD_TOO_LARGE,
+ * GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE. The detail names the line; in binary files and in JSON,
+ * the byte; for numbers of a glTF, the byte of their accessor. The result may contain faces that
+ * repeat a vertex, which gd_mesh_build rejects. Time: linear in `size` (STL: expected linear, a
+ * hash welds equal corners). Thread-safe. */
 GD_MUST_USE enum gd_status gd_read_polygons(const void *bytes, size_t size,
                                             const struct gd_read_options *options,
                                             struct gd_polygons *out, struct gd_detail *detail);
 
-/* Writes polygons, whose coordinates are finite, as OBJ, OFF or JSON text (doubles shortest
- * round-trip), PLY (binary little-endian, doubles), STL (binary, floats), GLB or glTF (floats, from
- * an origin that the node's translation keeps as doubles: a mesh far from the origin loses no more
- * than one that is near; coordinates that are floats already stay as they are). `*out` is malloc'ed
- * and owned by the caller. Thread-safe; time linear in the output. Read again, all but STL, GLB and
- * glTF give the same positions to the last bit and the same polygons. Errors: GD_NOT_TRIANGLES
- * (STL, GLB, glTF: a polygon of more than three corners), GD_NON_FINITE (the same: beyond the range
- * of floats), GD_TOO_LARGE (GLB: 4 GiB), GD_INVALID_ARGUMENT (GD_FORMAT_ANY), GD_NO_MEMORY. */
+/* Writes polygons with finite coordinates as OBJ, OFF or JSON text (shortest decimals that read
+ * back the same doubles), PLY (binary little-endian, doubles), STL (binary, floats), GLB or glTF
+ * (floats relative to an origin stored in doubles as the node's translation, so that a mesh far
+ * from the origin loses no precision; coordinates that are floats stay exact). `*out` is allocated
+ * by malloc and owned by the caller. All formats except STL, GLB and glTF read back as the same
+ * polygons, with positions equal to the last bit. Errors: GD_NOT_TRIANGLES (STL, GLB, glTF: a
+ * polygon of more than three corners), GD_NON_FINITE (STL, GLB, glTF: a coordinate beyond the range
+ * of floats), GD_TOO_LARGE (GLB: more than 4 GiB), GD_INVALID_ARGUMENT (GD_FORMAT_ANY),
+ * GD_NO_MEMORY. Time: linear in the output. Thread-safe. */
 GD_MUST_USE enum gd_status gd_write_polygons(const struct gd_polygons *polygons,
                                              enum gd_format format, char **out, size_t *size);
 
-/* The same, until a deadline or a cancel of `control` (NULL: none; its budget is not looked at).
- * Errors besides: GD_DEADLINE, GD_CANCELLED. */
+/* Writes polygons as gd_write_polygons does, with the deadline and the cancellation of `control`
+ * (NULL: none; its budget is ignored). More errors: GD_DEADLINE, GD_CANCELLED. */
 GD_MUST_USE enum gd_status gd_write_polygons_within(const struct gd_polygons *polygons,
                                                     enum gd_format format,
                                                     const struct gd_control *control, char **out,

@@ -1,10 +1,10 @@
-/* Landmarks: distances of all vertices from a few places, which bound the distance of any two
- * points from below and so narrow searches.
+/* Landmarks: the distances of all vertices from a few chosen points. They give lower bounds of the
+ * distance between two points, which make searches faster.
  *
  * By the triangle inequality |d(l, p) - d(l, q)| <= d(p, q) for each landmark l (Goldberg and
- * Harrelson 2005, "Computing the shortest path: A* search meets graph theory"). Kept as floats,
- * rounded to the safe side where they are used: answers are the same with them and without.
- * Immutable once built; any number of threads may use them. */
+ * Harrelson 2005, "Computing the shortest path: A* search meets graph theory"). Distances are
+ * stored as floats, and bounds are rounded down, so that results are the same with and without
+ * landmarks. Landmarks are immutable: any number of threads may use them. */
 #ifndef GD_LANDMARKS_H
 #define GD_LANDMARKS_H
 
@@ -19,11 +19,11 @@ extern "C" {
 
 struct gd_landmarks;
 
-/* Builds up to 16 landmarks, each as far as can be from those before. They keep the mesh alive.
- * Errors: GD_INVALID_ARGUMENT (count is 0 or more than 16), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
- * GD_DEADLINE, GD_INTERNAL, GD_RUNAWAY.
- * Cost: count + 1 propagations that store no wedges (the first only finds where the first landmark
- * goes), and 64 bytes a vertex, however many landmarks. */
+/* Builds up to 16 landmarks, each as far as possible from the previous ones. They keep the mesh
+ * alive; the caller owns one reference. Errors: GD_INVALID_ARGUMENT (count is 0 or more than 16),
+ * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL, GD_RUNAWAY. Cost: count + 1
+ * propagations without wedges (the first propagation only chooses the first landmark), and 64 bytes
+ * a vertex for any number of landmarks. Thread-safe. */
 GD_MUST_USE enum gd_status gd_landmarks_build(const struct gd_mesh *mesh, uint32_t count,
                                               const struct gd_control *control,
                                               struct gd_landmarks **out);
@@ -32,13 +32,14 @@ void gd_landmarks_release(const struct gd_landmarks *landmarks); /* NULL is harm
 uint32_t gd_landmarks_count(const struct gd_landmarks *landmarks);
 size_t gd_landmarks_memsize(const struct gd_landmarks *landmarks);
 
-/* As bytes, to be stored: how many, and writing them. Little-endian machines of any kind read each
- * other's. */
+/* gd_landmarks_image_size returns the size of a binary image of the landmarks;
+ * gd_landmarks_write_image writes that many bytes. Any little-endian machine can open the image. */
 size_t gd_landmarks_image_size(const struct gd_landmarks *landmarks);
 void gd_landmarks_write_image(const struct gd_landmarks *landmarks, void *bytes);
 
-/* GD_UNRECOGNIZED, GD_INVALID_ARGUMENT (of another mesh), GD_TRUNCATED, GD_NON_FINITE,
- * GD_NO_MEMORY. That the numbers are the ones written is for the caller's checksum to say. */
+/* Creates landmarks from an image. Values are not verified; use a checksum for them. Errors:
+ * GD_UNRECOGNIZED, GD_INVALID_ARGUMENT (an image of another mesh), GD_TRUNCATED, GD_NON_FINITE,
+ * GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd_landmarks_open_image(const struct gd_mesh *mesh, const void *bytes,
                                                    size_t size, struct gd_landmarks **out);
 

@@ -1,4 +1,4 @@
-/* Limit path: geodesics of the limit surface itself, by their differential equation. */
+/* Limit path: geodesics of the limit surface itself, computed from their differential equation. */
 #ifndef GD_LIMIT_PATH_H
 #define GD_LIMIT_PATH_H
 
@@ -16,22 +16,22 @@ struct gd_limit_step {
 
 enum gd_limit_end {
     GD_LIMIT_END_LENGTH,
-    GD_LIMIT_END_BOUNDARY, /* it met the boundary of the surface */
-    /* it met a corner, a vertex at a crease or a place without a normal, where no way is
-       straight */
+    GD_LIMIT_END_BOUNDARY, /* the path met the boundary of the surface */
+    /* the path met a corner, a vertex at a crease or a point without a normal, where "straight" is
+       undefined */
     GD_LIMIT_END_SINGULAR,
-    GD_LIMIT_END_STEPS /* GD_LIMIT_STEPS */
+    GD_LIMIT_END_STEPS /* the path reached GD_LIMIT_STEPS steps */
 };
 
 #define GD_LIMIT_STEPS 1000000
 
 struct gd_limit_path {
-    /* step_count >= 1; from the start to where it ended, close enough to be drawn: some for each
-       patch */
+    /* step_count >= 1; from the start to the end, several in each patch, dense enough for
+       drawing */
     struct gd_limit_step *steps;
     uint32_t step_count;
-    double length;            /* falls short unless it ended by length */
-    struct gd_vec3 direction; /* in which it would go on at the end, of unit length */
+    double length;            /* less than requested unless `end` is GD_LIMIT_END_LENGTH */
+    struct gd_vec3 direction; /* unit tangent at the end */
     enum gd_limit_end end;
 };
 
@@ -40,23 +40,24 @@ void gd_limit_path_free(struct gd_limit_path *path);
 
 struct gd_limit_trace_request {
     struct gd_limit_point start;
-    struct gd_vec3 direction; /* is projected onto the tangent plane */
+    struct gd_vec3 direction; /* will be projected onto the tangent plane */
     double length;            /* >= 0 */
 };
 
-/* The geodesic from a place in a direction. It solves x'' normal to the surface with x = S(u,v),
- * that is (u'',v'') = -g^-1 (S_u.a, S_v.a), a = S_uu u'^2 + 2 S_uv u'v' + S_vv v'^2, patch by
- * patch: each is a polynomial, which goes on smoothly beyond its border, and is left exactly at the
- * border. Over creases it goes on as it would if they were flattened; through extraordinary
- * vertices along its tangent. A start at a vertex of which a face is told where the direction
- * doesn't lead looks for the face where it does, on its own side of creases; where there is none,
- * or no normal, it ends at once. By Gragg's method with Bulirsch and Stoer's extrapolation,
- * relative error per patch 1e-13 (towards a spike, where a patch is a sliver, as much more as it is
- * flat) and so some 1e-11 after a hundred patches; chaos of the geodesic flow (negative curvature)
- * multiplies it as it does the error of the start. `control` and `detail` may be NULL; the caller
- * frees `*out`. Errors: those of gd_limit_evaluate; GD_INVALID_ARGUMENT (length, direction not
- * finite, or nothing of it is tangent); GD_INTERNAL (no step is short enough: control points all
- * but coincide); GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Some 50 us a patch.
+/* Traces the geodesic from a place in a direction. On a geodesic x = S(u,v) the acceleration x'' is
+ * normal to the surface: (u'',v'') = -g^-1 (S_u.a, S_v.a), a = S_uu u'^2 + 2 S_uv u'v' + S_vv v'^2.
+ * The equation is solved patch by patch. Each patch is a polynomial that continues smoothly beyond
+ * its border, and the path leaves it exactly at the border. Across a crease the path continues as
+ * if the crease were flattened; through an extraordinary vertex it continues along its tangent. If
+ * the start is a vertex and the direction does not lead into its face, the path starts in the face
+ * into which it leads, on the same side of creases. If no face qualifies, or the start has no
+ * normal, the path ends at once. Method: Gragg's method with Bulirsch and Stoer's extrapolation,
+ * with a relative error of 1e-13 for each patch (more in slivers near a spike), about 1e-11 after a
+ * hundred patches. Negative curvature amplifies these errors, as it amplifies errors of the start.
+ * `control` and `detail` may be NULL; the caller frees `*out` by gd_limit_path_free. Errors: those
+ * of gd_limit_evaluate; GD_INVALID_ARGUMENT (length or direction not finite, or a direction without
+ * tangential component); GD_INTERNAL (no step is short enough: control points nearly coincide);
+ * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: about 50 us for each patch.
  * Thread-safe. */
 GD_MUST_USE enum gd_status gd_limit_trace(const struct gd_subdivision *surface,
                                           const struct gd_limit_trace_request *request,
@@ -64,22 +65,23 @@ GD_MUST_USE enum gd_status gd_limit_trace(const struct gd_subdivision *surface,
                                           struct gd_limit_path *out, struct gd_detail *detail);
 
 struct gd_limit_geodesic {
-    struct gd_limit_path path; /* empty unless it converged */
-    /* of path.length: what it misses the end by, and what the integration may be off by */
+    struct gd_limit_path path; /* empty unless `converged` */
+    /* error of path.length: the distance by which the path misses the end, plus the integration
+       error */
     double error_estimate;
     bool converged;
 };
 
-/* Relaxes a polyline of at least two places, such as the shortest path on a discretization, onto
- * the geodesic of the limit surface between its ends: shooting. From the polyline's first way and
- * its length, Newton's method changes direction and length until the geodesic ends where it should;
- * how the end moves with the direction (the Jacobi field) is measured by a second geodesic beside
- * it. Not converged, and no error: when the end lies at a conjugate point, when the geodesic would
- * have to leave the surface (a shortest path along a boundary or around a corner is none), or when
- * the length becomes another one by more than a tenth, for then it is a geodesic of another kind.
- * `control` and `detail` may be NULL; the caller frees out->path. Errors: those of gd_limit_trace
- * for the first place; of gd_limit_evaluate for the others; GD_INVALID_ARGUMENT (fewer than two
- * places, or all in one point). Some ten traces. Thread-safe. */
+/* Computes the geodesic of the limit surface between the ends of a polyline of at least two places,
+ * such as the shortest path on a discretization. The method is shooting: from the polyline's first
+ * direction and length, Newton's method adjusts both until the geodesic ends at the polyline's end.
+ * A second geodesic with a slightly different direction measures the derivative of the end point
+ * (the Jacobi field). The method does not converge, which is not an error, if the end is a
+ * conjugate point, if no geodesic inside the surface exists (a shortest path along a boundary or
+ * around a corner), or if the length changes by more than a tenth (another geodesic). `control` and
+ * `detail` may be NULL; the caller frees out->path. Errors: those of gd_limit_trace for the first
+ * place; those of gd_limit_evaluate for the others; GD_INVALID_ARGUMENT (fewer than two places, or
+ * all at one point). Cost: about ten traces. Thread-safe. */
 GD_MUST_USE enum gd_status gd_limit_relax(const struct gd_subdivision *surface,
                                           const struct gd_limit_places *polyline,
                                           const struct gd_control *control,

@@ -1,8 +1,8 @@
-/* Limit place: is there such a place on a limit surface, and which directions lead away from it.
+/* Limit place: validation of places on a limit surface (gd/limit.h), and angles at a place.
  *
- * Angles at a place are those of its tangent plane: they grow counter-clockwise as seen from
- * outside, and zero is the direction of du (gd/limit.h), along the face's first edge at its first
- * corner. */
+ * Angles are measured in the tangent plane and grow counter-clockwise as seen from outside. Angle
+ * zero is the direction of du (gd/limit.h); at a face's first corner it runs along the first
+ * edge. */
 #ifndef GD_LIMIT_PLACE_H
 #define GD_LIMIT_PLACE_H
 
@@ -12,18 +12,18 @@
 extern "C" {
 #endif
 
-/* Is it a place of the surface? u and v that are outside of their face by no more than 1e-9 are
- * moved into it. `detail` may be NULL. Errors: GD_OUT_OF_RANGE (face or corner),
- * GD_INVALID_ARGUMENT (u, v). O(1). Thread-safe. */
+/* Validates a place, and clamps u and v to the face if they are outside by at most 1e-9. `detail`
+ * may be NULL. Errors: GD_OUT_OF_RANGE (face or corner), GD_INVALID_ARGUMENT (u, v). O(1).
+ * Thread-safe. */
 GD_MUST_USE enum gd_status gd_limit_place_check(const struct gd_subdivision *surface,
                                                 struct gd_limit_point *place,
                                                 struct gd_detail *detail);
 
-/* The unit vector at an angle in the tangent plane of a jet, which has a normal. */
+/* Returns the unit vector at an angle in the tangent plane. The jet must have a normal. */
 struct gd_vec3 gd_limit_direction(const struct gd_limit_jet *jet, double angle);
 
-/* The angle of a vector that is projected onto the tangent plane, in [0, 2 pi); 0 when nothing of
- * it is left; NAN without a normal. */
+/* Returns the angle, in [0, 2 pi), of a vector projected onto the tangent plane. 0: the projection
+ * vanishes; NAN: the jet has no normal. */
 double gd_limit_angle(const struct gd_limit_jet *jet, struct gd_vec3 vector);
 
 #ifdef __cplusplus

@@ -1,4 +1,5 @@
-/* Locate: from space to the surface, through the mesh's bounding volume hierarchy. */
+/* Locate: finds the surface point nearest to a point in space, or first hit by a ray, with the
+ * mesh's bounding volume hierarchy. */
 #ifndef GD_LOCATE_H
 #define GD_LOCATE_H
 
@@ -8,21 +9,24 @@
 extern "C" {
 #endif
 
-/* The point of the surface nearest to `xyz`; ties go to the lowest-numbered face. `max_snap` < 0:
- * any distance will do; else a nearest point farther than it is GD_NOT_ON_SURFACE. Errors:
- * GD_INVALID_ARGUMENT (not finite), GD_NOT_ON_SURFACE. Cost: expected O(log n). Thread-safe. */
+/* Finds the point of the surface nearest to `xyz`; in a tie, the point in the lowest-numbered face.
+ * If `max_snap` >= 0 and the nearest point is farther than `max_snap`, the error is
+ * GD_NOT_ON_SURFACE. `detail` may be NULL. Errors: GD_INVALID_ARGUMENT (not finite),
+ * GD_NOT_ON_SURFACE. Cost: expected O(log n). Thread-safe. */
 GD_MUST_USE enum gd_status gd_locate_nearest(const struct gd_mesh *mesh, struct gd_vec3 xyz,
                                              double max_snap, struct gd_point *out,
                                              struct gd_detail *detail);
 
-/* How far `xyz` is from a point of the surface in a straight line, in the mesh's unit. O(1). */
+/* Returns the straight-line distance from `xyz` to a point of the surface, in the mesh's unit.
+ * O(1). */
 double gd_locate_distance(const struct gd_mesh *mesh, struct gd_vec3 xyz,
                           const struct gd_point *point);
 
-/* The first point of the surface that the ray meets, from either side; watertight along edges and
- * vertices. A face seen exactly edge-on is met at its border, or at the origin if that lies on it.
- * Errors: GD_INVALID_ARGUMENT (not finite, direction of length zero), GD_NOT_ON_SURFACE (no hit, or
- * an origin beyond 1e75 mean edges). Cost: expected O(log n). Thread-safe. */
+/* Finds the first point where a ray meets the surface, from either side. The test is watertight
+ * along edges and vertices. If the ray lies in a face's plane, the result is where it meets the
+ * face's border, or the origin if the origin lies on the face. Errors: GD_INVALID_ARGUMENT (not
+ * finite, direction of length zero), GD_NOT_ON_SURFACE (no hit, or an origin beyond 1e75 mean
+ * edges). Cost: expected O(log n). Thread-safe. */
 GD_MUST_USE enum gd_status gd_locate_first_hit(const struct gd_mesh *mesh, struct gd_vec3 origin,
                                                struct gd_vec3 direction, struct gd_point *out,
                                                struct gd_detail *detail);

@@ -1,11 +1,11 @@
-/* Mean: the weighted mean (centroid) of points of a surface.
+/* Mean: the weighted mean (centroid) of points on a surface.
  *
- * The Karcher mean: the point x at which f(x) = sum of w_i d(x, p_i)^2 is least; there the weighted
- * vectors from x to the points cancel out. It does not depend on the points' order. Where f has
- * more than one minimum (points that lie apart by half of a closed surface) the one is found that
- * the iteration comes to from the point given that is nearest to their mean in space, or from the
- * surface point nearest to it. At a vertex whose total angle exceeds 2 pi a minimum may stand where
- * the vectors do not cancel out: all directions lead up. */
+ * The Karcher mean is the point x that minimises f(x) = sum of w_i d(x, p_i)^2. At x the weighted
+ * vectors from x to the points sum to zero. The mean does not depend on the order of the points. If
+ * f has several minima (points half a closed surface apart), the iteration converges to one of
+ * them. It starts at the given point nearest to the points' mean in space, or at the surface point
+ * nearest to that mean. At a vertex whose total angle exceeds 2 pi, f may have a minimum although
+ * the vectors do not sum to zero. */
 #ifndef GD_MEAN_H
 #define GD_MEAN_H
 
@@ -17,34 +17,35 @@ extern "C" {
 #endif
 
 struct gd_mean_request {
-    const struct gd_point *points; /* borrowed; at least one, all of one component */
-    const double *weights;         /* >= 0, not all 0; NULL: equal ones. Borrowed */
+    const struct gd_point *points; /* borrowed; at least one, all on one component */
+    const double *weights;         /* borrowed; >= 0, not all 0; NULL: equal weights */
     uint32_t count;
-    /* "Geodesic Hermite splines on triangular meshes", Figure 7: the weighted vectors from the
-       first point to the others are summed there, once. Depends on which point is the first */
+    /* Computes one step instead of the mean ("Geodesic Hermite splines on triangular meshes",
+       Figure 7): sums the weighted vectors from the first point to the others. The result depends
+       on the choice of the first point. */
     bool one_step;
-    const struct gd_landmarks *landmarks; /* of this mesh: searches are narrower; NULL: none */
+    const struct gd_landmarks *landmarks; /* of the same mesh, to speed up searches; NULL: none */
 };
 
 struct gd_mean {
     struct gd_point point;
-    /* length of the step that would be next, in the caller's unit: at a minimum 0 but for
-       rounding */
+    /* length of the next step, in the caller's unit: 0 at a minimum, up to rounding */
     double residual;
-    /* sqrt(f / sum of the weights): how far the points lie from it in the mean square */
+    /* sqrt(f / sum of the weights): the root mean square distance from the points */
     double spread;
     uint32_t iterations;
-    /* the residual is at most 1e-11 of the spread; after 100 iterations it is what it is */
+    /* the residual is at most 1e-11 of the spread; false after 100 iterations */
     bool converged;
-    /* the mean, or a place that the iteration came by, lies on the cut locus of a point: vectors
-       jump there, and another mean may be as good */
+    /* the mean, or an iterate, lies on the cut locus of a point: vectors are discontinuous there,
+       and another mean may be equally good */
     bool is_cut;
 };
 
-/* `control` and `detail` may be NULL. Errors: GD_INVALID_ARGUMENT (no point, a weight that is
- * negative or not finite, no weight), GD_NOT_ON_SURFACE (points of different components), and those
- * of gd_pair_solve. Each iteration searches a path to each point; where paths don't bend few are
- * needed, since on flat faces the step is Newton's. Thread-safe. */
+/* Computes a mean. `control` and `detail` may be NULL. Errors: GD_INVALID_ARGUMENT (no point, a
+ * weight that is negative or not finite, all weights zero), GD_NOT_ON_SURFACE (points of different
+ * components), and those of gd_pair_solve. Each iteration computes a path to each point. If paths
+ * do not bend at vertices, few iterations are needed, because on flat faces the step is Newton's.
+ * Thread-safe. */
 GD_MUST_USE enum gd_status gd_mean_find(const struct gd_mesh *mesh,
                                         const struct gd_mean_request *request,
                                         const struct gd_control *control, struct gd_mean *out,

@@ -1,5 +1,5 @@
-/* Number: double <-> decimal text, correctly rounded both ways, bounded, whatever the process'
- * locale. Thread-safe. */
+/* Number: conversion between doubles and decimal text, correctly rounded in both directions and
+ * independent of the locale. Thread-safe. */
 #ifndef GD_NUMBER_H
 #define GD_NUMBER_H
 
@@ -10,26 +10,26 @@
 extern "C" {
 #endif
 
-/* Reads the longest decimal number at `at`, an optional sign first. Returns its end, NULL if there
- * is none. Too large gives +-INFINITY, too small +-0; "inf" and "nan" are read as such, for the
- * caller to refuse. Some 20 ns. */
+/* Reads the longest decimal number at `at`, with an optional sign. Returns the number's end, or
+ * NULL if there is no number. Overflow gives +-INFINITY, underflow +-0. "inf" and "nan" are
+ * accepted; the caller must reject them. About 20 ns. */
 const char *gd_number_parse(const char *at, const char *end, double *out);
 
 /* Longest text of a double: "-0.0000012345678901234567" or "-2.2250738585072014e-308". */
 #define GD_NUMBER_SIZE 26
 
-/* Writes the shortest decimal that reads back as the same (finite) double, as a JSON number: plain
- * for magnitudes in [1e-6, 1e17), integers without a fraction, else with an exponent ("1e-7",
- * "1.5e300"). No NUL; returns the end. Some 25 ns. */
+/* Writes the shortest decimal that reads back as the same (finite) double, as a JSON number:
+ * without exponent for magnitudes in [1e-6, 1e17), integers without a fraction, otherwise with an
+ * exponent ("1e-7", "1.5e300"). Writes no NUL; returns the end. About 25 ns. */
 char *gd_number_format(char at[GD_NUMBER_SIZE], double value);
 
-/* The same of many, by lanes where the machine has them, each with a comma behind it; "null" for
- * what is not finite. They need that many bytes at `at`, which they may write beyond the end that
- * they return. Some 5 to 14 ns each. */
+/* Writes many numbers, each followed by a comma, with vector instructions if available; "null" for
+ * a number that is not finite. `at` must have room for GD_NUMBERS_SIZE(count) bytes; bytes after
+ * the returned end may be overwritten. Returns the end. About 5 to 14 ns for each number. */
 #define GD_NUMBERS_SIZE(count) ((count) * (GD_NUMBER_SIZE + 1) + 32)
 char *gd_numbers_format(char *at, const double *values, size_t count);
 
-/* As [x,y,z], each with a comma behind it. */
+/* As gd_numbers_format, but writes triples [x,y,z], each followed by a comma. */
 #define GD_TRIPLES_SIZE(count) (GD_NUMBERS_SIZE(3 * (count)) + 2 * (count))
 char *gd_triples_format(char *at, const double (*values)[3], size_t count);
 

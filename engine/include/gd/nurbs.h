@@ -14,13 +14,14 @@ extern "C" {
 #define GD_NURBS_DEGREE_MAX 15
 #define GD_NURBS_COUNT_MAX  4096 /* control points in one direction */
 
-/* How programs store their surfaces. */
+/* Conventions for knots and weights. */
 enum gd_nurbs_convention {
-    GD_NURBS_CANONICAL, /* points as they are, n + degree + 1 knots for n control points */
-    GD_NURBS_THREE,     /* three.js: the same */
-    GD_NURBS_VERB,      /* verb-nurbs: points multiplied by their weight */
-    /* openNURBS: points multiplied by their weight, no superfluous first and last knot: n + degree
-       - 1 knots */
+    /* points not multiplied by weights, n + degree + 1 knots for n control points */
+    GD_NURBS_CANONICAL,
+    GD_NURBS_THREE, /* three.js: the same as canonical */
+    GD_NURBS_VERB,  /* verb-nurbs: points multiplied by their weights */
+    /* openNURBS: points multiplied by their weights, n + degree - 1 knots (without the superfluous
+       first and last knots) */
     GD_NURBS_RHINO
 };
 
@@ -31,11 +32,11 @@ struct gd_nurbs_data {
     uint32_t count_u, count_v; /* control points */
     const double *knots_u, *knots_v;
     uint32_t knot_count_u, knot_count_v;
-    const double (*points)[3]; /* point (i, j) at i * count_v + j: i goes with u */
+    const double (*points)[3]; /* point (i, j) at i * count_v + j; i counts in u */
     const double *weights;     /* in the same order; NULL: all 1 */
 };
 
-/* Why data are no surface. X(NAME, name) */
+/* Flaws of data. X(NAME, name) */
 #define GD_NURBS_FLAW_MAP(X)                                                                       \
     X(NONE, none)                                                                                  \
     X(DEGREE, degree)                                                                              \
@@ -54,16 +55,17 @@ enum gd_nurbs_flaw {
 #undef GD_NURBS_FLAW_ENUM
 };
 
-/* The flaw's name in snake_case ("decreasing_knots"): static. */
+/* Returns the flaw's name in snake_case ("decreasing_knots"), a static string. */
 const char *gd_nurbs_flaw_name(enum gd_nurbs_flaw flaw);
 
-/* The first flaw of the data and a sentence that says where; GD_NURBS_FLAW_NONE: there is none.
- * `detail` may be NULL. O(data). Thread-safe. */
+/* Returns the first flaw of the data, and a sentence that locates the flaw; GD_NURBS_FLAW_NONE: the
+ * data is valid. `detail` may be NULL. O(data). Thread-safe. */
 enum gd_nurbs_flaw gd_nurbs_inspect(const struct gd_nurbs_data *data, struct gd_detail *detail);
 
-/* The surface of the data. Closed directions (both borders the same curve) and poles (a border that
- * is one point) are recognised; interior knots are its lines. Errors: GD_INVALID_ARGUMENT (a flaw:
- * the sentence of gd_nurbs_inspect), GD_NO_MEMORY. The caller owns one reference of `*out`. */
+/* Creates the surface. Closed directions (both borders are the same curve) and poles (a border that
+ * is one point) are recognised. The interior knots are the surface's lines. Errors:
+ * GD_INVALID_ARGUMENT (a flaw, with the sentence of gd_nurbs_inspect), GD_NO_MEMORY. The caller
+ * owns one reference of `*out`. O(data). Thread-safe. */
 GD_MUST_USE enum gd_status gd_nurbs_create(const struct gd_nurbs_data *data,
                                            struct gd_parametric **out, struct gd_detail *detail);
 

@@ -1,4 +1,4 @@
-/* Offset: the curves that run beside a curve at a distance. */
+/* Offset: the curves at a constant distance from a curve. */
 #ifndef GD_OFFSET_H
 #define GD_OFFSET_H
 
@@ -14,11 +14,11 @@ struct gd_offset_request {
     double distance; /* > 0, in the mesh's unit */
 };
 
-/* The isoline of the curve's exact field at a distance > 0: all points of the surface that are so
- * far from the curve, on both sides of it and around its ends. None where nothing is that far. The
- * caller frees `*out` by gd_isoline_free. `control` and `detail` may be NULL. Errors:
- * GD_INVALID_ARGUMENT (the distance), and those of gd_field_build and gd_isoline_trace. Cost: of a
- * field that reaches as far as the distance. Thread-safe. */
+/* Computes the isoline of the curve's exact field at a distance > 0: all points of the surface at
+ * that distance from the curve, on both sides and around its ends. The result has no lines if no
+ * point is that far. The caller frees `*out` by gd_isoline_free. `control` and `detail` may be
+ * NULL. Errors: GD_INVALID_ARGUMENT (the distance), and those of gd_field_build and
+ * gd_isoline_trace. Cost: that of a field with the distance as radius. Thread-safe. */
 GD_MUST_USE enum gd_status gd_curve_offset(const struct gd_mesh *mesh,
                                            const struct gd_offset_request *request,
                                            const struct gd_control *control, struct gd_isoline *out,

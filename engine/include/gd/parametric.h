@@ -1,5 +1,5 @@
-/* Parametric surface: a map from a rectangle (u, v) to space, smooth between its lines. What the
- * geodesic-like solver sees of any surface.
+/* Parametric surface: a map from a rectangle (u, v) to space, smooth between its lines (lines of
+ * constant u or v). The geodesic-like solver accesses all surfaces through this interface.
  *
  *     struct gd_parametric *torus;
  *     if (gd_parametric_torus(2, 1, &torus, &detail) == GD_OK) {
@@ -8,10 +8,10 @@
  *         gd_parametric_release(torus);
  *     }
  *
- * Coordinates are in the caller's length unit. A closed direction is periodic: any real parameter
- * is taken, its ends are one curve. Other parameters lie within [low, high]. A border that is one
- * point of space is a pole. Surfaces are immutable once made: any number of threads may read
- * them. */
+ * Coordinates are in the caller's length unit. A closed direction is periodic: its parameter may be
+ * any real, and the borders at both ends are the same curve. In other directions the parameter lies
+ * within [low, high]. A pole is a border that is one point in space. Surfaces are immutable once
+ * created: any number of threads may read them. */
 #ifndef GD_PARAMETRIC_H
 #define GD_PARAMETRIC_H
 
@@ -29,7 +29,7 @@ extern "C" {
 
 struct gd_parametric;
 
-/* Position and derivatives at a place. */
+/* Position and derivatives at one (u, v). */
 struct gd_jet {
     struct gd_vec3 x, u, v, uu, uv, vv;
 };
@@ -38,32 +38,33 @@ struct gd_jet {
 struct gd_axis {
     double low, high; /* low < high */
     bool closed;      /* the borders at low and high are one curve: periodic */
-    /* closed, and smooth there on both sides only; always true when there are lines */
+    /* closed, and not smooth across the border; always true for a closed direction with lines */
     bool seam;
-    bool pole_low, pole_high; /* the whole border at low, at high is one point */
+    bool pole_low, pole_high; /* the whole border at `low` (at `high`) is one point */
     uint32_t line_count;
-    /* increasing, inside (low, high): there the surface is smooth on both sides only; NULL
-       without */
+    /* parameters across which the surface is not smooth, increasing, inside (low, high); NULL:
+       none */
     const double *lines;
 };
 
-/* A surface by its evaluator. `jet` gives position and derivatives of the smooth piece number
- * (cell_u, cell_v) at (u, v): piece i lies between lines i - 1 and i, and is asked a little beyond
- * them too, where it goes on smoothly. It must be thread-safe. In a closed direction without seam
- * (u, v) are any reals. */
+/* The evaluator of a user-defined surface. `jet` computes position and derivatives of the smooth
+ * piece (cell_u, cell_v) at (u, v). Piece i lies between lines i - 1 and i. A piece is also
+ * evaluated slightly beyond its lines, where it must continue smoothly. `jet` must be thread-safe.
+ * In a closed direction without a seam the parameter may be any real. */
 struct gd_evaluator {
     struct gd_axis u, v; /* the lines are borrowed until `destroy` */
     void (*jet)(const void *shape, uint32_t cell_u, uint32_t cell_v, double u, double v,
                 struct gd_jet *out);
     void (*destroy)(void *shape); /* may be NULL */
     void *shape;
-    size_t bytes; /* that `shape` holds */
+    size_t bytes; /* bytes held by `shape` */
 };
 
-/* A surface from an evaluator; its shape is the surface's from then on, also on failure. Poles and
- * closed directions are as the caller says; which is checked by evaluation: GD_INVALID_ARGUMENT,
- * with a sentence, when they are not, when the domain is no rectangle or when a position is no
- * number. GD_NO_MEMORY. Cost: some hundred evaluations. The caller owns one reference of `*out`. */
+/* Creates a surface from an evaluator. The surface owns `shape`, also on failure. The caller
+ * declares poles and closed directions; the function verifies them by evaluation. Errors:
+ * GD_INVALID_ARGUMENT, with a sentence (a wrong declaration, a domain that is not a rectangle, a
+ * position that is not finite), GD_NO_MEMORY. Cost: about a hundred evaluations. The caller owns
+ * one reference of `*out`. Thread-safe. */
 GD_MUST_USE enum gd_status gd_parametric_create(const struct gd_evaluator *evaluator,
                                                 struct gd_parametric **out,
                                                 struct gd_detail *detail);
@@ -72,63 +73,64 @@ struct gd_parametric *gd_parametric_retain(const struct gd_parametric *surface);
 void gd_parametric_release(const struct gd_parametric *surface); /* NULL is harmless */
 size_t gd_parametric_memsize(const struct gd_parametric *surface);
 
-/* The directions: borrowed, valid as long as the surface. */
+/* Return the directions of the domain, borrowed and valid as long as the surface. */
 const struct gd_axis *gd_parametric_axis_u(const struct gd_parametric *surface);
 const struct gd_axis *gd_parametric_axis_v(const struct gd_parametric *surface);
 
-/* A length of the order of the surface's extent: the diagonal of the box of a few hundred of its
+/* Returns an estimate of the surface's extent: the diagonal of the bounding box of a few hundred
  * points. */
 double gd_parametric_size(const struct gd_parametric *surface);
 
-/* Is (u, v) in the domain? In closed directions every finite number is. */
+/* Returns true if (u, v) is in the domain. A closed direction contains every finite number. */
 bool gd_parametric_contains(const struct gd_parametric *surface, double u, double v);
 
-/* Position and derivatives at a place of the domain. On a line they are those of the piece above
- * it, on the upper border those below. GD_INVALID_ARGUMENT: outside. O(degree^2). */
+/* Computes position and derivatives at a point of the domain. On a line, derivatives are those of
+ * the piece above it; on the upper border, those of the piece below. Error: GD_INVALID_ARGUMENT
+ * (outside the domain). O(degree^2). Thread-safe. */
 GD_MUST_USE enum gd_status gd_parametric_evaluate(const struct gd_parametric *surface, double u,
                                                   double v, struct gd_jet *out);
 
-/* Normal and curvatures from a jet. do Carmo, Differential Geometry of Curves and Surfaces, section
- * 3-3. */
+/* Normal and curvatures of a surface at a point. do Carmo, Differential Geometry of Curves and
+ * Surfaces, section 3-3. */
 struct gd_curvature {
-    struct gd_vec3 normal; /* unit, u-derivative times v-derivative */
-    /* 1/length^2; 1/length, positive where the surface bends towards the normal */
+    struct gd_vec3 normal; /* unit vector along the cross product of the u- and v-derivatives */
+    /* gaussian in 1/length^2; mean in 1/length, positive where the surface bends towards the
+       normal */
     double gaussian, mean;
-    /* false: the derivatives are parallel, at a pole for instance; all else is zero then */
+    /* false: the derivatives are parallel, for instance at a pole; all other members are zero */
     bool regular;
 };
 
 struct gd_curvature gd_jet_curvature(const struct gd_jet *jet);
 
-struct gd_parametric_foot {
+struct gd_parametric_closest {
     double u, v;
     struct gd_vec3 xyz;
     double distance;
 };
 
-/* The point of the surface nearest to `xyz`: the global one, looked for by Newton's method from
- * every place of a dense grid that can be near it.
- * `control` and `detail` may be NULL. Errors: GD_INVALID_ARGUMENT (not finite), GD_NO_MEMORY,
- * GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: some thousand evaluations. Piegl and Tiller, The
- * NURBS Book, section 6.1. */
+/* Computes the globally closest point of the surface to `xyz`: Newton's method from every grid
+ * point that may be near the minimum. `control` and `detail` may be NULL. Errors:
+ * GD_INVALID_ARGUMENT (not finite), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: about
+ * a thousand evaluations. Piegl and Tiller, The NURBS Book, section 6.1. Thread-safe. */
 GD_MUST_USE enum gd_status gd_parametric_nearest(const struct gd_parametric *surface,
                                                  struct gd_vec3 xyz,
                                                  const struct gd_control *control,
-                                                 struct gd_parametric_foot *out,
+                                                 struct gd_parametric_closest *out,
                                                  struct gd_detail *detail);
 
-/* --- surfaces of known shape
- * ------------------------------------------------------------------------------------------ Each:
- * GD_INVALID_ARGUMENT with a sentence when a number is not finite or outside its range,
- * GD_NO_MEMORY. */
+/* --- analytic surfaces ------------------------------------------------------------------------ */
 
-/* ((R + r cos v) cos u, (R + r cos v) sin u, r sin v), 0 < r < R; both directions closed with
- * period 2 pi. */
+/* Errors of the following functions: GD_INVALID_ARGUMENT, with a sentence (a number that is not
+ * finite or outside its range), GD_NO_MEMORY. */
+
+/* Creates a torus: ((R + r cos v) cos u, (R + r cos v) sin u, r sin v), 0 < r < R; both directions
+ * are closed with period 2 pi. */
 GD_MUST_USE enum gd_status gd_parametric_torus(double major, double minor,
                                                struct gd_parametric **out,
                                                struct gd_detail *detail);
 
-/* (v cos u, v sin u, pitch u), for u in [u_low, u_high] and v in [v_low, v_high]; pitch is not
+/* Creates a helicoid: (v cos u, v sin u, pitch u), for u in u_range and v in v_range; pitch is not
  * zero. */
 GD_MUST_USE enum gd_status gd_parametric_helicoid(double pitch, const double u_range[2],
                                                   const double v_range[2],
@@ -137,14 +139,14 @@ GD_MUST_USE enum gd_status gd_parametric_helicoid(double pitch, const double u_r
 
 #define GD_GRAPH_DEGREE_MAX 16
 
-/* z = sum of coefficients[i * (degree_v + 1) + j] u^i v^j; all coefficients zero: a plane. */
+/* A polynomial height: z = sum of coefficients[i * (degree_v + 1) + j] u^i v^j. */
 struct gd_graph {
     uint32_t degree_u, degree_v; /* at most GD_GRAPH_DEGREE_MAX */
     const double *coefficients;
-    const double *u_range, *v_range; /* low and high of each */
+    const double *u_range, *v_range; /* {low, high} */
 };
 
-/* (u, v, z): the graph of a polynomial. The arrays are borrowed for the call. */
+/* Creates the graph of a polynomial: (u, v, z). The arrays are borrowed for the call. */
 GD_MUST_USE enum gd_status gd_parametric_graph(const struct gd_graph *graph,
                                                struct gd_parametric **out,
                                                struct gd_detail *detail);
@@ -157,8 +159,9 @@ struct gd_profile {
     const double *weights;     /* > 0; NULL: all 1 */
 };
 
-/* (r(v) cos u, r(v) sin u, h(v)): u is the angle, closed with period 2 pi, v the profile's
- * parameter. An end of the profile on the axis is a pole; the radius must not vanish elsewhere. */
+/* Creates a surface of revolution: (r(v) cos u, r(v) sin u, h(v)); u is the angle, closed with
+ * period 2 pi; v is the profile's parameter. An end of the profile on the axis is a pole; elsewhere
+ * the radius must not vanish. */
 GD_MUST_USE enum gd_status gd_parametric_revolution(const struct gd_profile *profile,
                                                     struct gd_parametric **out,
                                                     struct gd_detail *detail);

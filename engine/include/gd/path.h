@@ -1,4 +1,4 @@
-/* Path: a polyline on the surface, consecutive points within one face. */
+/* Path: a polyline on the surface. Consecutive points lie within one face. */
 #ifndef GD_PATH_H
 #define GD_PATH_H
 
@@ -11,9 +11,9 @@ extern "C" {
 #endif
 
 struct gd_path {
-    double length;           /* of the polyline itself */
+    double length;           /* length of the polyline */
     uint32_t count;          /* points, at least 1 */
-    struct gd_point *points; /* first = from, last = to */
+    struct gd_point *points; /* from the start to the end of the path */
 };
 
 void gd_path_free(struct gd_path *path); /* frees the points and zeroes; NULL is harmless */

@@ -1,5 +1,5 @@
-/* Indexed polygons: what a mesh file holds, before anyone asked whether it is a surface. io makes
- * and writes them, mesh builds from them. */
+/* Indexed polygons: the contents of a mesh file, not yet validated as a surface. engine/io reads
+ * and writes polygons; engine/mesh builds meshes from them. */
 #ifndef GD_POLYGONS_H
 #define GD_POLYGONS_H
 
@@ -14,11 +14,12 @@ extern "C" {
 #define GD_NONE UINT32_MAX
 
 struct gd_polygons {
-    double (*positions)[3]; /* position_count of them */
+    double (*positions)[3]; /* position_count entries */
     uint32_t position_count;
     uint32_t polygon_count;
-    uint32_t *corners; /* the polygons' vertex indices one after the other, each < position_count */
-    uint32_t *first;   /* polygon_count + 1 offsets into `corners`; NULL: all are triangles */
+    /* vertex indices of all polygons, polygon after polygon, each < position_count */
+    uint32_t *corners;
+    uint32_t *first; /* polygon_count + 1 offsets into `corners`; NULL: all are triangles */
 };
 
 static inline uint32_t gd_polygons_first(const struct gd_polygons *polygons, uint32_t polygon)
@@ -39,7 +40,24 @@ static inline bool gd_polygons_are_triangles(const struct gd_polygons *polygons)
     return true;
 }
 
-/* Frees the arrays and zeroes the struct. NULL and half-built ones are harmless. */
+#define GD_MENDED_LISTED 8
+
+/* The number of skipped or changed elements of one kind, and a list of the first ones. */
+struct gd_mended {
+    uint32_t count;
+    uint32_t listed; /* at most GD_MENDED_LISTED */
+    uint32_t elements[GD_MENDED_LISTED][2];
+};
+
+static inline void gd_mended_add(struct gd_mended *mended, uint32_t a, uint32_t b)
+{
+    mended->count++;
+    if (mended->listed == GD_MENDED_LISTED) return;
+    mended->elements[mended->listed][0] = a;
+    mended->elements[mended->listed++][1] = b;
+}
+
+/* Frees the arrays and zeroes the struct. Accepts NULL and partly built structs. */
 void gd_polygons_free(struct gd_polygons *polygons);
 
 #ifdef __cplusplus

@@ -1,4 +1,4 @@
-/* Resampling: points of a curve at equal arc lengths, and the geodesics between them. */
+/* Resampling: points of a curve at equal arc lengths, and geodesics between consecutive points. */
 #ifndef GD_RESAMPLING_H
 #define GD_RESAMPLING_H
 
@@ -23,12 +23,12 @@ struct gd_resampling {
 
 void gd_resampling_free(struct gd_resampling *resampling); /* NULL is harmless */
 
-/* request->count points of the curve, as far from each other along it: of an open one the ends are
- * among them, of a closed one its first point; and the geodesics that the pieces between become
- * when they are pulled tight. `control` and `detail` may be NULL. Errors: GD_INVALID_ARGUMENT (less
- * than two points, or a curve that is a point), GD_TOO_LARGE (more than GD_RESAMPLING_POINTS),
- * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL. O(points and faces).
- * Thread-safe. */
+/* Computes request->count points of the curve at equal arc lengths, and straightens the pieces
+ * between them to geodesics. The points of an open curve include its ends; those of a closed curve
+ * include its first point. The caller frees `*out` by gd_resampling_free. `control` and `detail`
+ * may be NULL. Errors: GD_INVALID_ARGUMENT (fewer than two points, or a curve of length zero),
+ * GD_TOO_LARGE (more than GD_RESAMPLING_POINTS), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
+ * GD_DEADLINE, GD_INTERNAL. O(points and faces). Thread-safe. */
 GD_MUST_USE enum gd_status gd_curve_resample(const struct gd_mesh *mesh,
                                              const struct gd_resampling_request *request,
                                              const struct gd_control *control,

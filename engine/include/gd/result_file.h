@@ -1,19 +1,23 @@
-/* Result files: what was found on a surface, for other programs: distances of vertices, and lines,
- * with the mesh or without it.
+/* Result files for other programs: distances of vertices, and lines, with or without the mesh.
  *
  *     struct gd_result result = {.mesh = &polygons, .distances = distances};
  *     enum gd_status status = gd_write_result(&result, GD_RESULT_PLY, &bytes, &size);
  *
- * PLY: the mesh, binary little-endian, all in doubles, and `distance` as another property of its
- * vertices (NaN: there is none). Lines are left out. OBJ: the lines, as `v` and `l` statements,
- * doubles to the last digit; behind the mesh if there is one; those of a level in a group `g
- * level_0.5`. Distances are left out. CSV: of lines a row `line,point,x,y,z,along` for each point,
- * `along` being the length of the line up to there, and behind it `level` if they have such; else a
- * row `vertex,x,y,z,distance` for each vertex, the last cell empty where there is no distance. Rows
- * end with CR LF (RFC 4180). GLB: mesh and lines in one scene, in floats from an origin that the
- * node's translation keeps as doubles (gd/io.h). Distances are both COLOR_0, by gd/colour_map.h
- * with the largest distance at its end (grey: there is none), and _DISTANCE, in floats (-1: there
- * is none). A line is a LINE_STRIP, whose level is in its primitive's extras: {"level": 0.5}. */
+ * PLY: the mesh, binary little-endian, in doubles, with a vertex property `distance` (NaN: none).
+ * Lines are left out.
+ *
+ * OBJ: the mesh, if any, then the lines as `v` and `l` statements with exact doubles. The lines of
+ * one level form a group, for example `g level_0.5`. Distances are left out.
+ *
+ * CSV: with lines, a row `line,point,x,y,z,along` for each point, where `along` is the length of
+ * the line up to that point; with levels, another column `level`. Without lines, a row
+ * `vertex,x,y,z,distance` for each vertex, with an empty last cell if there is no distance. Rows
+ * end with CR LF (RFC 4180).
+ *
+ * GLB: mesh and lines in one scene, in floats relative to an origin stored in doubles as the node's
+ * translation (gd/io.h). Distances are stored twice: as COLOR_0, coloured by gd/colour_map.h as
+ * fractions of the largest distance (grey: none), and as _DISTANCE, in floats (-1: none). A line is
+ * a LINE_STRIP; the extras of its primitive contain its level: {"level": 0.5}. */
 #ifndef GD_RESULT_FILE_H
 #define GD_RESULT_FILE_H
 
@@ -40,27 +44,26 @@ enum gd_result_format {
 #undef GD_RESULT_ENUM
 };
 
-/* All borrowed; what there is not is NULL or 0. */
+/* All borrowed; missing parts are NULL or 0. */
 struct gd_result {
-    const struct gd_polygons *mesh; /* triangles, whose coordinates are finite */
-    const double *distances;        /* one for each of its positions; not finite: there is none */
-    const double (*points)[3];      /* of the lines, one line after the other; finite */
+    const struct gd_polygons *mesh; /* triangles with finite coordinates */
+    const double *distances;        /* one for each position of the mesh; not finite: none */
+    const double (*points)[3];      /* points of all lines, line after line; finite */
     /* line_count + 1 offsets into `points`; a line has at least one point */
     const uint32_t *first;
     uint32_t line_count;
-    /* of isolines: the distance that each line lies at, finite; lines of a level stand together */
+    /* for isolines: the level of each line, finite; lines of one level are consecutive */
     const double *levels;
 };
 
-/* Writes a result. `*out` is malloc'ed and owned by the caller. Thread-safe; time linear in the
- * output.
- * Errors: GD_INVALID_ARGUMENT (nothing that the format can hold: PLY without mesh, OBJ without
- * lines, distances without mesh), GD_NOT_TRIANGLES, GD_NON_FINITE (GLB: beyond the range of
- * floats), GD_TOO_LARGE (GLB: 4 GiB), GD_NO_MEMORY. */
+/* Writes a result. `*out` is allocated by malloc and owned by the caller. Errors:
+ * GD_INVALID_ARGUMENT (the format can't represent the result: PLY without mesh, OBJ without lines,
+ * distances without mesh), GD_NOT_TRIANGLES, GD_NON_FINITE (GLB: beyond the range of floats),
+ * GD_TOO_LARGE (GLB: 4 GiB), GD_NO_MEMORY. Time linear in the output. Thread-safe. */
 GD_MUST_USE enum gd_status gd_write_result(const struct gd_result *result,
                                            enum gd_result_format format, char **out, size_t *size);
 
-/* Upper bound of the bytes that writing takes, the result included. */
+/* Returns an upper bound of the bytes that writing needs, including the output. */
 size_t gd_result_cost(const struct gd_result *result);
 
 #ifdef __cplusplus

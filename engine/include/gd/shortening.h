@@ -1,4 +1,5 @@
-/* Shortening: a curve on its way to a geodesic, moved across the surface as a taut string would be.
+/* Shortening: moves a curve across the surface towards a geodesic, as a string that is pulled
+ * tight.
  *
  *     struct gd_shortening_request request = {.curve = &curve};
  *     struct gd_shortening shortening;
@@ -8,9 +9,9 @@
  *     }
  *
  * Source: G. D. Birkhoff's curve shortening: pieces of the curve are replaced by geodesics between
- * their ends. Pieces are pulled tight within the faces that they run through, and round vertices on
- * the shorter side, so that the curve is never moved over a hole, and what it becomes is the
- * locally shortest one. */
+ * their ends. Pieces are pulled tight within the faces that they cross, and around vertices on the
+ * shorter side. Therefore the curve never moves across a hole, and its limit is a locally shortest
+ * curve. */
 #ifndef GD_SHORTENING_H
 #define GD_SHORTENING_H
 
@@ -20,34 +21,35 @@
 extern "C" {
 #endif
 
-#define GD_SHORTENING_PIECES 16   /* when no number is given */
-#define GD_SHORTENING_ROUNDS 1000 /* most of them on the way to a closed geodesic */
+#define GD_SHORTENING_PIECES 16   /* default number of pieces */
+#define GD_SHORTENING_ROUNDS 1000 /* limit on rounds for a closed geodesic */
 
 struct gd_shortening_request {
     const struct gd_curve *curve;
-    uint32_t rounds; /* 0: until the curve is a geodesic */
-    uint32_t pieces; /* of equal lengths; 0: GD_SHORTENING_PIECES */
+    uint32_t rounds; /* 0: as many as the curve needs to become a geodesic */
+    uint32_t pieces; /* number of pieces, of equal lengths; 0: GD_SHORTENING_PIECES */
 };
 
 struct gd_shortening {
     struct gd_curve curve; /* owned */
-    /* radians by which the curve misses being straight at most where pieces meet; bends round
-       vertices that make it shorter don't count */
+    /* largest turn at the joints of pieces, in radians; bends around vertices that shorten the
+       curve don't count */
     double turn;
     uint32_t rounds;
-    bool is_geodesic; /* the turn is less than 1e-9 */
+    bool is_geodesic; /* true: `turn` is less than 1e-9 */
 };
 
 void gd_shortening_free(struct gd_shortening *shortening); /* NULL is harmless */
 
-/* The curve after `rounds` of shortening in `pieces`, which are moved by half a piece in every
- * other round. The ends of an open curve stay. `rounds` 0: until it is a geodesic; an open one is
- * pulled tight at once, of a closed one each round takes the place at which it bends as the
- * beginning, and after GD_SHORTENING_ROUNDS it is what it is. `control` and `detail` may be NULL.
- * Errors: GD_INVALID_ARGUMENT (a closed curve that shrinks to a point: nothing holds it),
- * GD_TOO_LARGE (more than 65536 pieces), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE,
- * GD_INTERNAL (two points that follow each other have no face in common). Cost: a round is linear
- * in the faces that the curve crosses, times what they are moved. Thread-safe. */
+/* Shortens the curve in `rounds` rounds. Each round divides it into `pieces` and straightens them;
+ * every other round shifts the divisions by half a piece. The ends of an open curve stay. With
+ * `rounds` 0 the result is a geodesic: an open curve is straightened at once; for a closed curve
+ * each round begins at the curve's bend, for at most GD_SHORTENING_ROUNDS rounds. `control` and
+ * `detail` may be NULL. The caller frees `*out` by gd_shortening_free. Errors: GD_INVALID_ARGUMENT
+ * (a closed curve that shrinks to a point), GD_TOO_LARGE (more than 65536 pieces), GD_NO_MEMORY,
+ * GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL (two consecutive points without a common face).
+ * Cost: a round is linear in the number of faces that the curve crosses or moves across.
+ * Thread-safe. */
 GD_MUST_USE enum gd_status gd_curve_shorten(const struct gd_mesh *mesh,
                                             const struct gd_shortening_request *request,
                                             const struct gd_control *control,

@@ -1,5 +1,5 @@
-/* Smooth: the umbrella header of the library libgeodesic-smooth, which builds on libgeodesic:
- * geodesics on limit surfaces of subdivision and on NURBS. */
+/* Smooth: the umbrella header of the library libgeodesic-smooth, which depends on libgeodesic:
+ * geodesics on subdivision limit surfaces and on NURBS. */
 #ifndef GD_SMOOTH_H
 #define GD_SMOOTH_H
 

@@ -1,4 +1,4 @@
-/* Spline: a geodesic Hermite spline, that is a smooth curve on the surface through given points.
+/* Spline: a geodesic Hermite spline, a smooth curve on the surface through given points.
  *
  *     struct gd_spline_request request = {
  *         .points = points, .count = 5, .closed = true, .alpha = 0.5};
@@ -14,15 +14,16 @@
  *     }
  *
  * Source: "Geodesic Hermite splines on triangular meshes", equations 4 to 6. Point i has the
- * parameter u_i = u_(i-1) + d(p_i, p_(i-1))^alpha and a tangent v_i, a vector by unit of the
- * parameter. Between two points the curve is the cubic of Bezier with the control points p_i,
- * p_i (+) (D/3) v_i, p_(i+1) (+) (-D/3) v_(i+1), p_(i+1), D being the difference of their
- * parameters: lines become geodesics. Where the surface is flat it is the classical Hermite spline.
+ * parameter u_i = u_(i-1) + d(p_i, p_(i-1))^alpha and a tangent v_i, the derivative by the
+ * parameter. Let D = u_(i+1) - u_i. Between points i and i + 1 the curve is the cubic geodesic
+ * Bezier curve with the control points p_i, p_i (+) (D/3) v_i, p_(i+1) (+) (-D/3) v_(i+1), p_(i+1):
+ * geodesics replace straight lines. On a flat surface it is the classical Hermite spline.
+ * gd/vector.h defines (+) and (-).
  *
- * Between control points the curve is what halving them for ever leads to: de Casteljau's
- * construction with parameter 1/2, geodesics being those that the polygon becomes when it is pulled
- * tight (so that they don't jump where shortest paths do). Halving stops where a polygon departs so
- * little from its chord that the construction may be used with any parameter. */
+ * The curve is the limit of repeated halving of the control polygons by de Casteljau's construction
+ * with parameter 1/2. The geodesics of the construction result from pulling the polygon tight, so
+ * that they are continuous where shortest paths jump. Halving stops when a polygon is so close to
+ * its chord that the construction is accurate for any parameter. */
 #ifndef GD_SPLINE_H
 #define GD_SPLINE_H
 
@@ -36,60 +37,64 @@ extern "C" {
 #endif
 
 enum gd_tangent_rule {
-    /* (1-c) (p_(i+1) (-) p_i - p_(i-1) (-) p_i) / (u_(i+1) - u_(i-1)): reversed points, reversed
-       curve */
+    /* (1-c) (p_(i+1) (-) p_i - p_(i-1) (-) p_i) / (u_(i+1) - u_(i-1)): reversing the points
+       reverses the curve */
     GD_TANGENT_SYMMETRIC,
-    /* (1-c) (p_(i+1) (-) p_(i-1)) / (u_(i+1) - u_(i-1)), moved from p_(i-1) to p_i: equation 5 */
+    /* (1-c) (p_(i+1) (-) p_(i-1)) / (u_(i+1) - u_(i-1)), transported from p_(i-1) to p_i: equation
+       5 */
     GD_TANGENT_PAPER
 };
 
 enum gd_end_rule {
-    GD_END_NATURAL, /* (3/2) (p_1 (-) p_0) / D - v_1 / 2: the curve ends straight */
-    GD_END_ZERO     /* the paper's: no tangent */
+    GD_END_NATURAL, /* (3/2) (p_1 (-) p_0) / D - v_1 / 2: no curvature at the end */
+    GD_END_ZERO     /* zero tangent, as in the paper */
 };
 
 struct gd_spline_request {
-    /* at least 2, consecutive ones apart and of one component; borrowed */
+    /* borrowed; at least 2, all on one component; consecutive points differ */
     const struct gd_point *points;
     uint32_t count;
-    /* the last is joined to the first, which is not repeated; two points: there and back */
+    /* joins the last point to the first, which is not repeated; a closed spline of two points runs
+       there and back */
     bool closed;
-    double alpha; /* from 0 to 1: 0 uniform, 1/2 centripetal, 1 chordal */
-    /* c: 0 (Catmull and Rom) to 1: the tangents of inner points are 0, the curve is a geodesic
-       polyline */
+    double alpha; /* in [0, 1]: 0 uniform, 1/2 centripetal, 1 chordal */
+    /* c, from 0 (Catmull-Rom) to 1 (tangents of inner points are 0, and the curve is a geodesic
+       polyline) */
     double tension;
     enum gd_tangent_rule tangent_rule;
     enum gd_end_rule end_rule;
-    /* one for each point; NULL: by the rules. Only angles and lengths are read */
+    /* One tangent for each point, of which only angle and length are used; NULL: the rules
+       determine all. */
     const struct gd_vector *tangents;
-    /* whether a point's tangent counts; NULL: all of `tangents` do */
+    /* per point: true if its entry of `tangents` is used; NULL: all are */
     const bool *is_given;
-    const struct gd_landmarks *landmarks;      /* of this mesh: searches are narrower; NULL: none */
-    const struct gd_spline_sampling *sampling; /* of gd_spline_curve, which sets its spline */
-    /* two searches, then two segments at a time; NULL: one after the other. The answer is the
-       same */
+    const struct gd_landmarks *landmarks; /* of the same mesh, to speed up searches; NULL: none */
+    /* only used by gd_spline_curve, which ignores sampling->spline */
+    const struct gd_spline_sampling *sampling;
+    /* runs two searches, then two segments, at a time; NULL: one at a time. The result is the
+       same. */
     const struct gd_executor *executor;
 };
 
-/* What the spline has at a point. */
+/* A point of the spline. */
 struct gd_spline_knot {
     double parameter;
     struct gd_vector tangent;
-    /* radians between the curve that comes and the one that goes, and the difference of their
-       speeds relative to the greater one, as measured on the control polygon; 0 at ends: a clipped
-       leg shows here */
+    /* Angle in radians between the arriving and the leaving curve, and the difference of their
+       speeds relative to the greater speed, both measured on the control polygon. 0 at the ends;
+       not 0 next to a clipped arm. */
     double angle_jump;
     double speed_jump;
 };
 
 struct gd_spline_segment {
     struct gd_point control[4];
-    struct gd_path legs[3]; /* geodesics between them, in the caller's unit */
-    double begin, end;      /* parameters */
+    struct gd_path arms[3]; /* geodesics between consecutive control points, in the caller's unit */
+    double begin, end;      /* parameters of control[0] and control[3] */
     double distance;        /* between control[0] and control[3] */
-    bool is_clipped;        /* a tangent leads over the boundary: its leg ends there */
-    /* control[0] and control[3] lie on each other's cut locus: another way between them is as
-       short, so that the curve may jump there when a point is moved */
+    bool is_clipped;        /* a tangent leads over the boundary: its arm ends at the boundary */
+    /* control[0] and control[3] lie on each other's cut locus: another path between them is equally
+       short, so the curve may jump when a point moves */
     bool is_cut;
 };
 
@@ -98,71 +103,73 @@ struct gd_spline {
     bool closed;
     uint32_t count; /* segments */
     struct gd_spline_segment *segments;
-    /* count + 1; of a closed one the last is the first again, one period later */
+    /* count + 1; the last knot of a closed spline is the first knot, one period later */
     struct gd_spline_knot *knots;
 };
 
 void gd_spline_free(struct gd_spline *spline); /* frees the arrays and zeroes; NULL is harmless */
 
-/* The spline of a request. `control` and `detail` may be NULL. Where a point is at fault,
- * detail->elements[0][0] is its number and detail->count 1.
- * Errors: GD_INVALID_ARGUMENT (too few points, points that repeat the one before, alpha or tension
- * outside 0 to 1, a tangent that is not finite or so long that its geodesic is no end of, points
- * that no path joins), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, and what gd_pair_solve
- * says. Cost: a search a segment (by the paper's rule one more an inner point), and two traces.
- * With an executor of width 2 or more all this takes about half as long and up to twice the memory,
- * within the same budget. Thread-safe. */
+/* Builds the spline of a request. The caller frees `*out` by gd_spline_free. `control` and `detail`
+ * may be NULL. If one point causes an error, detail->elements[0][0] is its number and detail->count
+ * is 1. Errors: GD_INVALID_ARGUMENT (too few points, equal consecutive points, alpha or tension
+ * outside 0 to 1, a tangent that is not finite or whose geodesic crosses too many edges, points on
+ * different components), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, and those of
+ * gd_pair_solve. Cost: a search and two traces for each segment; with GD_TANGENT_PAPER one more
+ * search for each inner point. An executor of width 2 or more halves the time and takes up to twice
+ * the memory, within the same budget. Thread-safe. */
 GD_MUST_USE enum gd_status gd_spline_build(const struct gd_mesh *mesh,
                                            const struct gd_spline_request *request,
                                            const struct gd_control *control, struct gd_spline *out,
                                            struct gd_detail *detail);
 
-#define GD_SPLINE_PLACES (1u << 20) /* most places of one sampling */
+#define GD_SPLINE_PLACES (1u << 20) /* limit on the places of one sampling */
 
-/* Where the curve is looked at: exactly one of the members after `spline` is not 0. */
+/* Parameters at which to sample a spline. Exactly one of per_segment, even, tolerance, spacing and
+ * parameters is not 0. */
 struct gd_spline_sampling {
     const struct gd_spline *spline;
-    uint32_t per_segment; /* equal steps of the parameter, so many a segment */
-    uint32_t even;        /* equal arc lengths, so many in all: constant speed */
-    /* a length: the polyline departs from the curve by no more, but for the surface's curvature
-       within a step of it */
+    uint32_t per_segment; /* this number of equal parameter steps for each segment */
+    uint32_t even;        /* this number of equal steps of arc length in all */
+    /* a length: largest distance between polyline and curve, not counting the surface's curvature
+       within a step */
     double tolerance;
-    /* a length: equal arc lengths as near to it as a whole number of them allows; to about 1e-6 of
-       it */
+    /* a length: equal arc lengths, as near to it as a whole number of steps allows; accurate to
+       about 1e-6 */
     double spacing;
-    const double *parameters; /* ascending, within the knots' */
-    uint32_t count;           /* of them */
+    const double *parameters; /* ascending, within the range of the knots */
+    uint32_t count;           /* number of `parameters` */
 };
 
-/* A place of the curve. */
+/* A sampled point of the curve. */
 struct gd_spline_place {
     double parameter;
     struct gd_point point;
-    /* where the speed is 0: the direction in which the curve goes on */
+    /* unit tangent of the curve; defined also where the speed is 0 */
     struct gd_direction tangent;
-    double speed; /* length by unit of the parameter */
+    double speed; /* length per unit of the parameter */
 };
 
 struct gd_spline_line {
     struct gd_path path; /* through all places, joined by geodesics */
     struct gd_spline_place *places;
     uint32_t count;
-    double step; /* arc length between two places, of `even` and `spacing`; else 0 */
+    double step; /* with `even` and `spacing`: arc length between two places; otherwise 0 */
 };
 
 void gd_spline_line_free(struct gd_spline_line *line); /* NULL is harmless */
 
-/* The curve as a polyline, and its places. Errors: GD_INVALID_ARGUMENT (none or several ways of
- * sampling, a number that is out of range), GD_TOO_LARGE (more than GD_SPLINE_PLACES),
- * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL. Cost: about four lines pulled
- * tight a halving, each O(faces that it crosses); three a place. Thread-safe. */
+/* Samples a spline as a polyline through the sampled places. The caller frees `*out` by
+ * gd_spline_line_free. Errors: GD_INVALID_ARGUMENT (not exactly one kind of parameters is set, or a
+ * number is out of range), GD_TOO_LARGE (more than GD_SPLINE_PLACES), GD_NO_MEMORY, GD_BUDGET,
+ * GD_CANCELLED, GD_DEADLINE, GD_INTERNAL. Cost: about four straightened lines for each halving and
+ * three for each place; a straightened line takes O(crossed faces). Thread-safe. */
 GD_MUST_USE enum gd_status gd_spline_sample(const struct gd_mesh *mesh,
                                             const struct gd_spline_sampling *sampling,
                                             const struct gd_control *control,
                                             struct gd_spline_line *out, struct gd_detail *detail);
 
-/* The same as a curve (gd/curve.h), for all that takes one; the caller frees it by gd_curve_free.
- * Errors: those of both. */
+/* Builds and samples a spline as a curve (gd/curve.h); the caller frees `*out` by gd_curve_free.
+ * Errors: those of gd_spline_build and gd_spline_sample. Thread-safe. */
 GD_MUST_USE enum gd_status gd_spline_curve(const struct gd_mesh *mesh,
                                            const struct gd_spline_request *request,
                                            const struct gd_control *control, struct gd_curve *out,

@@ -1,9 +1,8 @@
-/* Status codes: what every fallible function of the engine returns. One list, so that code, name
- * and sentence can't drift apart.
+/* Status codes of all fallible functions of the engine: one list of codes, names and sentences.
  *
- * Zero is success. Numbers are never reused. The name is also the `reason` that the HTTP API shows
- * for a refused mesh. On failure the outputs of a function are untouched; detail goes into a struct
- * that the caller supplies, never into a global. */
+ * Zero is success. Numbers are never reused. The HTTP API returns the name as the `reason` of a
+ * rejected mesh. On failure the outputs of a function are untouched; details go into a struct of
+ * the caller, never into a global. */
 #ifndef GD_STATUS_H
 #define GD_STATUS_H
 
@@ -23,7 +22,7 @@ extern "C" {
     X(4, UNREFERENCED_VERTEX, unreferenced_vertex, "the vertex belongs to no face")                \
     X(5, NO_SUCH_EDGE, no_such_edge, "the two vertices share no edge")                             \
     X(6, BEYOND_REACH, beyond_reach, "the field was not computed as far as that point")            \
-    /* the data: a file or mesh that can't be taken */                                             \
+    /* the data: a file or mesh that is rejected */                                                \
     X(20, UNRECOGNIZED, unrecognized, "the bytes are in no known mesh format")                     \
     X(21, TRUNCATED, truncated, "the input ends before what it declares")                          \
     X(22, SYNTAX, syntax, "the input breaks the rules of its format")                              \
@@ -50,7 +49,7 @@ extern "C" {
     /* control */                                                                                  \
     X(60, CANCELLED, cancelled, "the caller cancelled the work")                                   \
     X(61, DEADLINE, deadline, "the deadline passed")                                               \
-    /* ours */                                                                                     \
+    /* the engine's own failures */                                                                \
     X(80, INTERNAL, internal, "a self-check failed")                                               \
     X(81, RUNAWAY, runaway,                                                                        \
       "the work grew far beyond what a surface of this size needs, and was stopped")
@@ -63,13 +62,13 @@ enum gd_status {
 
 #define GD_MUST_USE __attribute__((warn_unused_result))
 
-/* The status' name in snake_case ("non_manifold_edge") and its sentence. Static strings; "unknown"
- * for a number that is no status. */
+/* Return the name of a status in snake_case ("non_manifold_edge"), and its sentence, as static
+ * strings; "unknown" for an undefined number. Thread-safe. */
 const char *gd_status_name(enum gd_status status);
 const char *gd_status_sentence(enum gd_status status);
 
-/* What the elements of a detail are. Vertices and faces are numbered as in the caller's input; an
- * edge is its two vertices. */
+/* The kind of a detail's elements. Vertices and faces are numbered as in the caller's input; an
+ * edge is named by its two vertices. */
 enum gd_element {
     GD_ELEMENT_NONE,
     GD_ELEMENT_VERTEX,
@@ -82,24 +81,28 @@ enum gd_element {
 #define GD_DETAIL_ELEMENTS 8
 #define GD_DETAIL_TEXT     200
 
-/* Where and what: filled on failure when the caller passes one, untouched on success. */
+/* Details of a failure, filled if the caller passes one; untouched on success. */
 struct gd_detail {
     enum gd_element kind;
-    uint64_t total; /* how many elements offend */
-    /* how many of them are listed, at most GD_DETAIL_ELEMENTS */
+    uint64_t total; /* number of offending elements */
+    /* number of listed elements, at most GD_DETAIL_ELEMENTS */
     uint32_t count;
-    uint64_t elements[GD_DETAIL_ELEMENTS][2]; /* the first ones; [1] is used by edges only */
-    /* one sentence for a person, NUL-terminated, may be empty */
+    /* the first offending elements; [1] is only used for edges */
+    uint64_t elements[GD_DETAIL_ELEMENTS][2];
+    /* one sentence for users, NUL-terminated, may be empty */
     char text[GD_DETAIL_TEXT];
 };
 
-/* Fills `detail` (NULL: does nothing) with a sentence and no elements; returns `status`, so that it
- * can stand in a return. */
+/* Formats a sentence into `detail` (may be NULL), without elements. Returns `status`, for use in a
+ * return statement. */
 enum gd_status gd_fail(struct gd_detail *detail, enum gd_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* Appends an offending element to `detail` (NULL: does nothing); beyond GD_DETAIL_ELEMENTS it only
- * counts. */
+/* Calls gd_fail with the sentence of the status, gd_status_sentence. */
+enum gd_status gd_fail_status(struct gd_detail *detail, enum gd_status status);
+
+/* Counts an offending element in `detail` (may be NULL), and lists it if it is among the first
+ * GD_DETAIL_ELEMENTS. */
 void gd_detail_add(struct gd_detail *detail, enum gd_element kind, uint64_t a, uint64_t b);
 
 #ifdef __cplusplus

@@ -1,4 +1,4 @@
-/* Subdivision surface: a control mesh and the scheme whose limit it stands for.
+/* Subdivision surface: a control mesh and a subdivision scheme, which define a limit surface.
  *
  *     struct gd_subdivision *surface;
  *     if (gd_subdivision_create(&control, GD_SCHEME_CATMULL_CLARK, NULL, &surface,
@@ -8,10 +8,10 @@
  *     }
  *
  * Coordinates are in the caller's length unit; faces are counter-clockwise seen from outside.
- * Rules: Catmull-Clark (1978) and Loop (1987) with the creases of DeRose, Kass, Truong (1998):
- * edges of sharpness s >= 1 are subdivided as creases and have s - 1 afterwards, those of 0 < s < 1
- * in proportion; the same numbers as OpenSubdiv's uniform creasing. Immutable once created, and
- * read by any number of threads. */
+ * Rules: Catmull-Clark (1978) and Loop (1987) with the creases of DeRose, Kass, Truong (1998). An
+ * edge of sharpness s >= 1 is subdivided as a crease, and its parts get sharpness s - 1. For 0 < s
+ * < 1 the smooth and the crease rule are interpolated. Results equal those of OpenSubdiv's uniform
+ * creasing. A surface is immutable: any number of threads may read it. */
 #ifndef GD_SUBDIVISION_H
 #define GD_SUBDIVISION_H
 
@@ -29,7 +29,7 @@ enum gd_scheme {
 
 struct gd_subdivision;
 
-/* How many vertices have so many edges. */
+/* The number of vertices of one valence. */
 struct gd_valence {
     uint32_t valence, count;
 };
@@ -37,39 +37,40 @@ struct gd_valence {
 struct gd_subdivision_summary {
     uint32_t vertex_count, edge_count, face_count;
     uint32_t boundary_edges, boundary_loops;
-    uint32_t crease_edges, corner_vertices; /* tagged with a sharpness above 0; no boundary edges */
-    /* Extraordinary vertices: inside, of any valence but 4 (Loop: 6), ascending; the valence of a
-     * vertex is its number of edges. */
-    const struct gd_valence *extraordinary; /* lives as long as the surface */
+    /* edges and vertices tagged with a sharpness above 0; boundary edges are not counted */
+    uint32_t crease_edges, corner_vertices;
+    /* Interior vertices with a valence other than 4 (Loop: 6), by ascending valence. The valence of
+       a vertex is its number of edges. */
+    const struct gd_valence *extraordinary; /* borrowed, valid as long as the surface */
     uint32_t extraordinary_count;
 };
 
-/* Checks a control mesh and makes a surface of it. `control_mesh` is borrowed for the call;
- * `control` and `detail` may be NULL. One reference is the caller's. Errors, each naming the
- * offenders: GD_EMPTY; GD_INDEX (a face's); GD_DEGENERATE_FACE (fewer than three corners, or one
- * vertex twice); GD_NON_FINITE, GD_EXTENT; GD_NOT_TRIANGLES (Loop); GD_NON_MANIFOLD_EDGE,
- * GD_NON_MANIFOLD_VERTEX; GD_NON_ORIENTABLE (two faces run along an edge in the same direction);
- * GD_OUT_OF_RANGE (a tag's vertex), GD_NO_SUCH_EDGE (a crease that is no edge),
- * GD_UNREFERENCED_VERTEX (a corner tag on a vertex without faces), GD_INVALID_ARGUMENT (a sharpness
- * below 0 or not a number); GD_UNSUPPORTED (GD_INTERPOLATE_NONE on a mesh with a boundary);
- * GD_TOO_LARGE (over 2^26 corners); GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Expected
- * linear time; some 80 bytes a corner. */
+/* Validates a control mesh and creates a surface. `control_mesh` is borrowed for the call;
+ * `control` and `detail` may be NULL. The caller owns one reference of `*out`. Errors, with the
+ * offending elements in `detail`: GD_EMPTY; GD_INDEX (in a face); GD_DEGENERATE_FACE (fewer than
+ * three corners, or one vertex twice); GD_NON_FINITE, GD_EXTENT; GD_NOT_TRIANGLES (Loop);
+ * GD_NON_MANIFOLD_EDGE, GD_NON_MANIFOLD_VERTEX; GD_NON_ORIENTABLE (two faces traverse an edge in
+ * the same direction); GD_OUT_OF_RANGE (a tag's vertex), GD_NO_SUCH_EDGE (a crease that is not an
+ * edge), GD_UNREFERENCED_VERTEX (a corner tag on a vertex without faces), GD_INVALID_ARGUMENT (a
+ * sharpness below 0 or not a number); GD_UNSUPPORTED (GD_INTERPOLATE_NONE on a mesh with a
+ * boundary); GD_TOO_LARGE (over 2^26 corners); GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE.
+ * Cost: expected linear time; about 80 bytes a corner. Thread-safe. */
 GD_MUST_USE enum gd_status gd_subdivision_create(const struct gd_control_mesh *control_mesh,
                                                  enum gd_scheme scheme,
                                                  const struct gd_control *control,
                                                  struct gd_subdivision **out,
                                                  struct gd_detail *detail);
 
-/* Counted sharing; thread-safe. */
+/* Add and drop a reference; thread-safe. */
 struct gd_subdivision *gd_subdivision_retain(const struct gd_subdivision *surface);
 void gd_subdivision_release(const struct gd_subdivision *surface); /* NULL is harmless */
 
-/* Bytes held. */
+/* Returns the size of the surface in bytes. */
 size_t gd_subdivision_memsize(const struct gd_subdivision *surface);
 
 enum gd_scheme gd_subdivision_scheme(const struct gd_subdivision *surface);
 
-/* Of the control mesh. O(1). */
+/* Returns a summary of the control mesh. O(1). */
 struct gd_subdivision_summary gd_subdivision_summary(const struct gd_subdivision *surface);
 
 #ifdef __cplusplus

@@ -1,4 +1,4 @@
-/* Tessellation: triangles between points of a parametric surface that remember their (u, v).
+/* Tessellation: a triangulation of a parametric surface, with the (u, v) of each vertex.
  *
  *     struct gd_tessellation *tessellation;
  *     if (gd_tessellation_build(surface, NULL, NULL, &tessellation, &detail) == GD_OK) {
@@ -7,9 +7,9 @@
  *         gd_tessellation_vertex(tessellation, (struct gd_vertex){12}, uv);
  *     }
  *
- * The vertices are a grid of the domain, unless `steps` are given one that contains all lines of
- * the surface; closed directions are welded, a pole is one vertex. A tessellation is immutable once
- * built: any number of threads may read it. It keeps its surface alive. */
+ * The vertices form a grid in the domain. Unless `steps` is set, the grid contains all lines of the
+ * surface. Closed directions are welded; a pole is one vertex. A tessellation is immutable: any
+ * number of threads may read it. A tessellation keeps its surface alive. */
 #ifndef GD_TESSELLATION_H
 #define GD_TESSELLATION_H
 
@@ -23,25 +23,26 @@ extern "C" {
 
 struct gd_tessellation;
 
-#define GD_TESSELLATION_FACES     4096 /* about so many when nothing is said */
+#define GD_TESSELLATION_FACES     4096 /* approximate default number of triangles */
 #define GD_TESSELLATION_FACES_MAX 16777216
 
-#define GD_TESSELLATION_STEPS_LEAST 3 /* around a closed direction fewer make no mesh */
+/* with fewer steps around a closed direction the mesh is invalid */
+#define GD_TESSELLATION_STEPS_LEAST 3
 
 /* All zero: about GD_TESSELLATION_FACES triangles. */
 struct gd_tessellation_options {
-    uint32_t faces; /* about so many triangles; more where lines or `deviation` ask for it */
-    /* length > 0: how far, about, an edge may be from the surface; 0: no matter */
+    uint32_t faces; /* approximate number of triangles; more if lines or `deviation` need them */
+    /* length > 0: approximate limit on the distance of an edge from the surface; 0: no limit */
     double deviation;
-    /* instead of both: even steps in u and in v, at least GD_TESSELLATION_STEPS_LEAST each; 0 both:
-       as those say */
+    /* Replaces `faces` and `deviation`: numbers of equal steps in u and in v, at least
+       GD_TESSELLATION_STEPS_LEAST each. Both 0: unused. */
     uint32_t steps[2];
 };
 
-/* Errors: GD_INVALID_ARGUMENT (options out of range), GD_TOO_LARGE (more than
- * GD_TESSELLATION_FACES_MAX triangles), those of gd_mesh_build (a surface whose grid is no mesh,
- * because it is flat or folds onto itself), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE.
- * O(faces). */
+/* Builds a tessellation; the caller owns one reference of `*out`. Errors: GD_INVALID_ARGUMENT
+ * (options out of range), GD_TOO_LARGE (more than GD_TESSELLATION_FACES_MAX triangles), those of
+ * gd_mesh_build (the grid is not a valid mesh, because the surface is flat or folds onto itself),
+ * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. O(faces). Thread-safe. */
 GD_MUST_USE enum gd_status gd_tessellation_build(const struct gd_parametric *surface,
                                                  const struct gd_tessellation_options *options,
                                                  const struct gd_control *control,
@@ -52,22 +53,23 @@ struct gd_tessellation *gd_tessellation_retain(const struct gd_tessellation *tes
 void gd_tessellation_release(const struct gd_tessellation *tessellation); /* NULL is harmless */
 size_t gd_tessellation_memsize(const struct gd_tessellation *tessellation);
 
-/* Borrowed, valid as long as the tessellation. Vertices and faces of the mesh are numbered as in
- * `polygons`. */
+/* Return the surface, mesh and polygons of a tessellation, borrowed and valid as long as the
+ * tessellation. The mesh numbers vertices and faces as the polygons do. */
 const struct gd_parametric *gd_tessellation_surface(const struct gd_tessellation *tessellation);
 const struct gd_mesh *gd_tessellation_mesh(const struct gd_tessellation *tessellation);
 const struct gd_polygons *gd_tessellation_polygons(const struct gd_tessellation *tessellation);
 
-/* (u, v) of a vertex: of the copies that a weld joined, the lowest one. */
+/* Returns (u, v) of a vertex; of several welded copies, the lowest (u, v). O(1). */
 void gd_tessellation_vertex(const struct gd_tessellation *tessellation, struct gd_vertex vertex,
                             double uv[2]);
 
-/* (u, v) of a point of the mesh, between those of its face's corners. At a pole the parameter along
- * it is that of the face. */
+/* Returns (u, v) of a point of the mesh, interpolated in its face. At a pole the parameter along
+ * the pole is that of the face. O(1). */
 void gd_tessellation_parameters(const struct gd_tessellation *tessellation,
                                 const struct gd_point *point, double uv[2]);
 
-/* The point of the mesh with parameters (u, v). GD_INVALID_ARGUMENT: outside the domain. */
+/* Computes the point of the mesh with parameters (u, v). Error: GD_INVALID_ARGUMENT (outside the
+ * domain). O(log steps). Thread-safe. */
 GD_MUST_USE enum gd_status gd_tessellation_point(const struct gd_tessellation *tessellation,
                                                  double u, double v, struct gd_point *out,
                                                  struct gd_detail *detail);

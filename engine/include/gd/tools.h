@@ -1,9 +1,10 @@
-/* Tools: the umbrella header of the library libgeodesic-tools, which builds on libgeodesic:
- * straightest geodesics, vectors, splines, curve operations, cuts and pictures. */
+/* Tools: the umbrella header of the library libgeodesic-tools, which depends on libgeodesic:
+ * straightest geodesics, vectors, splines, curve operations, edits, cuts and pictures. */
 #ifndef GD_TOOLS_H
 #define GD_TOOLS_H
 
 #include "gd/cut.h"
+#include "gd/edit.h"
 #include "gd/flat_strip.h"
 #include "gd/frame.h"
 #include "gd/geodesic.h"

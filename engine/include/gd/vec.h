@@ -1,4 +1,4 @@
-/* Points and vectors of space, by value. Coordinates are in the caller's length unit. */
+/* Vec: points and vectors in space, by value. Coordinates are in the caller's length unit. */
 #ifndef GD_VEC_H
 #define GD_VEC_H
 
@@ -30,7 +30,7 @@ static inline struct gd_vec3 gd_vec3_scale(struct gd_vec3 a, double s)
     return result;
 }
 
-/* a + s b */
+/* Returns a + s b. */
 static inline struct gd_vec3 gd_vec3_along(struct gd_vec3 a, double s, struct gd_vec3 b)
 {
     struct gd_vec3 result = {a.x + s * b.x, a.y + s * b.y, a.z + s * b.z};
@@ -56,6 +56,24 @@ static inline double gd_vec3_length(struct gd_vec3 a)
 static inline double gd_vec3_distance(struct gd_vec3 a, struct gd_vec3 b)
 {
     return gd_vec3_length(gd_vec3_sub(a, b));
+}
+
+static inline int gd_vec3_is_finite(struct gd_vec3 a)
+{
+    return isfinite(a.x) && isfinite(a.y) && isfinite(a.z);
+}
+
+/* Returns the unit vector in the direction of `a`, without overflow or underflow of squares.
+ * Returns 0 if `a` is zero or not finite. */
+static inline struct gd_vec3 gd_vec3_unit(struct gd_vec3 a)
+{
+    double largest = fmax(fabs(a.x), fmax(fabs(a.y), fabs(a.z)));
+    if (!(largest > 0 && isfinite(largest))) {
+        struct gd_vec3 none = {0, 0, 0};
+        return none;
+    }
+    struct gd_vec3 scaled = {a.x / largest, a.y / largest, a.z / largest};
+    return gd_vec3_scale(scaled, 1 / gd_vec3_length(scaled));
 }
 
 #ifdef __cplusplus

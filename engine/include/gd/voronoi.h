@@ -1,5 +1,5 @@
-/* Voronoi diagram: which member of a field each part of the surface is nearest to, offsets
- * included, and the lines between them.
+/* Voronoi diagram of a field: the nearest member for each point of the surface (distances include
+ * offsets), and the bisectors between members.
  *
  *     struct gd_voronoi voronoi;
  *     if (gd_voronoi_trace(field, NULL, 1e-3, NULL, &voronoi) == GD_OK) {
@@ -8,20 +8,19 @@
  *         gd_voronoi_free(&voronoi);
  *     }
  *
- * A member is one or several of the field's seeds, points and segments: a point, a curve, a
- * boundary. It goes by a number below gd_field_seed_count: that of the seed where each seed is one
- * (`member_of_seed` is NULL), else `member_of_seed[seed]`, and not every number need be in use. In
- * a face the distance is the least of those from several unfolded sources, so that a bisector of
- * two members is a chain of straight pieces and pieces of hyperbolas (between two points) and
- * parabolas (between a point and a segment), each between two such sources; between seeds of one
- * member there is none. Nothing here is sampled: edges are crossed, and three cells meet, where the
- * distances are equal up to rounding.
+ * A member is one or several of the field's seeds: a point, a curve, a boundary. Its number is
+ * below gd_field_seed_count. If `member_of_seed` is NULL, each seed is a member with its own
+ * number. Otherwise seed s belongs to `member_of_seed[s]`; some numbers may be unused. In a face
+ * the distance is the minimum of the distances from several unfolded sources. Therefore a bisector
+ * of two members is a chain of straight pieces, hyperbolas (between two points) and parabolas
+ * (between a point and a segment). Seeds of one member have no bisector. Bisectors are not sampled:
+ * on crossed edges and where three cells meet, the distances are equal up to rounding.
  *
- * Ties. Where members are equally near on more than a line (behind a saddle or a corner of the
- * boundary that is as far from both, or behind a point that both have, or because they coincide)
- * one of them, always the same, has it all. A member that is nowhere strictly nearest owns nothing:
- * no label, no bisector. Along the edge of such a region a bisector may run to and fro by 1e-6 of
- * the field's greatest distance. */
+ * Ties: members may be equally near in a region with area (behind a saddle or a boundary corner
+ * that is equally far from both, behind a common point, or because the members coincide). Then one
+ * member, chosen deterministically, owns the region. A member that is nowhere strictly nearest has
+ * no label and no bisector. Along the edge of a tied region a bisector may oscillate by 1e-6 of the
+ * field's greatest distance. */
 #ifndef GD_VORONOI_H
 #define GD_VORONOI_H
 
@@ -31,48 +30,48 @@
 extern "C" {
 #endif
 
-/* A line that two members are equally near to, and no other is nearer: closed, or with ends that
- * are triple points or lie on the boundary. */
+/* A line of points that are equally near to two members, and not nearer to a third. The line is
+ * closed, or ends at triple points or on the boundary. */
 struct gd_bisector {
     uint32_t members[2]; /* members[0] < members[1] */
     bool closed;
-    double length;        /* of the polyline */
-    uint32_t point_count; /* at least 2; a closed one ends in its first point */
-    /* Consecutive ones within one face; both members are as near to each of them, to 1e-9 of the
-     * greatest distance. */
+    double length;        /* length of the polyline */
+    uint32_t point_count; /* at least 2; a closed line repeats its first point at the end */
+    /* Consecutive points lie in one face; both members are equally near to each point, to 1e-9 of
+       the greatest distance. */
     const struct gd_point *points;
 };
 
 /* Owns all arrays. */
 struct gd_voronoi {
     uint32_t bisector_count;
-    struct gd_bisector *bisectors; /* by members */
+    struct gd_bisector *bisectors; /* ordered by members */
     struct gd_point *points;
-    size_t bytes; /* that these arrays take */
+    size_t bytes; /* bytes of these arrays */
 };
 
-/* The nearest member at every vertex index of the input (`out`: index_count of them), that of
- * gd_field_nearest; UINT32_MAX for vertices that no path reaches, that are beyond a partial field's
- * reach, or unreferenced. `member_of_seed`: a number for each seed, borrowed, or NULL. Of members
- * with seeds at one place the one with the least offset, then with the most segments there, then
- * the first, has it. Errors: GD_INVALID_ARGUMENT (a member's number), GD_NO_MEMORY, GD_INTERNAL
- * (the ways that the field keeps lead to no seed); `out` is untouched then. O(vertices + s log s)
- * for s seeds. Thread-safe. */
+/* Writes the nearest member of every vertex index of the input to `out`, as gd_field_nearest; `out`
+ * has index_count entries. UINT32_MAX: a vertex that is not reached, is beyond a partial field's
+ * reach, or is unreferenced. `member_of_seed`: a number for each seed, borrowed, or NULL. If seeds
+ * of several members lie at the same point, the point belongs to the member with the least offset,
+ * in a tie to the member with the most segments at the point, then to the first. Errors, with `out`
+ * untouched: GD_INVALID_ARGUMENT (a member's number), GD_NO_MEMORY, GD_INTERNAL (the field's
+ * predecessors lead to no seed). O(vertices + s log s) for s seeds. Thread-safe. */
 GD_MUST_USE enum gd_status gd_voronoi_labels(const struct gd_field *field,
                                              const uint32_t *member_of_seed, uint32_t *out);
 
-/* Traces all bisectors, as polylines that are nowhere farther than `tolerance` > 0 (a length) from
- * them. `member_of_seed` as above, `control` may be NULL. The caller frees `*out` by
+/* Traces all bisectors, as polylines within `tolerance` > 0 (a length) of the exact bisectors.
+ * `member_of_seed`: as in gd_voronoi_labels; `control` may be NULL. The caller frees `*out` by
  * gd_voronoi_free. Errors: GD_INVALID_ARGUMENT (the tolerance, a member's number), GD_BEYOND_REACH
- * (a partial field does not know), GD_INTERNAL as above, GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
- * GD_DEADLINE. Cost: a pass over the wedges, and O(k^2) to O(k^3) for each face that sees more than
- * one member, of k wedges around it. Thread-safe. */
+ * (a partial field), GD_INTERNAL (as in gd_voronoi_labels), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
+ * GD_DEADLINE. Cost: a pass over the wedges, and O(k^2) to O(k^3) for each face with more than one
+ * nearest member, where k is the number of wedges of the face's edges. Thread-safe. */
 GD_MUST_USE enum gd_status gd_voronoi_trace(const struct gd_field *field,
                                             const uint32_t *member_of_seed, double tolerance,
                                             const struct gd_control *control,
                                             struct gd_voronoi *out);
 
-/* frees the arrays and zeroes; NULL is harmless */
+/* Frees the arrays and zeroes the struct. NULL is harmless. */
 void gd_voronoi_free(struct gd_voronoi *voronoi);
 
 #ifdef __cplusplus

@@ -1,9 +1,9 @@
-/* Workspace: memory that a long call leaves behind for the next one, so that it need not be taken
- * from the system, cleared and faulted in again.
+/* Workspace: memory that consecutive long calls reuse, which saves allocation, clearing and page
+ * faults.
  *
- * Without one each call takes what it needs and gives it back. With one (struct gd_control) small
- * queries on large meshes cost what they touch, not what the mesh holds. One call at a time; give
- * each worker thread its own. */
+ * Without a workspace each call allocates and frees its memory. With a workspace (struct
+ * gd_control) the cost of a small query does not grow with the mesh. Only one call at a time may
+ * use a workspace: create one for each worker thread. */
 #ifndef GD_WORKSPACE_H
 #define GD_WORKSPACE_H
 
@@ -15,18 +15,18 @@ extern "C" {
 
 struct gd_workspace;
 
-/* An empty one; NULL without memory. */
+/* Creates an empty workspace. Returns NULL if memory is exhausted. */
 struct gd_workspace *gd_workspace_create(void);
 void gd_workspace_destroy(struct gd_workspace *workspace); /* NULL is harmless */
 
-/* Bytes that it holds between calls. */
+/* Returns the number of bytes that the workspace holds between calls. */
 size_t gd_workspace_bytes(const struct gd_workspace *workspace);
 
-/* Gives its memory back; it stays usable. */
+/* Frees the workspace's memory; the workspace stays usable. */
 void gd_workspace_trim(struct gd_workspace *workspace);
 
-/* Memory of fields that were released is kept for the next ones, up to so many bytes in the whole
- * process; 0, as at first, keeps none. Thread-safe. */
+/* Sets how many bytes of the memory of released fields the process keeps for later fields;
+ * initially 0. Thread-safe. */
 void gd_spare_memory(size_t bytes);
 
 #ifdef __cplusplus

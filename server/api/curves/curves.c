@@ -1,10 +1,13 @@
-/* Curves: operations on a curve, cuts along a curve, splines, and the distance between two curves;
- * by a worker. */
+/* Curves: operations on a curve, cuts along a curve, splines, and the distance between two curves.
+ * All run on a worker. */
 #include "server/query/handlers.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
+#include "gd/frame.h"
 #include "proto/queries/curve_distance.h"
 #include "proto/queries/curve_operation.h"
 #include "proto/queries/cut.h"
@@ -17,19 +20,19 @@
 
 /* --- queries about one curve ------------------------------------------------------------------ */
 
-#define RESOLVE_SHARE 0.5 /* of the work; the rest is to use the curve */
+#define RESOLVE_SHARE 0.5 /* share of the work; the rest uses the curve */
 
-/* Begins a kind's own struct. */
+/* First member of each kind's own struct. */
 struct curve_query {
     struct server_query query; /* first */
     struct proto_located_curve curve;
-    /* May take the points of the curve. On success the query holds `*kept` bytes. */
+    /* May move the points out of the curve. On success the query holds `*kept` bytes. */
     enum gd_status (*use)(struct curve_query *own, struct gd_curve *curve,
                           const struct gd_control *control, size_t *kept);
-    struct gd_detail detail; /* of a failure */
+    struct gd_detail detail; /* detail of a failure */
 };
 
-/* Resolves the curve and uses it in one long call. A curve that can't be resolved is refused at its
+/* Resolves the curve and uses it in one long call. An unresolvable curve is refused at its
  * place. */
 static bool curve_solve(struct curve_query *own, size_t grant, const char *what,
                         struct proto_problem *problem)
@@ -67,6 +70,8 @@ struct operation_query {
     struct curve_query own; /* first */
     struct proto_curve_operation_request wanted;
     struct proto_curve_result result;
+    const struct gd_path *lines; /* for an answer as arrays */
+    struct gd_path line;
 };
 
 static bool operation_decode(struct server_query *query, const json_t *document,
@@ -195,6 +200,53 @@ static void operation_encode(const struct server_query *query, struct proto_writ
                               &((const struct operation_query *)query)->result, &query->options);
 }
 
+static const struct gd_point *operation_points(const void *user, uint32_t line, uint32_t *count)
+{
+    const struct gd_path *path = &((const struct operation_query *)user)->lines[line];
+    *count = path->count;
+    return path->points;
+}
+
+static void points_read(const void *source, uint64_t first, uint64_t count, void *out)
+{
+    const struct operation_query *operation = source;
+    gd_points_positions(operation->own.query.surface->mesh, operation->result.points + first,
+                        (uint32_t)count, out);
+}
+
+/* Returns the curve as a line. A closed curve's first point is repeated at the end. */
+static const struct gd_path *curve_as_line(struct operation_query *operation)
+{
+    const struct gd_curve *curve = &operation->result.curve;
+    uint32_t count = curve->count + (curve->closed && curve->count > 1);
+    struct gd_point *points = server_query_allocate(&operation->own.query, count, sizeof *points);
+    for (uint32_t i = 0; i < count && points; i++) points[i] = curve->points[i % curve->count];
+    operation->line = (struct gd_path){.points = points, .count = count};
+    return points ? &operation->line : NULL;
+}
+
+static bool operation_list_arrays(struct server_query *query, struct proto_problem *problem)
+{
+    struct operation_query *operation = (struct operation_query *)query;
+    const struct proto_curve_result *result = &operation->result;
+    bool is_offset = result->operation == PROTO_OPERATION_OFFSET;
+    operation->lines = is_offset ? result->paths : curve_as_line(operation);
+    if (!operation->lines) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
+    const struct server_lines lines = {.mesh = query->surface->mesh,
+                                       .count = is_offset ? result->path_count : 1,
+                                       .points = operation_points,
+                                       .user = operation};
+    if (!server_query_list_lines(query, &lines, problem)) return false;
+    if (result->operation == PROTO_OPERATION_RESAMPLE)
+        server_arrays_add(&query->arrays, &(struct server_array){.name = "resampled",
+                                                                 .type = SERVER_ARRAY_NUMBERS,
+                                                                 .columns = 3,
+                                                                 .rows = result->point_count,
+                                                                 .read = points_read,
+                                                                 .source = operation});
+    return true;
+}
+
 static void operation_release(struct server_query *query)
 {
     struct operation_query *operation = (struct operation_query *)query;
@@ -208,14 +260,16 @@ const struct server_query_kind server_query_curve = {.name = "curve",
                                                      .decode = operation_decode,
                                                      .solve = operation_solve,
                                                      .encode = operation_encode,
+                                                     .forms = server_array_forms,
+                                                     .list_arrays = operation_list_arrays,
                                                      .release = operation_release};
 
 /* --- cuts ------------------------------------------------------------------------------------- */
 
-/* A worker cuts the mesh and builds the pieces, the registry's writer stores them, a worker writes
- * the answer. */
+/* A worker cuts the mesh and builds the pieces, the registry's writer thread stores them, and a
+ * worker writes the answer. */
 
-#define CUT_BYTES_AN_EDGE 320 /* a search for the curve, or the cut and its pieces */
+#define CUT_BYTES_AN_EDGE 320 /* bytes of a search for the curve, or of the cut and its pieces */
 #define CUT_BYTES         ((size_t)1 << 20)
 
 struct cut_query {
@@ -225,7 +279,8 @@ struct cut_query {
     struct gd_cut cut;
     struct server_derived_meshes meshes;
     bool is_stored;
-    bool (*work)(struct server_exchange *exchange); /* of the query, for when they are stored */
+    /* the query's work, to run when the pieces are stored */
+    bool (*work)(struct server_exchange *exchange);
 };
 
 static bool cut_decode(struct server_query *query, const json_t *document,
@@ -262,14 +317,14 @@ static bool pieces_check(const struct cut_query *cut, struct proto_problem *prob
                                     "the cut gives %u pieces, and there are %u names", count,
                                     cut->wanted.names.count);
     if (count <= SERVER_DERIVED_MESHES_MOST) return true;
-    proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE,
-                      "the cut gives %u pieces, and at most %d become meshes at a time; choose one "
-                      "by \"inside\", or ask with \"select_only\"",
-                      count, SERVER_DERIVED_MESHES_MOST);
-    return proto_problem_limit(problem, SERVER_DERIVED_MESHES_MOST);
+    return proto_problem_exceed(
+        problem, NULL, SERVER_DERIVED_MESHES_MOST,
+        "the cut gives %u pieces, and at most %d become meshes at a time; choose one "
+        "by \"inside\", or ask with \"select_only\"",
+        count, SERVER_DERIVED_MESHES_MOST);
 }
 
-/* A piece has the name that was given, or the parent's with a number. */
+/* Builds the pieces. A piece has the requested name, or the parent's with a number. */
 static bool pieces_build(struct cut_query *cut, struct proto_problem *problem)
 {
     const struct server_query *query = &cut->own.query;
@@ -291,7 +346,7 @@ static bool pieces_build(struct cut_query *cut, struct proto_problem *problem)
     return true;
 }
 
-/* A name of our making must not replace another mesh. Returns such a name, or NULL. */
+/* Returns a generated name that already exists, or NULL: it must not replace another mesh. */
 static const char *pieces_find_taken(const struct cut_query *cut)
 {
     struct server_registry *registry = cut->own.query.exchange->host->api->registry;
@@ -307,7 +362,7 @@ static const char *pieces_find_taken(const struct cut_query *cut)
     return NULL;
 }
 
-/* By the registry's writer, so that no other mesh is put meanwhile. */
+/* Runs on the registry's writer thread, so that no other mesh is stored meanwhile. */
 static bool pieces_store(struct server_exchange *exchange)
 {
     struct cut_query *cut = exchange->state;
@@ -358,10 +413,57 @@ static void cut_encode(const struct server_query *query, struct proto_writer *wr
     proto_cut_end(writer, &cut->cut, fields);
 }
 
+/* Lists a map of all pieces, one after the other, and where each piece begins. */
+static bool cut_list_map(struct cut_query *cut, bool is_of_faces, struct proto_problem *problem)
+{
+    struct server_query *query = &cut->own.query;
+    uint32_t count = cut->cut.piece_count;
+    uint32_t *first = server_query_allocate(query, count + (size_t)1, sizeof *first);
+    for (uint32_t i = 0; first && i < count; i++) {
+        const struct gd_cut_piece *piece = &cut->cut.pieces[i];
+        first[i + 1] =
+            first[i] + (is_of_faces ? piece->face_count : piece->polygons.position_count);
+    }
+    uint32_t *map = first ? server_query_allocate(query, first[count], sizeof *map) : NULL;
+    if (!map) {
+        server_query_fail(query, GD_BUDGET, "the answer", problem);
+        return false;
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        const struct gd_cut_piece *piece = &cut->cut.pieces[i];
+        memcpy(map + first[i], is_of_faces ? piece->face_map : piece->vertex_map,
+               (first[i + 1] - first[i]) * sizeof *map);
+    }
+    server_arrays_add_indices(&query->arrays, is_of_faces ? "face_map" : "vertex_map", 0,
+                              first[count], map);
+    server_arrays_add_indices(&query->arrays, is_of_faces ? "face_first" : "vertex_first", 0,
+                              count + UINT64_C(1), first);
+    return true;
+}
+
+static void pieces_read_areas(const void *source, uint64_t first, uint64_t count, void *out)
+{
+    const struct gd_cut *cut = source;
+    for (uint64_t i = 0; i < count; i++) ((double *)out)[i] = cut->pieces[first + i].area;
+}
+
+static bool cut_list_arrays(struct server_query *query, struct proto_problem *problem)
+{
+    struct cut_query *cut = (struct cut_query *)query;
+    server_arrays_add(&query->arrays, &(struct server_array){.name = "area",
+                                                             .type = SERVER_ARRAY_NUMBERS,
+                                                             .rows = cut->cut.piece_count,
+                                                             .read = pieces_read_areas,
+                                                             .source = &cut->cut});
+    return cut_list_map(cut, true, problem) &&
+           (cut->wanted.select_only || cut_list_map(cut, false, problem));
+}
+
 static void cut_release(struct server_query *query)
 {
     struct cut_query *cut = (struct cut_query *)query;
-    if (cut->meshes.exchange) cut->meshes.exchange = query->exchange; /* a stream's, perhaps */
+    /* may be a stream's exchange */
+    if (cut->meshes.exchange) cut->meshes.exchange = query->exchange;
     server_derived_meshes_free(&cut->meshes);
     gd_cut_free(&cut->cut);
     proto_located_curve_free(&cut->own.curve);
@@ -373,11 +475,13 @@ const struct server_query_kind server_query_cut = {.name = "cut",
                                                    .decode = cut_decode,
                                                    .solve = cut_solve,
                                                    .encode = cut_encode,
+                                                   .forms = server_array_forms,
+                                                   .list_arrays = cut_list_arrays,
                                                    .release = cut_release};
 
 /* --- splines ---------------------------------------------------------------------------------- */
 
-#define SPLINE_BUILD_SHARE 0.7 /* of the work; the rest is to sample */
+#define SPLINE_BUILD_SHARE 0.7 /* share of the work; the rest samples */
 
 struct spline_query {
     struct server_query query; /* first */
@@ -400,7 +504,7 @@ static size_t spline_bytes(const struct gd_spline *spline, const struct gd_splin
 {
     size_t points = line->path.count;
     for (uint32_t i = 0; i < spline->count; i++)
-        for (int k = 0; k < 3; k++) points += spline->segments[i].legs[k].count;
+        for (int k = 0; k < 3; k++) points += spline->segments[i].arms[k].count;
     return points * sizeof(struct gd_point) + line->count * sizeof *line->places +
            spline->count * (sizeof *spline->segments + sizeof *spline->knots);
 }
@@ -451,6 +555,53 @@ static void spline_encode(const struct server_query *query, struct proto_writer 
                         &query->options);
 }
 
+static void spline_read_parameters(const void *source, uint64_t first, uint64_t count, void *out)
+{
+    const struct gd_spline *spline = source;
+    for (uint64_t i = 0; i < count; i++) ((double *)out)[i] = spline->knots[first + i].parameter;
+}
+
+#define FRAME_NUMBERS 14 /* parameter, xyz, tangent, normal, binormal, speed */
+
+static void spline_read_frames(const void *source, uint64_t first, uint64_t count, void *out)
+{
+    const struct spline_query *own = source;
+    double(*rows)[FRAME_NUMBERS] = out;
+    for (uint64_t i = 0; i < count; i++) {
+        const struct gd_spline_place *place = &own->line.places[first + i];
+        const struct gd_frame frame = gd_frame_at(own->query.surface->mesh, place);
+        const struct gd_vec3 vectors[] = {frame.position, frame.tangent, frame.normal,
+                                          frame.binormal};
+        rows[i][0] = frame.parameter;
+        for (int k = 0; k < 4; k++) {
+            const double xyz[3] = {vectors[k].x, vectors[k].y, vectors[k].z};
+            memcpy(&rows[i][1 + 3 * k], xyz, sizeof xyz);
+        }
+        rows[i][FRAME_NUMBERS - 1] = place->speed;
+    }
+}
+
+static bool spline_list_arrays(struct server_query *query, struct proto_problem *problem)
+{
+    struct spline_query *own = (struct spline_query *)query;
+    const struct gd_path *path = &own->line.path;
+    if (!server_query_list_line(query, path->points, path->count, problem)) return false;
+    server_arrays_add(&query->arrays,
+                      &(struct server_array){.name = "parameters",
+                                             .type = SERVER_ARRAY_NUMBERS,
+                                             .rows = own->spline.count + UINT64_C(1),
+                                             .read = spline_read_parameters,
+                                             .source = &own->spline});
+    if (own->wanted.frames)
+        server_arrays_add(&query->arrays, &(struct server_array){.name = "frames",
+                                                                 .type = SERVER_ARRAY_NUMBERS,
+                                                                 .columns = FRAME_NUMBERS,
+                                                                 .rows = own->line.count,
+                                                                 .read = spline_read_frames,
+                                                                 .source = own});
+    return true;
+}
+
 static void spline_release(struct server_query *query)
 {
     struct spline_query *own = (struct spline_query *)query;
@@ -465,11 +616,13 @@ const struct server_query_kind server_query_spline = {.name = "spline",
                                                       .decode = spline_decode,
                                                       .solve = spline_solve,
                                                       .encode = spline_encode,
+                                                      .forms = server_array_forms,
+                                                      .list_arrays = spline_list_arrays,
                                                       .release = spline_release};
 
 /* --- distance between two curves -------------------------------------------------------------- */
 
-#define SETS_SHARE 0.2 /* of the work, to locate the curves */
+#define SETS_SHARE 0.2 /* share of the work, for locating the curves */
 
 enum { A, B };
 
@@ -478,8 +631,8 @@ struct curves_query {
     struct proto_curve_distance wanted;
     struct proto_located_set *set[2];
     struct gd_curve curve[2];
-    int source;                        /* the curve whose field is in work */
-    struct gd_curve_distance found[2]; /* by the field's curve */
+    int source;                        /* the curve whose field is being used */
+    struct gd_curve_distance found[2]; /* index: the curve of the field */
 };
 
 static bool curves_decode(struct server_query *query, const json_t *document,
@@ -488,8 +641,8 @@ static bool curves_decode(struct server_query *query, const json_t *document,
     return proto_curve_distance_decode(document, &((struct curves_query *)query)->wanted, problem);
 }
 
-/* Makes a curve from its seeds: its points, each followed by its segment. The last point of an open
- * curve has none. */
+/* Makes a curve from the seeds of a set: points, each followed by its segment. The last point of an
+ * open curve has no segment. */
 static bool curve_of_set(const struct proto_located_set *set, struct gd_curve *out)
 {
     struct gd_curve curve = {.count = (set->seed_count + 1) / 2,
@@ -518,8 +671,8 @@ static bool curves_prepare(struct server_query *query, struct proto_problem *pro
     return true;
 }
 
-/* The least distance is symmetric. The Hausdorff distance needs the field of the other curve
- * too. */
+/* Answers from a field. The least distance is symmetric; the Hausdorff distance also needs the
+ * field of the other curve. */
 static enum server_query_turn curves_answer(struct server_query *query,
                                             const struct gd_field *field,
                                             struct server_monitor *part,
@@ -551,6 +704,18 @@ static void curves_encode(const struct server_query *query, struct proto_writer 
                                     &query->options);
 }
 
+/* Lists the arrays, without a line if there is no path. */
+static bool curves_list_arrays(struct server_query *query, struct proto_problem *problem)
+{
+    const struct curves_query *curves = (const struct curves_query *)query;
+    const struct gd_curve_distance *found = curves->found, *told = &found[A];
+    if (curves->wanted.hausdorff && found[B].distance > found[A].distance) told = &found[B];
+    const struct gd_point *points = isfinite(told->distance) ? told->path.points : NULL;
+    if (!server_query_list_line(query, points, told->path.count, problem)) return false;
+    server_arrays_add_numbers(&query->arrays, "distance", 0, 1, &told->distance);
+    return true;
+}
+
 static void curves_release(struct server_query *query)
 {
     struct curves_query *curves = (struct curves_query *)query;
@@ -568,4 +733,6 @@ const struct server_query_kind server_query_curve_distance = {.name = "curve-dis
                                                               .prepare = curves_prepare,
                                                               .answer = curves_answer,
                                                               .encode = curves_encode,
+                                                              .forms = server_array_forms,
+                                                              .list_arrays = curves_list_arrays,
                                                               .release = curves_release};

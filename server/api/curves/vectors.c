@@ -3,22 +3,23 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "proto/queries/evaluation.h"
-#include "proto/json/member.h"
+#include "proto/json/writer.h"
 #include "proto/queries/trace.h"
 #include "proto/values/vector.h"
 #include "server/query/query.h"
 
 /* --- vectors of a request --------------------------------------------------------------------- */
 
-/* True: log found no path, so the vector has no segments. */
+/* Returns whether the vector has no segments, because log found no path. */
 static bool vector_is_absent(const struct proto_vectors *vectors, uint32_t i)
 {
     return !vectors->factors && vectors->first[i] == vectors->first[i + 1];
 }
 
-/* Replaces located vectors by their sum with the request's factors, if it has some. */
+/* Replaces located vectors by their sum, weighted by the request's factors, if it has any. */
 static void vectors_combine(const struct gd_mesh *mesh, const struct gd_point *point,
                             struct proto_vectors *vectors, struct gd_vector *located)
 {
@@ -27,32 +28,71 @@ static void vectors_combine(const struct gd_mesh *mesh, const struct gd_point *p
     vectors->count = 1;
 }
 
+static bool vector_has_direction(const struct proto_vectors *vectors, uint32_t i)
+{
+    return !vector_is_absent(vectors, i) &&
+           (vectors->factors || vectors->segments[vectors->first[i]].has_direction);
+}
+
 static void vector_encode(struct proto_writer *writer, const struct proto_vectors *vectors,
                           uint32_t i, const struct gd_vector *located, double length)
 {
-    bool is_absent = vector_is_absent(vectors, i),
-         has_direction =
-             !is_absent && (vectors->factors || vectors->segments[vectors->first[i]].has_direction);
-    proto_vector_encode(writer, has_direction ? &located->direction : NULL,
-                        is_absent ? INFINITY : length);
+    proto_vector_encode(writer, vector_has_direction(vectors, i) ? &located->direction : NULL,
+                        vector_is_absent(vectors, i) ? INFINITY : length);
+}
+
+/* The vectors of an answer as arrays. NAN stands for null. */
+struct vector_arrays {
+    double *angle, *length, (*direction)[3];
+};
+
+static enum gd_status vector_arrays_reserve(struct server_query *query, uint32_t count,
+                                            struct vector_arrays *out)
+{
+    double *numbers = server_query_allocate(query, count, 5 * sizeof *numbers);
+    if (!numbers) return GD_BUDGET;
+    out->angle = numbers;
+    out->length = numbers + count;
+    out->direction = (double(*)[3])(numbers + 2 * (size_t)count);
+    return GD_OK;
+}
+
+/* Sets the vector `i`. `direction` NULL: none. */
+static void vector_arrays_set(const struct vector_arrays *arrays, uint32_t i,
+                              const struct gd_direction *direction, double length)
+{
+    const struct gd_direction none = {.angle = NAN, .xyz = {NAN, NAN, NAN}};
+    const struct gd_direction *at = direction ? direction : &none;
+    const double xyz[3] = {at->xyz.x, at->xyz.y, at->xyz.z};
+    arrays->angle[i] = at->angle;
+    arrays->length[i] = length;
+    memcpy(arrays->direction[i], xyz, sizeof xyz);
+}
+
+static void vector_arrays_list(const struct vector_arrays *arrays, uint32_t count,
+                               struct server_arrays *out)
+{
+    server_arrays_add_numbers(out, "direction", 3, count, (const double *)arrays->direction);
+    server_arrays_add_numbers(out, "length", 0, count, arrays->length);
+    server_arrays_add_numbers(out, "angle", 0, count, arrays->angle);
 }
 
 /* --- trace and exp: the question -------------------------------------------------------------- */
 
-/* Straightest geodesics from a point: of trace in directions, of exp along vectors. */
+/* Straightest geodesics from a point: trace follows directions, exp follows vectors. */
 struct trace_query {
     struct server_query query;         /* first */
-    struct proto_trace_request wanted; /* of trace */
+    struct proto_trace_request wanted; /* only for trace */
     struct gd_trace_options options;
     struct proto_vectors vectors;
     struct gd_point start;
-    double snap;                     /* how far it was moved; NAN: not at all */
-    struct gd_direction *directions; /* of trace */
-    /* of exp, by vectors.first; after a vector's first one only angles */
+    double snap;                     /* how far the point was moved; NAN: not at all */
+    struct gd_direction *directions; /* only for trace */
+    /* of exp, indexed by vectors.first; after a vector's first segment only angles */
     struct gd_vector *segments;
-    bool has_paths;              /* in the answer */
-    uint32_t count, trace_count; /* wanted, and finished */
-    struct gd_trace *traces;     /* without paths, each has its last point only */
+    bool has_paths;              /* whether the answer has paths */
+    uint32_t count, trace_count; /* requested and finished traces */
+    struct gd_trace *traces;     /* without paths, each has only its last point */
 };
 
 static bool directions_locate(struct trace_query *own, struct proto_problem *problem)
@@ -187,7 +227,7 @@ static enum server_query_turn trace_fail(const struct server_query *query, enum 
     return SERVER_QUERY_FAILED;
 }
 
-/* While a path grows it is there twice. */
+/* Takes memory for two copies of a path, since arrays are copied as they grow. */
 static enum server_query_turn trace_solve(struct server_query *query, struct proto_problem *problem)
 {
     struct trace_query *own = (struct trace_query *)query;
@@ -283,7 +323,8 @@ static void traces_read_lengths(const void *source, uint64_t first, uint64_t cou
     for (uint64_t i = 0; i < count; i++) ((double *)out)[i] = own->traces[first + i].path.length;
 }
 
-/* A vector that is null has a line without points. Without paths each line is its last point. */
+/* Lists the arrays. A null vector has a line without points. Without paths each line is its last
+ * point. */
 static bool traces_list_arrays(struct server_query *query, struct proto_problem *problem)
 {
     struct trace_query *own = (struct trace_query *)query;
@@ -300,8 +341,6 @@ static bool traces_list_arrays(struct server_query *query, struct proto_problem 
     return true;
 }
 
-static const struct server_form trace_forms[] = {SERVER_ARRAYS_FORMS, {NULL, NULL, false}};
-
 static void trace_release(struct server_query *query)
 {
     struct trace_query *own = (struct trace_query *)query;
@@ -315,7 +354,7 @@ const struct server_query_kind server_query_trace = {.name = "trace",
                                                      .decode = trace_decode,
                                                      .solve = trace_solve,
                                                      .encode = trace_encode,
-                                                     .forms = trace_forms,
+                                                     .forms = server_array_forms,
                                                      .list_arrays = traces_list_arrays,
                                                      .release = trace_release};
 
@@ -324,25 +363,28 @@ const struct server_query_kind server_query_exp = {.name = "exp",
                                                    .decode = exp_decode,
                                                    .solve = trace_solve,
                                                    .encode = exp_encode,
-                                                   .forms = trace_forms,
+                                                   .forms = server_array_forms,
                                                    .list_arrays = traces_list_arrays,
                                                    .release = trace_release};
 
 /* --- log -------------------------------------------------------------------------------------- */
 
 /* The vectors of the shortest paths from a point to others. A few targets are searched one by one,
- * unless the field of the point is cached. Many targets, or all vertices, take the field. */
+ * unless the field of the point is cached. For many targets or all vertices the field is built. */
 
-#define FEW     8    /* targets whose searches take less time than a field */
+#define FEW     8    /* most targets whose searches take less time than a field */
 #define PORTION 1024 /* vectors that are written between two checks of the control */
 
 struct log_query {
     struct server_query query; /* first */
     struct gd_seed from;
     struct proto_located_set set; /* `from` alone */
-    double snap;                  /* how far it was moved; NAN: not at all */
+    double snap;                  /* how far the point was moved; NAN: not at all */
     bool has_targets;             /* the query's points; else all vertices */
     bool first_vector_only;
+    uint32_t count;              /* number of vectors of an answer as arrays */
+    struct vector_arrays arrays; /* for an answer as arrays */
+    uint32_t *is_cut;            /* for each target: 0 or 1 */
 };
 
 static bool log_decode(struct server_query *query, const json_t *document,
@@ -360,13 +402,24 @@ static bool log_decode(struct server_query *query, const json_t *document,
                               problem);
 }
 
-/* Frees the answer. */
-static enum gd_status log_write(struct log_query *own, struct gd_pair_answer *answer)
+/* Writes a vector, or keeps it for an answer as arrays. */
+static void log_put(struct log_query *own, uint32_t i, const struct gd_log *log, bool is_cut)
 {
-    struct proto_writer *writer = &own->query.draft;
-    struct gd_log log = {0};
+    if (!own->arrays.length) {
+        proto_log_encode(&own->query.draft, log, is_cut);
+        return;
+    }
+    vector_arrays_set(&own->arrays, i, log->count ? &log->vector.direction : NULL,
+                      log->vector.length);
+    own->is_cut[i] = is_cut;
+}
+
+/* Writes the vector of a pair's answer, and frees that. */
+static enum gd_status log_write(struct log_query *own, uint32_t i, struct gd_pair_answer *answer)
+{
+    struct gd_log log = {.vector.length = answer->distance};
     if (isinf(answer->distance)) {
-        proto_vector_encode(writer, NULL, answer->distance);
+        log_put(own, i, &log, false);
         return GD_OK;
     }
     enum gd_status status = gd_vector_log(own->query.surface->mesh, &answer->path, &log, NULL);
@@ -376,12 +429,12 @@ static enum gd_status log_write(struct log_query *own, struct gd_pair_answer *an
         log.vector = log.segments[0];
         log.count = 1;
     }
-    proto_log_encode(writer, &log, answer->is_cut);
+    log_put(own, i, &log, answer->is_cut);
     gd_log_free(&log);
     return GD_OK;
 }
 
-/* From the field, or with NULL by searches. */
+/* Writes the vectors of targets from the field (NULL: by searches). */
 static enum gd_status log_write_targets(struct log_query *own, const struct gd_field *field,
                                         const struct server_monitor *whole)
 {
@@ -394,9 +447,9 @@ static enum gd_status log_write_targets(struct log_query *own, const struct gd_f
         const struct server_pair pair = {&own->from.point, &query->points.points[i],
                                          GD_PAIR_PATH_AND_CUT};
         struct gd_pair_answer answer;
-        status = field ? gd_pair_from_field(field, pair.from, pair.to, pair.wish, &answer)
+        status = field ? gd_pair_from_field(field, pair.from, pair.to, pair.output, &answer)
                        : server_pair_solve(&part, query->surface, &pair, &answer);
-        if (!status) status = log_write(own, &answer);
+        if (!status) status = log_write(own, i, &answer);
         if (!status) status = server_query_pause(query, &control, 1);
     }
     return status;
@@ -413,7 +466,7 @@ static enum gd_status log_write_vertices(struct log_query *own, const struct gd_
     const struct gd_control mapping = server_exchange_control(&first),
                             writing = server_exchange_control(&second);
     double *angles = server_query_allocate(query, 4 * (size_t)count, sizeof *angles),
-           *lengths = angles + count; /* the second half is what the engine takes */
+           *lengths = angles + count; /* the second half is the memory that the engine allocates */
     if (!angles) return GD_BUDGET;
     enum gd_status status = gd_vector_log_all(field, &mapping, angles, lengths, NULL);
     for (uint32_t i = 0; i < count && !status; i++) {
@@ -421,7 +474,9 @@ static enum gd_status log_write_vertices(struct log_query *own, const struct gd_
         bool has_direction =
             !isnan(angles[i]) &&
             !gd_direction_at_angle(mesh, &own->from.point, angles[i], &direction, NULL);
-        if (isnan(lengths[i])) /* no face has the vertex */
+        if (own->arrays.length)
+            vector_arrays_set(&own->arrays, i, has_direction ? &direction : NULL, lengths[i]);
+        else if (isnan(lengths[i])) /* the vertex has no faces */
             proto_write_null(&query->draft);
         else
             proto_vector_encode(&query->draft, has_direction ? &direction : NULL, lengths[i]);
@@ -430,7 +485,17 @@ static enum gd_status log_write_vertices(struct log_query *own, const struct gd_
     return status;
 }
 
-/* `field` may be NULL if there are few targets. */
+static enum gd_status log_reserve(struct log_query *own)
+{
+    struct server_query *query = &own->query;
+    if (!server_query_arrays_form(query)) return GD_OK;
+    own->count =
+        own->has_targets ? query->points.count : gd_mesh_summary(query->surface->mesh)->index_count;
+    own->is_cut = server_query_allocate(query, own->count, sizeof *own->is_cut);
+    return own->is_cut ? vector_arrays_reserve(query, own->count, &own->arrays) : GD_BUDGET;
+}
+
+/* Writes the answer. `field` may be NULL if there are few targets. */
 static enum server_query_turn log_answer(struct server_query *query, const struct gd_field *field,
                                          struct server_monitor *part, struct proto_problem *problem)
 {
@@ -442,8 +507,10 @@ static enum server_query_turn log_answer(struct server_query *query, const struc
         proto_member_point(writer, "from", query->surface->mesh, &own->from.point, own->snap);
     if (query->options.fields & PROTO_LOG_FIELD_VECTORS) {
         proto_member_array(writer, "vectors");
-        status = own->has_targets ? log_write_targets(own, field, part)
-                                  : log_write_vertices(own, field, part);
+        status = log_reserve(own);
+        if (!status)
+            status = own->has_targets ? log_write_targets(own, field, part)
+                                      : log_write_vertices(own, field, part);
         proto_write_array_end(writer);
     }
     proto_write_object_end(writer);
@@ -469,20 +536,33 @@ static enum server_query_turn log_solve(struct server_query *query, struct proto
                                   : log_answer(query, NULL, &whole, problem);
 }
 
+/* Lists the arrays. Only JSON has the segments. */
+static bool log_list_arrays(struct server_query *query, struct proto_problem *problem)
+{
+    struct log_query *own = (struct log_query *)query;
+    (void)problem;
+    vector_arrays_list(&own->arrays, own->count, &query->arrays);
+    if (own->has_targets)
+        server_arrays_add_indices(&query->arrays, "cut_locus", 0, own->count, own->is_cut);
+    return true;
+}
+
 const struct server_query_kind server_query_log = {.name = "log",
                                                    .size = sizeof(struct log_query),
                                                    .decode = log_decode,
+                                                   .forms = server_array_forms,
+                                                   .list_arrays = log_list_arrays,
                                                    .join = log_join,
                                                    .solve = log_solve,
                                                    .answer = log_answer};
 
 /* --- transport -------------------------------------------------------------------------------- */
 
-/* Vectors at a point are moved to another one along the shortest path. */
+/* Moves vectors at a point to another point along the shortest path. */
 struct transport_query {
     struct server_query query; /* first */
     struct proto_vectors wanted;
-    struct gd_vector *vectors; /* at the first end, then at the second */
+    struct gd_vector *vectors; /* first at the one end, then at the other */
     double distance;           /* INFINITY: no path */
 };
 
@@ -559,6 +639,24 @@ static void transport_encode(const struct server_query *query, struct proto_writ
     proto_write_object_end(writer);
 }
 
+static bool transport_list_arrays(struct server_query *query, struct proto_problem *problem)
+{
+    struct transport_query *own = (struct transport_query *)query;
+    struct vector_arrays arrays = {0};
+    bool has_path = isfinite(own->distance),
+         has_vectors = has_path && query->options.fields & PROTO_TRANSPORT_FIELD_VECTORS;
+    uint32_t count = has_vectors ? own->wanted.count : 0;
+    enum gd_status status = vector_arrays_reserve(query, count, &arrays);
+    if (status) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
+    for (uint32_t i = 0; i < count; i++)
+        vector_arrays_set(&arrays, i,
+                          vector_has_direction(&own->wanted, i) ? &own->vectors[i].direction : NULL,
+                          vector_is_absent(&own->wanted, i) ? NAN : own->vectors[i].length);
+    vector_arrays_list(&arrays, count, &query->arrays);
+    server_arrays_add_numbers(&query->arrays, "distance", 0, 1, &own->distance);
+    return true;
+}
+
 static void transport_release(struct server_query *query)
 {
     proto_vectors_free(&((struct transport_query *)query)->wanted);
@@ -569,4 +667,6 @@ const struct server_query_kind server_query_transport = {.name = "transport",
                                                          .decode = transport_decode,
                                                          .solve = transport_solve,
                                                          .encode = transport_encode,
+                                                         .forms = server_array_forms,
+                                                         .list_arrays = transport_list_arrays,
                                                          .release = transport_release};

@@ -1,11 +1,11 @@
 /* Bulk: the distances of many pairs of points, and the nearest points of many points. Requests and
  * answers are JSON or arrays (arrays.h).
  *
- * DESIGN. The points of a request are located by all workers that are idle. Pairs are sorted by
- * that end of which there are fewer different points: each of them is a group. A group whose point
- * has a cached field is evaluated in pieces, side by side. Of the other groups, those of few pairs
- * are searched pair by pair; for a larger one a field is built and dropped. They run side by side,
- * too. */
+ * DESIGN. All idle workers locate the points of a request. Pairs are sorted by the end (from or to)
+ * with fewer different points; the pairs of one such point are a group. If the point has a cached
+ * field, its group is evaluated in pieces, in parallel. Of the other groups, small ones are
+ * searched pair by pair; for a larger group a field is built and dropped. These groups run in
+ * parallel, too. */
 #include "server/query/handlers.h"
 
 #include <math.h>
@@ -15,7 +15,7 @@
 #include <string.h>
 
 #include "proto/json/decode.h"
-#include "proto/json/member.h"
+#include "proto/json/writer.h"
 #include "proto/values/point.h"
 #include "server/fields/cache.h"
 #include "server/query/query.h"
@@ -24,19 +24,17 @@
 
 #define MOST   4000000                     /* pairs or points of a request */
 #define PIECE  16384                       /* points that one task locates or evaluates */
-#define FEW    (SERVER_CACHE_SEARCHES / 2) /* pairs: searching them takes half as long as a field */
-#define COLUMN 16                          /* bytes a point of an evaluation */
+#define FEW    (SERVER_CACHE_SEARCHES / 2) /* pairs whose searches take half as long as a field */
+#define COLUMN 16                          /* bytes of an evaluation for each point */
 #define PLACE  PROTO_POINT_PLACE
 
 static bool refuse_most(const char *place, struct proto_problem *problem)
 {
-    proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE,
-                      "at most %d points are taken here; send them in parts", MOST);
-    proto_problem_at(problem, place);
-    return proto_problem_limit(problem, MOST);
+    return proto_problem_exceed(problem, place, MOST,
+                                "at most %d points are taken here; send them in parts", MOST);
 }
 
-/* Returns false, with the problem of memory. */
+/* Sets the problem of insufficient memory. Returns false. */
 static bool refuse_memory(const struct server_query *query, struct proto_problem *problem)
 {
     server_query_fail(query, GD_BUDGET, "the request", problem);
@@ -47,7 +45,7 @@ static bool refuse_memory(const struct server_query *query, struct proto_problem
 
 struct point_list {
     struct gd_point *points;
-    double *snaps; /* how far each was moved; NAN: not at all */
+    double *snaps; /* how far each point was moved; NAN: not at all */
     uint32_t count;
 };
 
@@ -62,6 +60,22 @@ static bool list_reserve(struct server_query *query, uint64_t count, const char 
     return (list->points && list->snaps) || refuse_memory(query, problem);
 }
 
+/* A point in JSON and its place in the request. */
+struct point_text {
+    const json_t *value;
+    char place[PLACE];
+};
+
+/* Reads a point to index `i` of the list. */
+static bool list_decode_point(const struct server_query *query, const struct point_text *text,
+                              struct point_list *list, uint32_t i, struct proto_problem *problem)
+{
+    struct proto_point point;
+    return proto_point_decode(text->value, text->place, &point, problem) &&
+           proto_point_locate(query->surface->mesh, &point, &list->points[i], &list->snaps[i],
+                              problem);
+}
+
 static bool list_decode(struct server_query *query, const json_t *document, const char *pointer,
                         struct point_list *list, struct proto_problem *problem)
 {
@@ -71,25 +85,21 @@ static bool list_decode(struct server_query *query, const json_t *document, cons
         return proto_problem_refuse(problem, pointer, "expected an array of points here");
     if (!list_reserve(query, json_array_size(value), pointer, list, problem)) return false;
     for (uint32_t i = 0; i < list->count; i++) {
-        struct proto_point point;
-        char place[PLACE];
-        snprintf(place, sizeof place, "%s/%u", pointer, i);
-        if (!proto_point_decode(json_array_get(value, i), place, &point, problem) ||
-            !proto_point_locate(query->surface->mesh, &point, &list->points[i], &list->snaps[i],
-                                problem))
-            return false;
+        struct point_text text = {.value = json_array_get(value, i)};
+        snprintf(text.place, sizeof text.place, "%s/%u", pointer, i);
+        if (!list_decode_point(query, &text, list, i, problem)) return false;
     }
     return true;
 }
 
-/* The arrays of a list "x": `x` has vertices or coordinates; else `x_face` has faces and
- * `x_barycentric` places in them. */
+/* The arrays of a list "x": `x` has vertices or coordinates; otherwise `x_face` has faces and
+ * `x_barycentric` the barycentric coordinates in them. */
 struct list_arrays {
     const struct server_array *points, *faces, *places;
     const struct gd_mesh *mesh;
     const struct point_list *list;
-    atomic_int status;     /* the first failure, */
-    atomic_uint failed_at; /* and its point */
+    atomic_int status;     /* status of the first failure, … */
+    atomic_uint failed_at; /* … and its point */
 };
 
 static enum gd_status array_locate(const struct list_arrays *arrays, uint32_t i,
@@ -129,7 +139,7 @@ static void arrays_locate_piece(void *user, uint32_t piece)
     }
 }
 
-/* Runs a task a piece of `count` things, side by side if there are several. */
+/* Runs a task for each piece of `count` items, in parallel if there are several pieces. */
 static void pieces_run(const struct server_query *query, uint32_t count,
                        void (*run)(void *user, uint32_t piece), void *user)
 {
@@ -196,14 +206,14 @@ struct pairs_query {
     uint32_t count;
     double *distances; /* INFINITY: no path */
 
-    const struct point_list *row; /* the ends by which pairs are sorted */
+    const struct point_list *row; /* the end by which pairs are sorted */
     const struct point_list *column;
     struct pair_order *order;
-    uint32_t *group;   /* where in `order` each group begins, and their end */
+    uint32_t *group;   /* index in `order` where each group begins, and the end of the last */
     uint32_t *pending; /* groups without a cached field */
     uint32_t group_count, pending_count;
-    struct gd_point *columns; /* of the pairs in order */
-    double *found;            /* their distances */
+    struct gd_point *columns; /* the other ends of the pairs, in order */
+    double *found;            /* their distances, in order */
     const struct gd_field *field;
     atomic_int status; /* the first failure */
 };
@@ -222,13 +232,45 @@ static bool pairs_settle(struct pairs_query *own, struct proto_problem *problem)
                                 from, to);
 }
 
+/* Reads the list `pairs`, two points each. */
+static bool pairs_decode_list(struct pairs_query *own, const json_t *value,
+                              struct proto_problem *problem)
+{
+    struct server_query *query = &own->query;
+    struct point_list *ends[] = {&own->from, &own->to};
+    if (!json_is_array(value))
+        return proto_problem_refuse(problem, "/pairs", "expected an array of pairs here");
+    for (int end = 0; end < 2; end++)
+        if (!list_reserve(query, json_array_size(value), "/pairs", ends[end], problem))
+            return false;
+    for (uint32_t i = 0; i < own->from.count; i++) {
+        const json_t *pair = json_array_get(value, i);
+        struct point_text text;
+        snprintf(text.place, sizeof text.place, "/pairs/%u", i);
+        if (json_array_size(pair) != 2)
+            return proto_problem_refuse(problem, text.place, "expected an array of two points");
+        for (uint32_t end = 0; end < 2; end++) {
+            text.value = json_array_get(pair, end);
+            snprintf(text.place, sizeof text.place, "/pairs/%u/%u", i, end);
+            if (!list_decode_point(query, &text, ends[end], i, problem)) return false;
+        }
+    }
+    own->count = own->from.count;
+    return true;
+}
+
 static bool pairs_decode(struct server_query *query, const json_t *document,
                          struct proto_problem *problem)
 {
     struct pairs_query *own = (struct pairs_query *)query;
-    return proto_decode_object(document, "", proto_pairs_request_members, problem) &&
-           list_decode(query, document, "/from", &own->from, problem) &&
-           list_decode(query, document, "/to", &own->to, problem) && pairs_settle(own, problem);
+    if (!proto_decode_object(document, "", proto_pairs_request_members, problem)) return false;
+    const json_t *pairs = json_object_get(document, "pairs");
+    if (!pairs)
+        return list_decode(query, document, "/from", &own->from, problem) &&
+               list_decode(query, document, "/to", &own->to, problem) && pairs_settle(own, problem);
+    if (json_object_size(document) > 1)
+        return proto_problem_refuse(problem, "/pairs", "send either pairs, or from and to");
+    return pairs_decode_list(own, pairs, problem);
 }
 
 static bool pairs_read(struct server_query *query, const struct server_arrays *arrays,
@@ -266,7 +308,7 @@ static uint64_t element_of(const struct gd_point *point)
     return (uint64_t)point->kind << 32 | point->element;
 }
 
-/* Sorts the pairs by one of their ends, and returns how many different ones there are. */
+/* Sorts the pairs by one of their ends. Returns the number of different points there. */
 static uint32_t pairs_sort(struct pairs_query *own, const struct point_list *row)
 {
     const struct gd_point *points = row->points;
@@ -317,7 +359,7 @@ static void note_status(struct pairs_query *own, enum gd_status status)
 
 struct group_run {
     struct pairs_query *own;
-    uint32_t begin, end; /* in order */
+    uint32_t begin, end; /* indices in order */
 };
 
 static void group_evaluate_piece(void *user, uint32_t piece)
@@ -333,7 +375,7 @@ static void group_evaluate_piece(void *user, uint32_t piece)
                                         own->found + begin));
 }
 
-/* True: the group's field was cached. */
+/* Returns whether the group's field was cached. */
 static bool group_find(struct pairs_query *own, uint32_t group)
 {
     struct group_run run = {own, own->group[group], own->group[group + 1]};
@@ -348,7 +390,7 @@ static bool group_find(struct pairs_query *own, uint32_t group)
 
 /* --- pairs: the other groups ------------------------------------------------------------------ */
 
-/* By a field that is dropped. */
+/* Answers a group from a field that is dropped afterwards. */
 static enum gd_status group_from_field(struct pairs_query *own, uint32_t group,
                                        const struct gd_control *control)
 {
@@ -445,18 +487,13 @@ static bool pairs_list_arrays(struct server_query *query, struct proto_problem *
 {
     const struct pairs_query *own = (const struct pairs_query *)query;
     (void)problem;
-    server_arrays_add(&query->arrays, &(struct server_array){.name = "distances",
-                                                             .type = SERVER_ARRAY_NUMBERS,
-                                                             .rows = own->count,
-                                                             .source = own->distances});
+    server_arrays_add_numbers(&query->arrays, "distances", 0, own->count, own->distances);
     return true;
 }
 
-static const struct server_form bulk_forms[] = {SERVER_ARRAYS_FORMS, {NULL, NULL, false}};
-
 const struct server_query_kind server_query_pairs = {.name = "pairs",
                                                      .size = sizeof(struct pairs_query),
-                                                     .forms = bulk_forms,
+                                                     .forms = server_array_forms,
                                                      .decode = pairs_decode,
                                                      .array_names = pairs_arrays,
                                                      .read_arrays = pairs_read,
@@ -570,11 +607,11 @@ static bool nearest_points_list_arrays(struct server_query *query, struct proto_
     return true;
 }
 
-/* Locating is all that there is to do. */
+/* After locating, nothing is left to do. */
 const struct server_query_kind server_query_nearest_points = {
     .name = "nearest-points",
     .size = sizeof(struct nearest_points_query),
-    .forms = bulk_forms,
+    .forms = server_array_forms,
     .decode = nearest_points_decode,
     .array_names = nearest_arrays,
     .read_arrays = nearest_points_read,

@@ -5,22 +5,24 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "proto/json/member.h"
+#include "proto/json/writer.h"
 #include "proto/queries/evaluation.h"
 #include "server/query/query.h"
 
-/* What an HTTP thread may evaluate: so many points, or so many paths on meshes of so many faces. */
+/* Most points that an HTTP thread may evaluate; and for paths, most points and most faces. */
 #define QUICK_POINTS     64
 #define QUICK_PATHS      4
 #define QUICK_PATH_FACES 200000
-#define DISTANCE_SHARE   0.2 /* of the work, if the results have more than the distance */
+#define DISTANCE_SHARE   0.2 /* share of the work, if the results have more than the distance */
 
 struct evaluation {
     struct server_query query; /* first */
     uint32_t wanted;           /* fields of each result */
     double *distances;
-    uint32_t *members;    /* of an answer as arrays; UINT32_MAX: none */
-    double (*nearest)[3]; /* where it is nearest; NAN: nowhere */
+    uint32_t *members;     /* for an answer as arrays; UINT32_MAX: none */
+    double (*nearest)[3];  /* the nearest point; NAN: none */
+    double (*gradient)[3]; /* NAN: none */
+    struct gd_path *paths; /* for an answer as arrays, if selected */
 };
 
 /* --- the question ----------------------------------------------------------------------------- */
@@ -35,16 +37,13 @@ static bool evaluation_is_quick(const struct evaluation *evaluation)
            gd_mesh_summary(evaluation->query.surface->mesh)->faces <= QUICK_PATH_FACES;
 }
 
-/* Frees the points. */
+/* Locates the points, and frees the unlocated ones. */
 static bool evaluation_locate(struct server_query *query, struct proto_points *points,
                               uint32_t wanted, struct proto_problem *problem)
 {
     struct evaluation *evaluation = (struct evaluation *)query;
     bool ok = server_query_locate(query, points, problem);
     evaluation->wanted = wanted;
-    if (server_query_arrays_form(query)) /* which have neither */
-        evaluation->wanted &=
-            ~(uint32_t)(PROTO_EVALUATION_FIELD_PATH | PROTO_EVALUATION_FIELD_GRADIENT);
     query->field.is_quick = ok && evaluation_is_quick(evaluation);
     return ok;
 }
@@ -75,7 +74,8 @@ static bool set_evaluation_decode(struct server_query *query, const json_t *docu
 
 /* --- the answer ------------------------------------------------------------------------------- */
 
-/* Beyond the field's radius a distance becomes NAN, or INFINITY on components without a seed. */
+/* Replaces distances beyond the field's radius by NAN, or by INFINITY on components without a
+ * seed. */
 static enum gd_status distances_limit(struct evaluation *evaluation)
 {
     const struct gd_mesh *mesh = evaluation->query.surface->mesh;
@@ -95,8 +95,8 @@ static enum gd_status distances_limit(struct evaluation *evaluation)
     return GD_OK;
 }
 
-/* The gradient continues the shortest path's last direction. At a member there is none, since the
- * distance grows in all directions. */
+/* Computes the gradient: it continues the shortest path's last direction. At a member there is
+ * none, since the distance grows in all directions. */
 static enum gd_status result_find_gradient(const struct gd_mesh *mesh, const struct gd_field *field,
                                            const struct gd_point *point,
                                            struct proto_result *result)
@@ -112,8 +112,8 @@ static enum gd_status result_find_gradient(const struct gd_mesh *mesh, const str
     return GD_OK;
 }
 
-/* The nearest member and its nearest point: a point member is that point; on a segment it is the
- * end of the path. Of equally near members the path may end in another than gd_field_nearest
+/* Computes the nearest member and its nearest point: the point of a point member, or the path's end
+ * on a segment. Among equally near members the path may end in another than gd_field_nearest
  * returns. */
 static enum gd_status result_find_nearest(const struct evaluation *evaluation,
                                           const struct gd_field *field,
@@ -136,18 +136,29 @@ static enum gd_status result_find_nearest(const struct evaluation *evaluation,
     return GD_OK;
 }
 
-/* For an answer as arrays; NULL: there is no distance. */
-static void result_keep(struct evaluation *evaluation, uint32_t i,
-                        const struct proto_result *result)
+static void xyz_copy(struct gd_vec3 at, double out[3])
 {
-    double *xyz = evaluation->nearest[i];
-    struct gd_vec3 at = {NAN, NAN, NAN};
+    out[0] = at.x;
+    out[1] = at.y;
+    out[2] = at.z;
+}
+
+/* Stores a result for an answer as arrays, with the path; NULL: there is no distance. */
+static enum gd_status result_keep(struct evaluation *evaluation, uint32_t i,
+                                  const struct proto_result *result, struct gd_path *path)
+{
+    struct server_query *query = &evaluation->query;
+    struct gd_vec3 at = {NAN, NAN, NAN}, gradient = at;
     bool has_nearest = result && evaluation->wanted & PROTO_EVALUATION_FIELD_NEAREST;
-    if (has_nearest) at = gd_point_position(evaluation->query.surface->mesh, &result->nearest);
+    if (has_nearest) at = gd_point_position(query->surface->mesh, &result->nearest);
+    if (result && result->has_gradient) gradient = result->gradient.xyz;
     evaluation->members[i] = has_nearest ? result->member : UINT32_MAX;
-    xyz[0] = at.x;
-    xyz[1] = at.y;
-    xyz[2] = at.z;
+    xyz_copy(at, evaluation->nearest[i]);
+    xyz_copy(gradient, evaluation->gradient[i]);
+    if (!evaluation->paths || !result || !result->path) return GD_OK;
+    evaluation->paths[i] = *path;
+    *path = (struct gd_path){0};
+    return server_query_take(query, evaluation->paths[i].count * sizeof *path->points);
 }
 
 static enum gd_status result_write(struct evaluation *evaluation, const struct gd_field *field,
@@ -165,7 +176,7 @@ static enum gd_status result_write(struct evaluation *evaluation, const struct g
     if (!status && wanted & PROTO_EVALUATION_FIELD_GRADIENT)
         status = result_find_gradient(mesh, field, point, &result);
     if (!status && server_query_arrays_form(query))
-        result_keep(evaluation, i, wanted ? &result : NULL);
+        status = result_keep(evaluation, i, wanted ? &result : NULL, &path);
     else if (!status)
         proto_result_encode(&query->draft, mesh, query->field.set, &result, evaluation->wanted,
                             query->options.geometry);
@@ -207,8 +218,12 @@ static enum gd_status evaluation_reserve(struct evaluation *evaluation)
     if (!evaluation->distances) return GD_BUDGET;
     if (!server_query_arrays_form(query)) return GD_OK;
     evaluation->members = server_query_allocate(query, count, sizeof *evaluation->members);
-    evaluation->nearest = server_query_allocate(query, count, sizeof *evaluation->nearest);
-    return evaluation->members && evaluation->nearest ? GD_OK : GD_BUDGET;
+    evaluation->nearest = server_query_allocate(query, count, 2 * sizeof *evaluation->nearest);
+    if (!evaluation->members || !evaluation->nearest) return GD_BUDGET;
+    evaluation->gradient = evaluation->nearest + count;
+    if (!(evaluation->wanted & PROTO_EVALUATION_FIELD_PATH)) return GD_OK;
+    evaluation->paths = server_query_allocate(query, count, sizeof *evaluation->paths);
+    return evaluation->paths ? GD_OK : GD_BUDGET;
 }
 
 static enum server_query_turn evaluation_answer(struct server_query *query,
@@ -222,41 +237,46 @@ static enum server_query_turn evaluation_answer(struct server_query *query,
     return server_query_end_draft(query, status, "the answer", problem);
 }
 
+static const struct gd_point *evaluation_points(const void *user, uint32_t line, uint32_t *count)
+{
+    const struct gd_path *path = &((const struct evaluation *)user)->paths[line];
+    *count = path->count;
+    return path->points;
+}
+
+/* Lists the arrays. A result without a path has a line without points. */
 static bool evaluation_list_arrays(struct server_query *query, struct proto_problem *problem)
 {
     const struct evaluation *evaluation = (const struct evaluation *)query;
     uint32_t count = query->points.count;
-    (void)problem;
-    server_arrays_add(&query->arrays, &(struct server_array){.name = "distance",
-                                                             .type = SERVER_ARRAY_NUMBERS,
-                                                             .rows = count,
-                                                             .source = evaluation->distances});
-    if (!(evaluation->wanted & PROTO_EVALUATION_FIELD_NEAREST)) return true;
-    server_arrays_add(&query->arrays, &(struct server_array){.name = "member",
-                                                             .type = SERVER_ARRAY_INDICES,
-                                                             .rows = count,
-                                                             .source = evaluation->members});
-    server_arrays_add(&query->arrays, &(struct server_array){.name = "nearest",
-                                                             .type = SERVER_ARRAY_NUMBERS,
-                                                             .columns = 3,
-                                                             .rows = count,
-                                                             .source = evaluation->nearest});
-    return true;
+    const struct server_lines lines = {.mesh = query->surface->mesh,
+                                       .count = count,
+                                       .points = evaluation_points,
+                                       .user = evaluation};
+    server_arrays_add_numbers(&query->arrays, "distance", 0, count, evaluation->distances);
+    if (evaluation->wanted & PROTO_EVALUATION_FIELD_NEAREST) {
+        server_arrays_add_indices(&query->arrays, "member", 0, count, evaluation->members);
+        server_arrays_add_numbers(&query->arrays, "nearest", 3, count, *evaluation->nearest);
+    }
+    if (evaluation->wanted & PROTO_EVALUATION_FIELD_GRADIENT)
+        server_arrays_add_numbers(&query->arrays, "gradient", 3, count, *evaluation->gradient);
+    return !evaluation->paths || server_query_list_lines(query, &lines, problem);
 }
 
-static const struct server_form evaluation_forms[] = {SERVER_ARRAYS_FORMS, {NULL, NULL, false}};
+static void evaluation_release(struct server_query *query)
+{
+    struct evaluation *evaluation = (struct evaluation *)query;
+    for (uint32_t i = 0; evaluation->paths && i < query->points.count; i++)
+        gd_path_free(&evaluation->paths[i]);
+}
 
-const struct server_query_kind server_query_evaluate_field = {.name = "evaluate",
-                                                              .size = sizeof(struct evaluation),
-                                                              .decode = field_evaluation_decode,
-                                                              .forms = evaluation_forms,
-                                                              .list_arrays = evaluation_list_arrays,
-                                                              .answer = evaluation_answer};
+#define EVALUATION_STEPS                                                                           \
+    .size = sizeof(struct evaluation), .forms = server_array_forms,                                \
+    .list_arrays = evaluation_list_arrays, .answer = evaluation_answer,                            \
+    .release = evaluation_release
 
-const struct server_query_kind server_query_distance_to_set = {.name = "distance-to-set",
-                                                               .size = sizeof(struct evaluation),
-                                                               .decode = set_evaluation_decode,
-                                                               .forms = evaluation_forms,
-                                                               .list_arrays =
-                                                                   evaluation_list_arrays,
-                                                               .answer = evaluation_answer};
+const struct server_query_kind server_query_evaluate_field = {
+    .name = "evaluate", .decode = field_evaluation_decode, EVALUATION_STEPS};
+
+const struct server_query_kind server_query_distance_to_set = {
+    .name = "distance-to-set", .decode = set_evaluation_decode, EVALUATION_STEPS};

@@ -1,8 +1,7 @@
-/* Fields: the distances from a set as a resource, which is created, listed, described and deleted;
- * its values at all vertices, and its wedges on an edge. */
+/* Fields: resources with the distances from a set. Creates, lists, describes and deletes them;
+ * returns their values at all vertices, and their wedges. */
 #include "server/query/handlers.h"
 
-#include <endian.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,12 +14,12 @@
 #include "server/query/request.h"
 #include "server/query/result.h"
 
-#define QUICK_VERTICES 10000 /* whose values an HTTP thread may write */
+#define QUICK_VERTICES 10000 /* most vertices whose values an HTTP thread writes */
 
 /* --- create ----------------------------------------------------------------------------------- */
 
 struct field_creation {
-    struct server_query query; /* first; its set passes to the resource */
+    struct server_query query; /* first; the resource takes over its set */
     char id[PROTO_FIELD_ID + 1];
     char *set_text;
     bool is_new;
@@ -43,7 +42,7 @@ static void creation_release(struct server_query *query)
     free(((struct field_creation *)query)->set_text);
 }
 
-/* True: the resource exists, and the query has it. */
+/* Returns whether the resource exists; then the query has a reference to it. */
 static bool creation_is_listed(struct server_query *query)
 {
     struct server_catalogue *catalogue = server_record_catalogue(query->surface->record);
@@ -61,7 +60,7 @@ static bool creation_name(struct server_query *query, struct proto_problem *prob
     return true;
 }
 
-/* Lists the field, unless another request has listed it meanwhile. */
+/* Adds the field to the catalogue, unless another request has added it meanwhile. */
 static enum gd_status creation_list(struct field_creation *creation,
                                     const struct proto_field_description *description)
 {
@@ -144,13 +143,13 @@ const struct server_query_kind server_query_get_field = {.name = "field",
 
 /* --- list ------------------------------------------------------------------------------------- */
 
-/* Replies with a page. False: the page has more than `most` items, and nothing is replied. */
+/* Replies with a page. Returns false, without a reply, if the page has more than `most` items. */
 static bool page_reply(struct server_exchange *exchange, struct server_surface *surface,
                        const struct proto_page *page, uint32_t most)
 {
     struct server_resource *resources[PROTO_PAGE_MOST + 1];
     struct server_catalogue *catalogue = server_record_catalogue(surface->record);
-    /* one more than the page has shows whether there is a next page */
+    /* one item more than fits on the page shows whether there is a next page */
     uint32_t wanted = page->limit < most ? page->limit + 1 : most + 1,
              count =
                  catalogue ? server_catalogue_list(catalogue, page->after, wanted, resources) : 0,
@@ -222,7 +221,7 @@ void server_handle_delete_field(struct server_exchange *exchange)
 
 struct values_query {
     struct server_query query; /* first */
-    double *values;            /* by vertex index; not finite: null */
+    double *values;            /* by vertex index; values that are not finite become null */
 };
 
 static uint32_t values_count(const struct server_query *query)
@@ -235,7 +234,7 @@ static bool values_parse(struct server_query *query, const struct proto_paramete
 {
     (void)parameters;
     query->with_mesh = query->form >= SERVER_FORM_FIRST &&
-                       !server_query_arrays_form(query); /* whatever ?mesh= says */
+                       !server_query_arrays_form(query); /* regardless of ?mesh= */
     query->field.is_quick = values_count(query) <= QUICK_VERTICES;
     return server_field_query_of_resource(query, problem);
 }
@@ -262,20 +261,6 @@ static void values_encode(const struct server_query *query, struct proto_writer 
     proto_values_encode(writer, ((const struct values_query *)query)->values, values_count(query));
 }
 
-/* Little-endian, NaN for null. */
-static size_t values_bytes(const struct server_query *query, void *out)
-{
-    const double *values = ((const struct values_query *)query)->values;
-    uint32_t count = values_count(query);
-    uint64_t *bytes = out;
-    for (uint32_t i = 0; i < count && bytes; i++) {
-        double value = isfinite(values[i]) ? values[i] : NAN;
-        memcpy(&bytes[i], &value, sizeof value);
-        bytes[i] = htole64(bytes[i]);
-    }
-    return count * sizeof *bytes;
-}
-
 static const struct server_form values_forms[] = {{"ply", "application/x-ply", false},
                                                   {"glb", "model/gltf-binary", false},
                                                   {"csv", "text/csv", false},
@@ -294,11 +279,8 @@ static bool values_write(const struct server_query *query, struct server_answer_
 static bool values_list_arrays(struct server_query *query, struct proto_problem *problem)
 {
     (void)problem;
-    server_arrays_add(&query->arrays,
-                      &(struct server_array){.name = "values",
-                                             .type = SERVER_ARRAY_NUMBERS,
-                                             .rows = values_count(query),
-                                             .source = ((struct values_query *)query)->values});
+    server_arrays_add_numbers(&query->arrays, "values", 0, values_count(query),
+                              ((struct values_query *)query)->values);
     return true;
 }
 
@@ -308,25 +290,59 @@ const struct server_query_kind server_query_get_field_values = {.name = "values"
                                                                 .parse = values_parse,
                                                                 .answer = values_answer,
                                                                 .encode = values_encode,
-                                                                .bytes = values_bytes,
+                                                                .has_bytes = true,
                                                                 .list_arrays = values_list_arrays,
                                                                 .write = values_write};
 
-/* --- wedges on an edge ------------------------------------------------------------------------ */
+/* --- wedges ----------------------------------------------------------------------------------- */
 
+/* Wedges of one edge or, as arrays only, of all edges. */
 struct wedges_query {
     struct server_query query; /* first */
     struct gd_vertex ends[2];
     struct gd_wedge *wedges; /* owned */
     uint32_t count;
+    bool is_of_all;
+    struct gd_all_wedges all; /* owned */
+    uint32_t first[2];        /* first wedge of the one edge, and the end */
 };
 
 static bool wedges_parse(struct server_query *query, const struct proto_parameters *parameters,
                          struct proto_problem *problem)
 {
-    query->field.is_quick = true;
+    struct wedges_query *own = (struct wedges_query *)query;
+    own->is_of_all = server_query_arrays_form(query) && !proto_parameters_get(parameters, "edge");
+    query->field.is_quick = !own->is_of_all;
     return server_field_query_of_resource(query, problem) &&
-           proto_wedges_parse(parameters, ((struct wedges_query *)query)->ends, problem);
+           (own->is_of_all || proto_wedges_parse(parameters, own->ends, problem));
+}
+
+/* Replaces seeds by members of the set: a curve has a seed for each of its points and segments. */
+static void wedges_name_members(const struct server_query *query, struct gd_wedge *wedges,
+                                uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++)
+        if (!wedges[i].at_vertex) wedges[i].source = query->field.set->members[wedges[i].source];
+}
+
+static enum server_query_turn wedges_answer_all(struct wedges_query *own,
+                                                const struct gd_field *field,
+                                                struct server_monitor *part,
+                                                struct proto_problem *problem)
+{
+    struct server_query *query = &own->query;
+    /* most edges get a few wedges more than are stored; an array grows by copying */
+    size_t grant = (gd_field_statistics(field)->wedges +
+                    3 * (size_t)gd_mesh_summary(query->surface->mesh)->edges) *
+                   3 * sizeof *own->all.wedges;
+    struct server_budgeted_call call = server_query_begin_call(query, part, grant);
+    while (server_budgeted_call_next(&call)) {
+        call.status = gd_field_all_wedges(field, &call.control, &own->all);
+        call.kept = gd_all_wedges_memsize(&own->all);
+    }
+    if (call.status) return server_query_fail(query, call.status, "the wedges", problem);
+    wedges_name_members(query, own->all.wedges, own->all.first[own->all.edge_count]);
+    return SERVER_QUERY_DONE;
 }
 
 static enum server_query_turn wedges_answer(struct server_query *query,
@@ -335,7 +351,7 @@ static enum server_query_turn wedges_answer(struct server_query *query,
                                             struct proto_problem *problem)
 {
     struct wedges_query *own = (struct wedges_query *)query;
-    (void)part;
+    if (own->is_of_all) return wedges_answer_all(own, field, part, problem);
     enum gd_status status =
         gd_field_wedges(field, own->ends[0], own->ends[1], &own->wedges, &own->count);
     if (status) {
@@ -343,10 +359,7 @@ static enum server_query_turn wedges_answer(struct server_query *query,
         if (status == GD_NO_SUCH_EDGE) proto_problem_at(problem, "edge");
         return SERVER_QUERY_FAILED;
     }
-    /* a curve has a seed for each of its points and segments */
-    for (uint32_t i = 0; i < own->count; i++)
-        if (!own->wedges[i].at_vertex)
-            own->wedges[i].source = query->field.set->members[own->wedges[i].source];
+    wedges_name_members(query, own->wedges, own->count);
     return SERVER_QUERY_DONE;
 }
 
@@ -358,11 +371,72 @@ static void wedges_encode(const struct server_query *query, struct proto_writer 
 
 static void wedges_release(struct server_query *query)
 {
-    free(((struct wedges_query *)query)->wedges);
+    struct wedges_query *own = (struct wedges_query *)query;
+    free(own->wedges);
+    gd_all_wedges_free(&own->all);
+}
+
+static void wedges_read_numbers(const void *source, uint64_t first, uint64_t count, void *out)
+{
+    const struct gd_wedge *wedges = source;
+    double(*rows)[5] = out;
+    for (uint64_t i = 0; i < count; i++) {
+        const struct gd_wedge *wedge = &wedges[first + i];
+        const double row[5] = {wedge->b0, wedge->b1, wedge->d0, wedge->d1, wedge->sigma};
+        memcpy(rows[i], row, sizeof row);
+    }
+}
+
+/* Writes the index of the source, and flags: 1 tau, 2 linear, 4 the source is a vertex. */
+static void wedges_read_sources(const void *source, uint64_t first, uint64_t count, void *out)
+{
+    const struct gd_wedge *wedges = source;
+    uint32_t(*rows)[2] = out;
+    for (uint64_t i = 0; i < count; i++) {
+        const struct gd_wedge *wedge = &wedges[first + i];
+        rows[i][0] = wedge->source;
+        rows[i][1] = (uint32_t)(wedge->tau | wedge->linear << 1 | wedge->at_vertex << 2);
+    }
+}
+
+static bool wedges_list_arrays(struct server_query *query, struct proto_problem *problem)
+{
+    struct wedges_query *own = (struct wedges_query *)query;
+    const struct gd_all_wedges one = {1, &own->ends, own->first, own->wedges};
+    const struct gd_all_wedges *all = own->is_of_all ? &own->all : &one;
+    own->first[1] = own->count;
+    uint32_t count = all->first[all->edge_count];
+    const struct server_array arrays[] = {{.name = "wedges",
+                                           .type = SERVER_ARRAY_NUMBERS,
+                                           .columns = 5,
+                                           .rows = count,
+                                           .read = wedges_read_numbers,
+                                           .source = all->wedges},
+                                          {.name = "sources",
+                                           .type = SERVER_ARRAY_INDICES,
+                                           .columns = 2,
+                                           .rows = count,
+                                           .read = wedges_read_sources,
+                                           .source = all->wedges},
+                                          {.name = "edges",
+                                           .type = SERVER_ARRAY_INDICES,
+                                           .columns = 2,
+                                           .rows = all->edge_count,
+                                           .source = all->edges},
+                                          {.name = "first",
+                                           .type = SERVER_ARRAY_INDICES,
+                                           .rows = all->edge_count + UINT64_C(1),
+                                           .source = all->first}};
+    (void)problem;
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+        server_arrays_add(&query->arrays, &arrays[i]);
+    return true;
 }
 
 const struct server_query_kind server_query_get_field_wedges = {.name = "wedges",
                                                                 .size = sizeof(struct wedges_query),
+                                                                .forms = server_array_forms,
+                                                                .list_arrays = wedges_list_arrays,
                                                                 .parse = wedges_parse,
                                                                 .answer = wedges_answer,
                                                                 .encode = wedges_encode,

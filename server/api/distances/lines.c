@@ -6,19 +6,20 @@
 #include <string.h>
 
 #include "gd/voronoi.h"
-#include "proto/json/member.h"
+#include "proto/json/writer.h"
 #include "proto/queries/isoline.h"
 #include "proto/values/path.h"
 #include "server/query/query.h"
 #include "server/query/result.h"
 
 #define BYTES_A_TRACE   ((size_t)1 << 20)
-#define ISOLINE_EDGE    32     /* bytes an edge of the mesh, while an isoline is traced, */
-#define BISECTOR_EDGE   48     /* and while bisectors are */
-#define INDEX_SHARE     0.2    /* of the work, to make the isolines' index */
-#define ISOLINE_SHARE   0.5    /* of a level's work, to trace; the rest is to write */
-#define BISECTOR_POINTS 500000 /* most of an answer */
-#define PORTION         512    /* elements that are written between two checks of the control */
+#define ISOLINE_EDGE    32  /* bytes for each edge of the mesh while an isoline is traced, … */
+#define BISECTOR_EDGE   48  /* … and while bisectors are traced */
+#define INDEX_SHARE     0.2 /* share of the work, for the isolines' index */
+#define TRACE_SHARE     0.4 /* share of the work, for tracing; the rest writes */
+#define TRACED_BYTES    ((size_t)64 << 20) /* most bytes of traced lines that wait to be written */
+#define BISECTOR_POINTS 500000             /* most points of an answer */
+#define PORTION         512 /* elements that are written between two checks of the control */
 #define WHAT            "the answer"
 
 static size_t trace_grant(const struct server_query *query, size_t bytes_an_edge)
@@ -26,17 +27,21 @@ static size_t trace_grant(const struct server_query *query, size_t bytes_an_edge
     return BYTES_A_TRACE + gd_mesh_summary(query->surface->mesh)->edges * bytes_an_edge;
 }
 
-/* Writes `count` points of a line. A closed line has stored all but the last one. */
+/* Writes `count` points of a line. A closed line stores its points without the repeated last
+ * one. */
 static enum gd_status points_write(struct server_query *query, const struct gd_point *points,
                                    uint32_t stored, uint32_t count,
                                    const struct gd_control *control)
 {
+    const struct gd_mesh *mesh = query->surface->mesh;
+    enum proto_geometry geometry = query->options.geometry;
     enum gd_status status = GD_OK;
-    for (uint32_t i = 0; i < count && !status; i++) {
-        proto_path_point_encode(&query->draft, query->surface->mesh, &points[i % stored],
-                                query->options.geometry);
-        if ((i + 1) % PORTION == 0) status = server_query_pause(query, control, (double)i / count);
+    for (uint32_t i = 0; i < stored && !status; i += PORTION) {
+        uint32_t some = stored - i < PORTION ? stored - i : PORTION;
+        proto_points_encode(&query->draft, mesh, points + i, some, geometry);
+        if (some == PORTION) status = server_query_pause(query, control, (double)i / count);
     }
+    if (count > stored) proto_points_encode(&query->draft, mesh, points, 1, geometry);
     return status;
 }
 
@@ -49,15 +54,17 @@ struct isolines_query {
     bool is_file, has_flat_points;
     uint64_t points, arcs; /* written so far */
     struct gd_isoline_index *index;
-    double level; /* in work, and its lines */
-    struct gd_isoline isoline;
-    struct gd_path *lines; /* of a file; else they are in the draft */
-    double *levels;        /* of each line */
+    struct gd_isoline *isolines; /* by level; levels from `next` to `traced` have their lines */
+    uint32_t traced, next;
+    size_t traced_bytes;        /* bytes of these lines */
+    struct server_monitor part; /* the part of the work that writes levels */
+    struct gd_path *lines;      /* lines for a file; other answers are in the draft */
+    double *levels;             /* level of each line */
     uint32_t line_count;
 };
 
-/* A file has polylines only, and always. The points of a line are the ends of its arcs, unless arcs
- * are left out or a tolerance is given. */
+/* Settles what is written. A file always has polylines and nothing else. The points of a line are
+ * the ends of its arcs, unless arcs are omitted or a tolerance is given. */
 static bool isolines_settle(struct isolines_query *own, struct proto_problem *problem)
 {
     struct server_query *query = &own->query;
@@ -90,6 +97,7 @@ static bool isolines_parse(struct server_query *query, const struct proto_parame
 static void isolines_release(struct server_query *query)
 {
     struct isolines_query *own = (struct isolines_query *)query;
+    for (uint32_t i = own->next; i < own->traced; i++) gd_isoline_free(&own->isolines[i]);
     for (uint32_t i = 0; i < own->line_count; i++) gd_path_free(&own->lines[i]);
     gd_isoline_index_destroy(own->index);
     free(own->lines);
@@ -99,23 +107,26 @@ static void isolines_release(struct server_query *query)
 
 /* --- isolines: the answer --------------------------------------------------------------------- */
 
-/* Counts what the line adds to the answer. */
-static bool line_admit(struct isolines_query *own, const struct gd_isoline_line *line,
-                       struct proto_problem *problem)
+/* Counts the points and arcs that the lines add to the answer, and checks the limits. */
+static bool lines_admit(struct isolines_query *own, const struct gd_isoline *isoline,
+                        struct proto_problem *problem)
 {
-    if (own->query.options.geometry != PROTO_GEOMETRY_NONE)
-        own->points += own->has_flat_points ? gd_isoline_flat_points(line, own->tolerance)
-                                            : line->arc_count + UINT64_C(1);
-    if (own->wanted.wants_arcs) own->arcs += line->arc_count;
+    for (uint32_t i = 0; i < isoline->line_count; i++) {
+        const struct gd_isoline_line *line = &isoline->lines[i];
+        if (own->query.options.geometry != PROTO_GEOMETRY_NONE)
+            own->points += own->has_flat_points ? gd_isoline_flat_points(line, own->tolerance)
+                                                : line->arc_count + UINT64_C(1);
+        if (own->wanted.wants_arcs) own->arcs += line->arc_count;
+    }
     if (own->points <= PROTO_ISOLINES_POINTS && own->arcs <= PROTO_ISOLINES_POINTS) return true;
-    proto_problem_set(
-        problem, PROTO_PROBLEM_TOO_LARGE,
+    return proto_problem_exceed(
+        problem, NULL, PROTO_ISOLINES_POINTS,
         "the lines have more than %d points or arcs; ask for fewer levels or a larger tolerance",
         PROTO_ISOLINES_POINTS);
-    return proto_problem_limit(problem, PROTO_ISOLINES_POINTS);
 }
 
-/* Keeps the line for a file, or writes it; then the query holds its bytes for so long only. */
+/* Stores the line for a file, or writes it; in the latter case the query holds its bytes only until
+ * then. */
 static enum gd_status line_flatten(struct isolines_query *own, const struct gd_isoline_line *line,
                                    const struct gd_control *control)
 {
@@ -126,7 +137,7 @@ static enum gd_status line_flatten(struct isolines_query *own, const struct gd_i
     if (status) return status;
     status = gd_isoline_flatten(query->surface->mesh, line, own->tolerance, control, &path);
     if (!status && own->is_file) {
-        path.length = line->length; /* of the arcs */
+        path.length = line->length; /* the length of the arcs */
         own->lines[own->line_count++] = path;
         return GD_OK;
     }
@@ -166,9 +177,9 @@ static enum gd_status line_write(struct isolines_query *own, const struct gd_iso
 }
 
 /* Makes room for the level's lines in a file. */
-static enum gd_status lines_reserve(struct isolines_query *own)
+static enum gd_status lines_reserve(struct isolines_query *own, uint32_t level)
 {
-    size_t more = own->isoline.line_count, count = own->line_count + more;
+    size_t more = own->isolines[level].line_count, count = own->line_count + more;
     if (!own->is_file || more == 0) return GD_OK;
     enum gd_status status =
         server_query_take(&own->query, more * (sizeof *own->lines + sizeof *own->levels));
@@ -177,51 +188,85 @@ static enum gd_status lines_reserve(struct isolines_query *own)
     if (lines) own->lines = lines;
     double *levels = realloc(own->levels, count * sizeof *levels);
     if (levels) own->levels = levels;
-    for (size_t i = own->line_count; i < count && levels; i++) levels[i] = own->level;
+    for (size_t i = own->line_count; i < count && levels; i++)
+        levels[i] = own->wanted.levels[level];
     return lines && levels ? GD_OK : GD_NO_MEMORY;
 }
 
-static bool lines_write(struct isolines_query *own, const struct server_monitor *part,
-                        struct proto_problem *problem)
+/* Writes the next level, and frees its lines. */
+static bool level_write(struct isolines_query *own, struct proto_problem *problem)
 {
-    uint32_t count = own->isoline.line_count;
-    enum gd_status status = lines_reserve(own);
-    proto_write_object_begin(&own->query.draft);
-    proto_member_number(&own->query.draft, "level", own->level);
-    proto_member_array(&own->query.draft, "lines");
+    struct server_query *query = &own->query;
+    uint32_t level = own->next++, levels = own->wanted.level_count;
+    struct gd_isoline *isoline = &own->isolines[level];
+    uint32_t count = isoline->line_count;
+    enum gd_status status = lines_reserve(own, level);
+    own->part.exchange = query->exchange;
+    proto_write_object_begin(&query->draft);
+    proto_member_number(&query->draft, "level", own->wanted.levels[level]);
+    proto_member_array(&query->draft, "lines");
     for (uint32_t i = 0; i < count && !status; i++) {
-        struct server_monitor one = server_monitor_portion(part, (double)i / count, 1.0 / count);
+        struct server_monitor one = server_monitor_portion(
+            &own->part, (level + (double)i / count) / levels, 1.0 / count / levels);
         const struct gd_control control = server_exchange_control(&one);
-        if (!line_admit(own, &own->isoline.lines[i], problem)) return false;
-        status = line_write(own, &own->isoline.lines[i], &control);
+        status = line_write(own, &isoline->lines[i], &control);
     }
-    proto_write_array_end(&own->query.draft);
-    proto_write_object_end(&own->query.draft);
-    if (status) server_query_fail(&own->query, status, WHAT, problem);
+    proto_write_array_end(&query->draft);
+    proto_write_object_end(&query->draft);
+    own->traced_bytes -= isoline->bytes;
+    server_query_give(query, isoline->bytes);
+    gd_isoline_free(isoline);
+    if (status) server_query_fail(query, status, WHAT, problem);
     return !status;
 }
 
-static bool level_write(struct isolines_query *own, const struct server_monitor *part,
-                        struct proto_problem *problem)
+/* Writes the remaining levels; a long answer is sent level by level. */
+static enum server_query_turn levels_write(struct isolines_query *own,
+                                           struct proto_problem *problem)
 {
     struct server_query *query = &own->query;
-    struct server_monitor first = server_monitor_portion(part, 0, ISOLINE_SHARE),
-                          second = server_monitor_portion(part, ISOLINE_SHARE, 1 - ISOLINE_SHARE);
+    while (own->next < own->wanted.level_count) {
+        if (!level_write(own, problem)) return SERVER_QUERY_FAILED;
+        if (server_query_can_flush(query)) return SERVER_QUERY_FLUSH;
+    }
+    proto_write_array_end(&query->draft);
+    proto_write_object_end(&query->draft);
+    return server_query_end_draft(query, GD_OK, WHAT, problem);
+}
+
+static bool level_trace(struct isolines_query *own, struct server_monitor *part,
+                        struct proto_problem *problem)
+{
+    struct gd_isoline *isoline = &own->isolines[own->traced];
     struct server_budgeted_call call =
-        server_query_begin_call(query, &first, trace_grant(query, ISOLINE_EDGE));
+        server_query_begin_call(&own->query, part, trace_grant(&own->query, ISOLINE_EDGE));
     while (server_budgeted_call_next(&call)) {
-        call.status =
-            gd_isoline_trace_indexed(own->index, own->level, &call.control, &own->isoline);
-        call.kept = own->isoline.bytes;
+        call.status = gd_isoline_trace_indexed(own->index, own->wanted.levels[own->traced],
+                                               &call.control, isoline);
+        call.kept = isoline->bytes;
     }
     if (call.status) {
-        server_query_fail(query, call.status, "the isoline", problem);
+        server_query_fail(&own->query, call.status, "the isoline", problem);
         return false;
     }
-    bool ok = lines_write(own, &second, problem);
-    server_query_give(query, own->isoline.bytes);
-    gd_isoline_free(&own->isoline);
-    return ok;
+    own->traced++;
+    own->traced_bytes += isoline->bytes;
+    return lines_admit(own, isoline, problem);
+}
+
+/* Traces all levels before the first one is sent, so that too many lines are refused as a whole. If
+ * their lines take much memory, levels are written to the draft meanwhile. */
+static bool levels_trace(struct isolines_query *own, const struct server_monitor *part,
+                         struct proto_problem *problem)
+{
+    uint32_t count = own->wanted.level_count;
+    for (uint32_t i = 0; i < count; i++) {
+        struct server_monitor one = server_monitor_portion(part, (double)i / count, 1.0 / count);
+        if (!level_trace(own, &one, problem)) return false;
+        while (own->traced_bytes > TRACED_BYTES)
+            if (!level_write(own, problem)) return false;
+    }
+    return true;
 }
 
 static enum server_query_turn isolines_answer(struct server_query *query,
@@ -230,11 +275,14 @@ static enum server_query_turn isolines_answer(struct server_query *query,
                                               struct proto_problem *problem)
 {
     struct isolines_query *own = (struct isolines_query *)query;
-    uint32_t count = own->wanted.level_count;
     struct server_monitor first = server_monitor_portion(part, 0, INDEX_SHARE),
-                          rest = server_monitor_portion(part, INDEX_SHARE, 1 - INDEX_SHARE);
+                          second = server_monitor_portion(part, INDEX_SHARE, TRACE_SHARE);
     struct server_budgeted_call call =
         server_query_begin_call(query, &first, trace_grant(query, 0));
+    own->part =
+        server_monitor_portion(part, INDEX_SHARE + TRACE_SHARE, 1 - INDEX_SHARE - TRACE_SHARE);
+    own->isolines = server_query_allocate(query, own->wanted.level_count, sizeof *own->isolines);
+    if (!own->isolines) return server_query_fail(query, GD_BUDGET, "the isolines", problem);
     while (server_budgeted_call_next(&call)) {
         call.status = gd_isoline_index_create(field, &call.control, &own->index);
         call.kept = gd_isoline_index_bytes(query->surface->mesh);
@@ -242,14 +290,14 @@ static enum server_query_turn isolines_answer(struct server_query *query,
     if (call.status) return server_query_fail(query, call.status, "the isolines", problem);
     proto_write_object_begin(&query->draft);
     proto_member_array(&query->draft, "isolines");
-    for (uint32_t i = 0; i < count; i++) {
-        struct server_monitor one = server_monitor_portion(&rest, (double)i / count, 1.0 / count);
-        own->level = own->wanted.levels[i];
-        if (!level_write(own, &one, problem)) return SERVER_QUERY_FAILED;
-    }
-    proto_write_array_end(&query->draft);
-    proto_write_object_end(&query->draft);
-    return server_query_end_draft(query, GD_OK, WHAT, problem);
+    return levels_trace(own, &second, problem) ? levels_write(own, problem) : SERVER_QUERY_FAILED;
+}
+
+static enum server_query_turn isolines_solve(struct server_query *query,
+                                             struct proto_problem *problem)
+{
+    struct isolines_query *own = (struct isolines_query *)query;
+    return own->index ? levels_write(own, problem) : server_field_query_solve(query, problem);
 }
 
 static bool isolines_write(const struct server_query *query, struct server_answer_file *out,
@@ -283,10 +331,7 @@ static bool isolines_list_arrays(struct server_query *query, struct proto_proble
                                        .points = isolines_points,
                                        .user = own};
     if (!server_query_list_lines(query, &lines, problem)) return false;
-    server_arrays_add(&query->arrays, &(struct server_array){.name = "level",
-                                                             .type = SERVER_ARRAY_NUMBERS,
-                                                             .rows = own->line_count,
-                                                             .source = own->levels});
+    server_arrays_add_numbers(&query->arrays, "level", 0, own->line_count, own->levels);
     server_arrays_add(&query->arrays, &(struct server_array){.name = "length",
                                                              .type = SERVER_ARRAY_NUMBERS,
                                                              .rows = own->line_count,
@@ -304,6 +349,7 @@ const struct server_query_kind server_query_isolines = {.name = "isolines",
                                                         .has_bare_points = true,
                                                         .decode = isolines_decode,
                                                         .parse = isolines_parse,
+                                                        .solve = isolines_solve,
                                                         .answer = isolines_answer,
                                                         .write = isolines_write,
                                                         .list_arrays = isolines_list_arrays,
@@ -315,7 +361,7 @@ struct voronoi_query {
     struct server_query query; /* first */
     double tolerance;
     const struct gd_field *field;
-    uint32_t *labels; /* by vertex index; NULL: not wanted */
+    uint32_t *labels; /* by vertex index; NULL: not selected */
     struct gd_voronoi found;
 };
 
@@ -329,7 +375,7 @@ static bool voronoi_decode(struct server_query *query, const json_t *document,
     return server_field_query_of_set(query, &wanted.set, 0, problem);
 }
 
-/* The engine takes as many bytes as the labels. */
+/* Computes the labels. The engine allocates as many bytes as the labels take. */
 static enum gd_status labels_find(struct voronoi_query *own)
 {
     struct server_query *query = &own->query;
@@ -362,11 +408,11 @@ static bool bisectors_admit(const struct voronoi_query *own, struct proto_proble
         points += own->found.bisectors[i].point_count;
     if (own->query.options.geometry == PROTO_GEOMETRY_NONE || points <= BISECTOR_POINTS)
         return true;
-    proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE,
-                      "the bisectors have %llu points, more than %d; ask for a larger tolerance, "
-                      "fewer members, or geometry=none",
-                      (unsigned long long)points, BISECTOR_POINTS);
-    return proto_problem_limit(problem, BISECTOR_POINTS);
+    return proto_problem_exceed(
+        problem, NULL, BISECTOR_POINTS,
+        "the bisectors have %llu points, more than %d; ask for a larger tolerance, "
+        "fewer members, or geometry=none",
+        (unsigned long long)points, BISECTOR_POINTS);
 }
 
 static enum server_query_turn voronoi_answer(struct server_query *query,
@@ -386,19 +432,12 @@ static enum server_query_turn voronoi_answer(struct server_query *query,
 static void bisector_encode(const struct server_query *query, struct proto_writer *writer,
                             const struct gd_bisector *bisector)
 {
-    enum proto_geometry geometry = query->options.geometry;
     proto_write_object_begin(writer);
-    proto_member_array(writer, "members");
-    for (int i = 0; i < 2; i++) proto_write_uint(writer, bisector->members[i]);
-    proto_write_array_end(writer);
+    proto_member_indices(writer, "members", bisector->members, 2);
     proto_member_bool(writer, "closed", bisector->closed);
     proto_member_number(writer, "length", bisector->length);
-    if (geometry != PROTO_GEOMETRY_NONE) {
-        proto_member_array(writer, "points");
-        for (uint32_t i = 0; i < bisector->point_count; i++)
-            proto_path_point_encode(writer, query->surface->mesh, &bisector->points[i], geometry);
-        proto_write_array_end(writer);
-    }
+    proto_member_points(writer, query->surface->mesh, bisector->points, bisector->point_count,
+                        query->options.geometry);
     proto_write_object_end(writer);
 }
 
@@ -407,15 +446,7 @@ static void voronoi_encode(const struct server_query *query, struct proto_writer
     const struct voronoi_query *own = (const struct voronoi_query *)query;
     uint32_t count = gd_mesh_summary(query->surface->mesh)->index_count;
     proto_write_object_begin(writer);
-    if (own->labels) {
-        proto_member_array(writer, "labels");
-        for (uint32_t i = 0; i < count; i++)
-            if (own->labels[i] == UINT32_MAX)
-                proto_write_null(writer);
-            else
-                proto_write_uint(writer, own->labels[i]);
-        proto_write_array_end(writer);
-    }
+    if (own->labels) proto_member_indices(writer, "labels", own->labels, count);
     if (proto_field(writer, &query->options, PROTO_VORONOI_FIELD_BISECTORS)) {
         proto_write_array_begin(writer);
         for (uint32_t i = 0; i < own->found.bisector_count; i++)
@@ -472,17 +503,11 @@ static bool voronoi_list_arrays(struct server_query *query, struct proto_problem
 {
     struct voronoi_query *own = (struct voronoi_query *)query;
     if (own->labels)
-        server_arrays_add(
-            &query->arrays,
-            &(struct server_array){.name = "labels",
-                                   .type = SERVER_ARRAY_INDICES,
-                                   .rows = gd_mesh_summary(query->surface->mesh)->index_count,
-                                   .source = own->labels});
+        server_arrays_add_indices(&query->arrays, "labels", 0,
+                                  gd_mesh_summary(query->surface->mesh)->index_count, own->labels);
     return !(query->options.fields & PROTO_VORONOI_FIELD_BISECTORS) ||
            bisectors_list_arrays(own, problem);
 }
-
-static const struct server_form voronoi_forms[] = {SERVER_ARRAYS_FORMS, {NULL, NULL, false}};
 
 static void voronoi_release(struct server_query *query)
 {
@@ -494,7 +519,7 @@ const struct server_query_kind server_query_voronoi = {.name = "voronoi",
                                                        .decode = voronoi_decode,
                                                        .answer = voronoi_answer,
                                                        .encode = voronoi_encode,
-                                                       .forms = voronoi_forms,
+                                                       .forms = server_array_forms,
                                                        .has_bare_points = true,
                                                        .list_arrays = voronoi_list_arrays,
                                                        .release = voronoi_release};

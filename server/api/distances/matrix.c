@@ -1,13 +1,13 @@
 /* Matrix: the distances from each source to each target, by workers.
  *
- * DESIGN. The metric is symmetric: of sources and targets, the fewer become the rows. Each
- * different point is one row or column. A row is a field of its point, evaluated at all columns: a
- * cached field, or one that is built and dropped. If all columns are vertices, the field keeps no
+ * DESIGN. The metric is symmetric: sources or targets, whichever are fewer, become the rows. Each
+ * different point is one row or column. A row is a field of its point, evaluated at all columns.
+ * The field is cached, or built and dropped. If all columns are vertices, the field keeps no
  * wedges. Rows of few columns are searched pair by pair. Between components nothing is computed.
  *
- * Each row is a task of an executor (executor.h) with a workspace and a grant from the memory
- * budget of its own. The first failure ends all rows: those by fields within a millisecond or so,
- * those by searches at the end of a search. */
+ * Each row is a task of an executor (executor.h) with its own workspace and its own grant from the
+ * memory budget. The first failure ends all rows: those by fields within a millisecond or so, those
+ * by searches at the end of a search. */
 #include "server/query/handlers.h"
 
 #include <math.h>
@@ -21,36 +21,37 @@
 #include "server/work/budgeted_call.h"
 #include "server/work/executor.h"
 
-#define FEW_COLUMNS    (SERVER_CACHE_SEARCHES / 2) /* searching them takes half as long as a field */
-#define BYTES_A_COLUMN 16                          /* of an evaluation, see gd_field_distances */
-#define BYTES_AN_EDGE  96                          /* without wedges, see gd_field_distances_only */
-#define BYTES_A_ROW    ((size_t)1 << 20)           /* on a mesh of any size */
+#define FEW_COLUMNS    (SERVER_CACHE_SEARCHES / 2) /* searches take half as long as a field */
+#define BYTES_A_COLUMN 16                /* bytes of an evaluation, see gd_field_distances */
+#define BYTES_AN_EDGE  96                /* without wedges, see gd_field_distances_only */
+#define BYTES_A_ROW    ((size_t)1 << 20) /* further bytes on a mesh of any size */
 
 /* The different points of a list. */
 struct point_index {
     struct gd_point *points;
     uint32_t count;
-    uint32_t *number; /* by position in the list: the index in `points`, whose memory it shares */
+    /* for each position in the list: the index in `points`, which is the same allocation */
+    uint32_t *number;
 };
 
 struct matrix_query {
     struct server_query query;           /* first */
     struct proto_located_points targets; /* the sources are the query's points */
     double max_distance;                 /* INFINITY: no limit */
-    double *distances; /* a source a row. INFINITY: no path; NAN: beyond max_distance */
+    double *distances; /* one row for each source. INFINITY: no path; NAN: beyond max_distance */
 
     bool is_turned; /* the rows are the targets */
     struct point_index rows, columns;
-    uint32_t *vertices;    /* by column: its vertex index; NULL: not all columns are vertices */
+    uint32_t *vertices; /* for each column its vertex index; NULL: not all columns are vertices */
     double *row_distances; /* rows x columns */
-    atomic_size_t grant;   /* bytes that were enough for the rows so far */
+    atomic_size_t grant;   /* bytes that sufficed for the rows so far */
     atomic_int status;     /* the first failure */
 };
 
 struct matrix_row {
     struct matrix_query *matrix;
     const struct gd_point *point;
-    double *distances; /* by column */
+    double *distances; /* for each column */
     struct server_monitor monitor;
 };
 
@@ -75,7 +76,7 @@ static bool matrix_decode(struct server_query *query, const json_t *document,
 
 /* --- different points ------------------------------------------------------------------------- */
 
-/* Zero for points that gd_point_equal calls equal. */
+/* Orders points; returns zero for points that gd_point_equal considers equal. */
 static int point_compare(const void *a, const void *b)
 {
     const struct gd_point *x = *(const struct gd_point *const *)a,
@@ -85,7 +86,7 @@ static int point_compare(const void *a, const void *b)
     return memcmp(x->weight, y->weight, sizeof x->weight);
 }
 
-/* False without memory. O(n log n). */
+/* Lists the different points. Returns false if out of memory. O(n log n). */
 static bool points_index(const struct proto_located_points *list, struct point_index *out)
 {
     const struct gd_point **sorted = malloc(list->count * sizeof *sorted);
@@ -104,7 +105,7 @@ static bool points_index(const struct proto_located_points *list, struct point_i
     return out->count;
 }
 
-/* The columns' vertex indices; NULL when one is no vertex, or without memory. */
+/* Returns the columns' vertex indices; NULL if one of them is not a vertex, or if out of memory. */
 static uint32_t *columns_as_vertices(const struct gd_mesh *mesh, const struct point_index *columns)
 {
     uint32_t *vertices = malloc(columns->count * sizeof *vertices), i = 0;
@@ -165,7 +166,8 @@ static enum gd_status row_evaluate(const struct matrix_row *row, const struct gd
     return status;
 }
 
-/* The radius is just above the limit, so that distances at the limit are final. */
+/* Returns the request of a row's field. Its radius is slightly above the limit, so that distances
+ * at the limit are final. */
 static struct gd_field_request row_request(const struct matrix_row *row, struct gd_seed *seed)
 {
     double limit = row->matrix->max_distance;
@@ -174,7 +176,8 @@ static struct gd_field_request row_request(const struct matrix_row *row, struct 
         .seeds = seed, .seed_count = 1, .radius = isfinite(limit) ? nextafter(limit, INFINITY) : 0};
 }
 
-/* From a field that is dropped. Rows are alike, so the next row begins with this one's grant. */
+/* Computes a row from a field that is dropped afterwards. Rows are alike, so the next row begins
+ * with this row's grant. */
 static enum gd_status row_from_field(const struct matrix_row *row, const struct gd_control *control)
 {
     struct gd_seed seed;
@@ -189,7 +192,7 @@ static enum gd_status row_from_field(const struct matrix_row *row, const struct 
     return status;
 }
 
-/* Without the wedges, which are most of a field's memory. */
+/* Computes a row without storing wedges, which are most of a field's memory. */
 static enum gd_status row_from_vertices(const struct matrix_row *row,
                                         const struct gd_control *control)
 {
@@ -302,7 +305,7 @@ static enum gd_status rows_run(struct matrix_query *matrix)
 
 /* --- the matrix ------------------------------------------------------------------------------- */
 
-/* Copies from different points to all of them. */
+/* Copies the distances of different points to all positions of the lists. */
 static void matrix_spread(struct matrix_query *matrix)
 {
     const uint32_t *row = matrix->rows.number, *column = matrix->columns.number;
@@ -314,7 +317,7 @@ static void matrix_spread(struct matrix_query *matrix)
                                                              : row[i] * columns + column[j]];
 }
 
-/* The memory for the work is freed when the distances are there. */
+/* Computes all distances, and frees the memory of the work. */
 static enum gd_status matrix_work(struct matrix_query *matrix)
 {
     const struct gd_mesh *mesh = matrix->query.surface->mesh;
@@ -369,32 +372,21 @@ static void matrix_encode(const struct server_query *query, struct proto_writer 
     proto_matrix_encode(writer, &answer, &query->options);
 }
 
-static size_t matrix_bytes(const struct server_query *query, void *out)
-{
-    struct proto_matrix_answer answer = matrix_answer(query);
-    return proto_matrix_bytes(&answer, out);
-}
-
 static bool matrix_list_arrays(struct server_query *query, struct proto_problem *problem)
 {
     const struct matrix_query *matrix = (const struct matrix_query *)query;
     (void)problem;
-    server_arrays_add(&query->arrays, &(struct server_array){.name = "distances",
-                                                             .type = SERVER_ARRAY_NUMBERS,
-                                                             .columns = matrix->targets.count,
-                                                             .rows = query->points.count,
-                                                             .source = matrix->distances});
+    server_arrays_add_numbers(&query->arrays, "distances", matrix->targets.count,
+                              query->points.count, matrix->distances);
     return true;
 }
-
-static const struct server_form matrix_forms[] = {SERVER_ARRAYS_FORMS, {NULL, NULL, false}};
 
 const struct server_query_kind server_query_matrix = {.name = "matrix",
                                                       .size = sizeof(struct matrix_query),
                                                       .decode = matrix_decode,
                                                       .solve = matrix_solve,
                                                       .encode = matrix_encode,
-                                                      .bytes = matrix_bytes,
-                                                      .forms = matrix_forms,
+                                                      .has_bytes = true,
+                                                      .forms = server_array_forms,
                                                       .list_arrays = matrix_list_arrays,
                                                       .release = matrix_release};

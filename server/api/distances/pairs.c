@@ -1,9 +1,9 @@
-/* Pairs: distance and shortest path between two points, or leg by leg by way of others.
+/* Pairs: distance and shortest path between two points, optionally via others, leg by leg.
  *
- * DESIGN. The metric is symmetric, so a field of either end answers a leg. The glance answers from
+ * DESIGN. The metric is symmetric, so a field of either end answers a leg. try_inline answers from
  * cached fields. A worker searches from one end to the other; or it builds the field of an end that
- * enough queries have named. While another query builds the field of an end, this one is parked and
- * looks into the cache again when the build has ended. */
+ * enough queries have named. While another query builds the field of an end, this query is parked.
+ * It looks into the cache again when the build has ended. */
 #include "server/query/handlers.h"
 
 #include <math.h>
@@ -14,19 +14,22 @@
 #include "server/query/query.h"
 #include "server/query/result.h"
 
-/* A path across a larger mesh takes too long for an HTTP thread. */
+/* Most faces of a mesh whose paths an HTTP thread traces. */
 #define INLINE_PATH_FACES 200000
-/* Ten times what a field takes. With less time left, the pair is searched. */
+/* Ten times the cost of a field on most meshes. With less time left, the pair is searched. */
 #define PATIENCE_NS_AN_EDGE 10000
-#define WHAT                "the search"
+/* A build that takes longer is abandoned, since searches are the better choice there. */
+#define BUILD_NS         1000000000
+#define BUILD_NS_AN_EDGE 5000
+#define WHAT             "the search"
 
 struct pair_query {
     struct server_query query; /* first */
-    enum gd_pair_wish wish;
-    uint32_t leg, leg_count;      /* in work: from point `leg` of the query to the next one */
-    bool is_noted;                /* the cache has counted the leg's ends */
-    struct gd_pair_answer answer; /* of the legs before it */
-    struct gd_seed source;        /* of the field that this query builds */
+    enum gd_pair_output output;
+    uint32_t leg, leg_count; /* the current leg: from point `leg` of the query to the next one */
+    bool is_noted;           /* the cache has counted the leg's ends */
+    struct gd_pair_answer answer; /* answer of the legs before the current one */
+    struct gd_seed source;        /* source of the field that this query builds */
 };
 
 static void pair_release(struct server_query *query)
@@ -40,9 +43,9 @@ static bool pair_locate(struct server_query *query, struct proto_points *stops,
     struct pair_query *pair = (struct pair_query *)query;
     if (!server_query_locate(query, stops, problem)) return false;
     pair->leg_count = query->points.count - 1;
-    pair->wish = query->options.fields & PROTO_PATH_FIELD_PATH || query->form >= SERVER_FORM_FIRST
-                     ? GD_PAIR_PATH
-                     : GD_PAIR_DISTANCE;
+    pair->output = query->options.fields & PROTO_PATH_FIELD_PATH || query->form >= SERVER_FORM_FIRST
+                       ? GD_PAIR_PATH
+                       : GD_PAIR_DISTANCE;
     return true;
 }
 
@@ -65,7 +68,7 @@ static bool pair_parse(struct server_query *query, const struct proto_parameters
 static struct server_pair leg_of(const struct pair_query *pair)
 {
     const struct gd_point *from = &pair->query.points.points[pair->leg];
-    return (struct server_pair){from, from + 1, pair->wish};
+    return (struct server_pair){from, from + 1, pair->output};
 }
 
 static struct server_monitor leg_monitor(const struct pair_query *pair)
@@ -74,7 +77,7 @@ static struct server_monitor leg_monitor(const struct pair_query *pair)
     return server_query_monitor(&pair->query, pair->leg * share, share);
 }
 
-/* Appends the answer of a leg, which is freed. AGAIN: there are legs left. */
+/* Appends and frees the answer of a leg. AGAIN: legs remain. */
 static enum server_query_turn leg_end(struct pair_query *pair, enum gd_status status,
                                       struct gd_pair_answer *leg, struct proto_problem *problem)
 {
@@ -85,19 +88,20 @@ static enum server_query_turn leg_end(struct pair_query *pair, enum gd_status st
     return pair->leg == pair->leg_count ? SERVER_QUERY_DONE : SERVER_QUERY_AGAIN;
 }
 
-/* Unpins the field. */
+/* Answers the leg from a field, and unpins the field. */
 static enum server_query_turn leg_answer(struct pair_query *pair,
                                          const struct server_cached *cached,
                                          struct proto_problem *problem)
 {
     const struct server_pair ends = leg_of(pair);
     struct gd_pair_answer leg;
-    enum gd_status status = gd_pair_from_field(cached->field, ends.from, ends.to, ends.wish, &leg);
+    enum gd_status status =
+        gd_pair_from_field(cached->field, ends.from, ends.to, ends.output, &leg);
     server_cache_unpin(cached);
     return leg_end(pair, status, &leg, problem);
 }
 
-/* Answers legs from cached fields. AGAIN: a leg is left. */
+/* Answers legs from cached fields. AGAIN: a leg remains. */
 static enum server_query_turn leg_find(struct pair_query *pair, struct proto_problem *problem)
 {
     enum server_query_turn turn = SERVER_QUERY_AGAIN;
@@ -121,7 +125,7 @@ static enum server_query_turn leg_search(struct pair_query *pair, struct proto_p
 
 /* --- building a field ------------------------------------------------------------------------- */
 
-/* The cache counts, once a leg, that the ends are asked about and have no field. */
+/* Counts, once for each leg, a query of ends without a field. */
 static void leg_note(struct pair_query *pair)
 {
     struct server_mesh_cache *fields = pair->query.surface->fields;
@@ -140,24 +144,33 @@ static enum server_cache_turn field_enter(struct pair_query *pair, const struct 
                               &query->field.build);
 }
 
-/* BUILD: this query has a pending build. WAIT: it is parked, and not the caller's any more. */
+static uint64_t edge_count(const struct pair_query *pair)
+{
+    return gd_mesh_summary(pair->query.surface->mesh)->edges;
+}
+
+/* Enters the cache. BUILD: this query has a pending build. WAIT: it is parked; the caller must not
+ * touch it. */
 static enum server_cache_turn leg_enter(struct pair_query *pair)
 {
     const struct server_pair ends = leg_of(pair);
-    uint64_t patience =
-        PATIENCE_NS_AN_EDGE * (uint64_t)gd_mesh_summary(pair->query.surface->mesh)->edges;
-    if (pair->query.exchange->job.deadline_ns < gd_now_ns() + patience) return SERVER_CACHE_SEARCH;
+    uint64_t patience_ns = PATIENCE_NS_AN_EDGE * edge_count(pair);
+    if (pair->query.exchange->job.deadline_ns < gd_now_ns() + patience_ns)
+        return SERVER_CACHE_SEARCH;
     enum server_cache_turn turn = field_enter(pair, ends.from);
     return turn == SERVER_CACHE_SEARCH ? field_enter(pair, ends.to) : turn;
 }
 
-/* If the build fails, the leg is searched, unless it was this query that ended. */
+/* Builds the field. If that fails, searches the leg, unless the query's own deadline or cancel
+ * ended the build. */
 static enum server_query_turn leg_build(struct pair_query *pair, struct proto_problem *problem)
 {
     struct server_query *query = &pair->query;
     const struct server_cached *cached;
     query->field.request = (struct gd_field_request){.seeds = &pair->source, .seed_count = 1};
-    enum gd_status status = server_query_build_field(query, leg_monitor(pair), &cached);
+    struct server_monitor monitor = leg_monitor(pair);
+    monitor.limit_ns = gd_now_ns() + BUILD_NS + BUILD_NS_AN_EDGE * edge_count(pair);
+    enum gd_status status = server_query_build_field(query, monitor, &cached);
     if (!status) return leg_answer(pair, cached, problem);
     if (status == GD_DEADLINE || status == GD_CANCELLED)
         return server_query_fail(query, status, WHAT, problem);
@@ -167,24 +180,25 @@ static enum server_query_turn leg_build(struct pair_query *pair, struct proto_pr
 
 /* --- the steps -------------------------------------------------------------------------------- */
 
-static enum server_query_turn pair_glance(struct server_query *query, struct proto_problem *problem)
+static enum server_query_turn pair_try_inline(struct server_query *query,
+                                              struct proto_problem *problem)
 {
     struct pair_query *pair = (struct pair_query *)query;
     uint64_t faces = gd_mesh_summary(pair->query.surface->mesh)->faces;
-    bool is_quick = !pair->wish || faces * pair->leg_count <= INLINE_PATH_FACES;
+    bool is_quick = !pair->output || faces * pair->leg_count <= INLINE_PATH_FACES;
     enum server_query_turn turn = is_quick ? leg_find(pair, problem) : SERVER_QUERY_AGAIN;
     if (turn == SERVER_QUERY_AGAIN) leg_note(pair);
     return turn;
 }
 
-/* A pending build begins here, before its builder is queued, so that later queries for the same
- * field take no place in the queue. */
+/* Begins a pending build before its builder is queued, so that later queries for the same field
+ * take no place in the queue. */
 static bool pair_join(struct server_query *query)
 {
     return leg_enter((struct pair_query *)query) == SERVER_CACHE_WAIT;
 }
 
-/* Looks into the cache, then does at most one search or build. */
+/* Looks into the cache, then runs at most one search or build. */
 static enum server_query_turn pair_solve(struct server_query *query, struct proto_problem *problem)
 {
     struct pair_query *pair = (struct pair_query *)query;
@@ -223,27 +237,13 @@ static bool path_write(const struct server_query *query, struct server_answer_fi
     return server_result_write_strip(query, &answer->path, out, problem);
 }
 
-static const struct gd_point *path_points(const void *user, uint32_t line, uint32_t *count)
-{
-    const struct pair_query *pair = user;
-    (void)line;
-    *count = pair->answer.path.count;
-    return pair->answer.path.points;
-}
-
-/* No line where there is no path. */
+/* Lists the arrays, without a line if there is no path. */
 static bool path_list_arrays(struct server_query *query, struct proto_problem *problem)
 {
-    struct pair_query *pair = (struct pair_query *)query;
-    const struct server_lines lines = {.mesh = query->surface->mesh,
-                                       .count = isfinite(pair->answer.distance),
-                                       .points = path_points,
-                                       .user = pair};
-    if (!server_query_list_lines(query, &lines, problem)) return false;
-    server_arrays_add(&query->arrays, &(struct server_array){.name = "distance",
-                                                             .type = SERVER_ARRAY_NUMBERS,
-                                                             .rows = 1,
-                                                             .source = &pair->answer.distance});
+    const struct gd_pair_answer *answer = &((const struct pair_query *)query)->answer;
+    const struct gd_point *points = isfinite(answer->distance) ? answer->path.points : NULL;
+    if (!server_query_list_line(query, points, answer->path.count, problem)) return false;
+    server_arrays_add_numbers(&query->arrays, "distance", 0, 1, &answer->distance);
     return true;
 }
 
@@ -254,7 +254,7 @@ static const struct server_form path_forms[] = {SERVER_RESULT_LINE_FORMS,
 
 #define PAIR_STEPS                                                                                 \
     .size = sizeof(struct pair_query), .decode = pair_decode, .parse = pair_parse,                 \
-    .glance = pair_glance, .join = pair_join, .solve = pair_solve, .encode = pair_encode,          \
+    .try_inline = pair_try_inline, .join = pair_join, .solve = pair_solve, .encode = pair_encode,  \
     .release = pair_release
 
 const struct server_query_kind server_query_distance = {.name = "distance", PAIR_STEPS};

@@ -11,7 +11,7 @@
 
 /* --- nearest ---------------------------------------------------------------------------------- */
 
-/* Locating takes O(log n): nothing is left to solve. */
+/* Decoding locates the point in O(log n); nothing is left to solve. */
 
 struct nearest_query {
     struct server_query query; /* first */
@@ -61,7 +61,7 @@ const struct server_query_kind server_query_nearest = {.name = "nearest",
 
 struct mean_query {
     struct server_query query; /* first */
-    double *weights;           /* NULL: equal ones */
+    double *weights;           /* NULL: equal weights */
     bool one_step;
     struct gd_mean mean;
 };
@@ -175,9 +175,19 @@ static void sampling_encode(const struct server_query *query, struct proto_write
                           sampling->count, sampling->snap, &query->options);
 }
 
+static bool sampling_list_arrays(struct server_query *query, struct proto_problem *problem)
+{
+    const struct sampling_query *sampling = (const struct sampling_query *)query;
+    if (!server_query_list_line(query, sampling->points, sampling->count, problem)) return false;
+    server_arrays_add_numbers(&query->arrays, "radii", 0, sampling->count, sampling->radii);
+    return true;
+}
+
 const struct server_query_kind server_query_farthest_points = {.name = "farthest-points",
                                                                .size =
                                                                    sizeof(struct sampling_query),
                                                                .decode = sampling_decode,
                                                                .solve = sampling_solve,
-                                                               .encode = sampling_encode};
+                                                               .encode = sampling_encode,
+                                                               .forms = server_array_forms,
+                                                               .list_arrays = sampling_list_arrays};

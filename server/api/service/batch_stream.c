@@ -1,13 +1,13 @@
-/* Batch stream: many queries in one request, a line of JSON each, answered in their order by the
- * steps of single requests (query.h).
+/* Batch stream: many queries in one request, one JSON line each, answered in order by the steps of
+ * single requests (query.h).
  *
  * DESIGN. One worker works line by line; a line that waits for a field of another request parks the
- * exchange. When time or memory is over, each line that is left is answered with the problem.
+ * exchange. When time or memory runs out, each remaining line is answered with the problem.
  *
- * Answers are collected. If no line takes long, they leave as one response. Before the first long
- * line, or when many bytes are ready, the request is answered with a stream (relay.h), and an
- * exchange detached from it does the rest; what is ready then goes to the stream before each long
- * line. A job (Prefer: respond-async) collects all. */
+ * Answers are collected. If no line takes long, they are sent as one response. Before the first
+ * long line, or when many bytes are ready, the request is answered with a stream (relay.h), and an
+ * exchange detached from the request continues. From then on, ready answers go to the stream before
+ * each long line. A job (Prefer: respond-async) collects all answers. */
 #include "server/query/handlers.h"
 
 #include <stdio.h>
@@ -30,12 +30,12 @@
 #define FLUSH_BYTES 65536
 
 struct batch {
-    struct server_exchange *exchange; /* the request's, or the detached one */
+    struct server_exchange *exchange; /* the request's exchange, or the detached one */
     struct server_surface *surface;
-    struct proto_batch_line line; /* in work */
-    struct server_query *query;   /* of that line; NULL: it is answered */
-    size_t begin;                 /* of its answer */
-    struct proto_writer writer;   /* of answers that are not in the stream */
+    struct proto_batch_line line; /* the current line */
+    struct server_query *query;   /* query of the current line; NULL: the line is answered */
+    size_t begin;                 /* where its answer begins */
+    struct proto_writer writer;   /* answers that are not yet in the stream */
     struct server_relay *relay;   /* NULL: the request is not answered yet */
     bool is_whole;                /* all lines are answered in the stream */
     bool is_refused;              /* the line is late */
@@ -54,30 +54,23 @@ static void batch_free(void *state)
 
 /* --- one line --------------------------------------------------------------------------------- */
 
-/* What a line can ask. */
-struct line_kind {
-    const struct server_query_kind *kind;
-    const char *const *fields; /* of its answer */
-};
-
-static const struct line_kind *kind_find(const char *name, struct proto_problem *problem)
+/* Returns the route of a query that a line can contain. */
+static const struct proto_route *route_find(const char *name, struct proto_problem *problem)
 {
-    static const struct line_kind kinds[] = {
-        {&server_query_distance, proto_distance_fields},
-        {&server_query_path, proto_path_fields},
-        {&server_query_nearest, proto_point_fields},
-        {&server_query_matrix, proto_matrix_fields},
-        {&server_query_distance_to_set, proto_result_fields},
-        {&server_query_curve_distance, proto_curve_distance_fields}};
-    char names[256] = "";
-    size_t length = 0;
-    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
-        if (strcmp(kinds[i].kind->name, name) == 0) return &kinds[i];
-        length += (size_t)snprintf(names + length, sizeof names - length, "%s%s", i ? ", " : "",
-                                   kinds[i].kind->name);
+    static const char *const names[] = {"distance",        "path",          "nearest", "matrix",
+                                        "distance-to-set", "curve-distance"};
+    char known[256] = "";
+    bool is_known = false;
+    for (size_t i = 0, length = 0; i < sizeof names / sizeof names[0]; i++) {
+        is_known |= strcmp(names[i], name) == 0;
+        length += (size_t)snprintf(known + length, sizeof known - length, "%s%s", i ? ", " : "",
+                                   names[i]);
     }
+    for (size_t i = 0; i < proto_route_count && is_known; i++)
+        if (proto_routes[i].query && strcmp(proto_routes[i].query, name) == 0)
+            return &proto_routes[i];
     proto_problem_refuse(problem, "/query", "a batch has no query \"%s\"; it takes %s", name,
-                         names);
+                         known);
     return NULL;
 }
 
@@ -86,15 +79,15 @@ static bool line_decode(struct batch *batch, const struct proto_batch_query *lin
 {
     const struct server_body *body = &batch->exchange->body;
     struct proto_parameters parameters = server_exchange_parameters(batch->exchange);
-    const struct line_kind *found = kind_find(line->name, problem);
-    if (!found) return false;
-    struct server_query *query = server_query_create(found->kind, batch->exchange, batch->surface);
+    const struct proto_route *route = route_find(line->name, problem);
+    if (!route) return false;
+    struct server_query *query = server_query_create(route->kind, batch->exchange, batch->surface);
     batch->query = query;
     if (!query) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
     query->begun = (double)(batch->line.text - body->bytes) / (double)body->size;
     query->share = (double)batch->line.size / (double)body->size;
-    return proto_batch_options(line, &parameters, found->fields, &query->options, problem) &&
-           found->kind->decode(query, line->document, problem);
+    return proto_batch_options(line, &parameters, route, &query->options, problem) &&
+           route->kind->decode(query, line->document, problem);
 }
 
 static bool line_read(struct batch *batch, struct proto_problem *problem)
@@ -111,7 +104,7 @@ static bool line_read(struct batch *batch, struct proto_problem *problem)
     return ok;
 }
 
-/* Deadline, drain and client of the batch. */
+/* Checks deadline, drain and client of the batch. */
 static enum gd_status batch_check(const struct batch *batch)
 {
     const struct server_body *body = &batch->exchange->body;
@@ -126,12 +119,12 @@ static bool line_admit(const struct batch *batch, struct proto_problem *problem)
     enum gd_status status = batch_check(batch);
     if (status) return proto_problem_from_status(problem, status, NULL);
     if (batch->begin < ANSWER_MOST) return true;
-    proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE,
-                      "the answers before this line take the %zu bytes that those of a batch may "
-                      "take; send this line and "
-                      "the rest as another batch",
-                      ANSWER_MOST);
-    return proto_problem_limit(problem, ANSWER_MOST);
+    return proto_problem_exceed(
+        problem, NULL, ANSWER_MOST,
+        "the answers before this line take the %zu bytes that those of a batch may "
+        "take; send this line and "
+        "the rest as another batch",
+        ANSWER_MOST);
 }
 
 /* Writes the answer or the problem. */
@@ -147,7 +140,7 @@ static void line_end(struct batch *batch, bool ok, struct proto_problem *problem
     batch->query = NULL;
 }
 
-/* Starts the next line. False: there are no more. */
+/* Starts the next line. Returns false at the end. */
 static bool line_begin(struct batch *batch)
 {
     const struct server_body *body = &batch->exchange->body;
@@ -156,7 +149,7 @@ static bool line_begin(struct batch *batch)
     if (!proto_batch_next(body->bytes, body->size, &batch->line)) return false;
     batch->begin = proto_batch_begin(&batch->writer);
     if (line_admit(batch, &problem) && line_read(batch, &problem))
-        turn = server_query_glance(batch->query, &problem);
+        turn = server_query_try_inline(batch->query, &problem);
     if (turn != SERVER_QUERY_AGAIN) line_end(batch, turn == SERVER_QUERY_DONE, &problem);
     return true;
 }
@@ -172,7 +165,7 @@ static void line_end_late(struct batch *batch)
 
 /* --- the stream ------------------------------------------------------------------------------- */
 
-/* Bytes of answered lines. */
+/* Returns the bytes of answered lines that are not sent. */
 static size_t batch_ready(const struct batch *batch)
 {
     return batch->query ? batch->begin : batch->writer.size;
@@ -194,7 +187,7 @@ static bool on_is_gone(struct server_exchange *exchange)
     return server_relay_is_over(batch->relay);
 }
 
-/* A late line that waits for a field is refused, and so are all lines after it. */
+/* Refuses a late line that waits for a field, and all lines after it. */
 static void on_refuse(struct server_job *job, enum server_refusal why)
 {
     struct batch *batch = server_exchange_of(job)->state;
@@ -203,56 +196,28 @@ static void on_refuse(struct server_job *job, enum server_refusal why)
     job->run(job);
 }
 
-/* Answers the request with the relay's stream; returns an exchange for the rest of the work, or
- * NULL without memory. */
-static struct server_exchange *stream_detach(struct batch *batch, struct server_relay *relay,
-                                             bool is_packed)
+/* Starts the stream. True: the request is answered, and the batch belongs to the detached exchange,
+ * perhaps to another thread. False (out of memory): the batch continues to collect. */
+static bool stream_start(struct batch *batch)
 {
     static const struct server_transport transport = {
         .finish = server_exchange_destroy, .is_gone = on_is_gone, .can_stream = true};
     struct server_exchange *exchange = batch->exchange;
-    struct server_exchange *rest = server_exchange_detach(exchange, &transport);
-    if (!rest) return NULL;
-    struct server_stream *stream = server_relay_open(relay);
-    if (!stream) {
-        exchange->body = rest->body;
-        rest->body = (struct server_body){0};
-        server_exchange_destroy(rest);
-        return NULL;
-    }
+    struct server_exchange *rest =
+        server_request_stream(exchange, &transport, NDJSON, &batch->relay);
+    if (!rest) return false;
     server_reply_tag(exchange, batch->surface->record->etag, "ndjson");
-    server_reply_coding(exchange, is_packed);
-    server_reply_stream(exchange, 200, NDJSON, stream);
-    return rest;
-}
-
-/* True: the request is answered, and the batch belongs to the detached exchange, perhaps to another
- * thread. False, without memory: the batch goes on collecting. */
-static bool stream_start(struct batch *batch)
-{
-    struct server_exchange *exchange = batch->exchange;
-    struct server_host *host = exchange->host;
-    bool is_packed = server_reply_takes_gzip(exchange);
-    struct server_relay *relay = server_relay_create(host, is_packed);
-    struct server_exchange *rest = relay ? stream_detach(batch, relay, is_packed) : NULL;
-    if (!rest) {
-        server_relay_release(relay);
-        return false;
-    }
-    rest->job.deadline_ns = exchange->job.deadline_ns;
     rest->job.refuse = on_refuse;
-    rest->work = exchange->work;
     server_exchange_keep(rest, batch, batch_free);
     server_exchange_keep(exchange, NULL, NULL);
-    batch->relay = relay;
     batch->exchange = rest;
     if (batch->query) batch->query->exchange = rest;
-    server_exchange_count_deferred(host);
-    server_workers_resume(host->workers, &rest->job);
+    server_request_go_on(rest);
     return true;
 }
 
-/* True: the work is over for now: the exchange is answered (`is_done`) or parked. */
+/* Passes answers to the stream. True: the work has ended for now: the exchange is answered
+ * (`is_done`) or parked. */
 static bool stream_pass(struct batch *batch, bool *is_done)
 {
     size_t ready = batch_ready(batch);
@@ -312,7 +277,7 @@ static bool request_check(struct server_exchange *exchange, struct proto_options
         return proto_problem_set(
             problem, PROTO_PROBLEM_UNSUPPORTED_MEDIA_TYPE,
             "a batch is lines of JSON: send it with the header Content-Type: " NDJSON);
-    return proto_batch_parse(&parameters, options, problem);
+    return proto_options_parse(&parameters, NULL, proto_post_batch_parameters, options, problem);
 }
 
 void server_handle_batch(struct server_exchange *exchange)

@@ -1,5 +1,5 @@
 /* Batches: create, list, describe and remove them, and read their answers (jobs/batch_runner.h).
- * All of it by workers, since it reads the queue's database. */
+ * All steps run on workers, since they read the queue's database. */
 #include "server/query/handlers.h"
 
 #include <stdlib.h>
@@ -14,7 +14,7 @@
 #include "server/query/request.h"
 #include "server/store/kind.h"
 
-#define BATCHES_MOST 1000 /* of a tenant */
+#define BATCHES_MOST 1000 /* most batches of a tenant */
 
 _Static_assert(SERVER_BATCH_ID == SERVER_JOB_ID, "batches have ids of jobs");
 
@@ -22,9 +22,8 @@ _Static_assert(SERVER_BATCH_ID == SERVER_JOB_ID, "batches have ids of jobs");
 
 static struct server_store_sql *open_queue(struct server_exchange *exchange)
 {
-    char error[256];
-    struct server_store_sql *sql =
-        server_batch_runner_sql(exchange->host->api->batches, error, sizeof error);
+    char error[SERVER_ERROR];
+    struct server_store_sql *sql = server_batch_runner_sql(exchange->host->api->batches, error);
     if (!sql) server_request_fail(exchange, SERVER_STORE_REFUSED);
     return sql;
 }
@@ -41,7 +40,7 @@ static bool check_outcome(struct server_exchange *exchange, enum server_store_ou
     return false;
 }
 
-/* The batch that the path names, and the queue. */
+/* Finds the batch that the path names, and the queue. */
 static struct server_store_sql *find_batch(struct server_exchange *exchange,
                                            struct server_batch *out)
 {
@@ -88,7 +87,8 @@ static void reply_batch(struct server_exchange *exchange, unsigned status,
 
 /* --- create ----------------------------------------------------------------------------------- */
 
-/* Items of all pairs use one version of the mesh: the current one, whose etag is written. */
+/* All items of all-pairs use one version of the mesh: fixes the current version, and writes its
+ * etag. */
 static bool fix_version(struct server_exchange *exchange, const struct proto_many *many,
                         char etag[SERVER_ETAG])
 {
@@ -107,7 +107,8 @@ static bool fix_version(struct server_exchange *exchange, const struct proto_man
     return false;
 }
 
-/* A conflict, not a matter of time that clients would wait for: only a DELETE makes room. */
+/* Checks the number of batches. Too many are a conflict, because only a DELETE makes room: waiting
+ * would not help. */
 static bool check_room(struct server_exchange *exchange, struct server_store_sql *sql)
 {
     int64_t count;
@@ -163,19 +164,16 @@ void server_handle_create_batch(struct server_exchange *exchange)
 
 /* --- wait ------------------------------------------------------------------------------------- */
 
-#define WAIT_MARGIN_NS UINT64_C(1000000000) /* between the end of a wait and the deadline */
-
-/* A wait of so many seconds, before the queue is read. */
+/* Begins a wait of `wait_s` seconds. Call it before the queue is read. */
 static struct server_batch_wait wait_begin(const struct server_exchange *exchange, uint64_t wait_s)
 {
-    uint64_t until_ns = exchange->started_ns + wait_s * 1000000000;
-    uint64_t last_ns = exchange->job.deadline_ns - WAIT_MARGIN_NS;
     return (struct server_batch_wait){.news =
                                           server_batch_runner_news(exchange->host->api->batches),
-                                      .until_ns = until_ns < last_ns ? until_ns : last_ns};
+                                      .until_ns = server_request_wait_end(exchange, wait_s)};
 }
 
-/* Parks the exchange until it is worth to look again. False: it has to be answered. */
+/* Parks the exchange until the queue may have changed. Returns false if the exchange must be
+ * answered now. */
 static bool wait_for_news(struct server_exchange *exchange, struct server_batch_wait *wait,
                           const struct server_batch *batch)
 {
@@ -213,7 +211,8 @@ void server_handle_list_batches(struct server_exchange *exchange)
     if (server_reply_accepts_json(exchange)) server_exchange_defer(exchange, list_batches, NULL);
 }
 
-/* False: parked, until the batch has ended or the time is over. */
+/* Describes the batch. Returns false if the exchange is parked until the batch has ended or the
+ * wait is over. */
 static bool describe_batch(struct server_exchange *exchange)
 {
     struct server_batch batch;
@@ -236,7 +235,7 @@ void server_handle_get_batch(struct server_exchange *exchange)
     if (server_reply_accepts_json(exchange)) server_exchange_defer(exchange, describe_batch, NULL);
 }
 
-/* Cancels a batch under way, removes one that has ended. */
+/* Cancels a running batch, or removes an ended one. */
 static bool remove_batch(struct server_exchange *exchange)
 {
     struct server_batch batch;
@@ -261,11 +260,11 @@ void server_handle_delete_batch(struct server_exchange *exchange)
 struct answers {
     struct proto_many many;
     struct proto_many_page page;
-    struct server_batch batch; /* as it was before the answers were read */
+    struct server_batch batch; /* its state when the reading of answers began */
     struct proto_writer writer;
-    struct server_batch_place place; /* of the last answer shown */
+    struct server_batch_place place; /* place of the last answer shown */
     uint32_t count;
-    bool is_cut;   /* there are more than fit on the page */
+    bool is_cut;   /* more answers exist than fit on the page */
     uint32_t seen; /* rows of one read */
 };
 
@@ -283,7 +282,8 @@ static bool on_answer(void *user, const struct server_sql_value *row)
     return true;
 }
 
-/* In the order of answers there is a next page as long as there may be more of them. */
+/* Replies with a page. In the order of answers there is a next page as long as more answers may
+ * follow. */
 static void reply_answers(struct server_exchange *exchange, struct server_store_sql *sql,
                           struct answers *answers)
 {
@@ -305,7 +305,7 @@ static void reply_answers(struct server_exchange *exchange, struct server_store_
     server_reply_json(exchange, 200, &answers->writer);
 }
 
-/* Reads what the batch asks. */
+/* Reads the batch's document. */
 static bool read_batch(struct server_exchange *exchange, struct server_store_sql *sql,
                        const char *id, struct proto_many *out)
 {
@@ -319,7 +319,8 @@ static bool read_batch(struct server_exchange *exchange, struct server_store_sql
     return is_read;
 }
 
-/* False: parked, until there are answers, the batch has ended, or the time is over. */
+/* Lists answers. Returns false if the exchange is parked until there are answers, the batch has
+ * ended, or the wait is over. */
 static bool list_answers(struct server_exchange *exchange)
 {
     struct answers answers = {.count = 0};

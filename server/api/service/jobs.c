@@ -6,6 +6,7 @@
 #include "proto/http/accept.h"
 #include "proto/http/job.h"
 #include "proto/http/page.h"
+#include "proto/queries/many.h"
 #include "server/exchange/events.h"
 #include "server/exchange/reply.h"
 #include "server/jobs/job_table.h"
@@ -13,9 +14,10 @@
 #include "server/query/request.h"
 
 #define EVENT_STREAM "text/event-stream"
-#define LENT_FROM    65536 /* bytes of an answer; shorter ones are copied */
+/* bytes of an answer from which it is lent; shorter answers are copied */
+#define LENT_FROM 65536
 
-/* The job that the path names, for the caller to release; NULL: a problem is replied. */
+/* Returns the job that the path names, for the caller to release; NULL: a problem is replied. */
 static struct server_deferred_job *find_job(struct server_exchange *exchange)
 {
     const struct proto_capture *id = &exchange->match.captures[0];
@@ -79,14 +81,51 @@ static void reply_answer(struct server_exchange *exchange, struct server_deferre
     server_reply_text(exchange, answer->status, answer->media_type, &writer);
 }
 
-void server_handle_get_job(struct server_exchange *exchange)
+/* Describes the job, on a worker, after a wait. */
+static bool describe_job(struct server_exchange *exchange)
 {
-    if (!server_reply_accepts_json(exchange) || !server_request_is_plain(exchange)) return;
     struct server_deferred_job *job = find_job(exchange);
-    if (!job) return;
+    if (!job) return true;
     const struct proto_job state = server_deferred_job_describe(job);
     reply_job(exchange, 200, job, &state);
     server_deferred_job_release(job);
+    return true;
+}
+
+/* Parks the exchange, without a worker, until the job has ended or the wait is over. */
+static bool wait_for_end(struct server_exchange *exchange)
+{
+    const struct proto_capture *id = &exchange->match.captures[0];
+    struct proto_parameters parameters = server_exchange_parameters(exchange);
+    struct proto_problem problem;
+    uint64_t wait_s;
+    struct server_deferred_job *job =
+        server_job_table_find(exchange->host->api->jobs, exchange->tenant, id->text, id->length);
+    bool is_parked =
+        job && proto_many_parse_wait(&parameters, &wait_s, &problem) &&
+        server_deferred_job_wait(job, &exchange->job, server_request_wait_end(exchange, wait_s));
+    server_deferred_job_release(job);
+    return is_parked;
+}
+
+void server_handle_get_job(struct server_exchange *exchange)
+{
+    struct proto_parameters parameters = server_exchange_parameters(exchange);
+    struct proto_problem problem;
+    uint64_t wait_s;
+    if (!server_reply_accepts_json(exchange)) return;
+    if (!proto_many_parse_wait(&parameters, &wait_s, &problem)) {
+        server_reply_problem(exchange, &problem);
+        return;
+    }
+    struct server_deferred_job *job = find_job(exchange);
+    if (!job) return;
+    bool has_ended = proto_job_has_ended(server_deferred_job_describe(job).state);
+    server_deferred_job_release(job);
+    if (wait_s && !has_ended)
+        server_exchange_defer(exchange, describe_job, wait_for_end);
+    else
+        (void)describe_job(exchange);
 }
 
 void server_handle_get_job_result(struct server_exchange *exchange)
@@ -98,11 +137,10 @@ void server_handle_get_job_result(struct server_exchange *exchange)
     if (state.answer)
         reply_answer(exchange, job, state.answer);
     else
-        server_reply_refusal(
-            exchange, PROTO_PROBLEM_CONFLICT,
-            state.state == PROTO_JOB_CANCELLED
-                ? "the job was cancelled and has no answer; ask again"
-                : "the job has not ended; its events tell when it has, or ask again later");
+        server_reply_refusal(exchange, PROTO_PROBLEM_CONFLICT,
+                             state.state == PROTO_JOB_CANCELLED
+                                 ? "the job was cancelled and has no answer; send the request again"
+                                 : "the job has not ended; GET it with ?wait= until it has");
     server_deferred_job_release(job);
 }
 
@@ -124,7 +162,7 @@ static void reply_page(struct server_exchange *exchange, uint32_t limit,
     server_reply_json(exchange, 200, &writer);
 }
 
-/* Replies with a page of jobs. False: it is too long for an HTTP thread. */
+/* Replies with a page of jobs. Returns false if it is too long for an HTTP thread. */
 static bool list_jobs(struct server_exchange *exchange)
 {
     uint32_t most = exchange->work ? PROTO_PAGE_MOST : SERVER_REQUEST_SHORT_LIST;
@@ -186,7 +224,7 @@ void server_handle_delete_job(struct server_exchange *exchange)
 
 /* --- events ----------------------------------------------------------------------------------- */
 
-/* State and progress in one number. */
+/* Combines state and progress in one number. */
 static uint64_t event_version(void *user)
 {
     const struct proto_job state = server_deferred_job_describe(user);
@@ -204,7 +242,7 @@ static void reply_events(struct server_exchange *exchange, struct server_deferre
 {
     struct server_host *host = exchange->host;
     const struct server_event_source source = {.version = event_version,
-                                               .tell = event_write,
+                                               .write = event_write,
                                                .release = release_job,
                                                .user = server_deferred_job_retain(job)};
     struct server_stream *stream = server_stream_open(host->events, &source);
@@ -230,7 +268,8 @@ void server_handle_get_job_events(struct server_exchange *exchange)
     struct server_deferred_job *job = find_job(exchange);
     if (!job) return;
     if (last && strcmp(last, PROTO_JOB_LAST_EVENT) == 0)
-        server_reply_empty(exchange, 204); /* else a browser connects again after the last event */
+        /* 204 stops a browser from reconnecting after the last event */
+        server_reply_empty(exchange, 204);
     else
         reply_events(exchange, job);
     server_deferred_job_release(job);

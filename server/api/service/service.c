@@ -1,4 +1,4 @@
-/* What the daemon says about itself, and its static pages. */
+/* The daemon's descriptions of itself, and its static pages. */
 #include "server/query/handlers.h"
 
 #include "proto/http/service.h"
@@ -20,7 +20,7 @@ static void reply_asset(struct server_exchange *exchange, const char *path)
                              "this build of the program holds no %s", path);
 }
 
-/* Any query string is allowed: the page's scripts read it. */
+/* Replies with the viewer. Any query string is allowed, because the page's scripts read it. */
 void server_handle_get_viewer(struct server_exchange *exchange)
 {
     reply_asset(exchange, "/");
@@ -45,9 +45,9 @@ void server_handle_get_livez(struct server_exchange *exchange)
     if (server_request_is_plain(exchange)) reply_health(exchange, 200, PROTO_HEALTH_OK, NULL);
 }
 
-/* A read-only store leaves the daemon ready, since it still answers queries. So does a shared store
- * that is unreachable: other daemons are in no better state, and surfaces in memory still
- * answer. */
+/* Reports readiness. A daemon with a read-only store is ready, since it still answers queries. So
+ * is a daemon with an unreachable shared store: other daemons are in the same state, and surfaces
+ * in memory still answer. */
 void server_handle_get_readyz(struct server_exchange *exchange)
 {
     const char *reason = server_registry_health(exchange->host->api->registry);
@@ -64,8 +64,8 @@ void server_handle_get_readyz(struct server_exchange *exchange)
     }
 }
 
-/* Only an operator's key gets the numbers of all tenants. The client's address proves nothing:
- * behind a proxy every client is local. */
+/* Replies with metrics. Only an operator's key gets those of all tenants. The client's address
+ * proves nothing: behind a proxy every client is local. */
 void server_handle_get_metrics(struct server_exchange *exchange)
 {
     const struct server_api *api = exchange->host->api;

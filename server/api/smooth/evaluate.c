@@ -1,8 +1,12 @@
-/* Evaluate and nearest on smooth surfaces: position and derivatives at many places, and the place
- * nearest to a point of space. Each has one flow and, for each kind of surface, its steps. */
+/* Evaluate and nearest on smooth surfaces: position and derivatives at many points, and the
+ * surface point nearest to a point of space. Both kinds of surfaces share the flow; each has its
+ * own steps. */
 #include "server/api/smooth/smooth.h"
 
-#include "proto/json/member.h"
+#include <math.h>
+#include <string.h>
+
+#include "proto/json/writer.h"
 #include "proto/queries/jet.h"
 #include "server/query/api.h"
 #include "server/query/handlers.h"
@@ -35,13 +39,15 @@ static const struct gd_subdivision *subdivision_of(const struct server_query *qu
 
 /* --- evaluate: {"points": [one per place]} ---------------------------------------------------- */
 
-enum { LIMIT_ROUND = 256 };
+enum { LIMIT_ROUND = 256, VECTORS = 7 };
+
+static const char *const vector_names[VECTORS] = {"xyz", "normal", "du", "dv", "duu", "duv", "dvv"};
 
 struct evaluation;
 
 struct evaluator {
     struct server_query_kind kind; /* first */
-    uint32_t quick;                /* so many places are evaluated in the HTTP thread */
+    uint32_t quick;                /* most places that an HTTP thread evaluates */
     uint32_t round;                /* places between two checks of clock and budget */
     enum gd_status (*write)(struct evaluation *evaluation, uint32_t first, uint32_t count,
                             const struct gd_control *control);
@@ -54,12 +60,48 @@ struct evaluation {
         struct proto_limit_places limit;
     } places;
     uint32_t count;
-    struct gd_detail detail; /* of a failure */
+    struct gd_detail detail;               /* detail of a failure */
+    double *vectors[VECTORS], *curvatures; /* for an answer as arrays */
 };
 
 static const struct evaluator *evaluator_of(const struct server_query *query)
 {
     return (const struct evaluator *)query->kind;
+}
+
+static enum gd_status evaluation_allocate(struct evaluation *evaluation)
+{
+    struct server_query *query = &evaluation->query;
+    double *numbers =
+        server_query_allocate(query, evaluation->count, (3 * VECTORS + 2) * sizeof *numbers);
+    if (!numbers) return GD_BUDGET;
+    for (int k = 0; k < VECTORS; k++)
+        evaluation->vectors[k] = numbers + 3 * (size_t)evaluation->count * k;
+    evaluation->curvatures = numbers + 3 * (size_t)evaluation->count * VECTORS;
+    return GD_OK;
+}
+
+/* Stores a result for an answer as arrays; NAN stands for null. */
+static void evaluation_store(struct evaluation *evaluation, uint32_t i,
+                             const struct gd_vec3 vectors[VECTORS], const double curvatures[2])
+{
+    for (int k = 0; k < VECTORS; k++) {
+        const double xyz[3] = {vectors[k].x, vectors[k].y, vectors[k].z};
+        memcpy(evaluation->vectors[k] + 3 * (size_t)i, xyz, sizeof xyz);
+    }
+    memcpy(evaluation->curvatures + 2 * (size_t)i, curvatures, 2 * sizeof *curvatures);
+}
+
+static bool evaluation_list_arrays(struct server_query *query, struct proto_problem *problem)
+{
+    const struct evaluation *evaluation = (const struct evaluation *)query;
+    uint32_t count = evaluation->count;
+    (void)problem;
+    for (int k = 0; k < VECTORS; k++)
+        server_arrays_add_numbers(&query->arrays, vector_names[k], 3, count,
+                                  evaluation->vectors[k]);
+    server_arrays_add_numbers(&query->arrays, "curvatures", 2, count, evaluation->curvatures);
+    return true;
 }
 
 static enum gd_status evaluation_write_round(struct evaluation *evaluation, uint32_t first)
@@ -80,7 +122,8 @@ static enum server_query_turn evaluation_solve(struct server_query *query,
 {
     struct evaluation *evaluation = (struct evaluation *)query;
     struct proto_writer *writer = &query->draft;
-    enum gd_status status = GD_OK;
+    enum gd_status status =
+        server_query_arrays_form(query) ? evaluation_allocate(evaluation) : GD_OK;
     proto_write_object_begin(writer);
     proto_member_array(writer, "points");
     for (uint32_t i = 0; i < evaluation->count && !status; i += evaluator_of(query)->round)
@@ -92,16 +135,47 @@ static enum server_query_turn evaluation_solve(struct server_query *query,
     return server_query_end_draft(query, GD_OK, "the answer", problem);
 }
 
-static enum server_query_turn evaluation_glance(struct server_query *query,
-                                                struct proto_problem *problem)
+static enum server_query_turn evaluation_try_inline(struct server_query *query,
+                                                    struct proto_problem *problem)
 {
     if (((struct evaluation *)query)->count > evaluator_of(query)->quick) return SERVER_QUERY_AGAIN;
     return evaluation_solve(query, problem);
 }
 
 #define EVALUATION_STEPS                                                                           \
-    .name = "evaluate", .size = sizeof(struct evaluation), .glance = evaluation_glance,            \
-    .solve = evaluation_solve
+    .name = "evaluate", .size = sizeof(struct evaluation), .try_inline = evaluation_try_inline,    \
+    .solve = evaluation_solve, .forms = server_array_forms, .list_arrays = evaluation_list_arrays
+
+static const struct gd_vec3 no_vector = {NAN, NAN, NAN};
+
+static void nurbs_write_jet(struct evaluation *evaluation, uint32_t i, const struct gd_jet *jet)
+{
+    const struct gd_curvature curvature = gd_jet_curvature(jet);
+    bool is_regular = curvature.regular;
+    if (evaluation->curvatures)
+        evaluation_store(
+            evaluation, i,
+            (struct gd_vec3[]){jet->x, is_regular ? curvature.normal : no_vector, jet->u, jet->v,
+                               jet->uu, jet->uv, jet->vv},
+            (double[]){is_regular ? curvature.gaussian : NAN, is_regular ? curvature.mean : NAN});
+    else
+        proto_jet_encode(&evaluation->query.draft, jet, &evaluation->query.options);
+}
+
+static void limit_write_jet(struct evaluation *evaluation, uint32_t i,
+                            const struct gd_limit_jet *jet)
+{
+    bool is_singular = jet->singular;
+    if (evaluation->curvatures)
+        evaluation_store(evaluation, i,
+                         (struct gd_vec3[]){jet->position, jet->normal, jet->du, jet->dv,
+                                            is_singular ? no_vector : jet->duu,
+                                            is_singular ? no_vector : jet->duv,
+                                            is_singular ? no_vector : jet->dvv},
+                         is_singular ? (double[]){NAN, NAN} : jet->curvatures);
+    else
+        proto_limit_jet_encode(&evaluation->query.draft, jet, &evaluation->query.options);
+}
 
 static enum gd_status nurbs_write(struct evaluation *evaluation, uint32_t first, uint32_t count,
                                   const struct gd_control *control)
@@ -113,7 +187,7 @@ static enum gd_status nurbs_write(struct evaluation *evaluation, uint32_t first,
         const double *uv = evaluation->places.nurbs.items[i];
         struct gd_jet jet;
         status = gd_parametric_evaluate(nurbs_of(query), uv[0], uv[1], &jet);
-        if (!status) proto_jet_encode(&query->draft, &jet, &query->options);
+        if (!status) nurbs_write_jet(evaluation, i, &jet);
     }
     return status;
 }
@@ -137,7 +211,7 @@ void server_handle_nurbs_evaluate(struct server_exchange *exchange)
 {
     static const struct evaluator evaluator = {
         .kind = {.decode = nurbs_decode, .release = nurbs_release, EVALUATION_STEPS},
-        .quick = 8, /* some microseconds each */
+        .quick = 8, /* each takes some microseconds */
         .round = 64,
         .write = nurbs_write};
     server_query_handle(exchange, &evaluator.kind);
@@ -153,7 +227,7 @@ static enum gd_status limit_write(struct evaluation *evaluation, uint32_t first,
         &(struct gd_limit_places){evaluation->places.limit.items + first, count}, control, jets,
         &evaluation->detail);
     for (uint32_t i = 0; i < count && !status; i++)
-        proto_limit_jet_encode(&query->draft, &jets[i], &query->options);
+        limit_write_jet(evaluation, first + i, &jets[i]);
     return status;
 }
 
@@ -176,7 +250,7 @@ void server_handle_subdivision_evaluate(struct server_exchange *exchange)
 {
     static const struct evaluator evaluator = {
         .kind = {.decode = limit_decode, .release = limit_release, EVALUATION_STEPS},
-        .quick = 4, /* slower near a vertex */
+        .quick = 4, /* evaluation is slower near a vertex */
         .round = LIMIT_ROUND,
         .write = limit_write};
     server_query_handle(exchange, &evaluator.kind);
@@ -186,26 +260,30 @@ void server_handle_subdivision_evaluate(struct server_exchange *exchange)
 
 struct nearest {
     struct server_query query; /* first */
-    struct gd_vec3 xyz;
+    struct proto_point wanted; /* a point of space */
     union {
-        struct gd_parametric_foot nurbs;
-        struct gd_limit_foot limit;
+        struct gd_parametric_closest nurbs;
+        struct gd_limit_closest limit;
     } found;
-    struct gd_detail detail; /* of a failure */
+    struct gd_detail detail; /* detail of a failure */
 };
 
 struct finder {
     struct server_query_kind kind; /* first */
     enum gd_status (*find)(struct nearest *nearest, const struct gd_control *control);
+    double (*distance)(const struct nearest *nearest); /* returns the distance of the found point */
 };
 
 static bool nearest_decode(struct server_query *query, const json_t *document,
                            struct proto_problem *problem)
 {
-    struct proto_foot_request wanted;
-    if (!proto_foot_decode(document, &wanted, problem)) return false;
-    ((struct nearest *)query)->xyz = (struct gd_vec3){wanted.xyz[0], wanted.xyz[1], wanted.xyz[2]};
-    return true;
+    return proto_foot_decode(document, &((struct nearest *)query)->wanted, problem);
+}
+
+static bool nearest_parse(struct server_query *query, const struct proto_parameters *parameters,
+                          struct proto_problem *problem)
+{
+    return proto_foot_parse(parameters, &((struct nearest *)query)->wanted, problem);
 }
 
 static enum server_query_turn nearest_solve(struct server_query *query,
@@ -215,19 +293,26 @@ static enum server_query_turn nearest_solve(struct server_query *query,
     const struct finder *finder = (const struct finder *)query->kind;
     struct server_budgeted_call call = server_query_begin_call(query, NULL, NEAREST_BYTES);
     while (server_budgeted_call_next(&call)) call.status = finder->find(nearest, &call.control);
-    return call.status
-               ? server_smooth_fail(query, call.status, &nearest->detail, "the search", problem)
-               : SERVER_QUERY_DONE;
+    if (call.status)
+        return server_smooth_fail(query, call.status, &nearest->detail, "the search", problem);
+    return proto_foot_check(&nearest->wanted, finder->distance(nearest), problem)
+               ? SERVER_QUERY_DONE
+               : SERVER_QUERY_FAILED;
 }
 
 #define NEAREST_STEPS                                                                              \
     .name = "nearest", .size = sizeof(struct nearest), .decode = nearest_decode,                   \
-    .solve = nearest_solve
+    .parse = nearest_parse, .solve = nearest_solve
 
 static enum gd_status nurbs_find(struct nearest *nearest, const struct gd_control *control)
 {
-    return gd_parametric_nearest(nurbs_of(&nearest->query), nearest->xyz, control,
+    return gd_parametric_nearest(nurbs_of(&nearest->query), nearest->wanted.xyz.xyz, control,
                                  &nearest->found.nurbs, NULL);
+}
+
+static double nurbs_distance(const struct nearest *nearest)
+{
+    return nearest->found.nurbs.distance;
 }
 
 static void nurbs_encode(const struct server_query *query, struct proto_writer *writer)
@@ -237,14 +322,20 @@ static void nurbs_encode(const struct server_query *query, struct proto_writer *
 
 void server_handle_nurbs_nearest(struct server_exchange *exchange)
 {
-    static const struct finder finder = {{.encode = nurbs_encode, NEAREST_STEPS}, nurbs_find};
+    static const struct finder finder = {
+        {.encode = nurbs_encode, NEAREST_STEPS}, nurbs_find, nurbs_distance};
     server_query_handle(exchange, &finder.kind);
 }
 
 static enum gd_status limit_find(struct nearest *nearest, const struct gd_control *control)
 {
-    return gd_limit_nearest(subdivision_of(&nearest->query), nearest->xyz, control,
+    return gd_limit_nearest(subdivision_of(&nearest->query), nearest->wanted.xyz.xyz, control,
                             &nearest->found.limit, &nearest->detail);
+}
+
+static double limit_distance(const struct nearest *nearest)
+{
+    return nearest->found.limit.distance;
 }
 
 static void limit_encode(const struct server_query *query, struct proto_writer *writer)
@@ -254,6 +345,7 @@ static void limit_encode(const struct server_query *query, struct proto_writer *
 
 void server_handle_subdivision_nearest(struct server_exchange *exchange)
 {
-    static const struct finder finder = {{.encode = limit_encode, NEAREST_STEPS}, limit_find};
+    static const struct finder finder = {
+        {.encode = limit_encode, NEAREST_STEPS}, limit_find, limit_distance};
     server_query_handle(exchange, &finder.kind);
 }

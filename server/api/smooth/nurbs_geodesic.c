@@ -1,14 +1,22 @@
-/* Shortest paths on NURBS surfaces, by a worker: between two points, a point and a curve, or two
- * curves. */
+/* Shortest paths on NURBS surfaces between two points, a point and a curve, or two curves. They run
+ * on a worker. */
 #include "server/query/handlers.h"
 
 #include "proto/queries/geodesic_like.h"
 #include "server/query/query.h"
 #include "server/surfaces/kinds.h"
 
-#define SEARCH_BYTES   ((size_t)1 << 20)
-#define BYTES_PER_FACE 1024 /* of the tessellation: two fields, and the paths that are followed */
+#define SEARCH_BYTES ((size_t)1 << 20)
+/* for each face of the tessellation: two fields, and the paths that are traced */
+#define BYTES_PER_FACE 1024
 #define WHAT           "the search for the path"
+
+/* The paths of an answer: path i has the rows first[i] to first[i + 1] - 1. */
+struct path_arrays {
+    uint32_t count, *points_first, *knots_first, *control_points_first;
+    double *length, *knots, (*uv)[2], (*control_points)[2];
+    struct gd_vec3 *points;
+};
 
 struct search {
     struct server_query query; /* first */
@@ -23,7 +31,7 @@ struct operation {
     const struct proto_geodesic_form *form;
 };
 
-/* A surface without a tessellation has no paths; the problem says why. */
+/* Decodes the request. A surface without a tessellation has no paths; the problem says why. */
 static bool search_decode(struct server_query *query, const json_t *document,
                           struct proto_problem *problem)
 {
@@ -72,6 +80,13 @@ static bool search_locate(struct search *search, struct server_monitor *monitor,
     return true;
 }
 
+static struct proto_geodesic_answer search_answer(const struct search *search)
+{
+    return (struct proto_geodesic_answer){.request = &search->wanted,
+                                          .ends = {search->ends[0], search->ends[1]},
+                                          .found = &search->found};
+}
+
 static enum server_query_turn search_solve(struct server_query *query,
                                            struct proto_problem *problem)
 {
@@ -95,11 +110,96 @@ static enum server_query_turn search_solve(struct server_query *query,
         return SERVER_QUERY_FAILED;
     }
     if (call.status) return server_query_fail(query, call.status, WHAT, problem);
-    const struct proto_geodesic_answer answer = {.request = &search->wanted,
-                                                 .ends = {search->ends[0], search->ends[1]},
-                                                 .found = &search->found};
+    const struct proto_geodesic_answer answer = search_answer(search);
     enum gd_status status = proto_geodesic_encode(&query->draft, &answer, &query->options);
     return server_query_end_draft(query, status, "the answer", problem);
+}
+
+/* --- arrays ----------------------------------------------------------------------------------- */
+
+/* Returns whether the answer lists path i: the shortest path, and with all_minima the other
+ * minima. */
+static bool search_lists(const struct search *search, uint32_t i)
+{
+    return i == 0 || (search->wanted.options.all_minima && search->found.items[i].is_minimum);
+}
+
+/* Allocates the arrays, with the first rows filled in. NULL: out of memory. */
+static struct path_arrays *path_arrays_reserve(struct search *search)
+{
+    struct server_query *query = &search->query;
+    struct path_arrays *arrays = server_query_allocate(query, 1, sizeof *arrays);
+    size_t most = search->found.count + (size_t)1;
+    uint32_t *first = arrays ? server_query_allocate(query, 3 * most, sizeof *first) : NULL;
+    if (!first) return NULL;
+    arrays->points_first = first;
+    arrays->knots_first = first + most;
+    arrays->control_points_first = first + 2 * most;
+    for (uint32_t i = 0; i < search->found.count; i++) {
+        const struct gd_geodesic *path = &search->found.items[i];
+        uint32_t k = arrays->count;
+        if (!search_lists(search, i)) continue;
+        arrays->points_first[k + 1] =
+            arrays->points_first[k] + proto_geodesic_sample_count(&search->wanted, path);
+        arrays->knots_first[k + 1] = arrays->knots_first[k] + proto_geodesic_knots(path, NULL);
+        arrays->control_points_first[k + 1] =
+            arrays->control_points_first[k] + proto_geodesic_control_points(path, NULL);
+        arrays->count++;
+    }
+    uint32_t count = arrays->count, points = arrays->points_first[count],
+             knots = arrays->knots_first[count], controls = arrays->control_points_first[count];
+    double *room = server_query_allocate(
+        query, count + 5 * (size_t)points + knots + 2 * (size_t)controls, sizeof *room);
+    if (!room) return NULL;
+    arrays->points = (struct gd_vec3 *)room;
+    arrays->uv = (double(*)[2])(room + 3 * (size_t)points);
+    arrays->control_points = arrays->uv + points;
+    arrays->knots = room + 5 * (size_t)points + 2 * (size_t)controls;
+    arrays->length = arrays->knots + knots;
+    return arrays;
+}
+
+static enum gd_status path_arrays_fill(struct search *search, const struct path_arrays *arrays)
+{
+    const struct proto_geodesic_answer answer = search_answer(search);
+    enum gd_status status = GD_OK;
+    uint32_t k = 0;
+    for (uint32_t i = 0; i < search->found.count && !status; i++) {
+        const struct gd_geodesic *path = &search->found.items[i];
+        if (!search_lists(search, i)) continue;
+        uint32_t first = arrays->points_first[k];
+        arrays->length[k] = path->length;
+        proto_geodesic_knots(path, arrays->knots + arrays->knots_first[k]);
+        proto_geodesic_control_points(path,
+                                      arrays->control_points + arrays->control_points_first[k]);
+        status = proto_geodesic_sample(&answer, path, arrays->uv + first, arrays->points + first);
+        k++;
+    }
+    return status;
+}
+
+static bool search_list_arrays(struct server_query *query, struct proto_problem *problem)
+{
+    struct search *search = (struct search *)query;
+    struct server_arrays *out = &query->arrays;
+    const struct path_arrays *arrays = path_arrays_reserve(search);
+    enum gd_status status = arrays ? path_arrays_fill(search, arrays) : GD_BUDGET;
+    if (status) {
+        server_query_fail(query, status, "the answer", problem);
+        return false;
+    }
+    uint32_t count = arrays->count, points = arrays->points_first[count];
+    server_arrays_add_numbers(out, "points", 3, points, (const double *)arrays->points);
+    server_arrays_add_indices(out, "first", 0, count + UINT64_C(1), arrays->points_first);
+    server_arrays_add_numbers(out, "uv", 2, points, (const double *)arrays->uv);
+    server_arrays_add_numbers(out, "length", 0, count, arrays->length);
+    server_arrays_add_numbers(out, "knots", 0, arrays->knots_first[count], arrays->knots);
+    server_arrays_add_indices(out, "knots_first", 0, count + UINT64_C(1), arrays->knots_first);
+    server_arrays_add_numbers(out, "control_points", 2, arrays->control_points_first[count],
+                              (const double *)arrays->control_points);
+    server_arrays_add_indices(out, "control_points_first", 0, count + UINT64_C(1),
+                              arrays->control_points_first);
+    return true;
 }
 
 static void search_release(struct server_query *query)
@@ -114,7 +214,7 @@ static void search_release(struct server_query *query)
 
 #define SEARCH_STEPS                                                                               \
     .size = sizeof(struct search), .decode = search_decode, .solve = search_solve,                 \
-    .release = search_release
+    .forms = server_array_forms, .list_arrays = search_list_arrays, .release = search_release
 
 void server_handle_nurbs_geodesic(struct server_exchange *exchange)
 {

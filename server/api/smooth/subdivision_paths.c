@@ -1,27 +1,29 @@
-/* Geodesics of a subdivision surface, by a worker: distance and shortest path between two places,
- * on the discretization of a level; traces from a place, on a discretization or on the smooth
+/* Geodesics of a subdivision surface, on a worker: distance and shortest path between two points
+ * on the discretization of a level; traces from a point on a discretization or on the smooth
  * surface. */
 #include "server/api/smooth/smooth.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 #include "proto/queries/limit_paths.h"
-#include "proto/json/member.h"
+#include "proto/json/writer.h"
 #include "server/query/api.h"
 #include "server/query/handlers.h"
 #include "server/surfaces/kinds.h"
 
-#define SEARCH_BYTES   ((size_t)4 << 20) /* with the traces that straighten the path */
-#define BYTES_PER_EDGE 224               /* as a search on any mesh (query.c) */
-#define TRACE_BYTES    ((size_t)1 << 20) /* of one on the smooth surface */
-#define BUILD_SHARE    0.3               /* of the work, if there is no discretization yet */
+#define SEARCH_BYTES   ((size_t)4 << 20) /* includes the traces that straighten the path */
+#define BYTES_PER_EDGE 224               /* as for a search on any mesh (query.c) */
+#define TRACE_BYTES    ((size_t)1 << 20) /* bytes of one trace on the smooth surface */
+#define BUILD_SHARE    0.3               /* share of the work, if there is no discretization yet */
 
 static const struct gd_subdivision *subdivision_of(const struct server_query *query)
 {
     return server_subdivision_of(query->surface)->surface;
 }
 
-/* The discretization of a level, to be released: the query's work up to BUILD_SHARE. */
+/* Returns the discretization of a level, which the caller releases. It is the query's work up to
+ * BUILD_SHARE. */
 static enum gd_status discretization_get(const struct server_query *query, uint32_t level,
                                          struct server_discretization **out,
                                          struct gd_detail *detail)
@@ -44,6 +46,7 @@ struct pair {
     struct proto_limit_pair wanted;
     struct server_discretization *discretization;
     struct gd_limit_shortest found;
+    uint32_t first[2]; /* for an answer as arrays */
     struct gd_detail detail;
 };
 
@@ -95,6 +98,34 @@ static enum server_query_turn pair_solve(struct server_query *query, struct prot
     return server_query_end_draft(query, GD_OK, "the answer", problem);
 }
 
+static void steps_read(const void *source, uint64_t first, uint64_t count, void *out)
+{
+    const struct gd_limit_step *steps = source;
+    double(*rows)[3] = out;
+    for (uint64_t i = 0; i < count; i++) {
+        const struct gd_vec3 at = steps[first + i].position;
+        rows[i][0] = at.x, rows[i][1] = at.y, rows[i][2] = at.z;
+    }
+}
+
+/* Lists the arrays, without a line if there is no path. */
+static bool path_list_arrays(struct server_query *query, struct proto_problem *problem)
+{
+    struct pair *pair = (struct pair *)query;
+    bool is_there = isfinite(pair->found.distance);
+    (void)problem;
+    pair->first[1] = is_there ? pair->found.step_count : 0;
+    server_arrays_add(&query->arrays, &(struct server_array){.name = "points",
+                                                             .type = SERVER_ARRAY_NUMBERS,
+                                                             .columns = 3,
+                                                             .rows = pair->first[1],
+                                                             .read = steps_read,
+                                                             .source = pair->found.steps});
+    server_arrays_add_indices(&query->arrays, "first", 0, UINT64_C(1) + is_there, pair->first);
+    server_arrays_add_numbers(&query->arrays, "distance", 0, 1, &pair->found.distance);
+    return true;
+}
+
 #define PAIR_STEPS                                                                                 \
     .size = sizeof(struct pair), .decode = pair_decode, .solve = pair_solve, .release = pair_release
 
@@ -106,7 +137,8 @@ void server_handle_subdivision_distance(struct server_exchange *exchange)
 
 void server_handle_subdivision_path(struct server_exchange *exchange)
 {
-    static const struct server_query_kind kind = {.name = "path", PAIR_STEPS};
+    static const struct server_query_kind kind = {
+        .name = "path", .forms = server_array_forms, .list_arrays = path_list_arrays, PAIR_STEPS};
     server_query_handle(exchange, &kind);
 }
 
@@ -116,22 +148,72 @@ struct trace {
     struct server_query query; /* first */
     struct proto_limit_trace wanted;
     struct gd_trace_options options;
-    struct gd_limit_jet jet; /* at the start */
+    struct gd_limit_jet jet; /* jet at the start */
     struct gd_detail detail;
     /* On a mesh: */
     struct server_discretization *discretization;
     struct gd_point start;
-    uint32_t lanes; /* paths at once */
-    /* On the smooth surface, of the path under way: */
+    uint32_t lanes; /* number of paths that are traced at once */
+    /* On the smooth surface, for the current path: */
     struct gd_vec3 direction;
     struct gd_limit_path path;
+    /* For an answer as arrays: */
+    struct gd_vec3 *points; /* points of all paths */
+    size_t room;            /* capacity in points */
+    uint32_t kept, *first;  /* kept: paths so far; first (count + 1): where each begins */
+    double *lengths;
 };
 
 static void trace_release(struct server_query *query)
 {
     struct trace *trace = (struct trace *)query;
     server_discretization_release(trace->discretization);
-    proto_limit_trace_free(&trace->wanted);
+    proto_limit_trace_request_free(&trace->wanted.request);
+    free(trace->points);
+}
+
+/* Appends a path for an answer as arrays, and returns its points, which the caller fills in. NULL:
+ * too little memory, which callers report as GD_BUDGET. */
+static struct gd_vec3 *trace_keep(struct trace *trace, double length, uint32_t count)
+{
+    uint64_t begin = trace->first[trace->kept], end = begin + count;
+    if (end > UINT32_MAX) return NULL;
+    if (end > trace->room) {
+        size_t room = 2 * end;
+        if (server_query_take(&trace->query, (room - trace->room) * sizeof *trace->points))
+            return NULL;
+        struct gd_vec3 *points = realloc(trace->points, room * sizeof *points);
+        if (!points) return NULL;
+        trace->points = points;
+        trace->room = room;
+    }
+    trace->lengths[trace->kept++] = length;
+    trace->first[trace->kept] = (uint32_t)end;
+    return trace->points + begin;
+}
+
+static enum gd_status trace_reserve(struct trace *trace)
+{
+    struct server_query *query = &trace->query;
+    size_t count = trace->wanted.count;
+    if (!server_query_arrays_form(query)) return GD_OK;
+    trace->first = server_query_allocate(query, count + 1, sizeof *trace->first);
+    trace->lengths = server_query_allocate(query, count, sizeof *trace->lengths);
+    return trace->first && trace->lengths ? GD_OK : GD_BUDGET;
+}
+
+static bool trace_list_arrays(struct server_query *query, struct proto_problem *problem)
+{
+    const struct trace *trace = (const struct trace *)query;
+    static const uint32_t none[1];
+    uint32_t count = trace->kept;
+    const uint32_t *first = trace->first ? trace->first : none;
+    (void)problem;
+    server_arrays_add_numbers(&query->arrays, "points", 3, first[count],
+                              (const double *)trace->points);
+    server_arrays_add_indices(&query->arrays, "first", 0, count + UINT64_C(1), first);
+    server_arrays_add_numbers(&query->arrays, "length", 0, count, trace->lengths);
+    return true;
 }
 
 static bool trace_decode(struct server_query *query, const json_t *document,
@@ -147,7 +229,7 @@ static bool trace_decode(struct server_query *query, const json_t *document,
     return true;
 }
 
-/* The monitor of some of the paths. */
+/* Returns the monitor of some of the paths. */
 static struct server_monitor trace_monitor(const struct trace *trace, uint32_t first,
                                            uint32_t count)
 {
@@ -161,8 +243,8 @@ static enum gd_status trace_evaluate(struct trace *trace, const struct gd_limit_
     return gd_limit_evaluate(subdivision_of(&trace->query), place, out, &trace->detail);
 }
 
-/* Takes memory for one path, twice its size since it is copied while it grows; for several at once,
- * which is faster, if the budget has spare bytes. */
+/* Takes memory for one path, twice its size because it is copied as it grows; or for several paths
+ * at once, which is faster, if the budget has spare bytes. */
 static enum gd_status mesh_reserve(struct trace *trace)
 {
     struct server_budget *budget = trace->query.exchange->host->budget;
@@ -186,7 +268,7 @@ static enum gd_status mesh_prepare(struct trace *trace)
     return status ? status : mesh_reserve(trace);
 }
 
-/* The path of a direction that leads over the boundary: it ends where it starts. */
+/* Writes the path of a direction that leads over the boundary: it ends where it starts. */
 static enum gd_status mesh_stay(struct trace *trace, struct gd_vec3 direction,
                                 const struct gd_control *control, struct gd_trace *out)
 {
@@ -234,33 +316,59 @@ static enum gd_status mesh_follow(struct trace *trace, uint32_t first, uint32_t 
     return status;
 }
 
-static enum gd_status mesh_write(struct trace *trace, uint32_t first, uint32_t count)
+static enum gd_status mesh_write_path(struct trace *trace, const struct gd_trace *followed)
 {
     const struct gd_limit_mesh *mesh = trace->discretization->mesh;
+    const struct gd_path *path = &followed->path;
+    struct gd_limit_point place = gd_limit_mesh_place(mesh, &path->points[path->count - 1]);
+    struct gd_limit_jet end;
+    if (trace->first) {
+        struct gd_vec3 *points = trace_keep(trace, path->length, path->count);
+        for (uint32_t i = 0; points && i < path->count; i++)
+            points[i] = gd_point_position(gd_limit_mesh_mesh(mesh), &path->points[i]);
+        return points ? GD_OK : GD_BUDGET;
+    }
+    enum gd_status status = trace_evaluate(trace, &place, &end);
+    if (!status)
+        proto_limit_trace_encode_mesh(&trace->query.draft, mesh, followed, &end,
+                                      trace->query.options.geometry);
+    return status;
+}
+
+static enum gd_status mesh_write(struct trace *trace, uint32_t first, uint32_t count)
+{
     struct server_monitor monitor = trace_monitor(trace, first, count);
     const struct gd_control control = server_exchange_control(&monitor);
     struct gd_trace paths[GD_TRACE_LANES];
     enum gd_status status = mesh_follow(trace, first, count, &control, paths);
     for (uint32_t i = 0; i < count; i++) {
-        const struct gd_path *path = &paths[i].path;
-        struct gd_limit_jet end;
-        if (!status) {
-            struct gd_limit_point place = gd_limit_mesh_place(mesh, &path->points[path->count - 1]);
-            status = trace_evaluate(trace, &place, &end);
-        }
-        if (!status)
-            proto_limit_trace_encode_mesh(&trace->query.draft, mesh, &paths[i], &end,
-                                          trace->query.options.geometry);
+        if (!status) status = mesh_write_path(trace, &paths[i]);
         gd_trace_free(&paths[i]);
     }
     return status ? status : gd_control_check(&control, 1);
+}
+
+static enum gd_status smooth_write_path(struct trace *trace)
+{
+    const struct gd_limit_path *path = &trace->path;
+    struct gd_limit_jet end;
+    if (trace->first) {
+        struct gd_vec3 *points = trace_keep(trace, path->length, path->step_count);
+        for (uint32_t i = 0; points && i < path->step_count; i++)
+            points[i] = path->steps[i].position;
+        return points ? GD_OK : GD_BUDGET;
+    }
+    enum gd_status status = trace_evaluate(trace, &path->steps[path->step_count - 1].place, &end);
+    if (!status)
+        proto_limit_trace_encode_smooth(&trace->query.draft, path, &end,
+                                        trace->query.options.geometry);
+    return status;
 }
 
 static enum gd_status smooth_write(struct trace *trace, uint32_t i)
 {
     struct server_monitor monitor = trace_monitor(trace, i, 1);
     struct gd_limit_path *path = &trace->path;
-    struct gd_limit_jet end;
     size_t held = trace->query.held;
     trace->direction = proto_limit_trace_direction(&trace->wanted, &trace->jet, i);
     struct server_budgeted_call call =
@@ -274,12 +382,10 @@ static enum gd_status smooth_write(struct trace *trace, uint32_t i)
         call.kept = 2 * (size_t)path->step_count * sizeof *path->steps;
     }
     if (call.status) return call.status;
-    enum gd_status status = trace_evaluate(trace, &path->steps[path->step_count - 1].place, &end);
-    if (!status)
-        proto_limit_trace_encode_smooth(&trace->query.draft, path, &end,
-                                        trace->query.options.geometry);
+    size_t bytes = trace->query.held - held;
+    enum gd_status status = smooth_write_path(trace);
     gd_limit_path_free(path);
-    server_query_give(&trace->query, trace->query.held - held);
+    server_query_give(&trace->query, bytes);
     return status;
 }
 
@@ -288,7 +394,8 @@ static enum gd_status trace_write_paths(struct trace *trace)
     struct proto_writer *writer = &trace->query.draft;
     bool is_smooth = trace->wanted.request.smooth;
     uint32_t total = trace->wanted.count;
-    enum gd_status status = is_smooth ? GD_OK : mesh_prepare(trace);
+    enum gd_status status = trace_reserve(trace);
+    if (!status && !is_smooth) status = mesh_prepare(trace);
     proto_member_array(writer, "paths");
     for (uint32_t i = 0, count; i < total && !status; i += count) {
         count = is_smooth ? 1 : total - i < trace->lanes ? total - i : trace->lanes;
@@ -333,6 +440,8 @@ void server_handle_subdivision_trace(struct server_exchange *exchange)
                                                   .size = sizeof(struct trace),
                                                   .decode = trace_decode,
                                                   .solve = trace_solve,
+                                                  .forms = server_array_forms,
+                                                  .list_arrays = trace_list_arrays,
                                                   .release = trace_release};
     server_query_handle(exchange, &kind);
 }

@@ -1,10 +1,10 @@
 /* Tessellate and discretize: a smooth surface becomes a mesh resource whose attachment holds the
- * place of each vertex on the surface. A worker makes the mesh, the registry's writer stores it.
- * GET …/parameters (of NURBS) and GET …/places (of subdivision surfaces) read the attachment. */
+ * place of each vertex on the surface. A worker makes the mesh; the registry's writer thread stores
+ * it. GET …/parameters (of NURBS), GET …/places (of subdivision surfaces) and GET …/origins (of
+ * edited meshes) read the attachment. */
 #include "server/api/smooth/smooth.h"
 
 #include <assert.h>
-#include <endian.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,6 +14,7 @@
 #include "server/query/surface_resource.h"
 #include "server/query/handlers.h"
 #include "server/query/request.h"
+#include "server/surfaces/derived.h"
 #include "server/surfaces/kinds.h"
 
 /* bytes that most calls need */
@@ -24,18 +25,18 @@ enum { NUMBERS_MOST = 4, VERTICES_PER_CHECK = 65536 };
 
 /* --- the attachment --------------------------------------------------------------------------- */
 
-/* Stands before the places, one per vertex, in the byte order of this machine. */
+/* Precedes the places, one for each vertex, in the byte order of this machine. */
 struct head {
     char word[8]; /* without a NUL */
     char surface[PROTO_MESH_NAME + 8], etag[SERVER_ETAG + 7];
     double period[2]; /* NURBS only */
 };
 
-/* The attachments of meshes of one kind of surface. */
+/* Format of the attachments for one kind of surface. */
 struct format {
     char word[8];
     size_t head, item; /* bytes of the head, and of one vertex */
-    uint32_t numbers;  /* of one vertex */
+    uint32_t numbers;  /* numbers of one vertex */
     void (*read)(const void *item, double *out);
     const char *maker, *noun;
 };
@@ -66,6 +67,23 @@ static const struct format nurbs_format = {.word = {'n', 'u', 'r', 'b', 's', 'u'
                                            .maker = "discretize",
                                            .noun = "places"};
 
+static void origin_read(const void *item, double *out)
+{
+    memcpy(out, item, 4 * sizeof *out);
+}
+
+/* The attachments of edited meshes (derived.h), which begin like a head. */
+static const struct format edit_format = {.word = {'d', 'e', 'r', 'i', 'v', 'e', 'd', '1'},
+                                          .head = sizeof(struct server_derived),
+                                          .item = 4 * sizeof(double),
+                                          .numbers = 4,
+                                          .read = origin_read,
+                                          .maker = "derive",
+                                          .noun = "origins"};
+
+static_assert(offsetof(struct server_derived, mesh) == offsetof(struct head, surface) &&
+                  offsetof(struct server_derived, etag) == offsetof(struct head, etag),
+              "a mesh that edits made names its original as others do");
 static_assert(offsetof(struct head, period) % _Alignof(struct gd_limit_point) == 0,
               "places follow their head");
 
@@ -91,10 +109,10 @@ struct meshing {
     struct server_derived_meshes meshes;
 };
 
-/* How one kind of surface becomes a mesh. */
+/* Makes a mesh of one kind of surface. */
 struct mesher {
     const struct format *format;
-    const char *name; /* of the mesh */
+    const char *name; /* name of the new mesh */
     const struct gd_polygons *polygons;
     enum gd_status (*write)(const struct meshing *meshing, const struct gd_control *control,
                             struct head *head);
@@ -108,7 +126,7 @@ static void meshing_release(struct server_query *query)
     gd_discretization_free(&meshing->discretization);
 }
 
-/* Adds the mesh. Meanwhile the attachment is in memory twice: derived meshes keep a copy. */
+/* Adds the mesh. The attachment is then in memory twice, because derived meshes keep a copy. */
 static bool meshing_add(struct meshing *meshing, const struct mesher *mesher,
                         struct proto_problem *problem)
 {
@@ -137,7 +155,7 @@ static bool meshing_add(struct meshing *meshing, const struct mesher *mesher,
     return ok;
 }
 
-/* By the registry's writer. */
+/* Runs on the registry's writer thread. */
 static bool meshing_store(struct server_exchange *exchange)
 {
     struct server_derived_meshes *meshes = &((struct meshing *)exchange->state)->meshes;
@@ -276,7 +294,7 @@ void server_handle_subdivision_discretize(struct server_exchange *exchange)
     server_query_handle(exchange, &kind);
 }
 
-/* --- GET …/parameters, GET …/places ----------------------------------------------------------- */
+/* --- GET …/parameters, GET …/places, GET …/origins -------------------------------------------- */
 
 struct reader {
     struct server_query_kind kind; /* first */
@@ -287,7 +305,7 @@ struct reading {
     struct server_query query; /* first */
     const struct format *format;
     const struct head *head;
-    uint32_t count; /* of vertices */
+    uint32_t count; /* number of vertices */
 };
 
 static bool reading_parse(struct server_query *query, const struct proto_parameters *parameters,
@@ -296,7 +314,7 @@ static bool reading_parse(struct server_query *query, const struct proto_paramet
     struct reading *reading = (struct reading *)query;
     const struct format *format = ((const struct reader *)query->kind)->format;
     const struct server_surface *mesh = query->surface;
-    (void)parameters; /* there are none */
+    (void)parameters; /* the request has no parameters */
     reading->format = format;
     reading->head = mesh->attachment;
     reading->count = gd_mesh_summary(mesh->mesh)->index_count;
@@ -313,24 +331,6 @@ static enum server_query_turn reading_solve(struct server_query *query,
 {
     (void)query, (void)problem;
     return SERVER_QUERY_DONE;
-}
-
-/* Each vertex' numbers as little-endian doubles. */
-static size_t reading_bytes(const struct server_query *query, void *out)
-{
-    const struct reading *reading = (const struct reading *)query;
-    const struct format *format = reading->format;
-    const char *item = attachment_items(format, reading->head);
-    uint64_t *at = out;
-    for (uint32_t i = 0; i < reading->count && out; i++, item += format->item) {
-        double numbers[NUMBERS_MOST];
-        format->read(item, numbers);
-        for (uint32_t k = 0; k < format->numbers; k++, at++) {
-            memcpy(at, &numbers[k], sizeof *at);
-            *at = htole64(*at);
-        }
-    }
-    return (size_t)reading->count * format->numbers * sizeof *at;
 }
 
 static void reading_read(const void *source, uint64_t first, uint64_t count, void *out)
@@ -356,11 +356,9 @@ static bool reading_list_arrays(struct server_query *query, struct proto_problem
     return true;
 }
 
-static const struct server_form reading_forms[] = {SERVER_ARRAYS_FORMS, {NULL, NULL, false}};
-
 #define READING_STEPS                                                                              \
     .size = sizeof(struct reading), .parse = reading_parse, .solve = reading_solve,                \
-    .bytes = reading_bytes, .forms = reading_forms, .list_arrays = reading_list_arrays
+    .has_bytes = true, .forms = server_array_forms, .list_arrays = reading_list_arrays
 
 static void parameters_encode(const struct server_query *query, struct proto_writer *writer)
 {
@@ -395,5 +393,22 @@ void server_handle_get_mesh_places(struct server_exchange *exchange)
 {
     static const struct reader reader = {{.name = "places", .encode = places_encode, READING_STEPS},
                                          &limit_format};
+    server_query_handle(exchange, &reader.kind);
+}
+
+static void origins_encode(const struct server_query *query, struct proto_writer *writer)
+{
+    const struct reading *reading = (const struct reading *)query;
+    const struct proto_vertex_origins out = {.mesh = reading->head->surface,
+                                             .etag = reading->head->etag,
+                                             .items = attachment_items(&edit_format, reading->head),
+                                             .count = reading->count};
+    proto_vertex_origins_encode(writer, &out, query->options.fields);
+}
+
+void server_handle_get_mesh_origins(struct server_exchange *exchange)
+{
+    static const struct reader reader = {
+        {.name = "origins", .encode = origins_encode, READING_STEPS}, &edit_format};
     server_query_handle(exchange, &reader.kind);
 }

@@ -1,4 +1,5 @@
-/* Meshes: their file and their boundaries, besides what all surfaces have (surfaces.c). */
+/* Meshes: their file and their boundaries, in addition to the operations of all surfaces
+ * (surfaces.c). */
 #include "server/query/handlers.h"
 
 #include "gd/io.h"
@@ -12,7 +13,7 @@ static void content_free(void *surface)
     server_surface_release(surface);
 }
 
-/* Replies with a problem if the request asks for no format. */
+/* Reads the requested format; replies with a problem if there is none. */
 static bool content_read_format(struct server_exchange *exchange, enum gd_format *format)
 {
     struct proto_parameters parameters = server_exchange_parameters(exchange);
@@ -23,8 +24,8 @@ static bool content_read_format(struct server_exchange *exchange, enum gd_format
     return false;
 }
 
-/* Upper bound of the bytes of polygons and text together: a double has at most 25 characters, an
- * index 11. */
+/* Returns an upper bound of the bytes of polygons and text together: a double has at most 25
+ * characters, an index 11. */
 static size_t content_cost(const struct gd_mesh *mesh)
 {
     const struct gd_mesh_summary *summary = gd_mesh_summary(mesh);
@@ -74,7 +75,7 @@ static bool content_send(struct server_exchange *exchange)
     return true;
 }
 
-/* Replies 304 if the client has the file: then the mesh need not be loaded. */
+/* Replies 304, without loading the mesh, if the client has the file. */
 static bool content_is_known(struct server_exchange *exchange, enum gd_format format)
 {
     char tag[SERVER_ETAG_TEXT];

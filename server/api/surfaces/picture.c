@@ -1,4 +1,4 @@
-/* Picture: a mesh, a field on it and a path, as a PNG or SVG file. Always by a worker. */
+/* Picture: a mesh, a field on it and a path, as a PNG or SVG file. Always runs on a worker. */
 #include "server/query/handlers.h"
 
 #include <math.h>
@@ -15,12 +15,12 @@
 #define BYTES_PER_EDGE  32 /* while an isoline is traced */
 #define BYTES_PER_PIXEL 32
 
-#define PATH_SHARE 0.3 /* of the work */
+#define PATH_SHARE 0.3 /* share of the work */
 
 struct format {
     struct server_query_kind kind; /* first */
     const char *media_type;
-    const char *policy; /* Content-Security-Policy; NULL: that of data */
+    const char *policy; /* Content-Security-Policy; NULL: the policy of data */
     enum gd_status (*render)(const struct gd_picture *picture, const struct gd_control *control,
                              void **bytes, size_t *size);
 };
@@ -29,7 +29,7 @@ struct picture {
     struct server_query query; /* first */
     struct proto_picture wanted;
     struct gd_pair_answer route;
-    void *file; /* NULL: not rendered yet, or replied */
+    void *file; /* NULL: not rendered yet, or already replied */
     size_t size;
 };
 
@@ -54,7 +54,7 @@ static bool picture_parse(struct server_query *query, const struct proto_paramet
                                    server_field_query_of_set(query, &set, 0, problem));
 }
 
-/* The path through the stops. */
+/* Computes the path through the stops. */
 static bool picture_find_route(struct picture *picture, const struct server_monitor *whole,
                                struct proto_problem *problem)
 {
@@ -151,7 +151,7 @@ void server_handle_picture_png(struct server_exchange *exchange)
 
 void server_handle_picture_svg(struct server_exchange *exchange)
 {
-    /* opened as a page, it may show the image that it embeds and nothing else */
+    /* when opened as a page, the file may show only the image that it embeds */
     static const struct format svg = {
         .kind = {.name = "picture.svg", .reply_form = "svg", PICTURE_STEPS},
         .media_type = "image/svg+xml",

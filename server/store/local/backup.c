@@ -1,13 +1,11 @@
 /* See store.h: --backup and --restore, which differ only in how they copy objects.
  *
- * The database is copied as it is at one moment, then the objects that its rows name. If one of
- * them was deleted meanwhile, all of that is done again. Batches are copied first, so that the
- * surfaces they ask about are there, or were removed since.
+ * Copies the database as of one moment, then the objects that its rows name. If one of them was
+ * deleted meanwhile, starts again. Copies the batches first, so that the copy has the surfaces that
+ * they query, unless they were removed since.
  *
- * A marker is in the copy's folder from before the first file until after the last one is durable.
- * No daemon starts on an interrupted copy; the same command completes it. */
-#include <stdlib.h>
-#include <string.h>
+ * The copy's folder has a marker until the last file is durable. No daemon starts on an interrupted
+ * copy; the same command completes it. */
 #include <unistd.h>
 
 #include "server/store/local/local.h"
@@ -23,7 +21,7 @@ struct backup {
     unsigned long long bytes;
 };
 
-/* Ends the visit of rows. ABSENT is not printed: the moment is tried again. */
+/* Ends the visit of rows. Does not print ABSENT, which leads to another attempt. */
 static bool give_up(struct backup *backup, enum server_store_outcome outcome, const char *what,
                     const char *name)
 {
@@ -47,13 +45,13 @@ static bool on_row_objects(void *user, const struct server_sql_value *row)
     struct backup *backup = user;
     struct server_record *record = row_read(backup, row);
     enum server_store_outcome outcome = SERVER_STORE_DONE;
-    struct server_object object;
     if (!record) return false;
-    for (int part = 0; !outcome && part < SERVER_PARTS; part++)
-        if (server_record_object(record, part, &object)) {
-            outcome = server_files_copy_object(&backup->to, &backup->from, &object, backup->copy);
-            backup->bytes += object.size;
-        }
+    for (int part = 0; !outcome && part < SERVER_PARTS; part++) {
+        const struct server_object *object = &record->objects[part];
+        if (object->id[0])
+            outcome = server_files_copy_object(&backup->to, &backup->from, object, backup->copy);
+        backup->bytes += object->size;
+    }
     backup->surfaces++;
     server_record_release(record);
     return !outcome || give_up(backup, outcome, "an uploaded file is damaged, or can't be copied",
@@ -87,7 +85,7 @@ static enum server_store_outcome database_copy(const struct backup *backup, cons
     return outcome == SERVER_STORE_ABSENT ? SERVER_STORE_REFUSED : outcome;
 }
 
-/* ABSENT: an object was deleted meanwhile. */
+/* Copies the store as of one moment. ABSENT: an object was deleted meanwhile. */
 static enum server_store_outcome moment_copy(struct backup *backup)
 {
     struct server_database *database;
@@ -120,7 +118,8 @@ static bool store_copy(struct backup *backup)
         fprintf(backup->out,
                 "an uploaded file is missing, or surfaces change too fast: see --check-store\n");
     if (!outcome && server_files_finish(&backup->to) == SERVER_STORE_DONE) return true;
-    fprintf(backup->out, "no copy was made: '%s' is unfinished; run the same again, or delete it\n",
+    fprintf(backup->out,
+            "no copy was made: '%s' is unfinished; repeat the command, or delete the folder\n",
             backup->to.folder);
     return false;
 }

@@ -23,7 +23,7 @@ static void check_fault(struct check *check, const char *what, const char *name)
 
 static void check_foreign(struct check *check, const char *path)
 {
-    check_fault(check, "the file is none of the store's", path);
+    check_fault(check, "the file does not belong to the store", path);
 }
 
 /* Lists a folder that must exist. */
@@ -50,7 +50,7 @@ static bool file_is_sound(const struct server_listing *file)
     return strncmp(found, file->name, strlen(found)) == 0;
 }
 
-/* Checks an object that no surface has. */
+/* Checks a file in `objects`, unless it is the object of a surface. */
 static void check_unused(struct check *check, const struct server_listing *file)
 {
     const char *folder = file->name - 3; /* "ab/" */
@@ -61,7 +61,7 @@ static void check_unused(struct check *check, const struct server_listing *file)
     if (server_names_has(&check->named, file->name)) return;
     check->leftovers++;
     if (!file_is_sound(file))
-        check_fault(check, "the file, which no surface has, is damaged or can't be read",
+        check_fault(check, "the file, which belongs to no surface, is damaged or can't be read",
                     file->name);
 }
 
@@ -89,7 +89,7 @@ static void check_fields(struct check *check)
                 check->fields++;
             else
                 check_fault(check,
-                            "the stored field is damaged; it is computed again when it is wanted",
+                            "the stored field is damaged; it is computed again when it is needed",
                             fields.path);
     }
 }
@@ -100,22 +100,19 @@ static void check_objects(struct check *check, const struct server_record *recor
         {"the surface's file is missing", "the surface's file is damaged or can't be read"},
         {"the surface's attachment is missing",
          "the surface's attachment is damaged or can't be read"}};
-    struct server_object object;
     for (int part = 0; part < SERVER_PARTS; part++) {
+        const struct server_object *object = &record->objects[part];
         void *bytes = NULL;
-        if (!server_record_object(record, part, &object) ||
-            server_names_has(&check->sound, object.id))
-            continue;
-        server_names_add(&check->named, object.id);
-        enum server_store_outcome outcome =
-            server_files_read_object(&check->files, &object, &bytes);
+        if (!object->id[0] || server_names_has(&check->sound, object->id)) continue;
+        server_names_add(&check->named, object->id);
+        enum server_store_outcome outcome = server_files_read_object(&check->files, object, &bytes);
         free(bytes);
         if (outcome) {
             check_fault(check, faults[part][outcome != SERVER_STORE_ABSENT], record->key);
             continue;
         }
-        server_names_add(&check->sound, object.id);
-        check->bytes += object.size;
+        server_names_add(&check->sound, object->id);
+        check->bytes += object->size;
     }
 }
 
@@ -198,9 +195,10 @@ static void check_batches(struct check *check)
     enum server_store_outcome outcome =
         server_database_open(path.text, SERVER_DATABASE_COPY, &database);
     if (outcome && outcome != SERVER_STORE_ABSENT)
-        check_fault(
-            check, "the database of batches is damaged or can't be read; without it there are none",
-            path.text);
+        check_fault(check,
+                    "the database of batches is damaged or can't be read; the next start renames "
+                    "it, and the batches are lost",
+                    path.text);
     server_database_close(database, false);
 }
 
@@ -213,13 +211,12 @@ static void print_sums(const struct check *check)
         const char *text;
     } notes[] = {
         {check->unfinished,
-         "surfaces have no row in the database, or an older one: changes that were cut short "
-         "before "
-         "they were acknowledged, or rows that could not be written; the next start writes them"},
+         "surfaces have no row in the database, or an old one: a change was interrupted before it "
+         "was acknowledged, or the row could not be written; the next start writes them"},
         {check->leftovers,
-         "files that were not finished, or that no surface has; the next start deletes them"},
-        {check->aside, "damaged files were put aside (*" SERVER_DISK_ASIDE
-                       "*); delete them when they have told you enough"}};
+         "files are unfinished, or belong to no surface; the next start deletes them"},
+        {check->aside,
+         "damaged files were renamed (*" SERVER_DISK_ASIDE "*); delete them after the repair"}};
     for (size_t i = 0; i < sizeof notes / sizeof *notes; i++)
         if (notes[i].count) fprintf(check->out, "note: %u %s\n", notes[i].count, notes[i].text);
     fprintf(check->out,
@@ -240,7 +237,7 @@ bool server_store_check(const char *folder, FILE *out)
     check_fields(&check);
     check_batches(&check);
     if (check.named.is_incomplete || check.sound.is_incomplete)
-        check_fault(&check, "there is no memory to check all files", folder);
+        check_fault(&check, "memory is too short to check all files", folder);
     struct server_listing temporary = server_files_list(&check.files, "temporary"), /* if any */
         all = check_folder(&check, "");
     while (server_listing_next(&temporary)) check.leftovers++;

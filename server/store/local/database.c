@@ -9,7 +9,7 @@
 #include "server/base/log.h"
 
 #define BUSY_MS          5000
-#define CHECKPOINT_PAGES 500 /* of the log: 2 MB */
+#define CHECKPOINT_PAGES 500 /* pages of the log: 2 MB */
 
 static const char *const schema[] = {
     "CREATE TABLE surfaces (name TEXT PRIMARY KEY, sha256 TEXT NOT NULL, record TEXT NOT NULL,"
@@ -25,16 +25,17 @@ static const char *const schema[] = {
 
 struct server_database {
     sqlite3 *connection;
-    int log_pages;        /* in the log, after the last commit */
-    bool cant_checkpoint; /* one failed: nothing is written any more */
-    bool had_no_log;      /* before it was opened to be read: closing removes the log */
+    int log_pages;        /* pages in the log after the last commit */
+    bool cant_checkpoint; /* one failed: all writes are refused */
+    /* there was no log before the database was opened to read, so closing may checkpoint */
+    bool had_no_log;
 };
 
 /* --- SQLite ----------------------------------------------------------------------------------- */
 
 enum server_store_outcome server_sqlite_outcome(int code)
 {
-    /* the only I/O error that just means a full disk */
+    /* the only I/O error that means a full disk */
     if (code == SQLITE_IOERR_SHMSIZE) return SERVER_STORE_FULL;
     switch (code & 0xff) {
     case SQLITE_OK:
@@ -93,7 +94,7 @@ static struct server_sql_value column_read(sqlite3_stmt *statement, int column)
     }
 }
 
-/* Runs one statement. Makes all steps, even if the visitor wants no more rows. */
+/* Runs one statement, to its end even if the visitor ends the visit. */
 static int sqlite_run(sqlite3 *connection, const struct server_statement *what)
 {
     struct server_sql_value row[SERVER_SQL_VALUES] = {0};
@@ -118,7 +119,7 @@ static int sqlite_script(sqlite3 *connection, const char *text)
     return sqlite3_exec(connection, text, NULL, NULL, NULL);
 }
 
-/* Opens a connection: to write if the flags have SQLITE_OPEN_CREATE. The caller closes `*out` in
+/* Opens a connection, to write if the flags have SQLITE_OPEN_CREATE. The caller closes `*out` in
  * any case. */
 static int sqlite_connect(const char *path, int flags, sqlite3 **out)
 {
@@ -135,7 +136,8 @@ static int sqlite_connect(const char *path, int flags, sqlite3 **out)
 static int sqlite_check(sqlite3 *connection)
 {
     struct server_sql_integers faults = {0};
-    int code = sqlite_run(connection, SERVER_SQL("SELECT count(*) FROM pragma_integrity_check(1)"
+    /* without an argument, which SQLite 3.46 takes for the name of a table */
+    int code = sqlite_run(connection, SERVER_SQL("SELECT count(*) FROM pragma_integrity_check"
                                                  " WHERE integrity_check <> 'ok'",
                                                  NULL, 0, server_sql_on_integers, &faults));
     return code || !faults.at[0] ? code : SQLITE_CORRUPT;
@@ -282,7 +284,8 @@ const char *server_database_error(struct server_database *database)
 
 /* --- statements ------------------------------------------------------------------------------- */
 
-/* Moves the log into the database. A failure refuses the next write; the last one is durable. */
+/* Moves the log into the database. After a failure later writes are refused; earlier ones are
+ * durable. */
 static void database_checkpoint(struct server_database *database, int mode)
 {
     enum server_store_outcome outcome = server_sqlite_outcome(
@@ -297,8 +300,8 @@ static void checkpoint_when_due(struct server_database *database)
         database_checkpoint(database, SQLITE_CHECKPOINT_PASSIVE);
 }
 
-static enum server_store_outcome run_write(struct server_database *database,
-                                           const struct server_statement *statement)
+static enum server_store_outcome database_write(struct server_database *database,
+                                                const struct server_statement *statement)
 {
     if (database->cant_checkpoint) return SERVER_STORE_READ_ONLY;
     return server_sqlite_outcome(sqlite_run(database->connection, statement));
@@ -310,29 +313,26 @@ enum server_store_outcome server_database_put(struct server_database *database,
     size_t size;
     char *text = server_record_write(record, &size);
     if (!text) return SERVER_STORE_NO_MEMORY;
-    struct server_object objects[SERVER_PARTS];
-    const char *ids[SERVER_PARTS];
-    for (int part = 0; part < SERVER_PARTS; part++)
-        ids[part] = server_record_object(record, part, &objects[part]) ? objects[part].id : NULL;
-    enum server_store_outcome outcome = run_write(
+    const char *attachment = record->objects[SERVER_PART_ATTACHMENT].id;
+    enum server_store_outcome outcome = database_write(
         database,
         SERVER_SQL("INSERT INTO surfaces (key, record, file, attachment) VALUES ($1, $2, $3, $4)"
                    " ON CONFLICT (key) DO UPDATE SET record = $2, file = $3, attachment = $4",
                    SERVER_VALUES(server_sql_text(record->key), server_sql_text(text),
-                                 server_sql_text(ids[SERVER_PART_FILE]),
-                                 server_sql_text(ids[SERVER_PART_ATTACHMENT]))));
+                                 server_sql_text(record->objects[SERVER_PART_FILE].id),
+                                 server_sql_text(*attachment ? attachment : NULL))));
     free(text);
     if (!outcome) checkpoint_when_due(database);
     return outcome;
 }
 
-/* Empties the log: damage can cut a log short without a trace. A manifest tells of a lost row, but
- * nothing would tell of a lost deletion. */
+/* Deletes the row and empties the log, because damage can truncate a log undetected. A lost insert
+ * is repaired from the manifest, but a lost deletion would not be noticed. */
 enum server_store_outcome server_database_remove(struct server_database *database, const char *key)
 {
     enum server_store_outcome outcome =
-        run_write(database, SERVER_SQL("DELETE FROM surfaces WHERE key = $1",
-                                       SERVER_VALUES(server_sql_text(key))));
+        database_write(database, SERVER_SQL("DELETE FROM surfaces WHERE key = $1",
+                                            SERVER_VALUES(server_sql_text(key))));
     if (!outcome) database_checkpoint(database, SQLITE_CHECKPOINT_TRUNCATE);
     return outcome;
 }
@@ -366,14 +366,14 @@ enum server_store_outcome server_database_note_uses(struct server_database *data
                                                     const struct server_store_uses *uses,
                                                     uint32_t count)
 {
-    enum server_store_outcome outcome = run_write(database, SERVER_SQL("BEGIN IMMEDIATE"));
+    enum server_store_outcome outcome = database_write(database, SERVER_SQL("BEGIN IMMEDIATE"));
     for (uint32_t i = 0; !outcome && i < count; i++)
-        outcome = run_write(database,
-                            SERVER_SQL("UPDATE surfaces SET uses = $2, used = $3 WHERE key = $1",
-                                       SERVER_VALUES(server_sql_text(records[i]->key),
-                                                     server_sql_integer((int64_t)uses[i].count),
-                                                     server_sql_integer(uses[i].last))));
-    if (!outcome) outcome = run_write(database, SERVER_SQL("COMMIT"));
+        outcome = database_write(
+            database, SERVER_SQL("UPDATE surfaces SET uses = $2, used = $3 WHERE key = $1",
+                                 SERVER_VALUES(server_sql_text(records[i]->key),
+                                               server_sql_integer((int64_t)uses[i].count),
+                                               server_sql_integer(uses[i].last))));
+    if (!outcome) outcome = database_write(database, SERVER_SQL("COMMIT"));
     if (!outcome)
         checkpoint_when_due(database);
     else if (!sqlite3_get_autocommit(database->connection))
@@ -404,7 +404,7 @@ enum server_store_outcome server_database_copy(struct server_database *database,
 struct batches {
     struct server_store_sql sql; /* first */
     pthread_mutex_t lock;
-    sqlite3 *connection; /* NULL: the database was damaged and a new one can't be made yet */
+    sqlite3 *connection; /* NULL: damaged, and no new one could be made yet */
     char path[SERVER_DISK_PATH];
     const char *const *steps;
 };
@@ -418,14 +418,15 @@ static int batches_connect(struct batches *own)
     while (own->steps[count]) count++;
     if (!code) code = sqlite_check(own->connection);
     if (!code) code = read_version(own->connection, &version);
-    if (!code && version > count) code = SQLITE_CANTOPEN; /* of a later daemon */
+    if (!code && version > count) code = SQLITE_CANTOPEN; /* the file is from a later daemon */
     if (!code && version < count) code = run_steps(own->connection, own->steps, version, count);
     if (code) sqlite3_close(own->connection);
     if (code) own->connection = NULL;
     return code;
 }
 
-/* Puts a new database in the place of a damaged one; else returns the code. */
+/* If the code means damage, replaces the database by a new one. Returns the code, or that of the
+ * new one. */
 static int batches_judge(struct batches *own, int code)
 {
     char suffix[SERVER_DISK_ASIDE_SUFFIX];
@@ -433,8 +434,8 @@ static int batches_judge(struct batches *own, int code)
     sqlite3_close(own->connection);
     server_disk_set_aside(own->path, suffix);
     server_log_message(SERVER_LOG_ERROR, "batches_damaged",
-                       "the database of batches is damaged: it was renamed to %s%s, and there is a "
-                       "new one; batches of before are lost, send them again",
+                       "the database of batches is damaged: it was renamed to %s%s, and a new one "
+                       "replaces it; send earlier batches again: they are lost",
                        own->path, suffix);
     return batches_connect(own);
 }
@@ -444,7 +445,7 @@ static int batches_ensure(struct batches *own)
     return own->connection ? SQLITE_OK : batches_judge(own, batches_connect(own));
 }
 
-/* A statement that finds damage is not repeated: its visitor may have seen rows. */
+/* Does not repeat a statement that finds damage: its visitor may have seen rows. */
 static enum server_store_outcome batches_run(struct server_store_sql *sql,
                                              const struct server_statement *statement)
 {
@@ -467,10 +468,10 @@ static void batches_close(struct server_store_sql *sql)
 }
 
 struct server_store_sql *server_store_sql_local_open(const char *path, const char *const *steps,
-                                                     char *error, size_t error_size)
+                                                     char error[SERVER_ERROR])
 {
     struct batches *own = calloc(1, sizeof *own);
-    snprintf(error, error_size, "out of memory");
+    snprintf(error, SERVER_ERROR, "out of memory");
     if (!own) return NULL;
     own->sql =
         (struct server_store_sql){.run = batches_run, .skip_locked = "", .close = batches_close};
@@ -479,7 +480,7 @@ struct server_store_sql *server_store_sql_local_open(const char *path, const cha
     pthread_mutex_init(&own->lock, NULL);
     int code = batches_ensure(own);
     if (!code) return &own->sql;
-    snprintf(error, error_size, "the database %s can't be used: %s", path, sqlite3_errstr(code));
+    snprintf(error, SERVER_ERROR, "the database %s can't be used: %s", path, sqlite3_errstr(code));
     batches_close(&own->sql);
     return NULL;
 }

@@ -60,24 +60,13 @@ bool server_files_object_check(const char *file)
 
 /* --- open ------------------------------------------------------------------------------------- */
 
-/* Writes the sentence. Returns false. */
-__attribute__((format(printf, 2, 3))) static bool refuse(struct server_files *files,
-                                                         const char *format, ...)
+static bool files_refuse_path(struct server_files *files, const char *path)
 {
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(files->error, sizeof files->error, format, arguments);
-    va_end(arguments);
-    return false;
+    return server_refuse(files->error, "can't open '%s': %s", path, strerror(errno));
 }
 
-static bool refuse_path(struct server_files *files, const char *path)
-{
-    return refuse(files, "can't open '%s': %s", path, strerror(errno));
-}
-
-/* Makes the names in a folder durable, if the process may write to it: else it can't have made one
- * there. In the sandbox (sandbox.h) the folder may be out of reach. */
+/* Makes the names in a folder durable. Skips a folder that the process can't write to, since it
+ * can't have created a name there. In the sandbox (sandbox.h) the folder may be inaccessible. */
 static enum server_store_outcome sync_names(const char *folder)
 {
     if (access(folder, W_OK) != 0) return SERVER_STORE_DONE;
@@ -85,8 +74,8 @@ static enum server_store_outcome sync_names(const char *folder)
     return outcome == SERVER_STORE_READ_ONLY && errno == EACCES ? SERVER_STORE_DONE : outcome;
 }
 
-/* Creates a folder and those above it. All names are made durable: a process that was killed may
- * have made one without that. */
+/* Creates a folder and its parents. Makes all names durable, also existing ones: a killed process
+ * may have created one without that. */
 static enum server_store_outcome make_path(const char *folder)
 {
     char path[SERVER_STORE_FOLDER];
@@ -109,30 +98,32 @@ static bool make_layout(struct server_files *files)
         outcome = server_disk_make_folder(server_files_path(files, "%s", folders[i]).text);
     if (!outcome) outcome = server_disk_sync_folder(files->folder);
     if (!outcome) outcome = server_disk_sync_folder(server_files_path(files, "objects").text);
-    return !outcome || refuse(files,
-                              "can't make the data folder '%s': %s; choose another --data-dir, or "
-                              "--store memory",
-                              files->folder, strerror(errno));
+    return !outcome ||
+           server_refuse(files->error,
+                         "can't make the data folder '%s': %s; choose another --data-dir, or "
+                         "--store memory",
+                         files->folder, strerror(errno));
 }
 
-/* Locks the folder, since a locked file can be removed, and the file, for earlier versions and
- * where folders can't be locked (NFS). */
+/* Locks the folder, and the file `lock` for earlier versions and for NFS, where folders can't be
+ * locked. A lock of the file alone is lost when the file is removed. */
 static bool lock_take(struct server_files *files, int flags)
 {
     const struct server_path path = server_files_path(files, "lock");
     files->held = open(files->folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (files->held >= 0) files->lock = open(path.text, flags | O_CLOEXEC | O_NONBLOCK, 0600);
-    /* without O_CREAT: a copy has no such file yet */
+    /* without O_CREAT a copy may lack the file */
     bool is_open = files->held >= 0 && (files->lock >= 0 || errno == ENOENT);
-    if (!is_open) (void)refuse_path(files, files->held < 0 ? files->folder : path.text);
+    if (!is_open) (void)files_refuse_path(files, files->held < 0 ? files->folder : path.text);
     bool is_locked = is_open &&
                      (flock(files->held, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) &&
                      (files->lock < 0 || flock(files->lock, LOCK_EX | LOCK_NB) == 0);
     if (is_open && !is_locked)
-        (void)refuse(files,
-                     "the data folder '%s' is in use by another geodesicd: stop that one, or "
-                     "choose another --data-dir",
-                     files->folder);
+        (void)server_refuse(
+            files->error,
+            "the data folder '%s' is in use by another geodesicd: stop that one, or "
+            "choose another --data-dir",
+            files->folder);
     if (!is_locked) server_files_close(files);
     return is_locked;
 }
@@ -142,8 +133,8 @@ static bool set_folder(struct server_files *files, const char *folder)
     *files = (struct server_files){.held = -1, .lock = -1};
     int size = snprintf(files->folder, sizeof files->folder, "%s", folder);
     return size < SERVER_STORE_FOLDER ||
-           refuse(files, "the path of the data folder is longer than %d bytes",
-                  SERVER_STORE_FOLDER - 1);
+           server_refuse(files->error, "the path of the data folder is longer than %d bytes",
+                         SERVER_STORE_FOLDER - 1);
 }
 
 bool server_files_open(struct server_files *files, const char *folder)
@@ -152,7 +143,7 @@ bool server_files_open(struct server_files *files, const char *folder)
     if (!set_folder(files, folder) || server_files_is_unfinished(files) || !make_layout(files) ||
         !lock_take(files, O_RDWR | O_CREAT))
         return false;
-    /* earlier versions made databases with the rights of umask */
+    /* earlier versions created databases with the rights of the umask */
     struct server_listing listing = server_disk_list(folder);
     while (server_listing_next(&listing))
         if (lstat(listing.path, &facts) == 0 && S_ISREG(facts.st_mode) && (facts.st_mode & 077))
@@ -163,12 +154,12 @@ bool server_files_open(struct server_files *files, const char *folder)
 bool server_files_open_existing(struct server_files *files, const char *folder)
 {
     if (!set_folder(files, folder)) return false;
-    /* with a slash behind the name a file does not exist */
+    /* a slash after the name excludes files */
     if (!server_disk_exists(server_files_path(files, "objects/").text) ||
         !server_disk_exists(server_files_path(files, "manifests/").text))
-        return refuse(
-            files, "there is no data folder at '%s': name one that a daemon or --backup has made",
-            folder);
+        return server_refuse(
+            files->error,
+            "there is no data folder at '%s': name one that a daemon or --backup has made", folder);
     return !server_files_is_unfinished(files) && lock_take(files, O_RDWR);
 }
 
@@ -195,10 +186,10 @@ bool server_files_are_there(const struct server_files *files)
 bool server_files_is_unfinished(struct server_files *files)
 {
     return server_disk_exists(server_files_path(files, UNFINISHED).text) &&
-           !refuse(files,
-                   "'%s' is an unfinished copy: run the --restore or --backup that began it again, "
-                   "or delete the folder",
-                   files->folder);
+           !server_refuse(files->error,
+                          "'%s' is an unfinished copy: repeat the --restore or --backup that began "
+                          "it, or delete the folder",
+                          files->folder);
 }
 
 /* Creates the marker, durably. */
@@ -210,8 +201,8 @@ static bool mark_unfinished(const struct server_files *files, const char *path)
     return !server_disk_sync_file(path) && !server_disk_sync_folder(files->folder);
 }
 
-/* Finds the store's files in a copy, except objects in folders, and may remove them: those of an
- * earlier attempt may be of another moment or backup. */
+/* Returns whether a copy's folder holds files of a store, except objects, and may remove them: an
+ * earlier attempt may have copied another moment or backup. */
 static bool has_data(const struct server_files *files, bool removes)
 {
     static const struct {
@@ -234,16 +225,17 @@ static bool has_data(const struct server_files *files, bool removes)
     return has_some;
 }
 
-/* The marker comes before the lock's file, so that an interrupted copy is no empty folder. */
+/* Creates the marker before the file `lock`, so that an interrupted copy is recognized. */
 bool server_files_open_copy(struct server_files *files, const char *folder)
 {
     if (!set_folder(files, folder)) return false;
     bool is_new = !server_files_is_unfinished(files);
     if (is_new && has_data(files, false))
-        return refuse(files, "'%s' holds a data folder already: name a new one", folder);
+        return server_refuse(files->error, "'%s' holds a data folder already: name a new one",
+                             folder);
     const struct server_path path = server_files_path(files, UNFINISHED);
     if (make_path(folder) || !mark_unfinished(files, path.text))
-        return refuse_path(files, path.text);
+        return files_refuse_path(files, path.text);
     if (!lock_take(files, O_RDWR | O_CREAT)) {
         if (is_new) (void)server_disk_remove(path.text);
         return false;
@@ -293,7 +285,7 @@ struct verification {
     bool was_ended;
 };
 
-static bool on_piece(void *user, const void *bytes, size_t size)
+static bool verification_on_piece(void *user, const void *bytes, size_t size)
 {
     struct verification *verification = user;
     server_sha256_add(verification->sum, bytes, size);
@@ -309,8 +301,8 @@ enum server_store_outcome server_files_verify_object(const struct server_files *
     char found[SERVER_SHA256_HEX];
     struct verification verification = {.sum = server_sha256_begin(), .pace = pace, .user = user};
     if (!verification.sum) return SERVER_STORE_UNAVAILABLE;
-    enum server_store_outcome outcome =
-        server_disk_scan(server_files_object_path(files, object->id).text, on_piece, &verification);
+    enum server_store_outcome outcome = server_disk_scan(
+        server_files_object_path(files, object->id).text, verification_on_piece, &verification);
     server_sha256_end(verification.sum, found);
     if (outcome == SERVER_STORE_NO_MEMORY || verification.was_ended)
         return SERVER_STORE_UNAVAILABLE;
@@ -336,7 +328,7 @@ enum server_store_outcome server_files_copy_object(const struct server_files *fi
     enum server_store_outcome outcome = server_disk_make_folder(folder.text);
     if (outcome) return outcome;
     bool is_there = has_object(files, object);
-    /* an interrupted attempt may have left a part of the file */
+    /* an interrupted attempt may have left part of the file */
     if (!is_there) (void)unlink(path.text);
     outcome = is_there ? server_disk_sync_file(path.text)
                        : copy(server_files_object_path(from, object->id).text, path.text);
@@ -346,9 +338,9 @@ enum server_store_outcome server_files_copy_object(const struct server_files *fi
     return outcome;
 }
 
-static enum server_store_outcome file_write(struct server_files *files,
-                                            const struct server_path *path, const void *bytes,
-                                            size_t size)
+static enum server_store_outcome store_file_write(struct server_files *files,
+                                                  const struct server_path *path, const void *bytes,
+                                                  size_t size)
 {
     const struct server_path temporary = server_files_path(files, "temporary/%u", files->serial++);
     return server_disk_write(path->text, temporary.text, bytes, size);
@@ -363,12 +355,12 @@ enum server_store_outcome server_files_write_object(struct server_files *files,
     enum server_store_outcome outcome = server_disk_make_folder(folder.text);
     if (outcome) return outcome;
     return has_object(files, object) ? server_disk_sync_folder(folder.text)
-                                     : file_write(files, &path, bytes, (size_t)object->size);
+                                     : store_file_write(files, &path, bytes, (size_t)object->size);
 }
 
 void server_files_remove_object(const struct server_files *files, const char *object)
 {
-    /* the next start collects a file that stays */
+    /* the next start removes it if this fails */
     (void)unlink(server_files_object_path(files, object).text);
 }
 
@@ -400,7 +392,8 @@ enum server_store_outcome server_files_write_manifest(struct server_files *files
     if (!text) return SERVER_STORE_NO_MEMORY;
     (void)unlink(aside.text);
     enum server_store_outcome outcome = server_disk_link(path.text, aside.text);
-    if (!outcome || outcome == SERVER_STORE_ABSENT) outcome = file_write(files, &path, text, size);
+    if (!outcome || outcome == SERVER_STORE_ABSENT)
+        outcome = store_file_write(files, &path, text, size);
     free(text);
     return outcome;
 }
@@ -435,7 +428,7 @@ enum server_store_outcome server_files_load_ballast(struct server_files *files)
     if (server_disk_exists(path.text)) return SERVER_STORE_DONE;
     void *zeros = calloc(1, BALLAST_BYTES);
     if (!zeros) return SERVER_STORE_NO_MEMORY;
-    enum server_store_outcome outcome = file_write(files, &path, zeros, BALLAST_BYTES);
+    enum server_store_outcome outcome = store_file_write(files, &path, zeros, BALLAST_BYTES);
     free(zeros);
     return outcome;
 }

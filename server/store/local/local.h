@@ -11,8 +11,8 @@
  *     temporary/                    files that are being written; emptied at the start
  *
  * INVARIANT. An object is durable before the manifest that names it, the manifest before the row,
- * the row before the answer; a delete goes the other way. So a readable manifest is never older
- * than its row. */
+ * the row before the answer. A delete removes them in the opposite order. So a readable manifest is
+ * never older than its row. */
 #ifndef SERVER_STORE_LOCAL_LOCAL_H
 #define SERVER_STORE_LOCAL_LOCAL_H
 
@@ -24,16 +24,16 @@
 
 struct server_files {
     char folder[SERVER_STORE_FOLDER];
-    int held, lock;  /* locked descriptors of the folder and of its file; -1: none */
-    unsigned serial; /* of temporary files */
-    char error[512]; /* why it could not be opened, a sentence */
+    int held, lock;           /* locked descriptors: the folder, its file `lock`; -1: none */
+    unsigned serial;          /* number of the next temporary file */
+    char error[SERVER_ERROR]; /* why it could not be opened, a sentence */
 };
 
 struct server_path {
     char text[SERVER_DISK_PATH];
 };
 
-/* The path of a file in the folder; arguments as for printf. */
+/* Returns the path of a file in the folder; arguments as for printf. */
 struct server_path server_files_path(const struct server_files *files, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 struct server_path server_files_object_path(const struct server_files *files, const char *object);
@@ -42,26 +42,26 @@ struct server_path server_files_manifest_path(const struct server_files *files, 
 /* Lists one of the store's folders. */
 struct server_listing server_files_list(const struct server_files *files, const char *folder);
 
-/* Parses a manifest's file name; false: it is none. */
+/* Parses the file name of a manifest. False: it has another form. */
 bool server_files_manifest_key(const char *file, char key[SERVER_KEY_TEXT]);
 
-/* Returns whether this can be the file name of an object: a hash, with a tenant or without. */
+/* Returns whether this has the form of an object's file name: a hash, and perhaps a tenant. */
 bool server_files_object_check(const char *file);
 
-/* Opens the folder and locks it; server_files_close unlocks it. Creates what is missing, durably,
+/* Opens the folder and locks it; server_files_close unlocks it. Creates missing folders, durably,
  * and restricts the rights of its files. False with files->error, also for an unfinished copy. */
 bool server_files_open(struct server_files *files, const char *folder);
-/* Likewise, but creates nothing: without `objects` and `manifests` it is no data folder. */
+/* As server_files_open, but creates nothing. False also if `objects` or `manifests` is missing. */
 bool server_files_open_existing(struct server_files *files, const char *folder);
-/* Likewise for a new copy, or an unfinished one, whose objects are kept. The folder is unfinished
- * until server_files_finish. */
+/* As server_files_open, for a new copy, or an unfinished one, whose objects it keeps. The copy is
+ * unfinished until server_files_finish. */
 bool server_files_open_copy(struct server_files *files, const char *folder);
 enum server_store_outcome server_files_finish(const struct server_files *files);
 
-/* True with files->error: the folder is an unfinished copy. */
+/* Returns whether the folder is an unfinished copy; if so, sets files->error. */
 bool server_files_is_unfinished(struct server_files *files);
 
-/* False: the folder, a folder in it, or the database was removed or replaced. */
+/* Returns false if the folder, a folder in it, or the database was removed or replaced. */
 bool server_files_are_there(const struct server_files *files);
 
 /* May be called twice. */
@@ -69,7 +69,7 @@ void server_files_close(struct server_files *files);
 
 /* --- objects ---------------------------------------------------------------------------------- */
 
-/* Writes the object, unless it exists and is sound. */
+/* Writes the object, unless it exists undamaged. */
 enum server_store_outcome server_files_write_object(struct server_files *files,
                                                     const struct server_object *object,
                                                     const void *bytes);
@@ -77,12 +77,12 @@ enum server_store_outcome server_files_write_object(struct server_files *files,
 enum server_store_outcome server_files_read_object(const struct server_files *files,
                                                    const struct server_object *object,
                                                    void **bytes);
-/* Copies the object from another folder, unless it exists and is sound, and verifies it. */
+/* Copies the object from another folder, unless it exists undamaged, and verifies it. */
 enum server_store_outcome server_files_copy_object(const struct server_files *files,
                                                    const struct server_files *from,
                                                    const struct server_object *object,
                                                    server_disk_copier *copy);
-/* Verifies the object from the disk, piece by piece; as the store's verify. */
+/* Verifies the object piece by piece, as the store's verify. */
 enum server_store_outcome server_files_verify_object(const struct server_files *files,
                                                      const struct server_object *object,
                                                      server_pace *pace, void *user);
@@ -96,7 +96,7 @@ enum server_record_reading server_files_read_manifest(const struct server_files 
                                                       const char *key, struct server_record **out,
                                                       char sha256[SERVER_SHA256_HEX]);
 
-/* Writes the record's manifest and keeps the old one until the change is settled or undone. */
+/* Writes the record's manifest, and keeps the old one until settle or undo is called. */
 enum server_store_outcome server_files_write_manifest(struct server_files *files,
                                                       const struct server_record *record);
 void server_files_settle_manifest(const struct server_files *files);
@@ -110,13 +110,12 @@ enum server_store_outcome server_files_remove_manifest(const struct server_files
 enum server_store_outcome server_files_load_ballast(struct server_files *files);
 bool server_files_drop_ballast(const struct server_files *files); /* true: it made room */
 
-/* --- the database -------------------------------------------------------------------------------- */
-/* The records as rows of SQLite, a fast index. Each row has a manifest
- * (record.h), from which it can be made again.
+/* --- the database ----------------------------------------------------------------------------- */
+/* The records as rows of SQLite, a fast index. Each row can be made again from its manifest
+ * (record.h).
  *
- * One connection, used by one thread at a time, writes and makes all checkpoints: SQLite 3.40 can
- * reset its log wrongly when two connections do. READ_ONLY means that SQLite failed to write or
- * sync. */
+ * Only one connection, used by one thread at a time, writes and makes checkpoints: with two, SQLite
+ * 3.40 can reset its log wrongly. READ_ONLY means that SQLite failed to write or sync. */
 
 struct sqlite3;
 struct server_database;
@@ -124,20 +123,21 @@ struct server_database;
 enum server_database_use {
     /* Creates the file if need be, checks all of it and migrates it to the current schema. */
     SERVER_DATABASE_WRITE,
-    /* For a short time, while another process may write; only creates the -shm of a log that a
-     * crash left. ABSENT: no file, or no tables yet. */
+    /* For a short time, while another process may write. Creates nothing except the -shm of a log
+     * that a crash left. ABSENT: there is no file, or no table yet. */
     SERVER_DATABASE_READ,
-    SERVER_DATABASE_COPY /* as READ, for any tables: only to check and copy it */
+    SERVER_DATABASE_COPY /* as READ, for a database with any tables, to check or copy it */
 };
 
-/* DAMAGED: rename the file and open a new one. */
+/* Opens the database. DAMAGED: the caller renames the file and opens a new one. */
 enum server_store_outcome server_database_open(const char *path, enum server_database_use use,
                                                struct server_database **out);
 
-/* `is_sound`: the log may be moved into the database. NULL is harmless. */
+/* Closes the database. `is_sound`: a checkpoint may move the log into the database. NULL is
+ * harmless. */
 void server_database_close(struct server_database *database, bool is_sound);
 
-/* Columns of a row: texts and integers. The record is unchecked. */
+/* The columns of a row. The record is not checked yet. */
 enum { SERVER_ROW_KEY, SERVER_ROW_RECORD, SERVER_ROW_USES, SERVER_ROW_USED };
 
 /* Visits the rows in the order of keys, until `visit` returns false. */
@@ -152,7 +152,7 @@ enum server_store_outcome server_database_remove(struct server_database *databas
 enum server_store_outcome server_database_count(struct server_database *database,
                                                 const char *object, int64_t *count);
 
-/* The key's objects; ABSENT. */
+/* Finds the objects of a key; ABSENT. */
 enum server_store_outcome server_database_find(struct server_database *database, const char *key,
                                                struct server_sql_surface *out);
 
@@ -161,10 +161,10 @@ enum server_store_outcome server_database_note_uses(struct server_database *data
                                                     const struct server_store_uses *uses,
                                                     uint32_t count);
 
-/* Copies the database, as it is at one moment, to a new file. */
+/* Copies the database, as of one moment, to a new file. */
 enum server_store_outcome server_database_copy(struct server_database *database, const char *path);
 
-/* False after a failed checkpoint: every write is refused. */
+/* Returns false after a failed checkpoint: then every write is refused. */
 bool server_database_is_sound(const struct server_database *database);
 
 /* SQLite's message of the last failure. */
@@ -172,7 +172,7 @@ const char *server_database_error(struct server_database *database);
 
 /* --- for tests -------------------------------------------------------------------------------- */
 
-/* The outcome that a result code means. */
+/* Returns the outcome of a result code. */
 enum server_store_outcome server_sqlite_outcome(int code);
 
 /* Migrates a database from its user_version to `version` in one transaction. steps[i] makes version

@@ -1,7 +1,7 @@
 /* See store.h: the store in a folder, with SQLite and files (local.h).
  *
- * DESIGN of the recovery, when a store opens. A readable manifest is true: it was durable before
- * its row, and is removed only after its row.
+ * DESIGN of the recovery when a store opens. A readable manifest is right: it was durable before
+ * its row, and it is removed only after its row.
  *
  *     manifest     row                cause                             repair
  *     good         the same           none                              none
@@ -12,8 +12,8 @@
  *     bad or none  bad or none        both are damaged                  rename it: the surface is
  *                                                                       lost, and the log says so
  *
- * Crashes alone lead to the first two rows only. A database that SQLite finds damaged is renamed,
- * and a new one is made from the manifests. Objects are verified when they are loaded. */
+ * Crashes alone cause only the first two cases. If SQLite finds the database damaged, it is
+ * renamed, and a new one is made from the manifests. Objects are verified when they are loaded. */
 #include <errno.h>
 #include <pthread.h>
 #include <stdarg.h>
@@ -24,9 +24,10 @@
 
 #include "server/base/log.h"
 #include "server/base/names.h"
+#include "server/base/thread.h"
 #include "server/store/local/local.h"
 
-struct finding { /* of the recovery */
+struct finding { /* a finding of the recovery */
     char key[SERVER_KEY_TEXT];
     struct server_stored stored; /* no record: the surface is lost */
     enum { SOUND, LACKS_ROW, LACKS_MANIFEST } defect;
@@ -35,23 +36,23 @@ struct finding { /* of the recovery */
 struct local {
     struct server_store store; /* first */
     struct server_files files;
-    struct server_database *database; /* NULL: it can't be opened or made, and nothing is written */
-    pthread_mutex_t lock;             /* of these two */
-    struct server_names quarantine;   /* ids of damaged objects, which are not read again */
-    uint64_t turn;                    /* number of objects that were lifted from the quarantine */
+    struct server_database *database; /* NULL: unusable, and the store is read-only */
+    pthread_mutex_t lock;             /* protects `quarantine` and `turn` */
+    struct server_names quarantine;   /* ids of damaged objects */
+    uint64_t turn;                    /* rises when an object leaves the quarantine */
     struct finding *findings;         /* freed after the first visit; sorted by key where a row */
     uint32_t count, capacity;         /* was read */
-    /* ids of objects that the last change took from a surface; empty: none */
+    /* ids of the objects that the last change removed from a surface; empty: none */
     char left[SERVER_PARTS][SERVER_OBJECT];
-    bool lacks_rows; /* a repair failed: the database does not know which objects are in use */
+    bool lacks_rows; /* a repair failed: rows do not show all objects in use */
     atomic_bool is_read_only;
-    char reason[512];        /* of is_read_only; set before it, once */
-    atomic_bool was_missing; /* the folder, when its health was last checked */
+    char reason[512];        /* why is_read_only is set; set before it, once */
+    atomic_bool was_missing; /* the folder, at the last check of health */
 };
 
 /* --- health ----------------------------------------------------------------------------------- */
 
-/* Ends all writing; the first reason stays. */
+/* Makes the store read-only, with this reason unless it is already. */
 __attribute__((format(printf, 2, 3))) static void local_forbid(struct local *local,
                                                                const char *format, ...)
 {
@@ -68,7 +69,7 @@ static const char *local_health(struct server_store *store)
 {
     static const char missing[] =
         "the data folder, or a part of it (objects, manifests, geodesicd.db), was removed or "
-        "replaced under the daemon: put it back, or restart on what there is";
+        "replaced under the daemon: put it back, or restart the daemon";
     struct local *local = (struct local *)store;
     if (atomic_load(&local->is_read_only)) return local->reason;
     bool is_missing = !server_files_are_there(&local->files);
@@ -78,60 +79,54 @@ static const char *local_health(struct server_store *store)
     return is_missing ? missing : NULL;
 }
 
-/* Logs a failed write, and ends all writing if more could do harm. */
+/* Logs a failed write, and makes the store read-only if another write could do harm. */
 static enum server_store_outcome local_judge(struct local *local, enum server_store_outcome outcome,
                                              const char *what)
 {
     if (outcome == SERVER_STORE_REFUSED)
         server_log_message(SERVER_LOG_ERROR, "store_refused",
-                           "%s could not be written (%s): mend the folder", what, strerror(errno));
+                           "%s could not be written (%s): repair the folder", what,
+                           strerror(errno));
     if (outcome != SERVER_STORE_READ_ONLY && outcome != SERVER_STORE_DAMAGED) return outcome;
     local_forbid(
-        local, "%s could not be written and made durable (%s): mend the disk and restart", what,
+        local, "%s could not be written and made durable (%s): repair the disk and restart", what,
         outcome == SERVER_STORE_DAMAGED ? server_database_error(local->database) : strerror(errno));
     return SERVER_STORE_READ_ONLY;
 }
 
 /* --- quarantine ------------------------------------------------------------------------------- */
 
-/* Returns whether the object is in quarantine, and the turn, which a reader takes before it reads
- * and passes to quarantine_condemn. */
+/* Returns whether the object is in quarantine. A reader calls it before it reads, and later passes
+ * `*turn` to quarantine_condemn. */
 static bool quarantine_holds(struct local *local, const char *object, uint64_t *turn)
 {
-    pthread_mutex_lock(&local->lock);
-    bool is_held = server_names_has(&local->quarantine, object);
+    SERVER_LOCK(&local->lock);
     *turn = local->turn;
-    pthread_mutex_unlock(&local->lock);
-    return is_held;
+    return server_names_has(&local->quarantine, object);
 }
 
-/* False: a file was written again since the turn, maybe this one, or there is no memory. The next
- * reader condemns the object. */
+/* Puts an object into quarantine. False: since that turn an object was rewritten, perhaps this one,
+ * or memory is short. Then the next reader decides. */
 static bool quarantine_condemn(struct local *local, const char *object, uint64_t turn)
 {
-    pthread_mutex_lock(&local->lock);
+    SERVER_LOCK(&local->lock);
     if (local->turn == turn) server_names_add(&local->quarantine, object);
-    bool is_held = local->turn == turn && server_names_has(&local->quarantine, object);
-    pthread_mutex_unlock(&local->lock);
-    return is_held;
+    return local->turn == turn && server_names_has(&local->quarantine, object);
 }
 
-/* The object was written again, removed, or found sound. */
+/* Called when an object was rewritten, removed or found undamaged. */
 static void quarantine_lift(struct local *local, const char *object)
 {
-    pthread_mutex_lock(&local->lock);
+    SERVER_LOCK(&local->lock);
     local->turn++;
     server_names_remove(&local->quarantine, object);
-    pthread_mutex_unlock(&local->lock);
 }
 
 static uint32_t local_damaged(struct server_store *store)
 {
     struct local *local = (struct local *)store;
-    pthread_mutex_lock(&local->lock);
-    uint32_t count = (uint32_t)local->quarantine.count;
-    pthread_mutex_unlock(&local->lock);
-    return count;
+    SERVER_LOCK(&local->lock);
+    return (uint32_t)local->quarantine.count;
 }
 
 /* --- changes ---------------------------------------------------------------------------------- */
@@ -141,16 +136,16 @@ static enum server_store_outcome local_write_objects(struct local *local,
                                                      const struct server_content *content)
 {
     enum server_store_outcome outcome = SERVER_STORE_DONE;
-    struct server_object object;
     for (int part = 0; !outcome && part < SERVER_PARTS; part++) {
-        if (!server_record_object(record, part, &object)) continue;
-        outcome = server_files_write_object(&local->files, &object, content->parts[part]);
-        if (!outcome) quarantine_lift(local, object.id);
+        const struct server_object *object = &record->objects[part];
+        if (!object->id[0]) continue;
+        outcome = server_files_write_object(&local->files, object, content->parts[part]);
+        if (!outcome) quarantine_lift(local, object->id);
     }
     return local_judge(local, outcome, "a surface's file");
 }
 
-/* Removes the objects that the last change left, unless a surface has them. */
+/* Removes the objects in local->left, unless a surface has them. */
 static void local_drop_left(struct local *local)
 {
     bool knows_rows = !local->is_read_only && !local->lacks_rows;
@@ -166,7 +161,7 @@ static void local_drop_left(struct local *local)
     }
 }
 
-/* After the bytes: the ballast may need their room. */
+/* Removes unused objects first: the ballast may need their space. */
 static void local_tidy(struct server_store *store)
 {
     struct local *local = (struct local *)store;
@@ -180,12 +175,11 @@ static void local_tidy(struct server_store *store)
 
 static void local_leave(struct local *local, const struct server_record *record)
 {
-    struct server_object object;
     for (int part = 0; part < SERVER_PARTS; part++)
-        strcpy(local->left[part], server_record_object(record, part, &object) ? object.id : "");
+        strcpy(local->left[part], record->objects[part].id);
 }
 
-/* Writes manifest and row; the objects are durable. */
+/* Writes manifest and row. The objects are durable already. */
 static enum server_store_outcome local_put_record(struct local *local,
                                                   const struct server_record *record)
 {
@@ -212,7 +206,7 @@ static enum server_store_outcome local_put(struct server_store *store,
     enum server_store_outcome outcome = local_judge(
         local, server_database_find(local->database, record->key, &before), "the database");
     if (outcome && outcome != SERVER_STORE_ABSENT) return outcome;
-    outcome = local_write_objects(local, record, content);
+    outcome = content ? local_write_objects(local, record, content) : SERVER_STORE_DONE;
     if (!outcome) outcome = local_put_record(local, record);
     if (outcome) {
         local_leave(local, record);
@@ -223,7 +217,8 @@ static enum server_store_outcome local_put(struct server_store *store,
     return outcome;
 }
 
-/* A read-only store can't write: whether the objects are sound shows when they are loaded. */
+/* Confirms the stored objects. A read-only store verifies nothing here, because it can't repair;
+ * loading verifies the objects. */
 static enum server_store_outcome local_keep(struct server_store *store,
                                             const struct server_record *record,
                                             const struct server_content *content)
@@ -239,7 +234,7 @@ static enum server_store_outcome local_remove(struct server_store *store,
     (void)version;
     if (local->is_read_only) return SERVER_STORE_READ_ONLY;
     enum server_store_outcome outcome = server_database_remove(local->database, record->key);
-    /* the database's log grows, if need be into the room of the ballast */
+    /* a delete makes the database's log grow: drops the ballast if the disk is full */
     if (outcome == SERVER_STORE_FULL && server_files_drop_ballast(&local->files))
         outcome = server_database_remove(local->database, record->key);
     outcome = local_judge(local, outcome, "a row of the database");
@@ -247,7 +242,7 @@ static enum server_store_outcome local_remove(struct server_store *store,
     outcome =
         local_judge(local, server_files_remove_manifest(&local->files, record->key), "a manifest");
     if (outcome == SERVER_STORE_REFUSED)
-        local_forbid(local, "a manifest could not be removed (%s): mend the folder and restart",
+        local_forbid(local, "a manifest could not be removed (%s): repair the folder and restart",
                      strerror(errno));
     if (outcome) return SERVER_STORE_READ_ONLY;
     local_leave(local, record);
@@ -266,33 +261,28 @@ static void local_note_uses(struct server_store *store, const struct server_reco
 /* --- reading ---------------------------------------------------------------------------------- */
 
 static enum server_store_outcome local_fetch(struct server_store *store,
-                                             const struct server_record *record,
-                                             enum server_part part, void **bytes)
+                                             const struct server_object *object, void **bytes)
 {
     struct local *local = (struct local *)store;
-    struct server_object object;
     uint64_t turn;
-    if (!server_record_object(record, part, &object)) return SERVER_STORE_ABSENT;
-    if (quarantine_holds(local, object.id, &turn)) return SERVER_STORE_DAMAGED;
-    enum server_store_outcome outcome = server_files_read_object(&local->files, &object, bytes);
-    if (outcome == SERVER_STORE_DAMAGED) (void)quarantine_condemn(local, object.id, turn);
+    if (quarantine_holds(local, object->id, &turn)) return SERVER_STORE_DAMAGED;
+    enum server_store_outcome outcome = server_files_read_object(&local->files, object, bytes);
+    if (outcome == SERVER_STORE_DAMAGED) (void)quarantine_condemn(local, object->id, turn);
     return outcome;
 }
 
-/* Lifts the quarantine of a file that somebody has repaired. */
+/* Verifies an object, and lifts the quarantine of a repaired one. */
 static enum server_store_outcome local_verify(struct server_store *store,
-                                              const struct server_record *record,
-                                              enum server_part part, server_pace *pace, void *user)
+                                              const struct server_object *object, server_pace *pace,
+                                              void *user)
 {
     struct local *local = (struct local *)store;
-    struct server_object object;
     uint64_t turn;
-    if (!server_record_object(record, part, &object)) return SERVER_STORE_ABSENT;
-    bool was_held = quarantine_holds(local, object.id, &turn);
+    bool was_held = quarantine_holds(local, object->id, &turn);
     enum server_store_outcome outcome =
-        server_files_verify_object(&local->files, &object, pace, user);
-    if (!outcome && was_held) quarantine_lift(local, object.id);
-    if (outcome == SERVER_STORE_DAMAGED && !quarantine_condemn(local, object.id, turn))
+        server_files_verify_object(&local->files, object, pace, user);
+    if (!outcome && was_held) quarantine_lift(local, object->id);
+    if (outcome == SERVER_STORE_DAMAGED && !quarantine_condemn(local, object->id, turn))
         return SERVER_STORE_UNAVAILABLE;
     return outcome;
 }
@@ -335,7 +325,8 @@ static void recovery_note(struct recovery *recovery, enum server_record_reading 
     recovery->no_memory |= reading == SERVER_RECORD_NO_MEMORY;
 }
 
-/* Adds what a row (without a record: there is none) and its manifest say. False without memory. */
+/* Adds a finding: compares a row (without a record: there is no row) with its manifest. False: out
+ * of memory. */
 static bool finding_add(void *user, const struct server_sql_value *row)
 {
     struct recovery *recovery = user;
@@ -377,7 +368,7 @@ static enum server_store_outcome read_database(struct recovery *recovery, const 
     return outcome ? outcome : server_database_each(local->database, finding_add, recovery);
 }
 
-/* Opens the database, or a new one in its place; without either the store is read-only. */
+/* Opens the database, or replaces a damaged one. If both fail, the store is read-only. */
 static void open_database(struct recovery *recovery)
 {
     struct local *local = recovery->local;
@@ -402,7 +393,7 @@ static void open_database(struct recovery *recovery)
     if (!outcome) return;
     server_database_close(local->database, false);
     local->database = NULL;
-    local_forbid(local, "the database '%s' can't be opened or made (%s): mend that and restart",
+    local_forbid(local, "the database '%s' can't be opened or made (%s): repair that and restart",
                  path.text, outcome == SERVER_STORE_FULL ? "the disk is full" : strerror(errno));
 }
 
@@ -418,7 +409,7 @@ static void log_repair(struct local *local, const struct finding *finding,
         server_log_text(&line, "message", message);
         if (outcome)
             server_log_text(&line, "failure",
-                            "it could not be written; it is tried again at the next start");
+                            "it could not be written; the next start tries again");
         server_log_end(&line);
     }
     if (outcome == SERVER_STORE_READ_ONLY)
@@ -460,11 +451,9 @@ static void repair_manifest(struct recovery *recovery, const struct finding *fin
 static void collect_objects(const struct local *local)
 {
     struct server_names used = {0};
-    struct server_object object;
     for (uint32_t i = 0; i < local->count; i++)
         for (int part = 0; part < SERVER_PARTS; part++)
-            if (server_record_object(local->findings[i].stored.record, part, &object))
-                server_names_add(&used, object.id);
+            server_names_add(&used, local->findings[i].stored.record->objects[part].id);
     struct server_listing folders = server_files_list(&local->files, "objects");
     while (server_listing_next(&folders)) {
         struct server_listing objects = server_disk_list(folders.path);
@@ -476,8 +465,8 @@ static void collect_objects(const struct local *local)
     server_names_free(&used);
 }
 
-/* Finds and repairs what the folder holds. False with a sentence. */
-static bool recovery_run(struct local *local, char *error, size_t error_size)
+/* Finds all surfaces of the folder and repairs manifests and rows. False with a sentence. */
+static bool recovery_run(struct local *local, char error[SERVER_ERROR])
 {
     struct recovery recovery = {.local = local};
     char key[SERVER_KEY_TEXT] = "";
@@ -493,7 +482,7 @@ static bool recovery_run(struct local *local, char *error, size_t error_size)
             (void)finding_add(&recovery, none);
     }
     if (recovery.is_newer)
-        snprintf(error, error_size, "a later version of geodesicd wrote into '%s': run that one",
+        snprintf(error, SERVER_ERROR, "a later version of geodesicd wrote into '%s': run that one",
                  local->files.folder);
     if (recovery.is_newer || recovery.no_memory) return false; /* the caller has set `error` */
     if (local->count) qsort(local->findings, local->count, sizeof *local->findings, text_compare);
@@ -502,7 +491,7 @@ static bool recovery_run(struct local *local, char *error, size_t error_size)
             repair_row(local, &local->findings[i]);
         else if (local->findings[i].defect == LACKS_MANIFEST)
             repair_manifest(&recovery, &local->findings[i]);
-    /* after damage nothing is deleted: a person may be able to repair it */
+    /* after damage, keep all objects: a person may repair the store */
     if (recovery.is_damaged || local->is_read_only) return true;
     collect_objects(local);
     if (server_files_load_ballast(&local->files) == SERVER_STORE_READ_ONLY)
@@ -523,10 +512,10 @@ static void local_close(struct server_store *store)
     free(local);
 }
 
-struct server_store *server_store_local_open(const char *folder, char *error, size_t error_size)
+struct server_store *server_store_local_open(const char *folder, char error[SERVER_ERROR])
 {
     struct local *local = calloc(1, sizeof *local);
-    snprintf(error, error_size, "out of memory");
+    snprintf(error, SERVER_ERROR, "out of memory");
     if (!local) return NULL;
     local->store = (struct server_store){.each = local_each,
                                          .put = local_put,
@@ -541,8 +530,8 @@ struct server_store *server_store_local_open(const char *folder, char *error, si
                                          .close = local_close};
     pthread_mutex_init(&local->lock, NULL);
     if (!server_files_open(&local->files, folder))
-        snprintf(error, error_size, "%s", local->files.error);
-    else if (recovery_run(local, error, error_size))
+        snprintf(error, SERVER_ERROR, "%s", local->files.error);
+    else if (recovery_run(local, error))
         return &local->store;
     local_close(&local->store);
     return NULL;

@@ -8,28 +8,28 @@
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdlib.h>
-#include <time.h>
 
 #include "gd/control.h"
 #include "server/base/log.h"
 #include "server/base/thread.h"
 
 #define CONNECT_NS  UINT64_C(1500000000)
-#define CONNECTIONS 5                    /* at most, with the one that listens */
-#define TAKE_NS     UINT64_C(5000000000) /* to wait for one of them */
-#define PATIENCE_NS UINT64_C(3000000000) /* to retry a transaction */
-#define LONGEST_NS  UINT64_C(8000000000) /* its statements; exceeds the server's lock_timeout */
-#define PAUSE_NS    UINT64_C(5000000)    /* the first; then twice as long, */
-#define PAUSE_MOST  UINT64_C(200000000)  /* up to this */
-#define MS          UINT64_C(1000000)
+#define CONNECTIONS 5                    /* most connections, including the listener's */
+#define TAKE_NS     UINT64_C(5000000000) /* longest wait for a connection */
+#define PATIENCE_NS UINT64_C(3000000000) /* longest time in which a transaction is retried */
+/* deadline of its statements; exceeds the server's lock_timeout */
+#define LONGEST_NS UINT64_C(8000000000)
+#define PAUSE_NS   UINT64_C(5000000)   /* first pause; each further pause is twice as long, … */
+#define PAUSE_MOST UINT64_C(200000000) /* … up to this */
+#define MS         UINT64_C(1000000)
 
 /* Fixed numbers of types: PostgreSQL's pg_type.dat. */
 #define OID_BYTES   17
 #define OID_INTEGER 20
 #define OID_TEXT    25
 
-/* Of every session: our schema, durable commits, and a bound for how long a node that is cut off
- * during a change blocks the others. */
+/* Settings of every session: the schema, durable commits, and a limit on how long a daemon that is
+ * cut off during a change blocks the others. */
 static const char settings[] =
     "SET search_path = geodesicd; SET client_min_messages = warning; SET lock_timeout = 5000;"
     " SET idle_in_transaction_session_timeout = 10000; SET tcp_keepalives_idle = 10;"
@@ -42,7 +42,7 @@ struct server_pg {
     bool is_lost;
     uint64_t longest_ns; /* deadline of a statement */
     struct server_pg *next;
-    char error[SERVER_PG_ERROR]; /* of the last failure, one line */
+    char error[SERVER_PG_ERROR]; /* message of the last failure, one line */
 };
 
 struct server_pg_pool {
@@ -71,19 +71,20 @@ static enum server_store_outcome connection_lose(struct server_pg *pg)
     return SERVER_STORE_UNAVAILABLE;
 }
 
-/* The outcome of an error, by its SQLSTATE (PostgreSQL's documentation, appendix A). */
+/* Returns the outcome of an error, by its SQLSTATE (PostgreSQL's documentation, appendix A). */
 static enum server_store_outcome error_outcome(struct server_pg *pg, const PGresult *result)
 {
     static const struct {
         const char *state; /* or its beginning */
         enum server_store_outcome outcome;
     } outcomes[] = {
-        {"08", SERVER_STORE_UNAVAILABLE}, /* these four: it stops, starts, or is a standby */
-        {"57P", SERVER_STORE_UNAVAILABLE},  {"25006", SERVER_STORE_UNAVAILABLE},
-        {"25P0", SERVER_STORE_UNAVAILABLE}, {"40", SERVER_STORE_STALE},
-        {"23503", SERVER_STORE_STALE},      {"23505", SERVER_STORE_STALE},
-        {"55P03", SERVER_STORE_STALE},      {"53100", SERVER_STORE_FULL},
-        {"53", SERVER_STORE_UNAVAILABLE},   {"57014", SERVER_STORE_UNAVAILABLE},
+        /* these four codes: the server stops, starts or is a standby */
+        {"08", SERVER_STORE_UNAVAILABLE},    {"57P", SERVER_STORE_UNAVAILABLE},
+        {"25006", SERVER_STORE_UNAVAILABLE}, {"25P0", SERVER_STORE_UNAVAILABLE},
+        {"40", SERVER_STORE_STALE},          {"23503", SERVER_STORE_STALE},
+        {"23505", SERVER_STORE_STALE},       {"55P03", SERVER_STORE_STALE},
+        {"53100", SERVER_STORE_FULL},        {"53", SERVER_STORE_UNAVAILABLE},
+        {"57014", SERVER_STORE_UNAVAILABLE},
     };
     const char *state = PQresultErrorField(result, PG_DIAG_SQLSTATE);
     enum server_store_outcome outcome = SERVER_STORE_REFUSED;
@@ -148,7 +149,7 @@ static void rows_visit(const PGresult *result, server_sql_visit *visit, void *us
     }
 }
 
-/* Sends what is queued and visits the rows of all results. */
+/* Sends the queued statement and visits the rows of all results. */
 static enum server_store_outcome results_receive(struct server_pg *pg, uint64_t until_ns,
                                                  server_sql_visit *visit, void *user)
 {
@@ -188,7 +189,8 @@ enum server_store_outcome server_pg_run(struct server_pg *pg,
                                                      : OID_TEXT;
         formats[i] = 1;
         sizes[i] = is_integer ? (int)sizeof(uint64_t) : (int)value->size;
-        values[i] = is_integer ? (const char *)&integers[i] : value->bytes; /* NULL: NULL */
+        /* NULL stands for the SQL NULL */
+        values[i] = is_integer ? (const char *)&integers[i] : value->bytes;
     }
     if (!PQsendQueryParams(pg->link, statement->text, statement->count, types, values, sizes,
                            formats, 1)) {
@@ -221,7 +223,7 @@ static void on_notice(void *user, const PGresult *result)
 
 static PGconn *connect_begin(const char *url)
 {
-    /* the address comes last, so that its values count */
+    /* the address is last, so that its values override the others */
     enum { COUNT = 9 };
     const char *const parameters[COUNT][2] = {{"gssencmode", "disable"},
                                               {"application_name", "geodesicd"},
@@ -316,15 +318,14 @@ void server_pg_pool_has_answered(struct server_pg_pool *pool)
     atomic_store(&pool->is_away, false);
 }
 
-/* Returns a connection to be used again, or the place of one that is closed (NULL). */
+/* Returns a connection to the pool, or the place of a closed one (NULL). */
 static void pool_return(struct server_pg_pool *pool, struct server_pg *pg)
 {
-    pthread_mutex_lock(&pool->lock);
+    SERVER_LOCK(&pool->lock);
     if (pg) pg->next = pool->idle;
     if (pg) pool->idle = pg;
     pool->used--;
     pthread_cond_signal(&pool->change);
-    pthread_mutex_unlock(&pool->lock);
 }
 
 enum server_store_outcome server_pg_pool_take(struct server_pg_pool *pool, struct server_pg **out,
@@ -380,8 +381,8 @@ static enum server_store_outcome attempt_commit(struct server_pg_attempt *attemp
     return outcome;
 }
 
-/* Asks for the status of a COMMIT that has no answer. DONE: committed; STALE: aborted; UNAVAILABLE:
- * unknown for now, or still in progress. */
+/* Queries the status of a COMMIT that has no answer. DONE: committed; STALE: aborted; UNAVAILABLE:
+ * unknown for now, or in progress. */
 static enum server_store_outcome attempt_ask(struct server_pg_attempt *attempt)
 {
     struct server_sql_integers ended = {0};
@@ -397,12 +398,11 @@ static enum server_store_outcome attempt_ask(struct server_pg_attempt *attempt)
     return ended.at[0] ? SERVER_STORE_DONE : SERVER_STORE_STALE;
 }
 
-/* Waits before the next attempt, ever longer; false: patience is at an end. */
+/* Waits before the next attempt, each time longer. False: there is no time for another one. */
 static bool attempt_pause(struct server_pg_attempt *attempt)
 {
-    const struct timespec pause = {.tv_nsec = (long)attempt->pause_ns};
     if (gd_now_ns() + attempt->pause_ns >= attempt->until_ns) return false;
-    nanosleep(&pause, NULL);
+    server_pause(attempt->pause_ns);
     attempt->pause_ns = 2 * attempt->pause_ns < PAUSE_MOST ? 2 * attempt->pause_ns : PAUSE_MOST;
     return true;
 }
@@ -457,7 +457,8 @@ bool server_pg_next(struct server_pg_attempt *attempt)
         server_log_message(SERVER_LOG_ERROR, "database_refused", "%s", attempt->error);
     else if (attempt->outcome == SERVER_STORE_UNAVAILABLE)
         server_log_message(SERVER_LOG_WARN, "database_lost", "%s",
-                           *attempt->error ? attempt->error : "others were always quicker");
+                           *attempt->error ? attempt->error
+                                           : "changes of other daemons always came first");
     return false;
 }
 
@@ -487,7 +488,7 @@ struct server_store_sql *server_store_sql_postgres_open(const char *url)
     return &pool->sql;
 }
 
-/* --- the address (store.h) --------------------------------------------------------------------- */
+/* --- the address (store.h) -------------------------------------------------------------------- */
 
 #define STANDARD_PORT "5432"
 #define VALUE         4096
@@ -500,7 +501,7 @@ static bool address_value(const char *url, const char *keyword, char value[VALUE
                      *standard = given ? PQconndefaults() : NULL;
     bool is_read = given && standard;
     *value = '\0';
-    for (int i = 0; is_read && given[i].keyword; i++) { /* both have the order of libpq */
+    for (int i = 0; is_read && given[i].keyword; i++) { /* both arrays are in libpq's order */
         const char *found = given[i].val ? given[i].val : standard[i].val;
         if (found && strcmp(given[i].keyword, keyword) == 0) snprintf(value, VALUE, "%s", found);
     }
@@ -531,7 +532,7 @@ bool server_postgres_each_file(const char *url, void (*visit)(void *user, const 
         if (!address_value(url, keywords[i], value)) return false;
         if (*value) visit(user, value);
     }
-    bool has_home = !*value && home && *home; /* `value`: of passfile */
+    bool has_home = !*value && home && *home; /* `value` is that of passfile */
     if (has_home && snprintf(value, sizeof value, "%s/.pgpass", home) < (int)sizeof value)
         visit(user, value);
     return true;

@@ -5,21 +5,21 @@
  *         attempt.outcome = server_pg_run(attempt.pg, SERVER_SQL("UPDATE …", values, 2));
  *     return attempt.outcome;
  *
- * DESIGN. A pool of few connections, each used by one thread at a time, opened on demand. Every
- * wait is bounded: each statement and each attempt to connect has a deadline, and a connection
- * that misses one is closed.
+ * DESIGN. A pool has few connections, opened on demand, each used by one thread at a time. Every
+ * wait is bounded: statements and connects have deadlines, and a connection that misses one is
+ * closed.
  *
  * A transaction whose connection is lost, or that conflicts with another, is retried with growing
- * pauses for some seconds. If the connection is lost during COMMIT, the outcome is unknown: the
- * server is asked for the status of the transaction, by its number, on another connection. So no
- * transaction is lost, and none is applied twice.
+ * pauses for some seconds. If the connection is lost during COMMIT, the outcome is unknown. Then
+ * another connection queries the status of the transaction by its number. So no transaction is
+ * lost, and none is applied twice.
  *
- * After a failed connect the database is away: attempts are refused at once. Only
- * server_pg_pool_take, which the store's follower calls, still connects and detects that it is
- * back.
+ * After a failed connect the database is *away*: transactions fail at once. Only
+ * server_pg_pool_take, which the store's follower calls, still connects, and so detects that the
+ * database is back.
  *
- * Thread-safe. For worker threads and threads of its own, never for those of HTTP. Messages of
- * libpq don't contain the password. */
+ * Thread-safe, but never called by HTTP threads, since calls block. Messages of libpq don't contain
+ * the password. */
 #ifndef SERVER_STORE_POSTGRES_CONNECTION_H
 #define SERVER_STORE_POSTGRES_CONNECTION_H
 
@@ -30,20 +30,20 @@
 struct server_pg_pool;
 struct server_pg;
 
-/* Copies the address ("postgresql://user@host/database?…") and connects to nothing yet. NULL
- * without memory. */
+/* Copies the address ("postgresql://user@host/database?…"). Does not connect yet. NULL: out of
+ * memory. */
 struct server_pg_pool *server_pg_pool_create(const char *url);
-/* After all connections are given back; NULL is harmless. */
+/* Call it after all connections were given back. NULL is harmless. */
 void server_pg_pool_destroy(struct server_pg_pool *pool);
 
 /* Takes an idle connection or opens one, even if the database is away. UNAVAILABLE, NO_MEMORY, with
  * a message. */
 enum server_store_outcome server_pg_pool_take(struct server_pg_pool *pool, struct server_pg **out,
                                               char error[SERVER_PG_ERROR]);
-/* Gives a connection back; a lost one is closed. */
+/* Gives a connection back. Closes it if it is lost. */
 void server_pg_pool_give(struct server_pg_pool *pool, struct server_pg *pg);
 
-/* True after a failed connect, until a connect succeeds or has_answered is called. */
+/* is_away returns whether the last connect failed and has_answered has not been called since. */
 bool server_pg_pool_is_away(struct server_pg_pool *pool);
 void server_pg_pool_has_answered(struct server_pg_pool *pool);
 
@@ -52,52 +52,52 @@ void server_pg_pool_has_answered(struct server_pg_pool *pool);
 enum server_store_outcome server_pg_run(struct server_pg *pg,
                                         const struct server_statement *statement);
 
-/* The attempts at a transaction, or at reading. The body of the loop may run several times. */
+/* The attempts at a transaction or a reading. The body of the loop may run several times. */
 struct server_pg_attempt {
     struct server_pg *pg;              /* the connection of this attempt */
     enum server_store_outcome outcome; /* the loop sets that of an attempt; in the end, of all */
     struct server_pg_pool *pool;       /* this and the rest are private */
     bool is_transaction;
-    uint64_t patience_ns, longest_ns; /* of all attempts, and of one statement */
+    uint64_t patience_ns, longest_ns; /* limits of all attempts, and of one statement */
     uint64_t until_ns, pause_ns;
-    int64_t number; /* of a transaction whose COMMIT has no answer; 0: none */
+    int64_t number; /* number of a transaction whose COMMIT has no answer; 0: none */
     char error[SERVER_PG_ERROR];
 };
 
-/* The loop's outcome DONE commits the transaction, STALE retries it, and PRECONDITION ends it
- * because of another's change. UNAVAILABLE in the end: nothing changed, or it is unknown for
- * now. */
+/* The loop sets the outcome: DONE commits the transaction, STALE retries it, and PRECONDITION ends
+ * it because another daemon made a change. UNAVAILABLE at the end: nothing changed, or that is
+ * unknown for now. */
 struct server_pg_attempt server_pg_transaction(struct server_pg_pool *pool);
 
 /* Attempts without a transaction, repeated if the connection is lost, for `patience_ns` at most,
  * which is also the deadline of each statement. */
 struct server_pg_attempt server_pg_reading(struct server_pg_pool *pool, uint64_t patience_ns);
 
-/* Ends an attempt and begins the next. False: all is done, or has failed. The loop must not end
- * before. */
+/* Ends an attempt and begins the next. False: the transaction has succeeded or failed. The loop
+ * must not end earlier. */
 bool server_pg_next(struct server_pg_attempt *attempt);
 
 /* Blocks for `ns`, or until a notification on a channel that the connection listens to. False: the
  * connection is lost. */
 bool server_pg_await(struct server_pg *pg, uint64_t ns);
 
-/* --- objects: files and attachments (record.h) as rows of a MiB each ---------------------------- */
-/* Each is a part of a transaction, or a reading, with the outcomes of server_pg_run. */
+/* --- objects: files and attachments (record.h) as rows of a MiB each -------------------------- */
+/* Each is part of a transaction or a reading, and returns the outcomes of server_pg_run. */
 
 /* Writes the chunks that are missing or damaged; the database verifies the others. */
 enum server_store_outcome
 server_pg_write_object(struct server_pg *pg, const struct server_object *object, const void *bytes);
 
-/* Reads the object into `bytes`, of its size, and verifies it. ABSENT; DAMAGED. */
+/* Reads and verifies the object. `bytes` has its size. ABSENT; DAMAGED. */
 enum server_store_outcome server_pg_read_object(struct server_pg *pg,
                                                 const struct server_object *object, void *bytes);
 
-/* Has the database verify one chunk; returns its size. ABSENT; DAMAGED. */
+/* Makes the database verify one chunk, and returns the chunk's size. ABSENT; DAMAGED. */
 enum server_store_outcome server_pg_check_chunk(struct server_pg *pg,
                                                 const struct server_object *object, uint64_t number,
                                                 size_t *size);
 
-/* The number of chunks of the object. */
+/* Returns the number of chunks of the object. */
 uint64_t server_pg_chunks(const struct server_object *object);
 
 /* Makes the tables (schema.c), or migrates them; one process at a time. PRECONDITION: a later

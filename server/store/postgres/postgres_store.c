@@ -1,22 +1,22 @@
 /* See store.h: the store in a PostgreSQL database, which many daemons share. Tables: schema.c. */
 #include <stdlib.h>
-#include <time.h>
 
 #include "gd/control.h"
 #include "server/base/log.h"
+#include "server/base/thread.h"
 #include "server/store/postgres/connection.h"
 
-#define CHANNEL    "geodesicd"           /* each change notifies it */
-#define REMEMBERED "100000"              /* changes for which a removal stays listed */
-#define PAGE       500                   /* rows of one statement, */
-#define PAGE_TEXT  "500"                 /* and in SQL */
-#define START_NS   UINT64_C(10000000000) /* to reach the database at the start */
-#define LOAD_NS    UINT64_C(8000000000)  /* to read an object, or all rows */
+#define CHANNEL    "geodesicd"           /* notified by each change */
+#define REMEMBERED "100000"              /* changes after which a removal is forgotten */
+#define PAGE       500                   /* rows of one statement */
+#define PAGE_TEXT  "500"                 /* PAGE as text in SQL */
+#define START_NS   UINT64_C(10000000000) /* time to reach the database at the start */
+#define LOAD_NS    UINT64_C(8000000000)  /* time to read an object, or all rows */
 #define FOLLOW_NS  UINT64_C(1000000000)
 #define SWEEP_NS   UINT64_C(3600000000000) /* between two removals of unused objects */
 #define AWAY                                                                                       \
-    "the database does not answer: what is in memory is served, changes are refused until it is "  \
-    "back"
+    "the database does not answer: surfaces in memory are served, and changes are refused until "  \
+    "it is back"
 
 struct shared {
     struct server_store store; /* first */
@@ -35,25 +35,25 @@ static enum server_store_outcome shared_stage(struct server_store *store,
                                               const struct server_content *content)
 {
     struct server_pg_attempt attempt = server_pg_transaction(((struct shared *)store)->pool);
-    struct server_object object;
     while (server_pg_next(&attempt))
         for (int part = 0; !attempt.outcome && part < SERVER_PARTS; part++)
-            if (server_record_object(record, part, &object))
-                attempt.outcome = server_pg_write_object(attempt.pg, &object, content->parts[part]);
+            if (record->objects[part].id[0])
+                attempt.outcome = server_pg_write_object(attempt.pg, &record->objects[part],
+                                                         content->parts[part]);
     return attempt.outcome;
 }
 
 struct change {
     const struct server_record *record;
-    const char *text; /* of the record; NULL: remove it */
+    const char *text; /* text of the record; NULL: remove the surface */
     size_t size;
     uint64_t before; /* the expected version; 0: none */
     struct server_sql_integers version;
-    struct server_sql_surface found; /* of the key; version 0: none */
+    struct server_sql_surface found; /* current row of the key; version 0: none */
 };
 
-/* PRECONDITION: the key has another version than the registry knows. */
-static enum server_store_outcome change_check(struct server_pg *pg, struct change *change)
+/* Finds the key's row. PRECONDITION: it has another version than the registry knows. */
+static enum server_store_outcome pg_change_check(struct server_pg *pg, struct change *change)
 {
     change->found = (struct server_sql_surface){0};
     enum server_store_outcome outcome =
@@ -66,16 +66,15 @@ static enum server_store_outcome change_check(struct server_pg *pg, struct chang
                                                              : SERVER_STORE_PRECONDITION;
 }
 
-/* PRECONDITION: a staged object is gone. */
-static enum server_store_outcome change_write(struct server_pg *pg, const struct change *change)
+/* Writes the change. PRECONDITION: a staged object was deleted. */
+static enum server_store_outcome pg_change_write(struct server_pg *pg, const struct change *change)
 {
-    struct server_object objects[SERVER_PARTS];
+    const struct server_object *objects = change->record->objects;
     struct server_sql_value values[] = {
         server_sql_text(change->record->key), server_sql_integer(change->version.at[0]),
         server_sql_text(NULL), server_sql_text(NULL), server_sql_bytes(change->text, change->size)};
     for (int part = 0; change->text && part < SERVER_PARTS; part++)
-        if (server_record_object(change->record, part, &objects[part]))
-            values[2 + part] = server_sql_text(objects[part].id);
+        if (objects[part].id[0]) values[2 + part] = server_sql_text(objects[part].id);
     enum server_store_outcome outcome = server_pg_run(
         pg, change->text
                 ? SERVER_SQL("INSERT INTO surfaces (key, version, file, attachment, record)"
@@ -88,8 +87,8 @@ static enum server_store_outcome change_write(struct server_pg *pg, const struct
     return outcome == SERVER_STORE_STALE ? SERVER_STORE_PRECONDITION : outcome;
 }
 
-/* Deletes the rows of removals that are long past. */
-static enum server_store_outcome change_forget(struct server_pg *pg, const struct change *change)
+/* Deletes rows of old removals. */
+static enum server_store_outcome pg_change_forget(struct server_pg *pg, const struct change *change)
 {
     const int64_t version = change->version.at[0];
     return server_pg_run(
@@ -101,14 +100,15 @@ static enum server_store_outcome change_forget(struct server_pg *pg, const struc
             SERVER_VALUES(server_sql_integer(version))));
 }
 
-/* The first statement locks the clock: until the transaction ends nobody else changes anything. */
-static enum server_store_outcome change_apply(struct server_pg *pg, struct change *change)
+/* Applies a change. The first statement locks the clock, so that no other daemon makes a change
+ * until the transaction ends. */
+static enum server_store_outcome pg_change_apply(struct server_pg *pg, struct change *change)
 {
     enum server_store_outcome outcome =
         server_pg_run(pg, SERVER_SQL("UPDATE clock SET version = version + 1 RETURNING version",
                                      NULL, 0, server_sql_on_integers, &change->version));
-    if (!outcome) outcome = change_check(pg, change);
-    if (!outcome) outcome = change_write(pg, change);
+    if (!outcome) outcome = pg_change_check(pg, change);
+    if (!outcome) outcome = pg_change_write(pg, change);
     if (!outcome)
         outcome = server_pg_run(
             pg, SERVER_SQL(
@@ -117,16 +117,16 @@ static enum server_store_outcome change_apply(struct server_pg *pg, struct chang
                     " AND NOT EXISTS (SELECT FROM surfaces WHERE attachment = id)",
                     SERVER_VALUES(server_sql_text(change->found.objects[SERVER_PART_FILE]),
                                   server_sql_text(change->found.objects[SERVER_PART_ATTACHMENT]))));
-    if (!outcome && !change->text) outcome = change_forget(pg, change);
+    if (!outcome && !change->text) outcome = pg_change_forget(pg, change);
     return outcome ? outcome : server_pg_run(pg, SERVER_SQL("NOTIFY " CHANNEL));
 }
 
-static enum server_store_outcome change_make(struct server_store *store, struct change *change,
-                                             uint64_t *version)
+static enum server_store_outcome pg_change_make(struct server_store *store, struct change *change,
+                                                uint64_t *version)
 {
     struct server_pg_attempt attempt = server_pg_transaction(((struct shared *)store)->pool);
     change->before = *version;
-    while (server_pg_next(&attempt)) attempt.outcome = change_apply(attempt.pg, change);
+    while (server_pg_next(&attempt)) attempt.outcome = pg_change_apply(attempt.pg, change);
     if (!attempt.outcome) *version = (uint64_t)change->version.at[0];
     return attempt.outcome == SERVER_STORE_PRECONDITION ? SERVER_STORE_STALE : attempt.outcome;
 }
@@ -140,7 +140,7 @@ static enum server_store_outcome shared_put(struct server_store *store,
     char *text = server_record_write(record, &change.size);
     if (!text) return SERVER_STORE_NO_MEMORY;
     change.text = text;
-    enum server_store_outcome outcome = change_make(store, &change, version);
+    enum server_store_outcome outcome = pg_change_make(store, &change, version);
     free(text);
     return outcome;
 }
@@ -148,22 +148,19 @@ static enum server_store_outcome shared_put(struct server_store *store,
 static enum server_store_outcome
 shared_remove(struct server_store *store, const struct server_record *record, uint64_t *version)
 {
-    return change_make(store, &(struct change){.record = record}, version);
+    return pg_change_make(store, &(struct change){.record = record}, version);
 }
 
 /* --- reading ---------------------------------------------------------------------------------- */
 
 static enum server_store_outcome shared_fetch(struct server_store *store,
-                                              const struct server_record *record,
-                                              enum server_part part, void **bytes)
+                                              const struct server_object *object, void **bytes)
 {
-    struct server_object object;
-    if (!server_record_object(record, part, &object)) return SERVER_STORE_ABSENT;
-    void *read = malloc(object.size ? object.size : 1);
+    void *read = malloc(object->size ? object->size : 1);
     if (!read) return SERVER_STORE_NO_MEMORY;
     struct server_pg_attempt attempt = server_pg_reading(((struct shared *)store)->pool, LOAD_NS);
     while (server_pg_next(&attempt))
-        attempt.outcome = server_pg_read_object(attempt.pg, &object, read);
+        attempt.outcome = server_pg_read_object(attempt.pg, object, read);
     if (attempt.outcome)
         free(read);
     else
@@ -172,18 +169,16 @@ static enum server_store_outcome shared_fetch(struct server_store *store,
 }
 
 static enum server_store_outcome shared_verify(struct server_store *store,
-                                               const struct server_record *record,
-                                               enum server_part part, server_pace *pace, void *user)
+                                               const struct server_object *object,
+                                               server_pace *pace, void *user)
 {
     enum server_store_outcome outcome = SERVER_STORE_DONE;
-    struct server_object object;
     size_t size = 0;
-    if (!server_record_object(record, part, &object)) return SERVER_STORE_ABSENT;
-    for (uint64_t i = 0; !outcome && i < server_pg_chunks(&object); i++) {
+    for (uint64_t i = 0; !outcome && i < server_pg_chunks(object); i++) {
         struct server_pg_attempt attempt =
             server_pg_reading(((struct shared *)store)->pool, LOAD_NS);
         while (server_pg_next(&attempt))
-            attempt.outcome = server_pg_check_chunk(attempt.pg, &object, i, &size);
+            attempt.outcome = server_pg_check_chunk(attempt.pg, object, i, &size);
         outcome =
             attempt.outcome == SERVER_STORE_ABSENT && i ? SERVER_STORE_DAMAGED : attempt.outcome;
         if (!outcome && !pace(user, size)) outcome = SERVER_STORE_UNAVAILABLE;
@@ -200,11 +195,11 @@ struct page {
     uint64_t seen;              /* all changes up to this version are visited */
     char last[SERVER_KEY_TEXT]; /* the last surface's key */
     uint32_t rows;
-    bool is_over; /* the visitor ended it, or there is no memory */
+    bool is_over; /* the visitor has ended it, or memory is short */
     bool is_forgotten;
 };
 
-/* Parses row[2]. Logs a damaged record and returns NULL; also NULL without memory. */
+/* Parses row[2]. Logs a damaged record and returns NULL; also NULL: out of memory. */
 static struct server_record *page_record(struct page *page, const struct server_sql_value *row)
 {
     struct server_record *record = NULL;
@@ -242,7 +237,8 @@ static enum server_store_outcome read_clock(struct server_pg *pg, struct server_
                                         server_sql_on_integers, clock));
 }
 
-/* After a lost connection it continues with the change after the last one that was visited. */
+/* Visits changes. After a lost connection it continues with the change after the last visited
+ * one. */
 static enum server_store_outcome visit_changes(struct server_pg *pg, struct page *page)
 {
     struct server_sql_integers clock = {0};
@@ -274,7 +270,7 @@ static enum server_store_outcome shared_follow(struct server_store *store,
     return !attempt.outcome && page.is_forgotten ? SERVER_STORE_STALE : attempt.outcome;
 }
 
-/* A change meanwhile is visited by the next follow. */
+/* Visits all surfaces. The next follow visits changes that are made meanwhile. */
 static enum server_store_outcome shared_each(struct server_store *store, server_stored_visit *visit,
                                              void *user)
 {
@@ -283,7 +279,7 @@ static enum server_store_outcome shared_each(struct server_store *store, server_
     struct server_sql_integers clock = {0};
     struct server_pg_attempt attempt = server_pg_reading(own->pool, LOAD_NS);
     while (server_pg_next(&attempt)) {
-        /* once: a change while rows are visited has a later version */
+        /* read once: a change made while rows are visited has a later version */
         attempt.outcome = clock.rows ? SERVER_STORE_DONE : read_clock(attempt.pg, &clock);
         page.rows = PAGE;
         while (!attempt.outcome && page.rows == PAGE) {
@@ -302,7 +298,7 @@ static enum server_store_outcome shared_each(struct server_store *store, server_
 
 /* --- waiting ---------------------------------------------------------------------------------- */
 
-static void log_turn(struct shared *own, bool is_away, const char *error)
+static void turn_log(struct shared *own, bool is_away, const char *error)
 {
     if (is_away == own->was_away) return;
     own->was_away = is_away;
@@ -317,24 +313,17 @@ static bool listen_again(struct shared *own)
     char error[SERVER_PG_ERROR];
     if (server_pg_pool_take(own->pool, &own->listener, error)) {
         own->listener = NULL;
-        log_turn(own, server_pg_pool_is_away(own->pool), error);
+        turn_log(own, server_pg_pool_is_away(own->pool), error);
         return false;
     }
     if (server_pg_run(own->listener, SERVER_SQL("LISTEN " CHANNEL))) return false;
     server_pg_pool_has_answered(own->pool);
-    log_turn(own, false, error);
+    turn_log(own, false, error);
     return true;
 }
 
-static void pause_ns(uint64_t ns)
-{
-    const struct timespec pause = {.tv_sec = (time_t)(ns / 1000000000),
-                                   .tv_nsec = (long)(ns % 1000000000)};
-    nanosleep(&pause, NULL);
-}
-
-/* Deletes the objects of uploads that were cut short a day ago. The clock is locked, so that no
- * change can refer to one. */
+/* Deletes the objects of uploads that were interrupted more than a day ago. Locks the clock, so
+ * that no change can refer to one. */
 static void objects_sweep(struct server_pg_pool *pool)
 {
     struct server_pg_attempt attempt = server_pg_transaction(pool);
@@ -350,7 +339,7 @@ static void objects_sweep(struct server_pg_pool *pool)
     }
 }
 
-/* Also detects that the database is back. */
+/* Waits for a change. Also detects that the database is back. */
 static void shared_await(struct server_store *store, uint64_t ns)
 {
     struct shared *own = (struct shared *)store;
@@ -363,7 +352,7 @@ static void shared_await(struct server_store *store, uint64_t ns)
     if (listens && !server_pg_pool_is_away(own->pool) && server_pg_await(own->listener, ns)) return;
     if (own->listener) server_pg_pool_give(own->pool, own->listener);
     own->listener = NULL;
-    pause_ns(ns);
+    server_pause(ns);
 }
 
 static const char *shared_health(struct server_store *store)
@@ -381,9 +370,9 @@ static void shared_close(struct server_store *store)
     free(own);
 }
 
-/* Connects and makes the tables, again and again for a while; a refusal is final. False with a
+/* Connects and makes the tables; retries for START_NS unless the database refuses. False with a
  * sentence. */
-static bool postgres_prepare(struct server_pg_pool *pool, char *error, size_t error_size)
+static bool postgres_prepare(struct server_pg_pool *pool, char error[SERVER_ERROR])
 {
     struct server_pg *pg;
     char reason[SERVER_PG_ERROR];
@@ -393,24 +382,25 @@ static bool postgres_prepare(struct server_pg_pool *pool, char *error, size_t er
         outcome = reached = server_pg_pool_take(pool, &pg, reason);
         if (!reached) server_pg_pool_give(pool, pg);
         if (!reached) outcome = server_pg_migrate(pool);
-        if (outcome == SERVER_STORE_UNAVAILABLE) pause_ns(UINT64_C(200000000));
+        if (outcome == SERVER_STORE_UNAVAILABLE) server_pause(UINT64_C(200000000));
     } while (outcome == SERVER_STORE_UNAVAILABLE && gd_now_ns() < until_ns);
     if (reached)
-        snprintf(error, error_size, "the database of --store can't be reached: %s", reason);
+        snprintf(error, SERVER_ERROR, "the database of --store can't be reached: %s", reason);
     else if (outcome)
-        snprintf(error, error_size, "%s",
+        snprintf(error, SERVER_ERROR, "%s",
                  outcome == SERVER_STORE_PRECONDITION
                      ? "a later version of this program made the tables of --store; start that one"
-                     : "the tables of --store can't be made; the lines before say why");
+                     : "the tables of --store can't be made; see the lines above");
     return !outcome;
 }
 
-struct server_store *server_store_postgres_open(const char *url, char *error, size_t error_size)
+struct server_store *server_store_postgres_open(const char *url, char error[SERVER_ERROR])
 {
     struct shared *own = calloc(1, sizeof *own);
-    snprintf(error, error_size, "out of memory");
+    snprintf(error, SERVER_ERROR, "out of memory");
     if (!own) return NULL;
-    /* stage keeps objects, and each change tidies up; uses of one node say little about the others */
+    /* no keep, tidy and note_uses: stage repairs objects, each change deletes unused ones, and uses
+     * differ between daemons */
     own->store = (struct server_store){.each = shared_each,
                                        .stage = shared_stage,
                                        .put = shared_put,
@@ -422,7 +412,7 @@ struct server_store *server_store_postgres_open(const char *url, char *error, si
                                        .health = shared_health,
                                        .close = shared_close};
     own->pool = server_pg_pool_create(url);
-    if (own->pool && postgres_prepare(own->pool, error, error_size)) return &own->store;
+    if (own->pool && postgres_prepare(own->pool, error)) return &own->store;
     server_pg_pool_destroy(own->pool);
     free(own);
     return NULL;

@@ -14,7 +14,7 @@
  * reader that has seen one has seen all before it. */
 #include "server/store/postgres/connection.h"
 
-/* number of the advisory lock of migrations: "geodesicd" in a way */
+/* number of the advisory lock of migrations, chosen at random */
 #define MIGRATING "7307990571216692580"
 
 /* One statement each. Steps are added at the end and never changed. */

@@ -13,7 +13,7 @@ static double light(struct gd_colour c)
     return 0.2126 * c.red + 0.7152 * c.green + 0.0722 * c.blue;
 }
 
-/* Who sees no hues is left with the order. */
+/* The lightness shows the order to viewers who do not distinguish hues. */
 static void grows_lighter(void **state)
 {
     (void)state;
@@ -21,7 +21,7 @@ static void grows_lighter(void **state)
         assert_true(light(gd_colour_map(i / 256.0)) < light(gd_colour_map((i + 1) / 256.0)));
 }
 
-/* No component is cut, or steps would not be even. */
+/* A clamped component would make the steps of the map uneven. */
 static void stays_within_its_gamut(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* The kernels that find decimals against each other: what each finds is what the plain one finds,
- * digit by digit. */
+/* Compares the kernels that find decimals: each must find the digits that the plain kernel
+ * finds. */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -31,9 +31,9 @@ static uint64_t next_random(uint64_t *state)
     return *state * UINT64_C(0x2545f4914f6cdd1d);
 }
 
-/* By turns: any bits at all, exponents that lanes take and some to both sides of them, the same
- * with few significant bits, decimals of few digits, those moved by some units in the last place,
- * thousandths of units. */
+/* Returns, depending on `turn`: any bit pattern; an exponent in or near the range that the lanes
+ * handle; the same with few significant bits; a decimal of few digits; such a decimal moved by some
+ * units in the last place; a multiple of 0.001. */
 static double random_double(uint64_t *state, long turn)
 {
     uint64_t bits = next_random(state), few = ~((UINT64_C(1) << next_random(state) % 53) - 1);
@@ -48,7 +48,7 @@ static double random_double(uint64_t *state, long turn)
     return value;
 }
 
-/* Which of the values the kernel has left out though the plain one has not. */
+/* Returns how many values the kernel leaves out although the plain kernel finds their decimals. */
 static uint32_t assert_agreement(gd__decimals_kernel *kernel, const double *values, uint32_t count)
 {
     struct gd__decimals plain, found;
@@ -68,8 +68,8 @@ static uint32_t assert_agreement(gd__decimals_kernel *kernel, const double *valu
     return left_out & ~rare;
 }
 
-/* GD_NUMBER_RUNS=10000000 for the long form. */
-static void lanes_find_what_plain_code_finds(void **state)
+/* GD_NUMBER_RUNS: how many numbers to test, for example 10000000. */
+static void lanes_agree_with_plain_code(void **state)
 {
     (void)state;
     const char *runs = getenv("GD_NUMBER_RUNS");
@@ -82,9 +82,9 @@ static void lanes_find_what_plain_code_finds(void **state)
     }
 }
 
-/* Which matters to their speed only. Of numbers with all their bits, one in 30 million is as near
- * to a tie as that. */
-static void lanes_leave_little_out(void **state)
+/* A value that is left out costs time, but its decimal is still right. Of random numbers with all
+ * bits significant, one in 30 million is so close to a tie that the lanes leave it out. */
+static void lanes_leave_out_few_values(void **state)
 {
     (void)state;
     enum { RUNS = 20000 };
@@ -108,7 +108,7 @@ static uint32_t left_out_of(gd__decimals_kernel *kernel, double value)
     return kernel(&value, 1, &found) & 1;
 }
 
-static void what_others_write_is_left_out(void **state)
+static void special_values_are_left_out(void **state)
 {
     (void)state;
     static const double values[] = {
@@ -122,8 +122,8 @@ static void what_others_write_is_left_out(void **state)
     assert_int_equal(left_out_of(gd__decimals_plain, 99999999999999984.0), 0);
 }
 
-/* Every power of two that lanes take, whose interval is not what they take it for, half-way cases
- * (2251799813685248.5 is one), and their neighbours. */
+/* Tests every power of two that the lanes handle (its rounding interval is asymmetric), half-way
+ * cases (2251799813685248.5 is one), and the neighbours of all of them. */
 static void lanes_agree_about_rare_numbers(void **state)
 {
     (void)state;
@@ -147,9 +147,9 @@ static void lanes_agree_about_rare_numbers(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(lanes_find_what_plain_code_finds),
-        cmocka_unit_test(lanes_leave_little_out),
-        cmocka_unit_test(what_others_write_is_left_out),
+        cmocka_unit_test(lanes_agree_with_plain_code),
+        cmocka_unit_test(lanes_leave_out_few_values),
+        cmocka_unit_test(special_values_are_left_out),
         cmocka_unit_test(lanes_agree_about_rare_numbers),
     };
     find_kernels();

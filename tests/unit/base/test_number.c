@@ -97,7 +97,7 @@ static void stops_where_the_number_ends(void **state)
                                        "-+1", "++1", "--1", " 1", "+inf", "+ 1"};
     for (size_t i = 0; i < COUNT(none); i++) {
         if (gd_number_parse(none[i], none[i] + strlen(none[i]), &value))
-            fail_msg("'%s' is no number", none[i]);
+            fail_msg("'%s' is not a number", none[i]);
     }
     const char *text = "12345";
     assert_ptr_equal(gd_number_parse(text, text + 3, &value), text + 3);
@@ -113,7 +113,7 @@ static const char *printed(double value)
     return text;
 }
 
-static void prints_as_people_write(void **state)
+static void prints_without_needless_exponents(void **state)
 {
     (void)state;
     static const struct {
@@ -151,7 +151,7 @@ static void prints_as_people_write(void **state)
         assert_string_equal(printed(cases[i].value), cases[i].text);
 }
 
-/* Digits of a decimal text without sign, point, exponent, leading and trailing zeros. */
+/* Copies the digits of a decimal text without sign, point, exponent, leading and trailing zeros. */
 static size_t digits_of(const char *text, char *out)
 {
     size_t count = 0;
@@ -163,7 +163,8 @@ static size_t digits_of(const char *text, char *out)
     return count;
 }
 
-/* The fewest digits with which the C library's nearest decimal reads back as `value`. */
+/* Writes the fewest digits from which strtod reads `value`, as the C library rounds them. Returns
+ * their number. */
 static size_t reference_digits(double value, char *out)
 {
     char text[40];
@@ -173,9 +174,9 @@ static size_t reference_digits(double value, char *out)
     }
 }
 
-/* Reads back, is as short as the reference, and the same digits. Below a power of two the doubles
- * stand closer than above it: there a decimal may be shorter than the reference, which looks at the
- * nearest decimal of each length only. */
+/* Checks that the text reads back as `value` and has the reference's digits. Below a power of two
+ * doubles lie closer together than above. There a shorter decimal than the reference may exist,
+ * because the reference tries only the nearest decimal of each length. */
 static void assert_shortest(double value)
 {
     char digits[40], reference[40];
@@ -196,7 +197,8 @@ static uint64_t next_random(uint64_t *state)
     return *state * UINT64_C(0x2545f4914f6cdd1d);
 }
 
-/* By turns: any bits at all, few significant bits, [0,1), decimals of few digits. */
+/* Returns, depending on `turn`: any bit pattern; few significant bits; a number in [0, 1); a
+ * decimal of few digits. */
 static double random_double(uint64_t *state, long turn)
 {
     uint64_t bits = next_random(state);
@@ -208,7 +210,7 @@ static double random_double(uint64_t *state, long turn)
     return value;
 }
 
-/* GD_NUMBER_RUNS=10000000 for the long form. */
+/* GD_NUMBER_RUNS: how many numbers to test, for example 10000000. */
 static void prints_shortest(void **state)
 {
     (void)state;
@@ -236,7 +238,7 @@ static void prints_every_power_shortest(void **state)
     }
 }
 
-/* What gd_numbers_format is to write. */
+/* Writes what gd_numbers_format must write, one number at a time. */
 static size_t print_each(const double *values, size_t count, char *out)
 {
     char *at = out;
@@ -257,7 +259,7 @@ static size_t print_each_triple(const double (*values)[3], size_t count, char *o
     return (size_t)(at - out);
 }
 
-/* Fills a place that is as large as promised, so that a byte too far is seen. */
+/* Allocates exactly the promised size, so that AddressSanitizer detects a write beyond it. */
 static void assert_written_alike(const double (*values)[3], size_t count)
 {
     static char expected[GD_TRIPLES_SIZE(100)];
@@ -273,7 +275,7 @@ static void assert_written_alike(const double (*values)[3], size_t count)
     free(text);
 }
 
-static void prints_many_as_it_prints_one(void **state)
+static void arrays_print_as_single_numbers(void **state)
 {
     (void)state;
     static const double rare[] = {
@@ -301,10 +303,10 @@ int main(void)
         cmocka_unit_test(parses_correctly_rounded),
         cmocka_unit_test(parses_what_is_out_of_range),
         cmocka_unit_test(stops_where_the_number_ends),
-        cmocka_unit_test(prints_as_people_write),
+        cmocka_unit_test(prints_without_needless_exponents),
         cmocka_unit_test(prints_shortest),
         cmocka_unit_test(prints_every_power_shortest),
-        cmocka_unit_test(prints_many_as_it_prints_one),
+        cmocka_unit_test(arrays_print_as_single_numbers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -4,11 +4,12 @@
 
 #include "base/pool.h"
 
-/* Blocks from few chunks; who does the same work again finds one chunk for all of it. */
+/* A pool allocates its blocks from few chunks. After a restart, the same number of blocks fits into
+ * one chunk. */
 
 #define ITEM 64
 
-/* The next one stands first in each. */
+/* Returns the number of chunks. The first bytes of each chunk point to the next one. */
 static uint32_t chunks_of(const struct gd__pool *pool)
 {
     uint32_t count = 0;
@@ -16,7 +17,7 @@ static uint32_t chunks_of(const struct gd__pool *pool)
     return count;
 }
 
-/* All different, each may be written to. */
+/* Takes blocks, checks that consecutive blocks differ, and writes to each of them. */
 static void take_blocks(struct gd__pool *pool, uint32_t count)
 {
     char *last = NULL;
@@ -43,7 +44,7 @@ static void released_blocks_come_first(void **state)
     gd__pool_destroy(&pool);
 }
 
-static void the_same_again_is_one_chunk(void **state)
+static void a_restart_makes_one_chunk(void **state)
 {
     (void)state;
     struct gd__pool pool = {0};
@@ -65,11 +66,12 @@ static void the_same_again_is_one_chunk(void **state)
     gd__pool_destroy(&pool);
 }
 
-/* Chunks have a largest size: one of those is kept of several, the others are given back. */
-static void of_many_large_chunks_one_is_kept(void **state)
+/* The size of a chunk is limited. A restart keeps one chunk of the largest size and frees the
+ * others. */
+static void a_restart_keeps_one_large_chunk(void **state)
 {
     (void)state;
-    const size_t item = (size_t)1 << 20; /* only asked for: untouched memory costs nothing */
+    const size_t item = (size_t)1 << 20; /* only reserved: untouched memory costs nothing */
     struct gd__pool pool = {0};
     gd__pool_restart(&pool, item, NULL);
     for (int i = 0; i < 250; i++) assert_non_null(gd__pool_take(&pool, 0));
@@ -87,8 +89,8 @@ static void of_many_large_chunks_one_is_kept(void **state)
     gd__pool_destroy(&pool);
 }
 
-/* Less is done, and less may be taken than the time before. */
-static void a_small_budget_is_enough_for_little(void **state)
+/* After a restart, less work fits into a smaller budget. */
+static void little_work_fits_a_small_budget(void **state)
 {
     (void)state;
     struct gd__pool pool = {0};
@@ -109,8 +111,8 @@ static void a_small_budget_is_enough_for_little(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(released_blocks_come_first),
-                                       cmocka_unit_test(the_same_again_is_one_chunk),
-                                       cmocka_unit_test(of_many_large_chunks_one_is_kept),
-                                       cmocka_unit_test(a_small_budget_is_enough_for_little)};
+                                       cmocka_unit_test(a_restart_makes_one_chunk),
+                                       cmocka_unit_test(a_restart_keeps_one_large_chunk),
+                                       cmocka_unit_test(little_work_fits_a_small_budget)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -10,14 +10,27 @@
 
 #include "base/region.h"
 
+/* gcc defines macros; clang has __has_feature */
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define GD_IS_SANITIZED 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define GD_IS_SANITIZED 1
+#endif
+#endif
+
+#ifndef GD_IS_SANITIZED
+#define GD_IS_SANITIZED 0
+#endif
+
 #define MEGABYTE ((size_t)1 << 20)
 #define LIMIT    (10 * MEGABYTE)
 
-/* --- the system, as strict as Linux before 6.17 ----------------------------------------------- */
+/* --- mremap, as strict as in Linux before 6.17 ------------------------------------------------ */
 
 static int moves;
 
-/* Does one mapping hold the whole range? */
+/* Returns whether one mapping holds the whole range. */
 static bool is_one_mapping(const void *begin, size_t size)
 {
     unsigned long from, to, at = (unsigned long)begin;
@@ -31,7 +44,7 @@ static bool is_one_mapping(const void *begin, size_t size)
     return found;
 }
 
-/* In place of the C library's. */
+/* Replaces the C library's mremap: fails unless the range is one mapping, and counts calls. */
 void *mremap(void *old, size_t old_size, size_t size, int flags, ...)
 {
     va_list rest;
@@ -52,7 +65,7 @@ static bool is_aligned(const void *p)
     return (uintptr_t)p % 64 == 0;
 }
 
-/* Fills [from, to) with numbers that say where they are; checks them. */
+/* Fills [from, to) with the offset of each word, which check_filled compares. */
 static void fill(char *base, size_t from, size_t to)
 {
     for (size_t at = from; at < to; at += sizeof at) memcpy(base + at, &at, sizeof at);
@@ -63,7 +76,7 @@ static void check_filled(const char *base, size_t size)
     for (size_t at = 0; at < size; at += sizeof at) assert_memory_equal(base + at, &at, sizeof at);
 }
 
-/* By pieces of every size. */
+/* Reserves and fills pieces of increasing size until the next one would exceed `size`. */
 static size_t grow(struct gd__region *region, size_t size)
 {
     for (size_t piece = 8; region->used + piece <= size; piece += piece / 3 & ~(size_t)7) {
@@ -76,7 +89,8 @@ static size_t grow(struct gd__region *region, size_t size)
     return region->used;
 }
 
-/* In place as far as it was foreseen, and beyond, by moving its pages, again and again. */
+/* A region grows in place up to its expected size. Beyond, it grows by moving its pages,
+ * repeatedly. */
 static void grows(void **state)
 {
     (void)state;
@@ -94,18 +108,18 @@ static void grows(void **state)
     check_filled(region.base, size);
     gd__region_destroy(&region);
     assert_null(region.base);
-    gd__region_destroy(&region); /* nothing to give back: harmless */
+    gd__region_destroy(&region); /* destroying it twice is harmless */
 }
 
-/* The budget counts what the owner has elsewhere, and what was refused changes nothing. */
-static void asks_the_budget(void **state)
+/* The budget includes what its owner holds elsewhere. A refused request changes nothing. */
+static void respects_the_budget(void **state)
 {
     (void)state;
     struct gd_control control = {.budget_bytes = 10 * MEGABYTE};
     struct gd__budget budget = {.control = &control, .held = 4 * MEGABYTE};
     struct gd__region region = {0};
     check_ok(gd__region_open(&region, MEGABYTE, &budget), NULL);
-    check_ok(gd__region_reserve(&region, 6 * MEGABYTE), NULL); /* to the last byte */
+    check_ok(gd__region_reserve(&region, 6 * MEGABYTE), NULL); /* exactly the rest of the budget */
     region.used = 6 * MEGABYTE;
     struct gd__region before = region;
     assert_int_equal(gd__region_reserve(&region, 8), GD_BUDGET);
@@ -116,14 +130,14 @@ static void asks_the_budget(void **state)
     budget.held = 4 * MEGABYTE;
     check_ok(gd__region_open(&region, MEGABYTE, &budget), NULL);
     size_t step = 24 * 100;
-    /* never more than allowed, and all of it */
+    /* grants the whole budget, and no byte more */
     while (gd__region_reserve(&region, step) == GD_OK) region.used += step;
     assert_true(region.used + step > 6 * MEGABYTE && region.granted <= 6 * MEGABYTE);
     gd__region_destroy(&region);
 }
 
-/* A region that is opened again begins anew, with another owner's budget, in the same place. */
-static void opens_again(void **state)
+/* A region that is opened again is empty, has another owner's budget and keeps its address. */
+static void reopens_empty(void **state)
 {
     (void)state;
     struct gd_control control = {.budget_bytes = 3 * MEGABYTE};
@@ -135,23 +149,23 @@ static void opens_again(void **state)
     check_ok(gd__region_open(&region, MEGABYTE, &budget), NULL);
     assert_ptr_equal(region.base, base);
     assert_int_equal(region.used, 0);
-    /* though its pages are there */
+    /* although its pages are still mapped */
     assert_int_equal(gd__region_reserve(&region, 2 * MEGABYTE), GD_BUDGET);
     check_filled(region.base, grow(&region, MEGABYTE));
     gd__region_destroy(&region);
 }
 
-static void has_an_end(void **state)
+static void refuses_more_than_the_maximum(void **state)
 {
     (void)state;
     struct gd__region region = {0};
     check_ok(gd__region_open(&region, MEGABYTE, NULL), NULL);
     assert_int_equal(gd__region_reserve(&region, GD__REGION_MOST + 8), GD_BUDGET);
-    check_filled(region.base, grow(&region, MEGABYTE)); /* it goes on below */
+    check_filled(region.base, grow(&region, MEGABYTE)); /* smaller sizes still work */
     gd__region_destroy(&region);
 }
 
-/* *used: what of it is filled. */
+/* *used: how many bytes of it are filled. */
 static struct gd__kept make_kept(size_t size, size_t *used)
 {
     struct gd__region region = {0};
@@ -175,7 +189,7 @@ static void closing_keeps_the_content(void **state)
     gd__region_release(&kept);
 }
 
-/* Released memory is kept up to the limit, and used again; without a limit none is. */
+/* Released memory is kept up to the limit and reused. Without a limit none is kept. */
 static void keeps_spare_memory(void **state)
 {
     (void)state;
@@ -192,11 +206,11 @@ static void keeps_spare_memory(void **state)
     size_t spare = gd__region_spare();
     struct gd__region region = {0};
     check_ok(gd__region_open(&region, MEGABYTE, NULL), NULL);
-    assert_ptr_equal(region.base, kept[11].base); /* the newest */
+    assert_ptr_equal(region.base, kept[11].base); /* the most recently released one */
     assert_true(region.used == 0 && gd__region_spare() < spare);
     check_filled(region.base, grow(&region, 3 * MEGABYTE));
     gd__region_destroy(&region);
-    struct gd__kept large = make_kept(20 * MEGABYTE, &used); /* more than may be kept */
+    struct gd__kept large = make_kept(20 * MEGABYTE, &used); /* larger than the limit */
     spare = gd__region_spare();
     gd__region_release(&large);
     assert_true(gd__region_spare() <= spare);
@@ -204,11 +218,11 @@ static void keeps_spare_memory(void **state)
     assert_int_equal(gd__region_spare(), 0);
 }
 
-/* Where address space is scarce a region is smaller, and says so when it is full. */
-static void makes_do_with_little_address_space(void **state)
+/* Where address space is scarce, a region is smaller and returns GD_NO_MEMORY when it is full. */
+static void works_with_little_address_space(void **state)
 {
     (void)state;
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if GD_IS_SANITIZED
     print_message("# not asked under a sanitizer, which needs all address space itself\n");
 #else
     struct rlimit before, scarce;
@@ -219,7 +233,7 @@ static void makes_do_with_little_address_space(void **state)
     enum gd_status status = gd__region_open(&region, MEGABYTE, NULL),
                    full = gd__region_reserve(&region, 300 * MEGABYTE);
     size_t size = status ? 0 : grow(&region, 20 * MEGABYTE);
-    scarce.rlim_cur = MEGABYTE; /* less than is in use: nothing more is given */
+    scarce.rlim_cur = MEGABYTE; /* less than is in use: every further mapping fails */
     int limited = setrlimit(RLIMIT_AS, &scarce);
     enum gd_status none = gd__region_open(&more, MEGABYTE, NULL);
     assert_int_equal(setrlimit(RLIMIT_AS, &before), 0);
@@ -237,12 +251,12 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(grows),
-        cmocka_unit_test(asks_the_budget),
-        cmocka_unit_test(opens_again),
-        cmocka_unit_test(has_an_end),
+        cmocka_unit_test(respects_the_budget),
+        cmocka_unit_test(reopens_empty),
+        cmocka_unit_test(refuses_more_than_the_maximum),
         cmocka_unit_test(closing_keeps_the_content),
         cmocka_unit_test(keeps_spare_memory),
-        cmocka_unit_test(makes_do_with_little_address_space),
+        cmocka_unit_test(works_with_little_address_space),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

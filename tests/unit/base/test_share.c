@@ -8,7 +8,7 @@ static bool keep(void *user, double fraction)
     return fraction < 0.9;
 }
 
-/* Three parts, each of which goes from 0 to 1: the whole does too, and its owner may cancel. */
+/* Three parts report 0 to 1 each. The whole reports 0 to 1 once, and its owner can cancel it. */
 static void parts_make_a_whole(void **state)
 {
     (void)state;
@@ -27,7 +27,7 @@ static void parts_make_a_whole(void **state)
     check_close(at, 1, 1e-15);
 }
 
-static void what_is_held_is_off_the_budget(void **state)
+static void held_memory_reduces_the_budget(void **state)
 {
     (void)state;
     struct gd_control control = {.budget_bytes = 1000, .deadline_ns = 1};
@@ -36,7 +36,7 @@ static void what_is_held_is_off_the_budget(void **state)
     check_ok(gd_control_afford(&own, 600), NULL);
     assert_int_equal(gd_control_afford(&own, 601), GD_BUDGET);
     assert_int_equal(gd_control_check(&own, 0), GD_DEADLINE);
-    own = gd__share_control(&share, 1000); /* nothing is left, which is not no limit */
+    own = gd__share_control(&share, 1000); /* nothing is left: not the same as no limit */
     assert_int_equal(gd_control_afford(&own, 2), GD_BUDGET);
     own = gd__share_control(&share, 5000);
     assert_int_equal(gd_control_afford(&own, 2), GD_BUDGET);
@@ -57,7 +57,7 @@ static void without_a_control_there_are_no_limits(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(parts_make_a_whole),
-                                       cmocka_unit_test(what_is_held_is_off_the_budget),
+                                       cmocka_unit_test(held_memory_reduces_the_budget),
                                        cmocka_unit_test(without_a_control_there_are_no_limits)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -24,7 +24,7 @@ static void a_budget_below_the_cost_is_refused(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* `pairs` of triangles, each of which shares one vertex. */
+/* Returns `pairs` pairs of triangles. The triangles of a pair share one vertex. */
 static struct gd_polygons new_bow_ties(uint32_t pairs)
 {
     struct gd_polygons ties = {.positions = calloc(5 * pairs, sizeof *ties.positions),
@@ -71,7 +71,7 @@ static bool count_calls(void *user, double fraction)
     return ++watch->calls != watch->stop_at;
 }
 
-/* Whenever it is cancelled it stops and leaves nothing behind (the sanitizer looks). */
+/* A build that is cancelled at any report stops and leaks nothing (checked by LeakSanitizer). */
 static void it_can_be_cancelled_at_every_report(void **state)
 {
     (void)state;
@@ -92,8 +92,8 @@ static void it_can_be_cancelled_at_every_report(void **state)
     }
 }
 
-/* A sphere, and beside it what a repair mends: a bow tie, a cap, a crowded edge, a face that is
- * given twice; and a square. Each loop over the elements takes several slices. */
+/* Returns a sphere, a square and what a repair mends: a bow tie, a cap, an edge with too many
+ * faces, and a duplicate face. Each loop over the elements takes several slices. */
 static struct gd_polygons new_damaged_sphere(void)
 {
     struct gd_polygons sphere;
@@ -133,7 +133,7 @@ static uint32_t count_reports(const struct gd_polygons *polygons,
     return watch.calls;
 }
 
-/* Each loop over elements checks the control: the steps alone make far fewer checks. */
+/* Each loop over elements checks the control. Checks between the steps alone would be far fewer. */
 static void it_can_be_cancelled_within_every_loop(void **state)
 {
     (void)state;

@@ -12,7 +12,7 @@ static double angle_at(const struct gd_mesh *mesh, uint32_t h)
     return atan2(gd_vec3_length(gd_vec3_cross(u, v)), gd_vec3_dot(u, v));
 }
 
-/* The vertex and the corner beyond are the two that see the edge between. */
+/* Checks mesh->beyond: the apex of the face across the edge that faces `v`. */
 static void expect_beyond(const struct gd_mesh *mesh, uint32_t v, uint32_t entry)
 {
     uint32_t a = mesh->fan[entry].tip, b = gd__side_apex(mesh, mesh->fan[entry].side),
@@ -22,7 +22,8 @@ static void expect_beyond(const struct gd_mesh *mesh, uint32_t v, uint32_t entry
     assert_int_equal(mesh->beyond[entry], open ? GD_NONE : gd__side_apex(mesh, side ^ 1));
 }
 
-/* Entries run counter-clockwise from the boundary, if any, once around; their angles add up. */
+/* Checks that entries run counter-clockwise once around, from the boundary if there is one, and
+ * that their angles add up. */
 static void expect_fan(const struct gd_mesh *mesh, uint32_t v)
 {
     double angle = 0;

@@ -6,8 +6,8 @@ enum { MOST = 12 };
 
 static struct gd__interval_table table;
 
-/* Unsigned area of the triangles that the ring of these points in z = 0 is cut into, -1: it can't
- * be. Diagonals in `taken` are forbidden. */
+/* Triangulates the polygon with these corners in the plane z = 0. Returns the sum of the triangles'
+ * unsigned areas, or -1 if no triangulation exists. Diagonals in `taken` are forbidden. */
 static double cut(double (*positions)[3], uint32_t count, const uint32_t (*taken)[2],
                   uint32_t taken_count)
 {
@@ -52,14 +52,14 @@ static void well_shaped_triangles_are_preferred(void **state)
     gd__ring_make((const double(*)[3])kite, vertex, 4, corner);
     assert_true(gd__interval_cut(&table, corner, 0, 4, &edges, triangle));
     gd__edge_set_free(&edges);
-    for (int i = 0; i < 2; i++) { /* both along 0-2, the shorter diagonal */
+    for (int i = 0; i < 2; i++) { /* both contain 0-2, the shorter diagonal */
         bool has[4] = {false};
         for (int k = 0; k < 3; k++) has[triangle[i][k]] = true;
         assert_true(has[0] && has[2]);
     }
 }
 
-static void forbidden_diagonals_are_avoided_as_long_as_there_is_a_way(void **state)
+static void forbidden_diagonals_are_avoided_if_possible(void **state)
 {
     (void)state;
     double pentagon[5][3] = {{0}};
@@ -77,7 +77,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(triangles_are_not_turned_over),
         cmocka_unit_test(well_shaped_triangles_are_preferred),
-        cmocka_unit_test(forbidden_diagonals_are_avoided_as_long_as_there_is_a_way),
+        cmocka_unit_test(forbidden_diagonals_are_avoided_if_possible),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

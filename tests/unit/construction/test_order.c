@@ -14,9 +14,9 @@ static struct gd_mesh *shuffled(uint64_t seed)
     return mesh;
 }
 
-/* Vertices stand in the same order however the input numbered them, and neighbours stand near each
- * other. */
-static void the_order_inside_is_that_of_space(void **state)
+/* The internal order of vertices does not depend on the input's order, and neighbours are close in
+ * it. */
+static void internal_order_follows_space(void **state)
 {
     (void)state;
     struct gd_mesh *a = shuffled(0), *b = shuffled(17);
@@ -24,7 +24,7 @@ static void the_order_inside_is_that_of_space(void **state)
     double apart = 0;
     for (uint32_t e = 0; e < a->edge_count; e++)
         apart += fabs((double)a->origin[2 * e] - a->origin[2 * e + 1]);
-    assert_true(apart / a->edge_count < 0.15 * a->vertex_count); /* at random: a third */
+    assert_true(apart / a->edge_count < 0.15 * a->vertex_count); /* a random order gives a third */
     gd_mesh_release(a);
     gd_mesh_release(b);
 }
@@ -59,7 +59,7 @@ static void edges_come_in_order_of_first_use(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_order_inside_is_that_of_space),
+        cmocka_unit_test(internal_order_follows_space),
         cmocka_unit_test(the_maps_are_inverse),
         cmocka_unit_test(edges_come_in_order_of_first_use),
     };

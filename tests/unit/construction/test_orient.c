@@ -2,8 +2,8 @@
 #include "tests/samples/samples.h"
 #include "tests/samples/transform.h"
 
-/* A band of `n` quads, twisted half a turn before its ends are joined if `twisted`; closed across,
- * too, if `closed`. */
+/* A band of BAND quads. `twisted`: the band makes half a turn before its ends are joined. `closed`:
+ * its cross-section is a closed triangle. */
 enum { BAND = 12 };
 
 static struct gd_polygons band(bool twisted, bool closed, double positions[3 * BAND][3],
@@ -47,7 +47,7 @@ static void moebius_strip_and_klein_bottle_are_refused(void **state)
     assert_int_equal(detail.total, 1);
 }
 
-static void ring_and_torus_of_the_same_make_are_taken(void **state)
+static void ring_and_torus_are_accepted(void **state)
 {
     (void)state;
     double positions[3 * BAND][3];
@@ -94,7 +94,7 @@ static void each_component_has_its_own_majority(void **state)
     struct gd_polygons polygons, other;
     assert_int_equal(sample_icosphere(1, 1.0, &polygons), GD_OK);
     assert_int_equal(sample_icosphere(1, 3.0, &other), GD_OK);
-    sample_flip_faces(&other, 1, 1); /* a component that is turned over as a whole stays so */
+    sample_flip_faces(&other, 1, 1); /* a component whose faces are all turned over stays so */
     assert_int_equal(sample_append(&polygons, &other), GD_OK);
     struct gd_mesh *mesh = build(&polygons);
     assert_int_equal(gd_mesh_summary(mesh)->flipped_faces, 0);
@@ -108,7 +108,7 @@ static void at_a_tie_the_lowest_face_keeps_its_orientation(void **state)
 {
     (void)state;
     double positions[][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
-    uint32_t corners[] = {2, 0, 3, 1, 2, 0}; /* clockwise and counter-clockwise */
+    uint32_t corners[] = {2, 0, 3, 1, 2, 0}; /* one face clockwise, one counter-clockwise */
     struct gd_polygons polygons = TRIANGLES(positions, corners);
     struct gd_mesh *mesh = build(&polygons);
     struct gd_vertex c[3];
@@ -124,7 +124,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(moebius_strip_and_klein_bottle_are_refused),
-        cmocka_unit_test(ring_and_torus_of_the_same_make_are_taken),
+        cmocka_unit_test(ring_and_torus_are_accepted),
         cmocka_unit_test(the_minority_is_turned_over_and_counted),
         cmocka_unit_test(each_component_has_its_own_majority),
         cmocka_unit_test(at_a_tie_the_lowest_face_keeps_its_orientation),

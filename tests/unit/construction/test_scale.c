@@ -4,8 +4,8 @@
 #include "tests/samples/samples.h"
 #include "tests/samples/transform.h"
 
-/* Scaling by a power of two changes the unit and nothing else inside. */
-static void the_inside_is_the_same_at_every_scale(void **state)
+/* Scaling by a power of two changes the unit and no other internal number. */
+static void internal_numbers_do_not_depend_on_scale(void **state)
 {
     (void)state;
     struct gd_polygons polygons;
@@ -43,7 +43,7 @@ static void any_scale_between_the_extents_is_taken(void **state)
     }
 }
 
-/* Edge vectors far from the origin are as accurate as the coordinates are. */
+/* Edge vectors far from the origin are as accurate as the input coordinates. */
 static void an_offset_costs_no_more_than_the_rounding_of_coordinates(void **state)
 {
     (void)state;
@@ -72,7 +72,7 @@ static void extents_that_cannot_be_computed_with_are_refused(void **state)
     }
 }
 
-/* Two parts of very different size in one mesh. */
+/* Two components of very different size in one mesh. */
 static void a_tiny_part_in_a_large_assembly_is_taken(void **state)
 {
     (void)state;
@@ -91,7 +91,7 @@ static void a_tiny_part_in_a_large_assembly_is_taken(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_inside_is_the_same_at_every_scale),
+        cmocka_unit_test(internal_numbers_do_not_depend_on_scale),
         cmocka_unit_test(any_scale_between_the_extents_is_taken),
         cmocka_unit_test(an_offset_costs_no_more_than_the_rounding_of_coordinates),
         cmocka_unit_test(extents_that_cannot_be_computed_with_are_refused),

@@ -12,7 +12,7 @@ static struct gd_vec3 direction(const struct gd_mesh *mesh, uint32_t from, uint3
     return gd_vec3_scale(d, 1 / gd_vec3_length(d));
 }
 
-/* A side's frame against the positions of its face. */
+/* Checks the frame of a side against the positions of its face. */
 static void expect_frame(const struct gd_mesh *mesh, uint32_t h)
 {
     const struct gd_side *side = &mesh->side[h];
@@ -35,7 +35,7 @@ static void expect_frame(const struct gd_mesh *mesh, uint32_t h)
                 1e-14 * scale);
 }
 
-/* Left and right lead to the neighbours as topology.h says; the face's sides run around it. */
+/* Checks that left, right, next and previous lead to the sides that topology.h defines. */
 static void expect_links(const struct gd_mesh *mesh, uint32_t h)
 {
     const struct gd_side *side = &mesh->side[h];
@@ -114,8 +114,8 @@ static void random_surfaces_have_a_sane_topology(void **state)
     }
 }
 
-/* Corners on one line are refused with the face; a face a little higher is accepted and counted,
- * and framed without a NaN. */
+/* A face whose corners are collinear is refused. A slightly higher face is accepted, counted as
+ * degenerate, and has a frame without NaN. */
 static void faces_without_area_are_refused(void **state)
 {
     (void)state;
@@ -144,7 +144,7 @@ static void faces_without_area_are_refused(void **state)
     gd_mesh_release(mesh);
 }
 
-static void no_edge_between_strangers(void **state)
+static void unconnected_vertices_have_no_side(void **state)
 {
     (void)state;
     struct gd_polygons polygons;
@@ -165,9 +165,9 @@ static void no_edge_between_strangers(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* Faces in any order around a vertex of all of them: no work of its own for each that is there
- * already. */
-static void a_shuffled_fan_takes_a_moment(void **state)
+/* All faces share one vertex and come in shuffled order. The cost of adding a face must not grow
+ * with the number of faces at the vertex. */
+static void a_shuffled_fan_is_built_fast(void **state)
 {
     (void)state;
     enum { FACES = 100000 };
@@ -199,8 +199,8 @@ int main(void)
         cmocka_unit_test(frames_and_links_agree_with_the_positions),
         cmocka_unit_test(random_surfaces_have_a_sane_topology),
         cmocka_unit_test(faces_without_area_are_refused),
-        cmocka_unit_test(no_edge_between_strangers),
-        cmocka_unit_test(a_shuffled_fan_takes_a_moment),
+        cmocka_unit_test(unconnected_vertices_have_no_side),
+        cmocka_unit_test(a_shuffled_fan_is_built_fast),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

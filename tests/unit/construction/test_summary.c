@@ -37,7 +37,8 @@ static void euler_characteristic_and_genus(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* Two quads sewn along all four edges: a surface without thickness is a sphere all the same. */
+/* Two quads joined along all four edges: a surface without thickness has the topology of a
+ * sphere. */
 static void a_pillow_is_a_sphere(void **state)
 {
     (void)state;
@@ -114,7 +115,7 @@ static void boundary_loops_come_in_order_of_their_lowest_vertex(void **state)
     }
     assert_int_equal(lowest[0], 0);
     double z = gd_mesh_position(mesh, (struct gd_vertex){0}).z;
-    uint32_t expected = 0; /* the first vertex of the other loop */
+    uint32_t expected = 0; /* the first vertex of the other boundary */
     while (polygons.positions[expected][2] == z) expected++;
     assert_int_equal(lowest[1], expected);
     gd_mesh_release(mesh);

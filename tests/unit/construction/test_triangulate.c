@@ -2,7 +2,7 @@
 
 #include "tests/unit/mesh/shapes.h"
 
-/* Area of the mesh, which equals the polygon's when a flat polygon was cut up without overlaps. */
+/* Checks the mesh's area, which equals a flat polygon's if its triangles do not overlap. */
 static void expect_area(const struct gd_polygons *polygons, uint32_t faces, double area)
 {
     struct gd_mesh *mesh = build(polygons);
@@ -11,7 +11,7 @@ static void expect_area(const struct gd_polygons *polygons, uint32_t faces, doub
     gd_mesh_release(mesh);
 }
 
-/* In each coordinate plane, seen from either side. */
+/* Tests polygons in each coordinate plane and in both orientations. */
 static void concave_polygons_are_cut_along_the_inside(void **state)
 {
     (void)state;
@@ -44,7 +44,7 @@ static void corners_on_a_straight_edge_do_no_harm(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Two quads over the same four corners: the second must take the other diagonal. */
+/* Two quads have the same four corners. The second must take the other diagonal. */
 static void diagonals_of_other_polygons_are_avoided(void **state)
 {
     (void)state;
@@ -57,7 +57,7 @@ static void diagonals_of_other_polygons_are_avoided(void **state)
     gd_mesh_release(mesh);
 }
 
-/* The quad's first diagonal, which a fan would take, is an edge of triangles elsewhere. */
+/* The quad's first diagonal, which a fan would use, is an edge of other triangles. */
 static void edges_of_other_faces_are_avoided(void **state)
 {
     (void)state;
@@ -75,7 +75,7 @@ static void edges_of_other_faces_are_avoided(void **state)
         gd_mesh_corners(mesh, (struct gd_face){f}, c);
         uint32_t has = 0;
         for (int k = 0; k < 3; k++) has |= 1u << c[k].index;
-        assert_true((has & 10) == 10); /* both ends of the diagonal 1-3 */
+        assert_true((has & 10) == 10); /* contains both ends of the diagonal 1-3 */
         assert_int_equal(gd_mesh_source_face(mesh, (struct gd_face){f}), 0);
     }
     assert_int_equal(gd_mesh_source_face(mesh, (struct gd_face){4}), 3);
@@ -92,8 +92,8 @@ static void a_polygon_without_a_free_diagonal_is_refused(void **state)
     expect_elements(&detail, GD_ELEMENT_FACE, 1, ONE_ELEMENT(2, 0), "face 2 with 4 corners");
 }
 
-/* Cutting the best-shaped ear first leaves a quad whose diagonals are both taken; another order
- * succeeds. */
+/* Cutting the best-shaped ear first leaves a quad whose diagonals are both edges already. Another
+ * order of cutting succeeds. */
 static void the_order_of_cutting_does_not_decide_whether_it_succeeds(void **state)
 {
     (void)state;
@@ -102,8 +102,8 @@ static void the_order_of_cutting_does_not_decide_whether_it_succeeds(void **stat
     for (uint32_t turn = 0; turn < 5; turn++) {
         uint32_t v[5];
         for (uint32_t i = 0; i < 5; i++) v[i] = (i + turn) % 5;
-        /* edges 2-4 and 0-3 exist: cutting corner 1 (diagonal 0-2) would leave the quad 0 2 3 4
-         * with none */
+        /* Edges 2-4 and 0-3 exist. Cutting off corner 1 (diagonal 0-2) would leave the quad 0 2 3 4
+         * without a free diagonal. */
         uint32_t corners[] = {v[2], v[4], 5, v[0], v[3], 6, 0, 1, 2, 3, 4}, first[] = {0, 3, 6, 11};
         struct gd_polygons polygons = POLYGONS(positions, corners, first);
         struct gd_mesh *mesh = NULL;
@@ -125,7 +125,8 @@ static void polygons_that_are_not_flat_are_cut_up(void **state)
     cube_positions[6][2] -= 0.3;
 }
 
-/* Every other corner reflex, all others blocked or thin: the worst for ears. */
+/* Every other corner is reflex, and all other ears are blocked or thin: the worst case for ear
+ * clipping. */
 static void a_star_of_thousands_of_corners_is_cut_up(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* Cutting: what the tests of this room share. A cut is made, its pieces are built by the ordinary
- * builder, and what every cut keeps is checked. */
+/* Shared by the tests of cut: makes a cut, builds its pieces by the ordinary builder, and checks
+ * what holds for every cut. */
 #ifndef TESTS_UNIT_CUT_CUTTING_H
 #define TESTS_UNIT_CUT_CUTTING_H
 
@@ -27,7 +27,7 @@ static inline void cutting_free(struct cutting *cutting)
     gd_cut_free(&cutting->cut);
 }
 
-/* Cuts and builds, or fails the test. */
+/* Cuts the mesh and builds the pieces, or fails the test. */
 static inline struct cutting cutting_along(const struct gd_mesh *mesh, const struct gd_curve *curve)
 {
     struct cutting cutting;
@@ -40,7 +40,7 @@ static inline struct cutting cutting_along(const struct gd_mesh *mesh, const str
     return cutting;
 }
 
-/* Through points, joined by shortest paths. */
+/* Returns the curve of shortest paths through the points. */
 static inline struct gd_curve curve_through(const struct gd_mesh *mesh,
                                             const struct gd_point *points, uint32_t count,
                                             bool closed)
@@ -70,7 +70,7 @@ static inline struct gd_point vertex_of(const struct gd_mesh *mesh, uint32_t ind
     return point;
 }
 
-/* The point of the surface at a place in space. */
+/* Returns the point of the surface at a position in space. */
 static inline struct gd_point point_at(const struct gd_mesh *mesh, double x, double y, double z)
 {
     struct gd_point point;
@@ -89,15 +89,15 @@ static inline struct gd_mesh *sample_mesh(const char *name, const double values[
 
 /* --- borders ---------------------------------------------------------------------------------- */
 
-/* A vertex of a piece, the same in all pieces that have it. */
+/* Identifies a vertex of a piece across all pieces. */
 struct place {
     uint32_t parent;
     double position[3];
 };
 
-struct border { /* a side of one triangle only, within its piece */
+struct border { /* a side without a neighbouring face in its piece */
     struct place from, to;
-    bool is_turned; /* from and to were exchanged, to put the lesser one first */
+    bool is_turned; /* from and to were exchanged, so that the lesser one is first */
 };
 
 struct borders {
@@ -201,15 +201,15 @@ static inline uint32_t distinct(struct place *places, uint32_t count)
     return kept;
 }
 
-/* --- what every cut keeps --------------------------------------------------------------------- */
+/* --- what holds for every cut ----------------------------------------------------------------- */
 
 struct seam {
-    /* pairs of borders; their ends, but for those on the mesh's boundary */
+    /* pairs of borders; ends of these borders, except those on the mesh's boundary */
     uint32_t edges, vertices;
-    double rest; /* length of the borders that have no twin */
+    double rest; /* total length of borders without a twin */
 };
 
-/* Each border has at most one twin, which runs the other way. */
+/* Counts the twins. Each border has at most one, which runs the opposite way. */
 static inline struct seam seam_of(const struct gd_cut *cut)
 {
     struct borders borders = borders_of(cut);
@@ -248,7 +248,7 @@ static inline void check_maps(const struct gd_mesh *mesh, const struct gd_cut_pi
     uint32_t count = piece->polygons.position_count, last = 0;
     for (uint32_t i = 0; i < count; i++) {
         uint32_t parent = piece->vertex_map[i];
-        /* vertices of the parent first, in order; GD_NONE is the largest */
+        /* the parent's vertices come first, in order; GD_NONE is the largest number */
         if (i) assert_true(parent >= last);
         last = parent;
         if (parent == GD_NONE) continue;
@@ -262,14 +262,13 @@ static inline void check_maps(const struct gd_mesh *mesh, const struct gd_cut_pi
     }
 }
 
-/* Fails the test unless
- * - the areas of the pieces, and of the meshes that are built of them, sum to the mesh's, to
- *   `relative`;
- * - each piece is one component, and no face was turned over;
- * - the maps name the parent's vertices at their positions, and its faces;
- * - each border of a piece lies on the mesh's boundary, or has its twin, the other way round, at a
- *   border;
- * - the pieces have the Euler characteristic that cutting along the graph of these twins gives. */
+/* Checks that
+ * - the areas of the pieces, and of the meshes built from them, sum to the mesh's area (the latter
+ *   to a relative error of `relative`);
+ * - each piece is one component without flipped faces;
+ * - the maps lead to vertices of the parent at the same positions, and to its faces;
+ * - each border of a piece lies on the mesh's boundary or has a twin that runs the opposite way;
+ * - the pieces' Euler characteristics sum to the value for a cut along the graph of the twins. */
 static inline void check_cutting(const struct gd_mesh *mesh, const struct cutting *cutting,
                                  double relative)
 {

@@ -2,8 +2,8 @@
 
 #include "cutting.h"
 
-/* Kept segments of a face meet in their ends only, pass no node closely, and are no sides; nodes
- * keep their distance. */
+/* Checks the segments that a face keeps: they meet only in their ends, no node is close to their
+ * inside, and none is a side of the face. Checks that nodes keep their distance. */
 static void check_face(const struct gd__arrangement *arrangement, uint32_t face)
 {
     const struct gd__nodes *nodes = &arrangement->nodes;
@@ -42,9 +42,9 @@ static void check_face(const struct gd__arrangement *arrangement, uint32_t face)
     }
 }
 
-/* Closed polylines with many corners in few places, moved by tiny amounts: crossings, touches and
- * overlaps of every kind. */
-static void crowds(void **state)
+/* Closed polylines with many corners at few positions, perturbed by tiny amounts: crossings,
+ * touches and overlaps of every kind. */
+static void crowded_polylines(void **state)
 {
     (void)state;
     struct rng rng = {11};
@@ -73,8 +73,8 @@ static void crowds(void **state)
     assert_true(crossings > 5000);
 }
 
-/* A side, there and back, and once more: a run each time, no segment. */
-static void sides_are_runs(void **state)
+/* A curve that runs along a side three times gives three runs and no segment. */
+static void curves_along_sides_are_runs(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = sample_mesh("grid", (double[SAMPLE_PARAMETERS]){1, 1, 1, 1});
@@ -98,8 +98,8 @@ static void sides_are_runs(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(crowds),
-        cmocka_unit_test(sides_are_runs),
+        cmocka_unit_test(crowded_polylines),
+        cmocka_unit_test(curves_along_sides_are_runs),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

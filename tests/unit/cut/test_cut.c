@@ -28,7 +28,7 @@ static void a_straight_cut_of_a_square(void **state)
     }
 }
 
-/* Round the waist of a box: two cups. */
+/* A curve around the middle of a box leaves two open boxes. */
 static void the_waist_of_a_box(void **state)
 {
     (void)state;
@@ -47,7 +47,7 @@ static void the_waist_of_a_box(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Inside one face: nothing but face points. */
+/* A curve of face points only. */
 static void a_hole_in_one_face(void **state)
 {
     (void)state;
@@ -66,7 +66,7 @@ static void a_hole_in_one_face(void **state)
     gd_mesh_release(mesh);
 }
 
-/* --- what does not separate ------------------------------------------------------------------- */
+/* --- curves that do not separate the mesh ----------------------------------------------------- */
 
 static void round_a_handle(void **state)
 {
@@ -97,7 +97,7 @@ static void round_a_handle(void **state)
     gd_mesh_release(mesh);
 }
 
-/* From one rim of a tube to the other: what was a ring is a rectangle. */
+/* A cut from one rim of a tube to the other leaves a rectangle. */
 static void along_a_tube(void **state)
 {
     (void)state;
@@ -139,18 +139,18 @@ static void along_edges(void **state)
 }
 
 /* Polygons on a flat grid whose corners and sides meet vertices, edges and the boundary in every
- * way: areas by the shoelace formula. */
+ * way. Expected areas are from the shoelace formula. */
 static void polygons_on_a_grid(void **state)
 {
     (void)state;
     static const struct {
         double corners[6][2];
         uint32_t count, pieces;
-        double areas[2]; /* of the pieces but the outermost */
+        double areas[2]; /* of all pieces except the outermost */
     } polygons[] = {
-        /* vertices and edges */
+        /* through vertices and along edges */
         {{{0.25, 0.25}, {0.75, 0.25}, {0.75, 0.75}, {0.25, 0.75}}, 4, 2, {0.25}},
-        /* vertices, through faces */
+        /* through vertices and faces */
         {{{0.25, 0.25}, {0.75, 0.5}, {0.5, 0.75}}, 3, 2, {0.09375}},
         /* through faces */
         {{{0.1, 0.1}, {0.9, 0.1}, {0.9, 0.9}, {0.1, 0.9}}, 4, 2, {0.64}},
@@ -184,8 +184,8 @@ static void polygons_on_a_grid(void **state)
     gd_mesh_release(mesh);
 }
 
-/* A corner of the curve so close to a vertex that it is moved there, by as much as the cut says. */
-static void moved_to_a_vertex(void **state)
+/* A corner of the curve is moved to a very close vertex. largest_shift reports the distance. */
+static void a_corner_is_moved_to_a_vertex(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = sample_mesh("grid", (double[SAMPLE_PARAMETERS]){4, 4, 1000, 1000});
@@ -199,9 +199,9 @@ static void moved_to_a_vertex(void **state)
     gd_mesh_release(mesh);
 }
 
-/* --- many ------------------------------------------------------------------------------------- */
+/* --- random curves ---------------------------------------------------------------------------- */
 
-/* A random point of the component, or of any when that is GD_NONE. */
+/* Returns a random point of the component; GD_NONE: of any component. */
 static struct gd_point random_point(const struct gd_mesh *mesh, uint32_t component, struct rng *rng)
 {
     for (;;) {
@@ -216,7 +216,7 @@ static struct gd_point random_point(const struct gd_mesh *mesh, uint32_t compone
     }
 }
 
-/* Distances inside a piece are not shorter than in the whole. */
+/* Distances within a piece are at least those on the whole mesh. */
 static void check_distances(const struct gd_mesh *mesh, const struct cutting *cutting,
                             struct rng *rng)
 {
@@ -237,8 +237,8 @@ struct tally {
     uint32_t cuts, separating, empty, flat;
 };
 
-/* Cuts along closed curves of 2 to 6 random points of one component. Some enclose nothing, or meet
- * a face that is nearly flat. */
+/* Cuts along closed curves through 2 to 6 random points of one component. Some curves enclose
+ * nothing or meet an almost flat face. */
 static struct tally cut_at_random(const struct gd_mesh *mesh, uint32_t curves, uint64_t seed,
                                   double relative)
 {
@@ -293,8 +293,8 @@ static void random_curves_on_samples(void **state)
     }
 }
 
-/* Slivers, saddles and boundaries at every scale, and far from the origin, where positions of new
- * vertices are rounded more. */
+/* Slivers, saddles and boundaries at every scale, and far from the origin, where the positions of
+ * new vertices have larger rounding errors. */
 static void random_curves_on_tangles(void **state)
 {
     (void)state;
@@ -315,8 +315,8 @@ static void random_curves_on_tangles(void **state)
     assert_true(cuts > 100 && flat == 0);
 }
 
-/* Flatter than a hundred thousandth most of a face's area is too near to its border for curves
- * through it: some are refused, by a sentence. */
+/* In a face flatter than 1e-5, most of the area is too close to the border for a curve through it.
+ * Some of these curves are refused. */
 static void random_curves_on_slivers(void **state)
 {
     (void)state;
@@ -373,8 +373,8 @@ static void curves_that_cut_nothing(void **state)
     gd_mesh_release(mesh);
 }
 
-/* A loop with a spur, and one that is gone round twice: as without. */
-static void spurs_are_left_off(void **state)
+/* A loop with a spur that is traversed twice gives the same cut as the plain loop. */
+static void spurs_are_removed(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = sample_mesh("grid", (double[SAMPLE_PARAMETERS]){4, 4, 1, 1});
@@ -391,7 +391,8 @@ static void spurs_are_left_off(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Every budget and every moment of being cancelled: an error that leaks nothing, or the answer. */
+/* With any budget and any time of cancellation, the cut returns an error without leaks, or the
+ * result. */
 static void budgets_and_cancels(void **state)
 {
     (void)state;
@@ -424,9 +425,9 @@ static void budgets_and_cancels(void **state)
     gd_mesh_release(mesh);
 }
 
-/* --- meshes that no one here made ------------------------------------------------------------- */
+/* --- shared meshes ---------------------------------------------------------------------------- */
 
-/* GD_CUT_CURVES: how many curves, instead of the 100 that are cut here. */
+/* GD_CUT_CURVES: number of curves; the default is 100. */
 static void random_curves_on_shared_meshes(void **state)
 {
     (void)state;
@@ -459,9 +460,9 @@ int main(void)
         cmocka_unit_test(along_a_tube),
         cmocka_unit_test(along_edges),
         cmocka_unit_test(polygons_on_a_grid),
-        cmocka_unit_test(moved_to_a_vertex),
+        cmocka_unit_test(a_corner_is_moved_to_a_vertex),
         cmocka_unit_test(curves_that_cut_nothing),
-        cmocka_unit_test(spurs_are_left_off),
+        cmocka_unit_test(spurs_are_removed),
         cmocka_unit_test(budgets_and_cancels),
         cmocka_unit_test(random_curves_on_samples),
         cmocka_unit_test(random_curves_on_tangles),

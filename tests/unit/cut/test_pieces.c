@@ -1,6 +1,6 @@
 #include "cutting.h"
 
-/* A square ring of the grid, x and y in [0.15, 0.65]: two pieces. */
+/* A square curve on the grid, x and y in [0.15, 0.65], which leaves two pieces. */
 static struct gd_curve square_in_a_grid(const struct gd_mesh *mesh)
 {
     const struct gd_point points[] = {point_at(mesh, 0.15, 0.15, 0), point_at(mesh, 0.65, 0.15, 0),
@@ -28,7 +28,7 @@ static void the_piece_that_holds_a_point(void **state)
     struct gd_curve curve = square_in_a_grid(mesh);
     struct rng rng = {7};
     for (int i = 0; i < 200; i++) {
-        /* a vertex, a point of an edge or of a face */
+        /* a vertex, or a point of an edge or a face */
         double x = i % 2 ? rng_unit(&rng) : rng_below(&rng, 6) / 5.0,
                y = i % 3 ? rng_unit(&rng) : rng_below(&rng, 6) / 5.0;
         bool is_inside = x > 0.15 && x < 0.65 && y > 0.15 && y < 0.65;
@@ -58,8 +58,8 @@ static void a_point_on_the_curve_is_on_no_side(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Each face once, in the piece that has most of it: on this grid that is told by where its middle
- * lies. */
+/* A selection assigns each face to the piece that has most of it. On this grid this is the piece
+ * that contains the face's centroid, except near the curve. */
 static void faces_of_a_selection(void **state)
 {
     (void)state;
@@ -90,8 +90,8 @@ static void faces_of_a_selection(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Of the square's two triangles the upper one has 0.255 of its 0.5 at the left of x = 0.3, and
- * 0.248 at the left of 0.29. */
+/* The square has two triangles of area 0.5. The upper one has 0.255 to the left of x = 0.3, and
+ * 0.248 to the left of x = 0.29. */
 static void a_crossed_face_goes_with_most_of_it(void **state)
 {
     (void)state;
@@ -116,7 +116,7 @@ static void a_crossed_face_goes_with_most_of_it(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Two spheres, one curve: what it does not meet stays as it was, to the last bit. */
+/* Of two spheres the curve cuts one. The other one stays the same, bit for bit. */
 static void other_components_stay(void **state)
 {
     (void)state;

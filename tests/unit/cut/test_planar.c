@@ -2,7 +2,8 @@
 
 #include "tests/support/test.h"
 
-/* A right triangle, whose places are its sites. */
+/* Starts a triangulation of the right triangle (0,0), (1,0), (0,1). Its planar coordinates are its
+ * lattice coordinates. */
 static void begin(struct gd__planar *planar, struct gd__budget *budget,
                   const struct gd__site *sites, uint32_t count)
 {
@@ -25,7 +26,8 @@ static bool has_side(const struct gd__planar *planar, uint32_t a, uint32_t b)
     return false;
 }
 
-/* Triangles turn counter-clockwise, tile the face exactly, and agree on who is across. */
+/* Checks that triangles are counter-clockwise, tile the face exactly, and agree about their
+ * neighbours. */
 static void check_tiling(const struct gd__planar *planar)
 {
     __int128 area = 0;
@@ -50,9 +52,9 @@ static void check_tiling(const struct gd__planar *planar)
 
 #define L GD__LATTICE
 
-/* Points on a circle, all diagonals as likely: a chord across most of them is brought in by
- * flips. */
-static void a_segment_across(void **state)
+/* Sites on a circle, where all diagonals are equally likely. Inserting a chord that crosses most of
+ * them needs many flips. */
+static void a_segment_across_many_diagonals(void **state)
 {
     (void)state;
     struct gd__budget budget = {0};
@@ -77,8 +79,8 @@ static void a_segment_across(void **state)
     gd__planar_free(&planar);
 }
 
-/* Random sites, some on the sides, and segments between them that cross none before: each comes in,
- * all stay. */
+/* Inserts random segments between random sites, some on the sides, that do not cross earlier
+ * segments. All of them are in the final triangulation. */
 static void random_segments(void **state)
 {
     (void)state;
@@ -121,7 +123,7 @@ static void random_segments(void **state)
     }
 }
 
-/* The four corners of a flat diamond: the short diagonal is better. */
+/* The four corners of a flat rhombus: the short diagonal gives larger angles. */
 static void flips_widen_angles(void **state)
 {
     (void)state;
@@ -146,7 +148,7 @@ static void flips_widen_angles(void **state)
     gd__planar_free(&planar);
 }
 
-static void sites_that_can_not_be(void **state)
+static void invalid_sites_are_refused(void **state)
 {
     (void)state;
     struct gd__budget budget = {0};
@@ -163,7 +165,7 @@ static void sites_that_can_not_be(void **state)
     gd__planar_free(&planar);
     begin(&planar, &budget, line, 6);
     check_ok(gd__planar_triangulate(&planar), NULL);
-    assert_int_equal(gd__planar_fix(&planar, 3, 5), GD_RUNAWAY); /* passes a site */
+    assert_int_equal(gd__planar_fix(&planar, 3, 5), GD_RUNAWAY); /* passes through a site */
     assert_int_equal(gd__planar_begin(&planar, UINT32_MAX), GD_TOO_LARGE);
     gd__planar_free(&planar);
 }
@@ -171,10 +173,10 @@ static void sites_that_can_not_be(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_segment_across),
+        cmocka_unit_test(a_segment_across_many_diagonals),
         cmocka_unit_test(random_segments),
         cmocka_unit_test(flips_widen_angles),
-        cmocka_unit_test(sites_that_can_not_be),
+        cmocka_unit_test(invalid_sites_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

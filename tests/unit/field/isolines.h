@@ -1,4 +1,4 @@
-/* Isolines: what their tests share. A line is traced, and what every line keeps is checked. */
+/* Shared by the tests of isolines: traces an isoline and checks what holds for every line. */
 #ifndef TESTS_UNIT_FIELD_ISOLINES_H
 #define TESTS_UNIT_FIELD_ISOLINES_H
 
@@ -28,7 +28,7 @@ static inline struct gd_vec3 arc_place(const struct gd_mesh *mesh, const struct 
                          arc->radius * sin(angle), y);
 }
 
-/* Relative difference of a point's distance and the level. */
+/* Returns the difference of the point's distance and the level, relative to the level. */
 static inline double misfit(const struct gd_field *field, const struct gd_point *point,
                             double level)
 {
@@ -37,7 +37,7 @@ static inline double misfit(const struct gd_field *field, const struct gd_point 
     return fabs(distance - level) / level;
 }
 
-/* The point of a face halfway between two places of it. */
+/* Returns the point of the face halfway between two positions in the face. */
 static inline struct gd_point halfway(const struct gd_mesh *mesh, uint32_t face, struct gd_vec3 a,
                                       struct gd_vec3 b)
 {
@@ -54,8 +54,8 @@ static inline struct gd_point halfway(const struct gd_mesh *mesh, uint32_t face,
     return test_point(mesh, (struct test_place){face, {1 - v - w, v, w}});
 }
 
-/* Points have the level's distance, and so have those that lie on the arcs between; arcs begin and
- * end in them. Returns the worst misfit. */
+/* Checks the line's length, and that arcs begin and end in its points. Returns the largest misfit
+ * of its points and of points on its arcs. */
 static inline double check_line(const struct gd_field *field, const struct gd_isoline_line *line,
                                 double level)
 {

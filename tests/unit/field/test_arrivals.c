@@ -1,5 +1,5 @@
-/* Where shortest paths jump: the cut locus, found by bisection of the gradient's jumps, and by
- * symmetry. */
+/* Tests the points that several shortest paths reach (the cut locus). They are known by symmetry,
+ * or found by bisection where the gradient jumps. */
 #include "field/arrivals.h"
 
 #include <math.h>
@@ -52,7 +52,7 @@ static bool is_cut_by_search(const struct gd_mesh *mesh, const struct gd_point *
     struct gd_pair_answer answer = {0};
     check_ok(gd_pair_solve(
                  mesh,
-                 &(struct gd_pair_request){.from = from, .to = to, .wish = GD_PAIR_PATH_AND_CUT},
+                 &(struct gd_pair_request){.from = from, .to = to, .output = GD_PAIR_PATH_AND_CUT},
                  NULL, &answer, NULL),
              NULL);
     gd_pair_answer_free(&answer);
@@ -87,8 +87,9 @@ static void random_weights(struct rng *rng, double weight[3])
     weight[2] = 1 - weight[0] - weight[1];
 }
 
-/* The gradient along a segment in a face turns steadily but where it jumps: there, and only there,
- * the point is cut. How wide the jump is; 0: there is none. */
+/* Finds a jump of the gradient along a random segment of a face by bisection. Elsewhere the
+ * gradient changes continuously. Checks that the point of the jump is cut. Returns the size of the
+ * jump, 0 if there is none. */
 static double check_segment(const struct gd_field *field, const struct gd_mesh *mesh,
                             const struct gd_point *from, uint32_t face, struct rng *rng)
 {
@@ -114,7 +115,7 @@ static double check_segment(const struct gd_field *field, const struct gd_mesh *
     return jump;
 }
 
-static void jumps_are_told(void **state)
+static void gradient_jumps_are_cut(void **state)
 {
     (void)state;
     static const struct {
@@ -145,8 +146,8 @@ static void jumps_are_told(void **state)
     }
 }
 
-/* A random point has one shortest path. */
-static void elsewhere_there_is_one_way(void **state)
+/* A random point is reached by one shortest path only. */
+static void random_points_have_one_path(void **state)
 {
     (void)state;
     static const struct {
@@ -176,7 +177,8 @@ static void elsewhere_there_is_one_way(void **state)
     }
 }
 
-/* A vertex at which no path bends is no way of its own, however near to it a point lies. */
+/* A path past a vertex without bending there is not counted twice, however close the point is to
+ * the vertex. */
 static void next_to_a_vertex(void **state)
 {
     (void)state;
@@ -195,7 +197,7 @@ static void next_to_a_vertex(void **state)
 
 /* --- symmetry --------------------------------------------------------------------------------- */
 
-/* On an icosphere the way to the antipode is as long all round; on the way there it is one. */
+/* On an icosphere shortest paths leave a vertex in several directions to reach its antipode. */
 static void antipodes(void **state)
 {
     (void)state;
@@ -218,8 +220,7 @@ static void antipodes(void **state)
     surface_free(&sphere);
 }
 
-/* Two faces of a prism without ends: behind it the middle line is cut, on vertices and edges
- * too. */
+/* On the mantle of a prism the line opposite to the source is cut, at vertices and on edges too. */
 static void behind_a_prism(void **state)
 {
     (void)state;
@@ -245,7 +246,7 @@ static void behind_a_prism(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(jumps_are_told), cmocka_unit_test(elsewhere_there_is_one_way),
+        cmocka_unit_test(gradient_jumps_are_cut), cmocka_unit_test(random_points_have_one_path),
         cmocka_unit_test(next_to_a_vertex), cmocka_unit_test(antipodes),
         cmocka_unit_test(behind_a_prism)};
     return cmocka_run_group_tests(tests, NULL, NULL);

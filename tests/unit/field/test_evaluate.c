@@ -26,7 +26,7 @@ static struct gd_mesh *terrain(struct gd_polygons *polygons)
     return test_mesh(polygons);
 }
 
-/* Some points of each kind, in no order. */
+/* Returns random points of all kinds in random order. */
 static struct gd_point *random_points(const struct gd_mesh *mesh,
                                       const struct gd_polygons *polygons, struct rng *rng,
                                       uint32_t count)
@@ -37,7 +37,7 @@ static struct gd_point *random_points(const struct gd_mesh *mesh,
     return points;
 }
 
-/* What gd_field_distances promises of one point. */
+/* Returns the value that gd_field_distances must write for one point. */
 static double one_distance(const struct gd_field *field, const struct gd_point *point)
 {
     double distance = 0;
@@ -63,7 +63,7 @@ static void check_batch(const struct gd_field *field, const struct gd_point *poi
     free(out);
 }
 
-static void a_batch_gives_what_single_questions_do(void **state)
+static void a_batch_equals_single_calls(void **state)
 {
     (void)state;
     struct gd_polygons polygons;
@@ -117,7 +117,8 @@ static void another_component_is_infinitely_far(void **state)
     gd_mesh_release(mesh);
 }
 
-/* The least over corners and wedges of a face without seeds by nothing but their definition. */
+/* Computes the distance in a face without seeds by definition: the minimum over the face's corners
+ * and wedges. */
 static double plain_distance(const struct gd_field *field, const struct gd_point *point)
 {
     const struct gd_mesh *mesh = field->mesh;
@@ -133,8 +134,8 @@ static double plain_distance(const struct gd_field *field, const struct gd_point
              next = gd__field_chunk(field, next)->previous) {
             const struct gd__chunk *chunk = gd__field_chunk(field, next);
             for (uint32_t i = 0; i < chunk->count; i++) {
-                struct gd__window w =
-                    gd__wedge_window(gd__chunk_wedges(chunk), chunk->count, i, length);
+                struct gd__wedges wedges = gd__chunk_wedges(chunk);
+                struct gd__window w = gd__wedge_window(&wedges, i, length);
                 if (w.source == GD_NONE || w.tags != (side & 1 ? GD__WINDOW_FAR_SIDE : 0u))
                     continue;
                 if (side & 1) w = gd__window_mirrored(&w, length);
@@ -155,7 +156,7 @@ static bool has_seed(const struct gd_field *field, uint32_t face)
     return false;
 }
 
-/* Sum over all legs of what tells them apart. */
+/* Returns a weighted sum of the legs' members, which differs if any leg differs. */
 static double legs_sum(const struct gd_field *field, const struct gd_point *points)
 {
     double sum = 0;
@@ -167,7 +168,7 @@ static double legs_sum(const struct gd_field *field, const struct gd_point *poin
     return sum;
 }
 
-/* Each set of instructions against the definition, and against the first one to the last bit. */
+/* Each instruction set agrees with the definition, and with the baseline bit for bit. */
 static void kernels_agree(void **state)
 {
     (void)state;
@@ -203,29 +204,27 @@ static void kernels_agree(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* Appends a chunk with one wedge of another and gaps beside it. */
+/* Appends a chunk with only wedge `i` of `chunk` and gaps beside it. The form depends on `at`. */
 static uint32_t append_part(char *wedges, uint32_t at, uint32_t previous,
                             const struct gd__chunk *chunk, uint32_t i)
 {
     struct gd__wedges from = gd__chunk_wedges(chunk);
-    bool before = gd__wedge_start(from.start[i]) > 0, behind = i + 1 < chunk->count;
+    bool before = from.start[i] > 0, behind = i + 1 < chunk->count;
     struct gd__chunk *part = (struct gd__chunk *)(wedges + (size_t)at * GD__CHUNK_UNIT);
     part->previous = previous;
     part->count = 1u + before + behind;
+    part->form = at % 3;
+    part->is_far = chunk->is_far;
     struct gd__wedges to = gd__chunk_wedges(part);
-    const uint64_t gap = (uint64_t)GD_NONE << 32;
-    for (uint32_t k = 0; k < part->count; k++) {
-        to.x[k] = to.y[k] = 0;
-        to.start[k] = k ? gap | gd__wedge_start(from.start[i + 1 < chunk->count ? i + 1 : i]) : gap;
-    }
-    to.x[before] = from.x[i];
-    to.y[before] = from.y[i];
-    to.start[before] = from.start[i];
-    return at + (uint32_t)((sizeof *part + GD__WEDGE_BYTES * (size_t)part->count) / GD__CHUNK_UNIT);
+    for (uint32_t k = 0; k < part->count; k++)
+        gd__wedge_put(&to, k, k ? from.start[i + 1 < chunk->count ? i + 1 : i] : 0, 0, 0, GD_NONE);
+    gd__wedge_put(&to, before, from.start[i], gd__wedge_unpack(&from, &from.x[i]),
+                  gd__wedge_unpack(&from, &from.y[i]), gd__wedge_source(&from, i));
+    return at + (uint32_t)(gd__chunk_bytes(part) / GD__CHUNK_UNIT);
 }
 
-/* Chains of many chunks: every wedge put into a chunk of its own, the answers stay, and so do the
- * legs. */
+/* Every wedge gets a chunk of its own, which makes chains long. Distances stay the same bit for
+ * bit, and lengths of paths up to rounding. */
 static void long_chains_give_the_same(void **state)
 {
     (void)state;
@@ -237,7 +236,7 @@ static void long_chains_give_the_same(void **state)
     struct gd_field *field =
         field_of(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1});
     uint32_t at = 0, longest = 0, *newest = malloc(sizeof *newest * mesh->edge_count);
-    char *wedges = malloc(5 * field->wedge_bytes);
+    char *wedges = malloc(6 * field->wedge_bytes);
     for (uint32_t e = 0; e < mesh->edge_count; e++) {
         uint32_t length = 0;
         newest[e] = GD_NONE;
@@ -245,7 +244,8 @@ static void long_chains_give_the_same(void **state)
              next = gd__field_chunk(field, next)->previous) {
             const struct gd__chunk *chunk = gd__field_chunk(field, next);
             for (uint32_t i = 0; i < chunk->count; i++) {
-                if (gd__wedge_source(gd__chunk_wedges(chunk).start[i]) == GD_NONE) continue;
+                struct gd__wedges from = gd__chunk_wedges(chunk);
+                if (gd__wedge_source(&from, i) == GD_NONE) continue;
                 uint32_t part = at;
                 at = append_part(wedges, at, newest[e], chunk, i);
                 newest[e] = part;
@@ -265,12 +265,12 @@ static void long_chains_give_the_same(void **state)
                              .face_seeds = field->face_seeds,
                              .face_seed_count = field->face_seed_count};
     print_message("# chains of up to %u chunks\n", longest);
-    assert_true(longest > 10); /* more than are looked at together */
+    assert_true(longest > 10); /* more than a group of wedges */
     for (uint32_t i = 0; i < POINTS; i++) {
         struct gd__leg a = gd__field_leg(field, &points[i]), b = gd__field_leg(&split, &points[i]);
         assert_memory_equal(&a.distance, &b.distance, sizeof a.distance);
         if (a.kind != GD__LEG_WEDGE || b.kind != GD__LEG_WEDGE) continue;
-        struct gd_path p, q; /* of equal legs another one may be met first: they lead on as far */
+        struct gd_path p, q; /* the leg may be another one of equal length */
         check_ok(gd_field_path(field, &points[i], &p), NULL);
         check_ok(gd_field_path(&split, &points[i], &q), NULL);
         check_close(q.length, p.length, 1e-12);
@@ -285,7 +285,7 @@ static void long_chains_give_the_same(void **state)
     gd_polygons_free(&polygons);
 }
 
-static void what_stops_a_batch_leaves_the_output_alone(void **state)
+static void a_failed_batch_keeps_its_output(void **state)
 {
     (void)state;
     struct gd_polygons polygons;
@@ -316,11 +316,11 @@ static void what_stops_a_batch_leaves_the_output_alone(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_batch_gives_what_single_questions_do),
+        cmocka_unit_test(a_batch_equals_single_calls),
         cmocka_unit_test(another_component_is_infinitely_far),
         cmocka_unit_test(kernels_agree),
         cmocka_unit_test(long_chains_give_the_same),
-        cmocka_unit_test(what_stops_a_batch_leaves_the_output_alone),
+        cmocka_unit_test(a_failed_batch_keeps_its_output),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

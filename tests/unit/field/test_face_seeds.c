@@ -1,5 +1,4 @@
-/* Seeds by the faces that they lie in: each face knows all of its own, in their order, however many
- * there are. */
+/* Tests the index from faces to the seeds in them: complete and in order of the seeds' numbers. */
 #include "tests/support/test.h"
 
 #include <stdlib.h>
@@ -9,7 +8,7 @@
 #include "mesh/segment.h"
 #include "tests/samples/samples.h"
 
-/* A field of seeds only. */
+/* A field that has nothing but seeds. */
 static struct gd_field field;
 static struct gd_polygons polygons;
 static struct gd_mesh *mesh;
@@ -26,7 +25,7 @@ static void close_terrain(void)
     gd_polygons_free(&polygons);
 }
 
-/* From one border of a random face to another, or along it; or a point. */
+/* Returns a point, or a segment from a point of a random face to one of its sides. */
 static struct gd__seed random_seed(struct rng *rng)
 {
     struct test_place place = test_random_place(&polygons, rng), end = {place.face, {0, 0, 0}};
@@ -42,11 +41,11 @@ static struct gd__seed random_seed(struct rng *rng)
 
 static bool lies_in(const struct gd__seed *seed, uint32_t face)
 {
-    struct gd__home home;
+    struct gd__segment_location home;
     const struct gd_point *point = &seed->point;
     if (!seed->is_segment)
         return point->kind != GD_POINT_VERTEX && gd__face_contains(mesh, face, point);
-    assert_true(gd__segment_home(mesh, &seed->point, &seed->end, &home));
+    assert_true(gd__segment_locate(mesh, &seed->point, &seed->end, &home));
     if (home.face != GD_NONE) return home.face == face;
     return mesh->side_face[2 * home.edge] == face || mesh->side_face[2 * home.edge + 1] == face;
 }
@@ -78,7 +77,8 @@ static void check_seeds(uint32_t count, struct rng *rng)
     free(field.seeds);
 }
 
-/* Few seeds and many are sorted by different means, faces of one, two and three digits. */
+/* Small and large numbers of seeds are sorted by different algorithms. Radix sort needs one to
+ * three digits for these faces. */
 static void each_face_knows_its_seeds(void **state)
 {
     (void)state;
@@ -91,8 +91,7 @@ static void each_face_knows_its_seeds(void **state)
     }
 }
 
-/* A surface of so many faces that it takes four digits; points inside of them is all that is
- * asked. */
+/* Radix sort needs four digits for this number of faces. All seeds are points inside faces. */
 static void faces_of_four_digits(void **state)
 {
     (void)state;
@@ -120,7 +119,7 @@ static void faces_of_four_digits(void **state)
     free(field.seeds);
 }
 
-/* The ends of a segment are one point, or lie in no common face. */
+/* Refuses segments whose ends are equal or have no common face. */
 static void segments_of_no_face(void **state)
 {
     (void)state;

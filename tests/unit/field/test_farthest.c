@@ -20,7 +20,7 @@ static struct gd_point point_at(const struct gd_mesh *mesh, double x, double y, 
     return point;
 }
 
-/* The farthest point, whose distance is the one that the field gives there. */
+/* Returns the position of the farthest point. Checks that the field has the same distance there. */
 static struct gd_vec3 farthest(const struct gd_field *field, struct gd_point *point,
                                double *distance)
 {
@@ -31,9 +31,9 @@ static struct gd_vec3 farthest(const struct gd_field *field, struct gd_point *po
     return gd_point_position(gd_field_mesh(field), point);
 }
 
-/* From the middle of a face of a cube the farthest point is the middle of the face opposite, as far
- * over each of the four others. */
-static void of_a_cube(void **state)
+/* From the middle of a cube's face the farthest point is the middle of the opposite face. Paths
+ * across each of the four other faces have equal length. */
+static void farthest_on_a_cube(void **state)
 {
     (void)state;
     for (uint32_t cells = 1; cells <= 4; cells++) {
@@ -54,9 +54,9 @@ static void of_a_cube(void **state)
     }
 }
 
-/* Kotani's ant: on a box of 1 x 1 x 2 the farthest point from a corner is not the corner opposite,
- * but a quarter of the far square's diagonal away from it. */
-static void of_the_box_1_1_2(void **state)
+/* Kotani's ant: on a box of 1 x 1 x 2 the farthest point from a corner is not the opposite corner.
+ * It lies a quarter of the far square's diagonal away from that corner. */
+static void farthest_on_the_box_1_1_2(void **state)
 {
     (void)state;
     for (uint32_t cells = 1; cells <= 3; cells++) {
@@ -77,8 +77,9 @@ static void of_the_box_1_1_2(void **state)
     }
 }
 
-/* In a square: a corner from one seed; from two, a point of the boundary; from four, one inside. */
-static void of_a_square(void **state)
+/* In a square: from one seed a corner, from two a point of the boundary, from four an inner
+ * point. */
+static void farthest_in_a_square(void **state)
 {
     (void)state;
     struct gd_polygons polygons;
@@ -124,8 +125,8 @@ static void of_a_square(void **state)
 
 /* --- segments --------------------------------------------------------------------------------- */
 
-/* The field of all boundaries of a mesh, as curves; each begins by `more` later than the one
- * before. */
+/* Returns the field of all boundaries as curves. Each curve's offset exceeds the previous one's by
+ * `more`. */
 static struct gd_field *field_of_boundaries(const struct gd_mesh *mesh, double more)
 {
     struct gd_seed *seeds = NULL;
@@ -145,9 +146,9 @@ static struct gd_field *field_of_boundaries(const struct gd_mesh *mesh, double m
     return field;
 }
 
-/* From the boundary of a rectangle a ridge is farthest, of a triangle the centre of its
- * incircle. */
-static void of_a_boundary(void **state)
+/* The points farthest from a rectangle's boundary form a ridge. In a triangle the incentre is
+ * farthest. */
+static void farthest_from_a_boundary(void **state)
 {
     (void)state;
     static const uint32_t cells[][2] = {{1, 1}, {2, 2}, {3, 2}, {5, 3}, {4, 7}, {9, 9}};
@@ -181,8 +182,8 @@ static void of_a_boundary(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Between a mantle's ends the ridge goes round: it has no end, and no vertex lies on it. */
-static void of_a_mantle(void **state)
+/* Between the two boundaries of a cylinder the ridge is a closed curve without vertices on it. */
+static void farthest_on_a_cylinder(void **state)
 {
     (void)state;
     struct rng rng = {21};
@@ -205,8 +206,8 @@ static void of_a_mantle(void **state)
     }
 }
 
-/* Appends seeds of the straight way from a to b along the lines of an 8 x 8 grid of cells x cells;
- * returns how many there are then. */
+/* Appends seeds for the straight line from a to b along grid lines of a square of side 8 with cells
+ * x cells cells. Returns the new number of seeds. */
 static uint32_t put_border(const struct gd_mesh *mesh, struct gd_vec3 a, struct gd_vec3 b,
                            uint32_t cells, struct gd_seed *seeds, uint32_t count)
 {
@@ -234,7 +235,7 @@ static void check_place(const struct gd_mesh *mesh, const struct gd_seed *seeds,
     gd_field_release(field);
 }
 
-/* By so many quarters of a turn about the square's middle. */
+/* Returns the point turned about the square's centre by `quarters` quarter turns. */
 static struct gd_vec3 turned(double x, double y, int quarters)
 {
     for (; quarters > 0; quarters--) {
@@ -263,8 +264,8 @@ static void check_borders(const struct gd_mesh *mesh, uint32_t cells, int quarte
     check_place(mesh, seeds, count, 6.25, turned(6.25, 0, quarters)); /* x^2 = (8 - x)^2 + 36 */
 }
 
-/* Between two points and a segment, a point and two segments, and on the boundary between one of
- * each; in a face and across many. */
+/* The farthest point lies between two points and a segment, between a point and two segments, or on
+ * the boundary between a point and a segment. Tested within one face and across many. */
 static void between_points_and_segments(void **state)
 {
     (void)state;
@@ -278,7 +279,8 @@ static void between_points_and_segments(void **state)
     }
 }
 
-/* --- the pillow: a unit square covered twice -------------------------------------------------- */
+/* --- the pillow: a unit square with a front and a back
+ * ------------------------------------------ */
 
 static double over_pillow(const double p[3], const double q[3])
 {
@@ -292,7 +294,7 @@ static double over_pillow(const double p[3], const double q[3])
     return best;
 }
 
-/* The greatest distance by closer and closer grids. */
+/* Finds the largest distance by search on successively finer grids. */
 static double greatest_over_pillow(const double seed[2][3])
 {
     double best = 0;
@@ -321,7 +323,7 @@ static double greatest_over_pillow(const double seed[2][3])
     return best;
 }
 
-/* The place of a vertex of a face in the chart, weighed. */
+/* Interpolates the chart coordinates of a place in a face. */
 static void in_chart(const struct zoo_shape *shape, const struct test_place *place, double out[3])
 {
     double z = 0;
@@ -335,7 +337,7 @@ static void in_chart(const struct zoo_shape *shape, const struct test_place *pla
     out[2] = z > 0 ? 1 : -1;
 }
 
-static void of_a_pillow(void **state)
+static void farthest_on_a_pillow(void **state)
 {
     (void)state;
     struct rng rng = {9};
@@ -368,8 +370,8 @@ static void of_a_pillow(void **state)
 
 /* --- any surface ------------------------------------------------------------------------------ */
 
-/* No point of any face is farther than the farthest one, and none close to it, of whose kind one
- * more is counted. */
+/* Checks that no random point is farther, including points close to the farthest one. Counts the
+ * kind of the farthest point in `kinds`. */
 static void check_farthest(const struct gd_field *field, const struct gd_polygons *polygons,
                            struct rng *rng, uint32_t kinds[3])
 {
@@ -382,7 +384,7 @@ static void check_farthest(const struct gd_field *field, const struct gd_polygon
     gd_point_describe(mesh, &point, &d);
     for (int k = 0; k < 20000; k++) {
         struct test_place place = test_random_place(polygons, rng);
-        if (k % 2) { /* beside the farthest one, in one of its faces */
+        if (k % 2) { /* in a face of the farthest point, close to it */
             double near = pow(10, -1 - rng_between(rng, 0, 6));
             place = (struct test_place){.face = d.face.index};
             double toward[3] = {rng_between(rng, 0, 1), rng_between(rng, 0, 1),
@@ -405,7 +407,7 @@ static const struct {
                 {"genus2", {2, 0.03}}, {"saddle", {1, 0.6, 5, 6}},  {"cylinder", {0.1, 3, 16, 5}},
                 {"tangle", {200, 11}}, {"tetrahedron", {1, 2}}};
 
-static void of_any_surface(void **state)
+static void farthest_on_any_surface(void **state)
 {
     (void)state;
     for (size_t s = 0; s < sizeof surfaces / sizeof *surfaces; s++) {
@@ -430,8 +432,8 @@ static void of_any_surface(void **state)
     }
 }
 
-/* From the boundaries of random surfaces, and of those that have any. */
-static void of_boundaries_of_any_surface(void **state)
+/* From the boundaries of sample surfaces and random ones. Closed surfaces are left out. */
+static void farthest_from_boundaries(void **state)
 {
     (void)state;
     struct rng rng = {77};
@@ -455,7 +457,7 @@ static void of_boundaries_of_any_surface(void **state)
     assert_true(kinds[GD_POINT_FACE] > 0);
 }
 
-static void what_is_left_out_and_refused(void **state)
+static void other_components_and_refusals(void **state)
 {
     (void)state;
     double positions[6][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {50, 0, 0}, {60, 0, 0}, {50, 10, 0}};
@@ -482,8 +484,9 @@ static void what_is_left_out_and_refused(void **state)
     gd_mesh_release(mesh);
 }
 
-/* A partial field knows when it is not partial. */
-static void of_partial_fields(void **state)
+/* A field with a radius returns the farthest point if its reach covers the surface. Otherwise it
+ * returns GD_BEYOND_REACH. */
+static void farthest_in_partial_fields(void **state)
 {
     (void)state;
     struct rng rng = {31};
@@ -522,8 +525,8 @@ static void of_partial_fields(void **state)
     assert_true(told > 100 && refused > 60);
 }
 
-/* A seed that has not begun where the field ends may have a component of its own. */
-static void of_late_seeds(void **state)
+/* A seed whose offset exceeds the field's radius may lie on a component of its own. */
+static void farthest_with_late_seeds(void **state)
 {
     (void)state;
     double positions[6][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {50, 0, 0}, {60, 0, 0}, {50, 10, 0}};
@@ -551,18 +554,18 @@ static void of_late_seeds(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(of_a_cube),
-        cmocka_unit_test(of_the_box_1_1_2),
-        cmocka_unit_test(of_a_square),
-        cmocka_unit_test(of_a_pillow),
-        cmocka_unit_test(of_a_boundary),
-        cmocka_unit_test(of_a_mantle),
+        cmocka_unit_test(farthest_on_a_cube),
+        cmocka_unit_test(farthest_on_the_box_1_1_2),
+        cmocka_unit_test(farthest_in_a_square),
+        cmocka_unit_test(farthest_on_a_pillow),
+        cmocka_unit_test(farthest_from_a_boundary),
+        cmocka_unit_test(farthest_on_a_cylinder),
         cmocka_unit_test(between_points_and_segments),
-        cmocka_unit_test(of_boundaries_of_any_surface),
-        cmocka_unit_test(of_any_surface),
-        cmocka_unit_test(of_partial_fields),
-        cmocka_unit_test(of_late_seeds),
-        cmocka_unit_test(what_is_left_out_and_refused),
+        cmocka_unit_test(farthest_from_boundaries),
+        cmocka_unit_test(farthest_on_any_surface),
+        cmocka_unit_test(farthest_in_partial_fields),
+        cmocka_unit_test(farthest_with_late_seeds),
+        cmocka_unit_test(other_components_and_refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

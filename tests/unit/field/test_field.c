@@ -8,8 +8,8 @@
 #include "tests/samples/samples.h"
 #include "tests/support/field.h"
 
-/* Example 1 of the paper (Fig. 8) in the final stage: w1 on e3, one of an equidistant pair on
- * e2. */
+/* Example 1 of the paper (Fig. 8) after propagation: wedge w1 on edge e3, and one wedge of an
+ * equidistant pair on edge e2. */
 static void example_1(void **state)
 {
     (void)state;
@@ -21,8 +21,8 @@ static void example_1(void **state)
     struct gd_field *field = test_field_from(mesh, test_vertex(mesh, 0));
     struct gd_wedge *wedges;
     uint32_t count, direct = 0;
-    /* e3: every wedge of v0 is w1, whose source unfolds to (0.5, 1 + sqrt(1/2)) above v6v5: 1 down
-     * the cube, the pyramid's slant beyond */
+    /* e3: the only wedge of source v0 is w1. The source unfolds to (0.5, 1 + sqrt(1/2)) above v6v5:
+     * 1 for the cube's face, sqrt(1/2) for the slant height of the pyramid. */
     check_ok(gd_field_wedges(field, (struct gd_vertex){5}, (struct gd_vertex){6}, &wedges, &count),
              NULL);
     double slant = sqrt(0.5), height = 1 + slant;
@@ -34,8 +34,8 @@ static void example_1(void **state)
     }
     assert_int_equal(direct, 1);
     free(wedges);
-    /* e2: where w3 and w4 tie, one of them is kept: the wedges of v0 do not overlap and there is
-     * one */
+    /* e2: w3 and w4 have equal distances. One of them is kept, so that the wedges of v0 do not
+     * overlap. */
     check_ok(gd_field_wedges(field, (struct gd_vertex){5}, (struct gd_vertex){7}, &wedges, &count),
              NULL);
     direct = 0;
@@ -48,37 +48,38 @@ static void example_1(void **state)
 
 /* --- chunks ----------------------------------------------------------------------------------- */
 
-/* What was counted over all chunks of a field. */
+/* Totals over all chunks of a field. */
 struct chunks {
     uint64_t edges, chunks, wedges, gaps, bytes;
-    uint32_t longest; /* chain */
+    uint32_t longest; /* longest chain */
 };
 
-/* A chunk is of one side, begins at the edge's end and goes on in order; its sources exist; a gap
- * has nothing but its start. */
+/* Checks a chunk: all wedges are of one side, starts begin at 0 and ascend, sources exist, and a
+ * gap has only a start. */
 static void check_chunk(const struct gd_field *field, uint32_t at, struct chunks *sum)
 {
     const struct gd__chunk *chunk = gd__field_chunk(field, at);
     struct gd__wedges w = gd__chunk_wedges(chunk);
     int signs[2] = {0, 0};
     assert_true(chunk->count > 0 && (chunk->previous == GD_NONE || chunk->previous < at));
-    assert_int_equal(gd__wedge_start(w.start[0]), 0);
+    assert_int_equal(w.start[0], 0);
     for (uint32_t i = 0; i < chunk->count; i++) {
-        uint32_t source = gd__wedge_source(w.start[i]);
-        if (i) assert_true(gd__wedge_start(w.start[i]) >= gd__wedge_start(w.start[i - 1]));
+        uint32_t source = gd__wedge_source(&w, i);
+        double x = gd__wedge_unpack(&w, &w.x[i]);
+        if (i) assert_true(w.start[i] >= w.start[i - 1]);
         if (source == GD_NONE) {
-            assert_true(w.x[i] == 0 && w.y[i] == 0);
+            assert_true(x == 0 && gd__wedge_unpack(&w, &w.y[i]) == 0);
             sum->gaps++;
             continue;
         }
-        assert_true(source < field->mesh->vertex_count + field->seed_count && isfinite(w.x[i]));
+        assert_true(source < field->mesh->vertex_count + field->seed_count && isfinite(x));
         assert_true(gd__field_sigma(field, source) < GD__FAR);
         signs[signbit(w.y[i]) != 0]++;
     }
-    assert_true((signs[0] == 0) != (signs[1] == 0));
+    assert_true(signs[chunk->is_far] == 0 && signs[!chunk->is_far] > 0);
     sum->chunks++;
     sum->wedges += chunk->count;
-    sum->bytes += sizeof *chunk + chunk->count * GD__WEDGE_BYTES;
+    sum->bytes += gd__chunk_bytes(chunk);
 }
 
 static struct chunks check_chains(const struct gd_field *field)
@@ -92,32 +93,14 @@ static struct chunks check_chains(const struct gd_field *field)
         if (length > sum.longest) sum.longest = length;
     }
     assert_int_equal(sum.wedges, field->statistics.wedges);
-    assert_int_equal(sum.bytes, field->wedge_bytes); /* each is in one chain */
+    assert_int_equal(sum.bytes, field->wedge_bytes); /* each chunk belongs to one chain */
     return sum;
 }
 
-/* The least over all wedges of an edge's chain at a parameter of its side 0. */
-static double least_stored(const struct gd_field *field, uint32_t edge, double t)
-{
-    double least = INFINITY, length = field->mesh->side[2 * edge].length;
-    for (uint32_t at = field->newest[edge]; at != GD_NONE;
-         at = gd__field_chunk(field, at)->previous) {
-        const struct gd__chunk *chunk = gd__field_chunk(field, at);
-        for (uint32_t i = 0; i < chunk->count; i++) {
-            struct gd__window w =
-                gd__wedge_window(gd__chunk_wedges(chunk), chunk->count, i, length);
-            if (w.source == GD_NONE || t < w.b0 || t > w.b1) continue;
-            w.sigma = gd__field_sigma(field, w.source);
-            least = fmin(least, gd__window_distance(&w, t));
-        }
-    }
-    return least;
-}
-
-/* The merged list of an edge: sorted, disjoint, within it; where two wedges meet both give the same
- * distance; nowhere worse than a chunk. */
-static void check_merged(const struct gd_field *field, uint32_t edge, struct rng *rng,
-                         uint64_t *wedges, uint64_t *joints)
+/* Checks the merged list of an edge: sorted, disjoint and within the edge. Adjacent wedges have
+ * equal distances where they meet. */
+static void check_merged(const struct gd_field *field, uint32_t edge, uint64_t *wedges,
+                         uint64_t *joints)
 {
     const struct gd_mesh *mesh = field->mesh;
     uint32_t a = mesh->index_of_vertex[mesh->origin[2 * edge]],
@@ -135,29 +118,82 @@ static void check_merged(const struct gd_field *field, uint32_t edge, struct rng
         if (list[i].b0 > list[i - 1].b1) continue;
         if (fmin(list[i - 1].b1 - list[i - 1].b0, list[i].b1 - list[i].b0) <=
             4 * length * GD__WEDGE_UNIT)
-            continue; /* between two rounded ends */
+            continue; /* the width is of the order of the ends' rounding */
         double before = list[i - 1].sigma + list[i - 1].d1, behind = list[i].sigma + list[i].d0;
         double round = fmin(ends[0] + list[i].b0, ends[1] + length - list[i].b0);
         if (fmin(before, behind) > round * (1 - 1e-9))
-            continue; /* what lies beyond is shorter round an end: no wedge keeps it */
+            continue; /* a path past an end of the edge is shorter: no wedge stores it */
         check_close(before, behind, 1e-8);
         ++*joints;
     }
-    /* the wedge at a random place, from the distances at its ends */
-    for (int k = 0; k < 4 && count; k++) {
-        const struct gd_wedge *w = &list[rng_below(rng, count)];
-        double part = rng_between(rng, 0.01, 0.99), t = w->b0 + part * (w->b1 - w->b0),
-               width = w->b1 - w->b0;
-        if (width < 1e-6 * length) continue;
-        double x = (w->d0 * w->d0 - w->d1 * w->d1 + width * width) / (2 * width),
-               y2 = fmax(0, w->d0 * w->d0 - x * x);
-        double merged = w->sigma + sqrt((part * width - x) * (part * width - x) + y2);
-        double stored =
-            least_stored(field, edge, (a < b ? t : length - t) / mesh->unit) * mesh->unit;
-        check_close(merged, stored, 1e-9);
-    }
     *wedges += count;
     free(list);
+}
+
+/* Returns the distance at parameter t of a wedge, computed from the distances at its ends. */
+static double distance_in_wedge(const struct gd_wedge *w, double t)
+{
+    double width = w->b1 - w->b0, part = t - w->b0;
+    if (w->linear) return w->sigma + w->d0 + part / width * (w->d1 - w->d0);
+    double x = (w->d0 * w->d0 - w->d1 * w->d1 + width * width) / (2 * width);
+    return w->sigma + hypot(part - x, sqrt(fmax(0, w->d0 * w->d0 - x * x)));
+}
+
+/* Checks that the merged list covers the edge from end to end and has the field's distances. */
+static void check_cover(const struct gd_field *field, uint32_t edge, struct rng *rng)
+{
+    const struct gd_mesh *mesh = field->mesh;
+    uint32_t a = mesh->index_of_vertex[mesh->origin[2 * edge]],
+             b = mesh->index_of_vertex[mesh->origin[2 * edge + 1]], count;
+    uint32_t low = a < b ? a : b, high = a < b ? b : a;
+    double length = mesh->side[2 * edge].length * mesh->unit;
+    struct gd_wedge *list;
+    check_ok(
+        gd_field_wedges(field, (struct gd_vertex){low}, (struct gd_vertex){high}, &list, &count),
+        NULL);
+    assert_true(count > 0);
+    assert_true(list[0].b0 <= 1e-15 * length);
+    check_close(list[count - 1].b1, length, 1e-14);
+    for (uint32_t i = 1; i < count; i++)
+        assert_true(fabs(list[i].b0 - list[i - 1].b1) <= 1e-15 * length);
+    for (int k = 0; k < 3; k++) {
+        double t = rng_between(rng, 0.01, 0.99) * length, distance;
+        uint32_t i = 0;
+        while (i + 1 < count && list[i].b1 < t) i++;
+        if (list[i].b1 - list[i].b0 < 1e-6 * length) continue;
+        struct gd_point point;
+        check_ok(
+            gd_point_on_edge(mesh, (struct gd_vertex[]){{low}, {high}}, t / length, &point, NULL),
+            NULL);
+        check_ok(gd_field_distance(field, &point, &distance), NULL);
+        check_close(distance_in_wedge(&list[i], t), distance, 1e-12);
+    }
+    free(list);
+}
+
+/* Checks that gd_field_all_wedges returns the same as gd_field_wedges for each edge. */
+static void check_all_wedges(const struct gd_field *field)
+{
+    struct gd_all_wedges all;
+    check_ok(gd_field_all_wedges(field, NULL, &all), NULL);
+    assert_int_equal(all.edge_count, field->mesh->edge_count);
+    for (uint32_t e = 0; e < all.edge_count; e++) {
+        struct gd_wedge *list;
+        uint32_t count;
+        assert_true(all.edges[e][0].index < all.edges[e][1].index);
+        check_ok(gd_field_wedges(field, all.edges[e][0], all.edges[e][1], &list, &count), NULL);
+        assert_int_equal(all.first[e + 1] - all.first[e], count);
+        for (uint32_t i = 0; i < count; i++) {
+            const struct gd_wedge *w = &all.wedges[all.first[e] + i];
+            assert_true(w->b0 == list[i].b0 && w->b1 == list[i].b1 && w->d0 == list[i].d0 &&
+                        w->d1 == list[i].d1 && w->sigma == list[i].sigma);
+            assert_true(w->tau == list[i].tau && w->linear == list[i].linear &&
+                        w->at_vertex == list[i].at_vertex && w->source == list[i].source);
+        }
+        free(list);
+    }
+    assert_true(gd_all_wedges_memsize(&all) >= all.first[all.edge_count] * sizeof *all.wedges);
+    gd_all_wedges_free(&all);
 }
 
 static void check_wedges_of(const char *name, struct gd_polygons *polygons, uint64_t seed)
@@ -171,9 +207,10 @@ static void check_wedges_of(const char *name, struct gd_polygons *polygons, uint
             test_field_from(mesh, test_point(mesh, test_random_place(polygons, &rng)));
         sum = check_chains(field);
         merged = joints = 0;
-        for (uint32_t e = 0; e < mesh->edge_count; e++)
-            check_merged(field, e, &rng, &merged, &joints);
-        assert_true(joints > 0 && merged <= sum.wedges);
+        for (uint32_t e = 0; e < mesh->edge_count; e++) check_merged(field, e, &merged, &joints);
+        for (uint32_t e = 0; e < mesh->edge_count; e++) check_cover(field, e, &rng);
+        check_all_wedges(field);
+        assert_true(joints > 0 && merged <= sum.wedges + 2 * mesh->edge_count);
         gd_field_release(field);
     }
     print_message("# %s: %u edges, %llu chunks (longest chain %u), %llu wedges, %llu of them gaps; "
@@ -197,10 +234,44 @@ static void wedges_partition_their_edge(void **state)
     check_wedges_of("tangle", &polygons, 19);
     check_ok(sample_box((const double[3]){1, 1, 1}, (const uint32_t[3]){6, 6, 6}, &polygons), NULL);
     check_wedges_of("box", &polygons, 20);
+    check_ok(sample_icosphere(3, 1, &polygons), NULL);
+    check_wedges_of("sphere", &polygons, 21);
+    check_ok(sample_torus(24, 16, 2, 0.7, &polygons), NULL);
+    check_wedges_of("torus", &polygons, 22);
 }
 
-/* Property 7: two correct wedges do not cross. Rays of different wedges, drawn back into the face
- * where both are straight, do not meet. */
+/* Seeds on the line of an edge give it wedges too: a vertex, a point of the edge, and a segment
+ * along it. */
+static void seeds_on_an_edge_cover_it(void **state)
+{
+    (void)state;
+    struct gd_polygons polygons;
+    check_ok(sample_box((const double[3]){1, 1, 1}, (const uint32_t[3]){4, 4, 4}, &polygons), NULL);
+    struct gd_mesh *mesh = test_mesh(&polygons);
+    struct rng rng = {23};
+    struct gd_point a = {.kind = GD_POINT_EDGE, .element = 5, .weight = {0.2, 0.8}},
+                    b = {.kind = GD_POINT_EDGE, .element = 5, .weight = {0.7, 0.3}},
+                    c = {.kind = GD_POINT_VERTEX, .element = 3};
+    struct gd_seed seeds[] = {
+        {.point = a}, {.point = b}, {.point = c}, {.point = a, .end = b, .is_segment = true}};
+    for (uint32_t first = 0; first < 3; first++) {
+        struct gd_field *field;
+        check_ok(gd_field_build(mesh,
+                                &(struct gd_field_request){.seeds = seeds + (first == 1 ? 2 : 0),
+                                                           .seed_count = first == 0   ? 4
+                                                                         : first == 1 ? 1
+                                                                                      : 2},
+                                NULL, &field, NULL),
+                 NULL);
+        for (uint32_t e = 0; e < mesh->edge_count; e++) check_cover(field, e, &rng);
+        gd_field_release(field);
+    }
+    gd_mesh_release(mesh);
+    gd_polygons_free(&polygons);
+}
+
+/* Property 7: two correct wedges do not cross. The last segments of two paths into a face do not
+ * intersect if they are from different wedges. */
 static void correct_wedges_do_not_cross(void **state)
 {
     (void)state;
@@ -210,7 +281,7 @@ static void correct_wedges_do_not_cross(void **state)
     struct gd_field *field = test_field_from(mesh, test_vertex(mesh, 40));
     struct rng rng = {9};
     uint32_t pairs = 0;
-    /* two points of one face whose shortest paths enter it through the same edge */
+    /* draws two points of one face whose shortest paths enter the face through the same edge */
     for (int i = 0; i < 200000; i++) {
         uint32_t face = rng_below(&rng, mesh->face_count);
         struct gd__leg leg[2];
@@ -234,8 +305,8 @@ static void correct_wedges_do_not_cross(void **state)
             fabs(leg[0].y - leg[1].y) < 1e-9)
             continue;
         pairs++;
-        /* segments (crossing, point) of both legs: opposite orientation on both means that they
-         * cross */
+        /* The segments from each crossing to its point intersect if the ends of each lie on
+         * opposite sides of the other. */
         double c0 = leg[0].parameter, c1 = leg[1].parameter;
         double left1 = (at[0].x - c0) * at[1].y - at[0].y * (at[1].x - c0),
                left2 = (at[0].x - c0) * 0 - at[0].y * (c1 - c0);
@@ -251,8 +322,8 @@ static void correct_wedges_do_not_cross(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* A source at 1e-16 … 1e-6 of a vertex or an edge, on any side of it: distances move by no more
- * than the source does. */
+/* If the source moves from a vertex or an edge by 1e-16 … 1e-6 in any direction, distances change
+ * by no more than that. */
 static void sources_close_to_a_vertex_or_an_edge(void **state)
 {
     (void)state;
@@ -293,7 +364,7 @@ static void sources_close_to_a_vertex_or_an_edge(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* Partial fields: what they answer is final, what they do not know they say. */
+/* Partial fields return final distances, or GD_BEYOND_REACH. */
 static void partial_fields_answer_only_what_is_final(void **state)
 {
     (void)state;
@@ -371,12 +442,23 @@ static void budget_deadline_and_cancel(void **state)
     seed.offset = -1;
     assert_int_equal(gd_field_build(mesh, &request, NULL, &field, &detail), GD_INVALID_ARGUMENT);
     assert_null(field);
+    seed.offset = 0;
+    check_ok(gd_field_build(mesh, &request, NULL, &field, &detail), &detail);
+    struct gd_all_wedges all;
+    calls = 0;
+    assert_int_equal(gd_field_all_wedges(field, &budget, &all), GD_BUDGET);
+    assert_null(all.wedges);
+    assert_int_equal(gd_field_all_wedges(field, &late, &all), GD_DEADLINE);
+    assert_int_equal(gd_field_all_wedges(field, &cancel, &all), GD_CANCELLED);
+    assert_null(all.first);
+    assert_int_equal(calls, 1);
+    gd_field_release(field);
     gd_mesh_release(mesh);
     gd_polygons_free(&polygons);
 }
 
-/* Several seeds with offsets: the least over the fields of each, plus its offset; the path ends in
- * the seed that gave it. */
+/* With several seeds and offsets the distance is the minimum, over the seeds, of offset plus
+ * distance. The path ends in a seed. */
 static void several_seeds(void **state)
 {
     (void)state;
@@ -418,7 +500,7 @@ static void several_seeds(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* With an executor, whatever order it runs tasks in, the wedges are the same to the last bit. */
+/* Runs the tasks from the last to the first. */
 static void backwards(void *user, void (*task)(void *context, uint32_t index), void *context,
                       uint32_t count)
 {
@@ -450,7 +532,8 @@ static void an_executor_changes_nothing(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* Without wedges, the same distances; radius, unreferenced vertices and errors as with them. */
+/* Without wedges distances are the same. Radius, unreferenced vertices and errors work as in a
+ * field. */
 static void distances_only(void **state)
 {
     (void)state;
@@ -498,6 +581,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(example_1),
         cmocka_unit_test(wedges_partition_their_edge),
+        cmocka_unit_test(seeds_on_an_edge_cover_it),
         cmocka_unit_test(correct_wedges_do_not_cross),
         cmocka_unit_test(sources_close_to_a_vertex_or_an_edge),
         cmocka_unit_test(partial_fields_answer_only_what_is_final),

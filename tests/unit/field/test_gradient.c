@@ -14,7 +14,7 @@ static struct gd_vec3 unit_between(struct gd_vec3 from, struct gd_vec3 to)
     return gd_vec3_scale(way, 1 / gd_vec3_length(way));
 }
 
-/* In the plane the gradient points straight away from the source, at vertices, edges and faces. */
+/* In a plane the gradient points away from the source, at vertices, on edges and in faces. */
 static void in_the_plane(void **state)
 {
     (void)state;
@@ -42,7 +42,7 @@ static void in_the_plane(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* On any surface the path leaves against it. */
+/* On any surface the path's first segment runs against the gradient. */
 static void the_path_leaves_against_it(void **state)
 {
     (void)state;
@@ -68,7 +68,7 @@ static void the_path_leaves_against_it(void **state)
             struct gd_vec3 gradient;
             struct gd_path path;
             enum gd_status status = gd_field_gradient(field, &point, &gradient);
-            if (status) { /* the seed itself, or another component */
+            if (status) { /* the point is a seed or on another component */
                 assert_int_equal(status, isinf(test_distance(field, &point)) ? GD_NOT_ON_SURFACE
                                                                              : GD_INVALID_ARGUMENT);
                 continue;
@@ -90,7 +90,7 @@ static void the_path_leaves_against_it(void **state)
     }
 }
 
-static void where_there_is_none(void **state)
+static void points_without_a_gradient(void **state)
 {
     (void)state;
     double positions[6][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 0, 0}, {6, 0, 0}, {5, 1, 0}};
@@ -123,7 +123,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(in_the_plane),
         cmocka_unit_test(the_path_leaves_against_it),
-        cmocka_unit_test(where_there_is_none),
+        cmocka_unit_test(points_without_a_gradient),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

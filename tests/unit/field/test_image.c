@@ -82,7 +82,7 @@ static void answers_like_the_field(void **state)
     assert_int_equal(released, 1);
 }
 
-static void refuses_what_is_no_image_of_this_mesh(void **state)
+static void refuses_other_images(void **state)
 {
     (void)state;
     struct gd_field *opened = NULL;
@@ -108,7 +108,7 @@ static void refuses_what_is_no_image_of_this_mesh(void **state)
                             &opened, &detail),
         GD_UNRECOGNIZED);
     image[0] ^= 1;
-    image[8] = 1; /* the version before this one */
+    image[8] = 1; /* the previous version */
     assert_int_equal(
         gd_field_open_image(mesh, &(struct gd_field_image){image, size, count_release, &released},
                             &opened, &detail),
@@ -122,7 +122,7 @@ static void refuses_what_is_no_image_of_this_mesh(void **state)
 
 /* --- damage ----------------------------------------------------------------------------------- */
 
-/* The image's own arrays, from its end. */
+/* The image's arrays, located from the image's end. */
 static char *image_wedges(void)
 {
     return image + size - field->seed_count * sizeof *field->seeds - field->wedge_bytes;
@@ -138,8 +138,8 @@ static struct gd__chunk *image_chunk(uint32_t at)
     return (struct gd__chunk *)(image_wedges() + (size_t)at * GD__CHUNK_UNIT);
 }
 
-/* Asked everywhere, whatever the answers: none may lead outside the image (under AddressSanitizer)
- * or take for ever. */
+/* Queries distances, paths and wedges of a damaged field. The results may be wrong. No query may
+ * read outside the image (checked by AddressSanitizer) or run forever. */
 static void ask_everywhere(const struct gd_field *damaged, struct rng *rng)
 {
     for (int k = 0; k < 5; k++) {
@@ -158,7 +158,7 @@ static void ask_everywhere(const struct gd_field *damaged, struct rng *rng)
     }
 }
 
-/* Opens the image as it is, asks everywhere if that is granted, and mends it. */
+/* Opens the damaged image, queries it everywhere if it opens, and restores the image. */
 static enum gd_status try_damaged(struct rng *rng)
 {
     struct gd_field *opened = NULL;
@@ -174,7 +174,7 @@ static enum gd_status try_damaged(struct rng *rng)
     return status;
 }
 
-/* The edge with the longest chain. */
+/* Returns the edge with the longest chain. *chunks: the chain's length. */
 static uint32_t longest_chain(uint32_t *chunks)
 {
     uint32_t best = 0;
@@ -198,20 +198,20 @@ static void refuses_impossible_chains(void **state)
     uint32_t first = newest;
     while (image_chunk(first)->previous != GD_NONE) first = image_chunk(first)->previous;
     assert_true(chunks >= 2);
-    image_chunk(newest)->previous = newest; /* a cycle of one */
+    image_chunk(newest)->previous = newest; /* a cycle of one chunk */
     assert_int_equal(try_damaged(&rng), GD_INDEX);
-    image_chunk(first)->previous = newest; /* a cycle of all */
+    image_chunk(first)->previous = newest; /* a cycle of the whole chain */
     assert_int_equal(try_damaged(&rng), GD_INDEX);
     static const uint32_t beyond[] = {0, 1, 100, 1u << 30};
-    for (int i = 0; i < 4; i++) { /* outside the wedges */
+    for (int i = 0; i < 4; i++) { /* beyond the wedges */
         image_newest()[edge] = units + beyond[i];
         assert_int_equal(try_damaged(&rng), GD_INDEX);
         image_chunk(newest)->previous = units + beyond[i];
         assert_int_equal(try_damaged(&rng), GD_INDEX);
     }
-    image_newest()[edge] = units - 1; /* half a chunk's header, and no more */
+    image_newest()[edge] = units - 1; /* only half a chunk's header is left */
     assert_int_equal(try_damaged(&rng) == GD_OK, false);
-    /* one chain in all edges */
+    /* all edges share one chain */
     for (uint32_t e = 0; e < mesh->edge_count; e++) image_newest()[e] = newest;
     assert_int_equal(try_damaged(&rng), GD_INDEX);
 }
@@ -220,26 +220,28 @@ static void refuses_impossible_counts_and_sources(void **state)
 {
     (void)state;
     struct rng rng = {17};
-    static const uint32_t counts[] = {UINT32_MAX, UINT32_MAX / 24, 1u << 31, 1u << 28};
+    static const uint32_t counts[] = {UINT32_MAX >> 3, UINT32_MAX / 24, 1u << 28, 1u << 27};
     uint32_t chunks, newest = image_newest()[longest_chain(&chunks)];
     for (int i = 0; i < 4; i++) {
         image_chunk(newest)->count = counts[i];
         assert_int_equal(try_damaged(&rng), GD_INDEX);
     }
-    uint32_t last = 0; /* the chunk that ends where the wedges do: one more is outside */
+    uint32_t last = 0; /* the last chunk: one more wedge lies beyond the array */
     for (uint32_t e = 0; e < mesh->edge_count; e++)
         if (field->newest[e] != GD_NONE && field->newest[e] > last) last = field->newest[e];
     image_chunk(last)->count++;
     assert_int_equal(try_damaged(&rng), GD_INDEX);
-    struct gd__wedges w = gd__chunk_wedges(image_chunk(newest));
-    w.start[0] = (uint64_t)(mesh->vertex_count + field->seed_count) << 32;
+    image_chunk(newest)->form = 3;
     assert_int_equal(try_damaged(&rng), GD_INDEX);
-    w.start[0] = (uint64_t)GD_NONE << 32; /* a gap is no source and may be anywhere */
+    struct gd__wedges w = gd__chunk_wedges(image_chunk(newest));
+    gd__wedge_put(&w, 0, 0, 1, 1, mesh->vertex_count + field->seed_count);
+    assert_int_equal(try_damaged(&rng), GD_INDEX);
+    gd__wedge_put(&w, 0, 0, 1, 1, GD_NONE); /* a gap has no source and may lie anywhere */
     assert_int_equal(try_damaged(&rng), GD_OK);
 }
 
-/* Without a side and a source a reached vertex would know no way back; and no way leads on from
- * where nothing was reached. */
+/* A reached vertex needs a side or a source to lead paths back. A vertex that was not reached must
+ * not be a source. */
 static void refuses_impossible_predecessors(void **state)
 {
     (void)state;
@@ -256,16 +258,15 @@ static void refuses_impossible_predecessors(void **state)
         (struct gd__predecessor){.side = GD_NONE, .source = mesh->vertex_count + field->seed_count};
     assert_int_equal(try_damaged(&rng), GD_INDEX);
     struct gd__wedges w = gd__chunk_wedges(image_chunk(image_newest()[longest_chain(&chunks)]));
-    w.start[0] = (uint64_t)vertex << 32 | (uint32_t)w.start[0];
-    assert_int_equal(try_damaged(&rng), GD_OK); /* wrong, but a source */
-    w.start[0] = (uint64_t)vertex << 32 | (uint32_t)w.start[0];
+    gd__wedge_put(&w, 0, w.start[0], 1, 1, vertex);
+    assert_int_equal(try_damaged(&rng), GD_OK); /* a wrong source, but a valid one */
+    gd__wedge_put(&w, 0, w.start[0], 1, 1, vertex);
     predecessors[vertex] = (struct gd__predecessor){.side = GD_NONE, .source = GD_NONE};
     distances[vertex] = GD__FAR;
     assert_int_equal(try_damaged(&rng), GD_INDEX);
 }
 
-/* Chains that are possible and wrong: shared by a few edges, cut short, starts in disorder, numbers
- * that are none. */
+/* Valid but wrong chains: shared by two edges, cut short, starts out of order, invalid numbers. */
 static void wrong_wedges_never_lead_outside(void **state)
 {
     (void)state;
@@ -286,7 +287,7 @@ static void wrong_wedges_never_lead_outside(void **state)
             chunk->count = rng_below(&rng, chunk->count);
             break;
         case 2:
-            w.start[k] = w.start[k] >> 32 << 32 | (uint32_t)rng_next(&rng);
+            w.start[k] = (uint32_t)rng_next(&rng);
             break;
         case 3:
             w.x[k] = i % 2 ? NAN : INFINITY;
@@ -296,8 +297,8 @@ static void wrong_wedges_never_lead_outside(void **state)
             break;
         case 5:
             for (k = 0; k < chunk->count; k++)
-                w.start[k] =
-                    (uint32_t)rng_next(&rng) | (uint64_t)rng_below(&rng, mesh->vertex_count) << 32;
+                gd__wedge_put(&w, k, (uint32_t)rng_next(&rng), rng_unit(&rng), rng_unit(&rng),
+                              rng_below(&rng, mesh->vertex_count));
             break;
         }
         opened += try_damaged(&rng) == GD_OK;
@@ -306,7 +307,7 @@ static void wrong_wedges_never_lead_outside(void **state)
     assert_true(opened > 150);
 }
 
-/* Whatever byte is damaged: refused, or every answer is given without leaving the arrays. */
+/* With any byte damaged, the image is refused, or all queries stay within its arrays. */
 static void damage_never_leads_outside(void **state)
 {
     (void)state;
@@ -326,7 +327,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         WITH_IMAGE(answers_like_the_field),
-        WITH_IMAGE(refuses_what_is_no_image_of_this_mesh),
+        WITH_IMAGE(refuses_other_images),
         WITH_IMAGE(refuses_impossible_chains),
         WITH_IMAGE(refuses_impossible_counts_and_sources),
         WITH_IMAGE(refuses_impossible_predecessors),

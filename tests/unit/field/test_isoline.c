@@ -7,7 +7,7 @@
 
 /* --- closed forms ----------------------------------------------------------------------------- */
 
-/* Length of the circle about (x, y) inside the rectangle [0, width] x [0, height]. */
+/* Returns the length of the circle about (x, y) inside the rectangle [0, width] x [0, height]. */
 static double circle_in_rectangle(double x, double y, double radius, double width, double height)
 {
     double cuts[10] = {0, 2 * M_PI}, lines[4] = {-x, width - x, -y, height - y}, length = 0;
@@ -62,7 +62,7 @@ static void circles_in_the_plane(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* Levels that pass exactly through vertices, touch edges in vertices, and end in corners. */
+/* Levels whose lines pass through vertices, touch edges in vertices, or end in corners. */
 static void levels_through_vertices(void **state)
 {
     (void)state;
@@ -96,8 +96,8 @@ static void levels_through_vertices(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* About the apex of a cone the isoline is as long as the total angle tells; the mantle's rim is a
- * polygon. */
+/* About the apex of a cone the isoline's length is the total angle times the radius. The surface's
+ * rim is a polygon. */
 static void circles_about_an_apex(void **state)
 {
     (void)state;
@@ -115,7 +115,7 @@ static void circles_about_an_apex(void **state)
         struct gd_seed seed = {.offset = 0.25};
         check_ok(gd_point_at_vertex(mesh, (struct gd_vertex){apex}, &seed.point, NULL), NULL);
         struct gd_field *field = test_field(mesh, &seed, 1, 0);
-        double total = 0; /* angle, from the faces round the apex */
+        double total = 0; /* total angle of the faces around the apex */
         for (uint32_t f = 0; f < polygons.polygon_count; f++) {
             const uint32_t *corner = &polygons.corners[3 * f];
             for (uint32_t k = 0; k < 3; k++) {
@@ -143,7 +143,7 @@ static void circles_about_an_apex(void **state)
     }
 }
 
-/* Two seeds: before their circles meet there are two lines, then one, whose arcs meet on the
+/* Two seeds: two lines while their circles are disjoint, then a single one whose arcs meet on the
  * bisector. */
 static void two_seeds_in_the_plane(void **state)
 {
@@ -188,7 +188,7 @@ static void two_seeds_in_the_plane(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* Circles and holes that no edge knows of. */
+/* Circles and holes inside a face that cross no edge. */
 static void loops_within_one_face(void **state)
 {
     (void)state;
@@ -205,8 +205,8 @@ static void loops_within_one_face(void **state)
     check_close(isoline.lines[0].length, 0.6 * M_PI, 1e-14);
     gd_isoline_free(&isoline);
     gd_field_release(field);
-    /* the middles of the edges as seeds: the distance has a maximum in the middle of the circle
-     * through them */
+    /* Seeds are the midpoints of the sides. The distance has a maximum at the centre of the circle
+     * through them. */
     struct gd_seed round[3] = {{.point = test_point(mesh, (struct test_place){0, {0.5, 0.5, 0}})},
                                {.point = test_point(mesh, (struct test_place){0, {0, 0.5, 0.5}})},
                                {.point = test_point(mesh, (struct test_place){0, {0.5, 0, 0.5}})}};
@@ -226,8 +226,7 @@ static void loops_within_one_face(void **state)
     gd_mesh_release(mesh);
 }
 
-/* On a cube about a face's middle: four arcs a face at most, and what the box's own closed form
- * says by symmetry of the net. */
+/* On a cube, about the middle of a face. Expected lengths follow from the cube's net. */
 static void on_a_cube(void **state)
 {
     (void)state;
@@ -243,10 +242,9 @@ static void on_a_cube(void **state)
                       holes = trace(field, 1.9);
     assert_true(on_top.line_count == 1 && over.line_count == 1 && holes.line_count == 1);
     check_close(on_top.lines[0].length, 0.8 * M_PI, promise);
-    /* no corner is within reach: all of it is flat */
+    /* no corner is within reach: the surface is flat up to this level */
     check_close(over.lines[0].length, 1.2 * M_PI, promise);
-    /* round the opposite face's middle: four arcs about the images of the seed, 2 from the
-       middle */
+    /* around the middle of the opposite face: four arcs about images of the seed at distance 2 */
     double t = 1 - sqrt(1.9 * 1.9 / 2 - 1), quarter = 2 * 1.9 * asin(t / 1.9);
     check_close(holes.lines[0].length, 4 * quarter, promise);
     gd_isoline_free(&on_top);
@@ -257,7 +255,7 @@ static void on_a_cube(void **state)
     gd_polygons_free(&polygons);
 }
 
-static void what_is_refused(void **state)
+static void refusals(void **state)
 {
     (void)state;
     struct gd_polygons polygons;
@@ -309,9 +307,9 @@ static double cpu_ms(void)
     return 1e3 * (double)now.tv_sec + 1e-6 * (double)now.tv_nsec;
 }
 
-/* Once in a millisecond on the average, with a part done that grows; and whichever call says no, it
- * ends. */
-static void it_asks_its_control(void **state)
+/* The control is checked once per millisecond on average. The call ends at the first check that
+ * returns false. */
+static void checks_its_control(void **state)
 {
     (void)state;
     struct gd_polygons polygons;
@@ -339,7 +337,7 @@ static void it_asks_its_control(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* One index serves every level, and the field is its own. */
+/* One index serves every level, and it holds its own reference to the field. */
 static void levels_by_one_index(void **state)
 {
     (void)state;
@@ -377,8 +375,8 @@ int main(void)
         cmocka_unit_test(circles_in_the_plane),  cmocka_unit_test(levels_through_vertices),
         cmocka_unit_test(circles_about_an_apex), cmocka_unit_test(two_seeds_in_the_plane),
         cmocka_unit_test(loops_within_one_face), cmocka_unit_test(on_a_cube),
-        cmocka_unit_test(levels_by_one_index),   cmocka_unit_test(what_is_refused),
-        cmocka_unit_test(it_asks_its_control),
+        cmocka_unit_test(levels_by_one_index),   cmocka_unit_test(refusals),
+        cmocka_unit_test(checks_its_control),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

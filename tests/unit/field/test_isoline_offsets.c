@@ -1,9 +1,9 @@
-/* Lines at a distance from segments and curves: closed forms. */
+/* Isolines of segments and curves, against closed forms. */
 #include "isolines.h"
 
 #include "gd/curve.h"
 
-/* The seeds of a curve. The caller frees. */
+/* Returns the seeds of a curve, which the caller frees, and the curve's length. */
 static struct gd_seed *seeds_of(const struct gd_mesh *mesh, const struct gd_curve_request *request,
                                 uint32_t *count, double *length)
 {
@@ -38,9 +38,9 @@ static double straight_length(const struct gd_isoline *isoline)
     return length;
 }
 
-/* One closed line, of that length, of which that part is straight: joints lie where the two are as
- * far from each other as rounding, a square of the way. Returns the error of the length,
- * relative. */
+/* Checks that the isoline is a single closed line with this length and this straight part. Where an
+ * arc joins a straight segment, the distances differ only in second order, so that the straight
+ * part is known only to 1e-6. Returns the relative error of the length. */
 static double check_offset(const struct gd_field *field, double level, double length,
                            double straight)
 {
@@ -53,7 +53,7 @@ static double check_offset(const struct gd_field *field, double level, double le
     return error;
 }
 
-/* Two straight pieces and two half circles, at scales and places far from the origin. */
+/* Two straight segments and two half circles, at several scales and far from the origin. */
 static void offsets_of_a_segment(void **state)
 {
     (void)state;
@@ -83,7 +83,7 @@ static void offsets_of_a_segment(void **state)
     print_message("# offsets of a segment: lengths off by %.1e at most\n", worst);
 }
 
-/* Segments along edges and parallel to them, at levels at which the line runs along edges. */
+/* Segments along edges and parallel to them. Some levels have lines along edges. */
 static void offsets_along_edges(void **state)
 {
     (void)state;
@@ -109,8 +109,7 @@ static void offsets_along_edges(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* About a convex polygon: outside parallel sides and arcs that make one turn, inside a polygon
- * again. */
+/* Outside a convex polygon: parallel sides, and arcs that sum to a full turn. Inside: a polygon. */
 static void offsets_of_a_polygon(void **state)
 {
     (void)state;
@@ -141,7 +140,7 @@ static void offsets_of_a_polygon(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* Inwards from a rectangle's boundary, also along rows of edges, up to the ridge. */
+/* Inside a rectangle's boundary up to the ridge. Some lines run along rows of edges. */
 static void offsets_of_a_boundary(void **state)
 {
     (void)state;
@@ -165,8 +164,8 @@ static void offsets_of_a_boundary(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* From one end of a prism's mantle all lines go round it, from both ends two do; about a geodesic
- * on it, or on a cone's, they are as in the plane. */
+/* On the mantle of a prism, from one boundary: a single line around it. From both boundaries: two
+ * lines. About a geodesic on a prism or a cone: the same lengths as in a plane. */
 static void offsets_on_mantles(void **state)
 {
     (void)state;

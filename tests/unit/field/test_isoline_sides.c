@@ -1,10 +1,9 @@
-/* Lines on any surface: what is nearer than the level lies on one side of them, however the levels
- * fall. */
+/* On any surface and at any level, the isoline separates nearer points from farther points. */
 #include "isolines.h"
 
 #include "tests/samples/zoo.h"
 
-/* An arc, and where it ends, in the plane of its face. */
+/* An arc and its end point in the coordinates of its face. */
 struct flat_arc {
     const struct gd_isoline_arc *arc;
     double end[2];
@@ -15,7 +14,7 @@ static double turn(const double o[2], const double p[2], const double q[2])
     return (p[0] - o[0]) * (q[1] - o[1]) - (p[1] - o[1]) * (q[0] - o[0]);
 }
 
-/* How often the segment a-b crosses an arc, all in the plane of its face. */
+/* Counts how often the segment a-b crosses an arc of its face. */
 static uint32_t times_crossed(const struct flat_arc *flat, const double a[2], const double b[2])
 {
     const struct gd_isoline_arc *arc = flat->arc;
@@ -38,7 +37,7 @@ static uint32_t times_crossed(const struct flat_arc *flat, const double a[2], co
     return times;
 }
 
-/* A point's place in the plane of a face of it, in the arcs' frame. */
+/* Returns a point's coordinates in the arcs' frame of the face. */
 static void lay_flat(const struct gd_mesh *mesh, uint32_t face, const struct gd_point *point,
                      double at[2])
 {
@@ -51,7 +50,7 @@ static void lay_flat(const struct gd_mesh *mesh, uint32_t face, const struct gd_
     at[1] = gd_vec3_dot(from, y);
 }
 
-/* A random point of a face, and its place in the arcs' frame. */
+/* Returns a random point of a face. `at`: its coordinates in the arcs' frame. */
 static struct gd_point random_in_face(const struct gd_mesh *mesh, uint32_t face, struct rng *rng,
                                       double at[2])
 {
@@ -65,7 +64,7 @@ static struct gd_point random_in_face(const struct gd_mesh *mesh, uint32_t face,
     return point;
 }
 
-/* The arcs of all lines by face. */
+/* The arcs of all lines, grouped by face. */
 struct by_face {
     uint32_t *first;
     struct flat_arc *arc;
@@ -92,8 +91,8 @@ static struct by_face sort_arcs(const struct gd_mesh *mesh, const struct gd_isol
     return sorted;
 }
 
-/* Between two points of a face the segment crosses the isoline an odd number of times if and only
- * if one of them is below the level. */
+/* Checks that the segment between two points of a face crosses the isoline an odd number of times
+ * if and only if exactly one of them is below the level. */
 static void check_sides(const struct gd_field *field, const struct gd_isoline *isoline,
                         struct rng *rng)
 {
@@ -122,7 +121,7 @@ static void check_sides(const struct gd_field *field, const struct gd_isoline *i
     free(sorted.arc);
 }
 
-/* Open lines end on the boundary. */
+/* Checks that open lines end on the boundary. */
 static void check_ends(const struct gd_mesh *mesh, const struct gd_isoline *isoline)
 {
     for (uint32_t i = 0; i < isoline->line_count; i++) {
@@ -151,7 +150,7 @@ static struct gd_field *field_of_points(const struct gd_mesh *mesh,
     return test_field(mesh, seeds, count, 0);
 }
 
-/* In the face, on one of its edges or at a corner. */
+/* Returns a random point in the face, on one of its edges or at a corner. */
 static struct gd_point random_end(const struct gd_mesh *mesh, uint32_t face, struct rng *rng)
 {
     struct test_place place = {.face = face};
@@ -163,7 +162,7 @@ static struct gd_point random_end(const struct gd_mesh *mesh, uint32_t face, str
     return test_point(mesh, place);
 }
 
-/* Segments at random, across faces and along edges, with their ends. */
+/* Returns the field of random segments across faces or along edges, and of their ends. */
 static struct gd_field *field_of_segments(const struct gd_mesh *mesh,
                                           const struct gd_polygons *polygons, uint32_t count,
                                           struct rng *rng)
@@ -181,7 +180,7 @@ static struct gd_field *field_of_segments(const struct gd_mesh *mesh,
     return test_field(mesh, seeds, filled, 0);
 }
 
-/* A corner, the middle of an edge, or a place of the face at quarters. */
+/* Returns a corner, the middle of an edge, or a point of the face with weights 1/4, 1/4, 1/2. */
 static struct gd_point lattice_end(const struct gd_mesh *mesh, uint32_t face, struct rng *rng)
 {
     struct test_place place = {.face = face};
@@ -192,7 +191,7 @@ static struct gd_point lattice_end(const struct gd_mesh *mesh, uint32_t face, st
     return test_point(mesh, place);
 }
 
-/* Segments between places of a lattice, half of which begin half a unit later. */
+/* Returns the field of segments between lattice points. Half of them have the offset 0.5. */
 static struct gd_field *field_on_lattice(const struct gd_mesh *mesh,
                                          const struct gd_polygons *polygons, uint32_t count,
                                          struct rng *rng)
@@ -215,8 +214,8 @@ static struct gd_field *field_on_lattice(const struct gd_mesh *mesh,
 typedef struct gd_field *field_maker(const struct gd_mesh *, const struct gd_polygons *, uint32_t,
                                      struct rng *);
 
-/* Fields of one and of three seeds on a surface, levels at random and of vertices, to the last
- * bit. */
+/* Checks fields of one and of three seeds. Levels are random, or exactly the distance of a
+ * vertex. */
 static void check_surface(const char *name, const struct gd_polygons *polygons, field_maker *make,
                           uint64_t seed, int rounds)
 {
@@ -288,8 +287,8 @@ static void check_degenerate_shapes(field_maker *make)
     }
 }
 
-/* Between two parallel segments the ridge has the level's height: inside faces (x = 2.75), and
- * along edges. */
+/* On the ridge between two parallel segments the distance equals the level, inside faces (x = 2.75)
+ * and along edges. */
 static void along_a_ridge(void **state)
 {
     (void)state;
@@ -323,8 +322,7 @@ static void along_a_ridge(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* Two circles touch inside a face, and a third one runs through that place: the lines of all join
- * there. */
+/* Two circles touch inside a face, and a third one passes through the same point. */
 static void circles_that_touch(void **state)
 {
     (void)state;
@@ -340,7 +338,7 @@ static void circles_that_touch(void **state)
         seeds[order % 2] = seeds[order % 2 + 1];
         seeds[order % 2 + 1] = swapped;
         struct gd_field *field = test_field(mesh, seeds, 3, 0);
-        struct gd_isoline isoline = trace(field, 1.75); /* through (2, 1.25) */
+        struct gd_isoline isoline = trace(field, 1.75); /* all three pass through (2, 1.25) */
         check_sides(field, &isoline, &rng);
         check_ends(mesh, &isoline);
         gd_isoline_free(&isoline);
@@ -350,7 +348,7 @@ static void circles_that_touch(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* Lines along edges, through vertices, along ridges, and all of it at once. */
+/* Lines along edges, through vertices, along ridges, and combinations of these. */
 static void levels_that_tie(void **state)
 {
     (void)state;
@@ -376,25 +374,25 @@ static void levels_that_tie(void **state)
     print_message("# lattices: %u lines\n", lines);
 }
 
-static void of_points_on_any_surface(void **state)
+static void lines_of_points_on_any_surface(void **state)
 {
     (void)state;
     check_surfaces(field_of_points);
 }
 
-static void of_segments_on_any_surface(void **state)
+static void lines_of_segments_on_any_surface(void **state)
 {
     (void)state;
     check_surfaces(field_of_segments);
 }
 
-static void of_points_on_degenerate_shapes(void **state)
+static void lines_of_points_on_degenerate_shapes(void **state)
 {
     (void)state;
     check_degenerate_shapes(field_of_points);
 }
 
-static void of_segments_on_degenerate_shapes(void **state)
+static void lines_of_segments_on_degenerate_shapes(void **state)
 {
     (void)state;
     check_degenerate_shapes(field_of_segments);
@@ -406,10 +404,10 @@ int main(void)
         cmocka_unit_test(along_a_ridge),
         cmocka_unit_test(circles_that_touch),
         cmocka_unit_test(levels_that_tie),
-        cmocka_unit_test(of_points_on_any_surface),
-        cmocka_unit_test(of_segments_on_any_surface),
-        cmocka_unit_test(of_points_on_degenerate_shapes),
-        cmocka_unit_test(of_segments_on_degenerate_shapes),
+        cmocka_unit_test(lines_of_points_on_any_surface),
+        cmocka_unit_test(lines_of_segments_on_any_surface),
+        cmocka_unit_test(lines_of_points_on_degenerate_shapes),
+        cmocka_unit_test(lines_of_segments_on_degenerate_shapes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -8,8 +8,8 @@
 
 enum { SEEDS = 6, POINTS = 400 };
 
-/* On each surface the seed's own field says the same distance, and no other seed's says less; the
- * path ends there. */
+/* The nearest seed's own field has the same distance, and no other seed's field has a smaller one.
+ * The path ends in that seed. */
 static void the_nearest_seed_gives_the_distance(void **state)
 {
     (void)state;

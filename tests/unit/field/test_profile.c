@@ -19,13 +19,13 @@ static struct gd_curve shortest(const struct gd_mesh *mesh, struct gd_point from
     return curve;
 }
 
-/* The field's distance at part s of the way from a to b. */
+/* Returns the field's distance at the fraction s of the segment from a to b. */
 static double distance_along(const struct gd_field *field, const struct gd_point *a,
                              const struct gd_point *b, double s)
 {
-    struct gd__home home;
+    struct gd__segment_location home;
     double from[3], to[3], distance;
-    assert_true(gd__segment_home(field->mesh, a, b, &home));
+    assert_true(gd__segment_locate(field->mesh, a, b, &home));
     uint32_t side = 2 * home.edge;
     if (home.face == GD_NONE)
         home.face =
@@ -43,8 +43,8 @@ static void check_place(double told, double field, double length)
     if (fabs(told - field) > 1e-14 * length) check_close(told, field, 1e-9); /* 0: they cross */
 }
 
-/* What the profile says of its extremes is what the field says there, and no sample exceeds
- * them. */
+/* Checks that the profile's extremes equal the field's distances there, and that no sample lies
+ * outside them. */
 static void check_segment(const struct gd_field *field, const struct gd_point *a,
                           const struct gd_point *b)
 {
@@ -63,7 +63,7 @@ static void check_segment(const struct gd_field *field, const struct gd_point *a
     gd__profile_destroy(&profile);
 }
 
-/* Long curves are seen by strips, side by side. */
+/* The source is a long curve: many strips reach the segment side by side. */
 static void along_curves(void **state)
 {
     (void)state;

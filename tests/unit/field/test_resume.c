@@ -1,5 +1,5 @@
-/* What a resumed field is beside its distances (tests/property/test_resume.c): what is refused,
- * what stays as it was, images, control, memory. */
+/* Tests of resumed fields other than their distances (tests/property/test_resume.c): refusals, the
+ * partial field, images, control, memory. */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -11,12 +11,12 @@
 #include "tests/samples/samples.h"
 #include "tests/support/watch.h"
 
-enum { SEEDS = 5 }; /* two points, and a segment with its ends */
+enum { SEEDS = 5 }; /* two points, and a segment with its two ends */
 
 static struct gd_polygons polygons;
 static struct gd_mesh *mesh;
 static struct gd_seed seeds[SEEDS];
-static struct gd_field *partial; /* to 0.3 */
+static struct gd_field *partial; /* radius 0.3 */
 
 static struct gd_field *build(double radius, const struct gd_control *control)
 {
@@ -94,7 +94,7 @@ static void assert_refused(const struct gd_field *field, double radius, const ch
     assert_non_null(strstr(detail.text, why));
 }
 
-static void no_radius_that_is_not_farther(void **state)
+static void a_radius_within_reach_is_refused(void **state)
 {
     (void)state;
     struct gd_field *whole = build(0, NULL);
@@ -107,7 +107,7 @@ static void no_radius_that_is_not_farther(void **state)
     gd_field_release(whole);
 }
 
-static void tells_its_reach_and_both_works(void **state)
+static void reports_reach_and_work(void **state)
 {
     (void)state;
     struct gd_field *twice = resume(partial, 0.6, NULL), *whole = resume(twice, 0, NULL);
@@ -120,13 +120,13 @@ static void tells_its_reach_and_both_works(void **state)
     assert_true(first->windows_propagated < second->windows_propagated);
     assert_true(second->windows_propagated < third->windows_propagated);
     assert_true(first->build_ns < second->build_ns && second->build_ns < third->build_ns);
-    assert_true(third->wedges * GD__WEDGE_BYTES <= whole->wedge_bytes);
+    assert_true(third->wedges * GD__WEDGE_LEAST <= whole->wedge_bytes);
     gd_field_release(twice);
     gd_field_release(whole);
 }
 
-/* Resuming does what lies beyond, and little more. */
-static void does_not_begin_anew(void **state)
+/* Resuming propagates little more than the windows beyond the radius. */
+static void continues_where_it_ended(void **state)
 {
     (void)state;
     struct gd_field *whole = build(0, NULL), *most = build(0.45, NULL),
@@ -152,7 +152,8 @@ static void run_in_turn(void *user, void (*task)(void *context, uint32_t index),
     ++*(uint32_t *)user;
 }
 
-/* How often work was shared out when a field of that radius on a ball was resumed to all of it. */
+/* Counts the runs of the executor when a field with this radius on a sphere is resumed to its
+ * end. */
 static uint32_t turns_after(const struct gd_mesh *ball, double radius)
 {
     uint32_t turns = 0;
@@ -175,8 +176,9 @@ static uint32_t turns_after(const struct gd_mesh *ball, double radius)
     return turns;
 }
 
-/* Two tasks begin anew rather than resume what is little; one run is the check in the end. */
-static void an_executor_is_used_where_little_is_there(void **state)
+/* An executor rebuilds a small field by two tasks instead of resuming it. The final check is one
+ * run. */
+static void an_executor_rebuilds_small_fields(void **state)
 {
     (void)state;
     struct gd_polygons triangles;
@@ -190,7 +192,7 @@ static void an_executor_is_used_where_little_is_there(void **state)
 
 /* --- a field within a smaller reach ----------------------------------------------------------- */
 
-/* Answers as one that was built for the radius. */
+/* Checks that the view answers like a field that was built for this radius. */
 static void assert_like(const struct gd_field *view, const struct gd_field *field)
 {
     struct rng rng = {3};
@@ -211,13 +213,13 @@ static void assert_like(const struct gd_field *view, const struct gd_field *fiel
     assert_true(known > 10 && known < 290);
 }
 
-static void a_field_is_seen_within_a_reach(void **state)
+static void a_view_has_a_smaller_reach(void **state)
 {
     (void)state;
     struct gd_field *whole = build(0, NULL), *view, *again, *same, *none = NULL;
     check_ok(gd_field_within(whole, 0.3, &view), NULL);
     assert_int_equal(gd_field_memsize(view), gd_field_memsize(whole));
-    gd_field_release(whole); /* the view keeps it */
+    gd_field_release(whole); /* the view holds a reference */
     assert_like(view, partial);
     check_ok(gd_field_within(view, 0.2, &again), NULL);
     gd_field_release(view);
@@ -234,7 +236,7 @@ static void a_field_is_seen_within_a_reach(void **state)
     gd_field_release(again);
 }
 
-/* --- what stays as it was --------------------------------------------------------------------- */
+/* --- what resuming does not change ------------------------------------------------------------ */
 
 static void the_partial_field_stays(void **state)
 {
@@ -267,7 +269,7 @@ static void an_image_is_resumed_too(void **state)
     gd_field_release(fresh);
 }
 
-/* A workspace is clean after a resumed field, whether it was finished or not. */
+/* A workspace is reusable after a resumed field, also after a failure. */
 static void a_workspace_is_used_again(void **state)
 {
     (void)state;
@@ -308,7 +310,7 @@ static void progress_grows_and_cancels(void **state)
     }
 }
 
-static void memory_is_asked_for(void **state)
+static void memory_is_budgeted(void **state)
 {
     (void)state;
     size_t need = gd__workspace_need(mesh) + 64;
@@ -328,8 +330,7 @@ static void memory_is_asked_for(void **state)
 
 /* --- damaged images --------------------------------------------------------------------------- */
 
-/* Whatever numbers an image has that can be opened, resuming it ends, in a status; nothing leads
- * outside the arrays. */
+/* Resuming a damaged image that can be opened ends with a status and stays within the arrays. */
 static void damaged_images_do_no_harm(void **state)
 {
     (void)state;
@@ -376,16 +377,16 @@ static void distances_below_zero_are_damage(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(no_radius_that_is_not_farther),
-        cmocka_unit_test(tells_its_reach_and_both_works),
-        cmocka_unit_test(does_not_begin_anew),
-        cmocka_unit_test(an_executor_is_used_where_little_is_there),
-        cmocka_unit_test(a_field_is_seen_within_a_reach),
+        cmocka_unit_test(a_radius_within_reach_is_refused),
+        cmocka_unit_test(reports_reach_and_work),
+        cmocka_unit_test(continues_where_it_ended),
+        cmocka_unit_test(an_executor_rebuilds_small_fields),
+        cmocka_unit_test(a_view_has_a_smaller_reach),
         cmocka_unit_test(the_partial_field_stays),
         cmocka_unit_test(an_image_is_resumed_too),
         cmocka_unit_test(a_workspace_is_used_again),
         cmocka_unit_test(progress_grows_and_cancels),
-        cmocka_unit_test(memory_is_asked_for),
+        cmocka_unit_test(memory_is_budgeted),
         cmocka_unit_test(damaged_images_do_no_harm),
         cmocka_unit_test(distances_below_zero_are_damage),
     };

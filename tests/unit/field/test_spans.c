@@ -17,7 +17,7 @@ static void around_an_angle(void **state)
     struct gd__turn turn = gd__turn_around(1, 0.5);
     assert_int_equal(turn.count, 1);
     check_span(&turn.part[0], 1 - M_PI / 3, 1 + M_PI / 3);
-    turn = gd__turn_around(3, 0); /* beyond pi */
+    turn = gd__turn_around(3, 0); /* extends beyond pi */
     assert_int_equal(turn.count, 2);
     check_span(&turn.part[0], -M_PI, 3 + M_PI_2 - 2 * M_PI);
     check_span(&turn.part[1], 3 - M_PI_2, M_PI);
@@ -28,7 +28,7 @@ static void around_an_angle(void **state)
     check_span(&turn.part[0], -M_PI, M_PI);
 }
 
-static void in_common(void **state)
+static void common_turns(void **state)
 {
     (void)state;
     struct gd__turn a = gd__turn_around(3, 0), b = gd__turn_around(-3, 0),
@@ -40,8 +40,8 @@ static void in_common(void **state)
     assert_int_equal(gd__turn_both(&a, &c).count, 0);
 }
 
-/* What is left is bounded by who covers the rest. */
-static void what_is_left(void **state)
+/* Each end of a free span names the member that covers the other side of it. */
+static void uncovered_spans(void **state)
 {
     (void)state;
     struct gd__spans covered = {0}, left = {0};
@@ -70,8 +70,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(around_an_angle),
-        cmocka_unit_test(in_common),
-        cmocka_unit_test(what_is_left),
+        cmocka_unit_test(common_turns),
+        cmocka_unit_test(uncovered_spans),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,5 +1,5 @@
-/* Paths into and past faces that are much smaller than their neighbours. Every path is found, lies
- * on the surface and is as long as the distance. GD_SCENES: patches of each kind (60). */
+/* Paths into faces that are much smaller than their neighbours, and past them. Every path is found,
+ * lies on the surface and is as long as the distance. GD_SCENES: patches of each kind (60). */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -14,7 +14,8 @@ enum { SCENES = 60, SOURCES = 8, TARGETS = 25, PAIR_EVERY = 5 };
 
 static const double promise = 1e-9;
 
-/* Range of the ratio, and powers of ten between the rim and the smallest ring. */
+/* ratio: range of the ratio of sizes; depth: powers of ten between the rim and the smallest
+ * ring. */
 struct kind {
     double ratio[2];
     double depth;
@@ -35,7 +36,8 @@ static struct gd_polygons random_patch(const struct kind *kind, struct rng *rng)
     return polygons;
 }
 
-/* Consecutive points share a face, and their distances in space add up to the length. */
+/* Checks that consecutive points share a face and that the segments' lengths sum to the
+ * distance. */
 static void check_path(const struct gd_mesh *mesh, const struct gd_path *path, double distance)
 {
     double sum = 0;
@@ -54,15 +56,15 @@ static void check_pair(const struct gd_mesh *mesh, const struct gd_point *from,
 {
     struct gd_pair_answer answer;
     struct gd_detail detail = {0};
-    check_ok(gd_pair_solve(mesh,
-                           &(struct gd_pair_request){.from = from, .to = to, .wish = GD_PAIR_PATH},
-                           NULL, &answer, &detail),
+    check_ok(gd_pair_solve(
+                 mesh, &(struct gd_pair_request){.from = from, .to = to, .output = GD_PAIR_PATH},
+                 NULL, &answer, &detail),
              &detail);
     check_path(mesh, &answer.path, distance);
     gd_pair_answer_free(&answer);
 }
 
-/* Of one seed also as a pair. */
+/* Checks paths to random targets. If the field has a single seed, checks pair queries too. */
 static void check_targets(const struct gd_polygons *polygons, const struct gd_field *field,
                           struct rng *rng)
 {

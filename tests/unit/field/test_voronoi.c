@@ -11,7 +11,7 @@ static const double promise = 1e-9;
 
 enum { SEEDS_MOST = 12 };
 
-/* Each seed is a member. */
+/* Returns the diagram in which each seed is a member. */
 static struct diagram diagram_of_seeds(const struct gd_mesh *mesh, struct member_set *set,
                                        const struct gd_seed *seeds, uint32_t count,
                                        double tolerance)
@@ -38,8 +38,8 @@ static struct gd_mesh *square(uint32_t cells)
     return mesh;
 }
 
-/* Between two points of the plane lies their perpendicular bisector; here the line x = 1/2, or one
- * at a slant. */
+/* The bisector of two points of a plane is their perpendicular bisector: the line x = 1/2, or an
+ * inclined one. */
 static void two_points_in_the_plane(void **state)
 {
     (void)state;
@@ -98,7 +98,7 @@ static void three_points_in_the_plane(void **state)
     }
 }
 
-/* Four cells meet in the middle of a square, in a face, on an edge or at a vertex. */
+/* Four cells meet in the middle of a square: in a face, on an edge or at a vertex. */
 static void four_corners_meet_in_the_middle(void **state)
 {
     (void)state;
@@ -120,8 +120,8 @@ static void four_corners_meet_in_the_middle(void **state)
     }
 }
 
-/* With an offset the bisector is a branch of a hyperbola; an offset as long as the way leaves the
- * other member nothing. */
+/* With an offset the bisector is a branch of a hyperbola. A member whose offset is at least the
+ * distance of the seeds has no cell. */
 static void offsets_bend_the_bisector(void **state)
 {
     (void)state;
@@ -149,7 +149,7 @@ static void offsets_bend_the_bisector(void **state)
     }
 }
 
-/* Opposite points of a closed surface that is symmetric about the plane between them: the bisector
+/* Two opposite points of a surface that is symmetric about the plane between them: the bisector
  * lies in that plane. */
 static void opposite_points_of_symmetric_surfaces(void **state)
 {
@@ -225,7 +225,7 @@ static void random_members_on_many_surfaces(void **state)
     assert_true(bisectors > 200);
 }
 
-/* --- what is left out and refused ------------------------------------------------------------- */
+/* --- what is omitted or refused --------------------------------------------------------------- */
 
 static void members_that_own_nothing(void **state)
 {
@@ -252,8 +252,8 @@ static void members_that_own_nothing(void **state)
     gd_mesh_release(mesh);
 }
 
-/* What the apex of a saddle hides is as far from two members when the apex is: one of them has
- * it. */
+/* Points behind the apex of a saddle, whose paths bend there, are equidistant from two members if
+ * the apex is. The diagram assigns them to one of the two. */
 static void ties_behind_a_saddle(void **state)
 {
     (void)state;
@@ -279,7 +279,7 @@ static void ties_behind_a_saddle(void **state)
     gd_polygons_free(&polygons);
 }
 
-static void what_is_refused(void **state)
+static void refusals(void **state)
 {
     (void)state;
     struct gd_polygons polygons;
@@ -301,7 +301,7 @@ static void what_is_refused(void **state)
     assert_int_equal(gd_voronoi_trace(field, NULL, 1e-3, &poor, &voronoi), GD_BUDGET);
     watch = (struct test_watch){0};
     struct gd_control tight = {.budget_bytes = 4 << 20, .progress = test_watch, .user = &watch};
-    /* by its points */
+    /* the points alone exceed the budget */
     assert_int_equal(gd_voronoi_trace(field, NULL, 1e-15, &tight, &voronoi), GD_BUDGET);
     assert_true(watch.last >= 0.9);
     assert_int_equal(voronoi.bisector_count, 77);
@@ -330,7 +330,7 @@ int main(void)
         cmocka_unit_test(random_members_on_many_surfaces),
         cmocka_unit_test(members_that_own_nothing),
         cmocka_unit_test(ties_behind_a_saddle),
-        cmocka_unit_test(what_is_refused),
+        cmocka_unit_test(refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,4 +1,5 @@
-/* Members of several seeds: curves and boundaries, that is points and segments. */
+/* Voronoi diagrams whose members are curves and boundaries, which consist of points and
+ * segments. */
 #include "tests/support/diagram.h"
 
 #include <math.h>
@@ -10,7 +11,7 @@
 #include "tests/support/shared.h"
 
 static const double promise = 1e-9;
-/* tolerance of polylines, and what ties may add to their lengths */
+/* tolerance of polylines, and the largest error of their lengths at ties */
 static const double fine = 1e-6;
 
 static void free_diagram(struct diagram *diagram, struct member_set *set)
@@ -30,7 +31,7 @@ static struct gd_mesh *square(uint32_t cells, double size)
     return mesh;
 }
 
-/* A straight line of the plane. */
+/* A straight segment of the plane. */
 struct way {
     double x0, y0, x1, y1;
 };
@@ -49,7 +50,7 @@ static double distance_to(struct way way, double x, double y)
     return hypot(x - way.x0 - part * dx, y - way.y0 - part * dy);
 }
 
-/* Each vertex of each bisector is as far from both of its ways. */
+/* Checks that each vertex of each bisector is equidistant from its two segments. */
 static void check_ways(const struct diagram *diagram, const struct way *ways, double size)
 {
     for (uint32_t i = 0; i < diagram->voronoi.bisector_count; i++) {
@@ -72,8 +73,8 @@ static void put_member(struct member_set *set, const struct gd_mesh *mesh, struc
         put_way(set, mesh, way, size);
 }
 
-/* Where a bisector runs along edges, or a way shares an end with another, ties may leave a loop of
- * next to no length. */
+/* Counts the bisectors that have a length. Ties may leave tiny loops where a bisector runs along
+ * edges, or where two segments share an end. */
 static uint32_t count_bisectors(const struct diagram *diagram)
 {
     uint32_t count = 0;
@@ -93,36 +94,36 @@ static struct diagram check_plane(const struct gd_mesh *mesh, struct member_set 
     return diagram;
 }
 
-/* Half the length of y = x^2 from -x to x. */
+/* Returns half the length of y = x^2 between -x and x. */
 static double parabola(double x)
 {
     return 0.5 * x * sqrt(1 + 4 * x * x) + 0.25 * asinh(2 * x);
 }
 
-/* Between two ways: how many bisectors, and how long they are together. */
-static void two_ways_in_the_plane(void **state)
+/* Two segments: the number of bisectors and their total length. */
+static void two_segments_in_the_plane(void **state)
 {
     (void)state;
     const struct {
         struct way ways[2];
         uint32_t bisectors;
-        double length; /* 0: not asked */
+        double length; /* 0: not checked */
     } cases[] = {
         {{{0.5, 0.75, 0.5, 0.75}, {0, 0.25, 1, 0.25}}, 1, 2 * parabola(0.5)},
         {{{0, 0.2, 1, 0.2}, {0, 0.7, 1, 0.7}}, 1, 1},
-        {{{0, 0.25, 1, 0.25}, {0, 0.75, 1, 0.75}}, 1, 1}, /* along edges, and so is the bisector */
-        {{{0, 0, 1, 0}, {0, 0, 0, 1}}, 1, M_SQRT2},       /* which share a corner */
+        {{{0, 0.25, 1, 0.25}, {0, 0.75, 1, 0.75}}, 1, 1}, /* along edges, like the bisector */
+        {{{0, 0, 1, 0}, {0, 0, 0, 1}}, 1, M_SQRT2},       /* with a common corner */
         {{{0, 0.5, 1, 0.5}, {0.5, 0, 0.5, 1}}, 2, 2 * M_SQRT2},
         {{{0.1, 0.1, 0.9, 0.2}, {0.2, 0.6, 0.8, 0.9}}, 1, 0},
         {{{0.3, 0.41, 0.7, 0.43}, {0.55, 0.37, 0.52, 0.83}}, 2, 0},
         {{{0.3, 0.3, 0.7, 0.3}, {0.5, 0.3, 0.5, 0.8}}, 1, 0}, /* one ends on the other */
         {{{0.3, 0.3, 0.7, 0.3}, {0.7, 0.3, 0.7, 0.8}},
          1,
-         0}, /* one ends where the other does: there is a tie behind it */
+         0}, /* a common end: behind it there is a tie */
         {{{0.5, 0.5, 0.5, 0.5}, {0.2, 0.5, 0.8, 0.5}}, 0, 0},
         {{{0.47, 0.31, 0.47, 0.31}, {0.2, 0.31, 0.8, 0.31}}, 0, 0},
-        {{{0.2, 0.5, 0.8, 0.5}, {0.5, 0.5, 0.5, 0.5}}, 0, 0},     /* a point on a way has nothing */
-        {{{0.2, 0.31, 0.8, 0.53}, {0.2, 0.31, 0.8, 0.53}}, 0, 0}, /* nor has a way along another */
+        {{{0.2, 0.5, 0.8, 0.5}, {0.5, 0.5, 0.5, 0.5}}, 0, 0}, /* a point on a segment has no cell */
+        {{{0.2, 0.31, 0.8, 0.53}, {0.2, 0.31, 0.8, 0.53}}, 0, 0}, /* nor has a copy */
     };
     static const double sizes[] = {1, 1e-6, 1e6};
     for (uint32_t cells = 1; cells <= 8; cells++) {
@@ -141,8 +142,8 @@ static void two_ways_in_the_plane(void **state)
     }
 }
 
-/* Inside of a triangle bisectors of its sides meet at the centre of the inscribed circle; those of
- * a square's in its middle. */
+/* The bisectors of a triangle's sides meet in the incentre. Those of a square's sides meet in its
+ * centre. */
 static void sides_of_polygons(void **state)
 {
     (void)state;
@@ -166,8 +167,8 @@ static void sides_of_polygons(void **state)
     }
 }
 
-/* Between a boundary and the point in the middle lie four pieces of parabolas, and nothing between
- * its own sides. */
+/* Between a square's boundary and its centre lie four pieces of parabolas. There is no bisector
+ * between the sides, which are one member. */
 static void a_boundary_and_a_point(void **state)
 {
     (void)state;
@@ -192,8 +193,8 @@ static void a_boundary_and_a_point(void **state)
 
 /* --- members and seeds ------------------------------------------------------------------------ */
 
-/* Seeds of one member have no bisector; numbers of members may be left out; one that is too large
- * is refused. */
+/* Seeds of the same member have no bisector. Member numbers may be unused. Too large ones are
+ * refused. */
 static void members_by_seed(void **state)
 {
     (void)state;
@@ -229,7 +230,7 @@ static void members_by_seed(void **state)
 
 /* --- any surface ------------------------------------------------------------------------------ */
 
-/* A segment within a random face, along an edge of it, or from a corner. */
+/* Appends a segment within a random face, along one of its edges, or from a corner. */
 static void put_random_segment(struct member_set *set, const struct gd_mesh *mesh,
                                const struct gd_polygons *polygons, double offset, struct rng *rng)
 {
@@ -266,7 +267,7 @@ static void put_random_member(struct member_set *set, const struct gd_mesh *mesh
     case 2:
         put_random_segment(set, mesh, polygons, offset, rng);
         break;
-    case 3: /* in two places */
+    case 3: /* two points */
         put_random_segment(set, mesh, polygons, offset, rng);
         member_set_put_point(set, from, offset);
         member_set_join(set);
@@ -329,7 +330,7 @@ static void random_members_on_shared_meshes(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(two_ways_in_the_plane),
+        cmocka_unit_test(two_segments_in_the_plane),
         cmocka_unit_test(sides_of_polygons),
         cmocka_unit_test(a_boundary_and_a_point),
         cmocka_unit_test(members_by_seed),

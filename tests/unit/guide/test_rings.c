@@ -9,7 +9,8 @@
 #include "tests/support/test.h"
 #include "guide/guide.h"
 
-/* A guide that is aimed, and the truth about its two ends. Distances inside unit. */
+/* A guide that is aimed, and the exact fields of both ends. Distances are in the normalised
+ * unit. */
 struct scene {
     struct gd_mesh *mesh;
     struct gd_point from, to;
@@ -43,8 +44,8 @@ static void close_scene(struct scene *scene)
     gd_field_release(scene->of_to);
 }
 
-/* What a way within the bound passes by is not out of the way, and never farther than it is.
- * Returns how many vertices those are. */
+/* Checks the lower bound of each vertex on a path that is not longer than `bound`: it is at most
+ * the exact distance. Returns the number of these vertices. */
 static uint32_t check_bounds(struct scene *scene, double bound)
 {
     uint32_t passed = 0;
@@ -81,7 +82,7 @@ static void check_pairs(const char *name, struct gd_polygons *polygons, uint32_t
     gd_polygons_free(polygons);
 }
 
-static void no_way_is_shorter(void **state)
+static void bounds_are_below_distances(void **state)
 {
     (void)state;
     struct gd_polygons polygons;
@@ -102,7 +103,7 @@ static void no_way_is_shorter(void **state)
     check_pairs("saddle", &polygons, 10);
 }
 
-/* Two points half round a sphere from each other. */
+/* Opens a scene with two points on opposite sides of a sphere. */
 static struct gd_mesh *open_half_round(struct scene *scene, struct gd_polygons *polygons)
 {
     check_ok(sample_icosphere(5, 1, polygons), NULL);
@@ -112,7 +113,7 @@ static struct gd_mesh *open_half_round(struct scene *scene, struct gd_polygons *
     return mesh;
 }
 
-/* Half round a sphere a straight line tells of two thirds of the way. */
+/* Between opposite points of a sphere the straight line has two thirds of the path's length. */
 static void rings_go_round(void **state)
 {
     (void)state;
@@ -138,8 +139,8 @@ static bool never(void *user, double fraction)
     return false;
 }
 
-/* What fails leaves no rings, and bounds as they were; a budget may run out anywhere. */
-static void a_failure_leaves_none(void **state)
+/* A failed drawing leaves no rings and does not change the bounds. Every budget is tested. */
+static void a_failure_leaves_no_rings(void **state)
 {
     (void)state;
     struct gd_polygons polygons;
@@ -173,9 +174,9 @@ static void a_failure_leaves_none(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(no_way_is_shorter),
+        cmocka_unit_test(bounds_are_below_distances),
         cmocka_unit_test(rings_go_round),
-        cmocka_unit_test(a_failure_leaves_none),
+        cmocka_unit_test(a_failure_leaves_no_rings),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

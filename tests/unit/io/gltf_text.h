@@ -1,5 +1,5 @@
-/* glTF documents made for tests: a good one, broken in one place, and the same as GLB. They are
- * written with ' for ". */
+/* Makes glTF documents for tests: valid, with a replacement, or as GLB. In their text ' stands for
+ * ". */
 #ifndef TESTS_UNIT_IO_GLTF_TEXT_H
 #define TESTS_UNIT_IO_GLTF_TEXT_H
 
@@ -13,7 +13,7 @@ struct file {
     size_t size;
 };
 
-/* The text with the first `find` replaced; `find` NULL: as it is. */
+/* Returns the text with the first `find` replaced and each ' as "; NULL: replaces nothing. */
 static inline char *replaced(const char *text, const char *find, const char *by)
 {
     size_t room = strlen(text) + (by ? strlen(by) : 0) + 1;
@@ -29,7 +29,7 @@ static inline char *replaced(const char *text, const char *find, const char *by)
     return out;
 }
 
-/* The document with "@" replaced by a data: URI of the bytes. */
+/* Returns the document with "@" replaced by a data: URI of the bytes. */
 static inline struct file gltf_file(const char *document, const void *bytes, size_t size)
 {
     size_t length = gd__base64_characters(size);
@@ -50,7 +50,7 @@ static inline void put_u32(FILE *stream, size_t value)
     for (int i = 0; i < 4; i++) fputc((int)(value >> 8 * i & 255), stream);
 }
 
-/* The document, whose buffer has no URI then, as GLB with the bytes in its binary chunk. */
+/* Returns the document as GLB with the bytes in its binary chunk. Removes the buffer's URI. */
 static inline struct file glb_file(const char *document, const void *bytes, size_t size)
 {
     char *json = replaced(document, ",'uri':'@'", "");
@@ -78,7 +78,7 @@ static inline enum gd_status read_file(const struct file *file, struct gd_polygo
     return read_copy(file->bytes, file->size, GD_FORMAT_ANY, NULL, out, detail);
 }
 
-/* Reads the file and compares it, as text, with a mesh. */
+/* Reads the file and compares the mesh, as text, with `mesh`. Frees the file. */
 static inline void check_file(struct file file, const char *mesh)
 {
     struct gd_polygons polygons;

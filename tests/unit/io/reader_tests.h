@@ -1,5 +1,4 @@
-/* What the tests of every reader are: tables of what it reads and refuses, and every beginning of
- * what it reads. */
+/* Tests that every reader shares: tables of valid and invalid input, and truncated input. */
 #ifndef TESTS_UNIT_IO_READER_TESTS_H
 #define TESTS_UNIT_IO_READER_TESTS_H
 
@@ -31,7 +30,7 @@ static void survives_truncation(void **state)
     check_truncations(reader->format, reader->good, reader->good_count);
 }
 
-/* In a table of tests; `reader` outlives it. */
+/* Entries for a table of tests. `reader` must outlive the table. */
 #define READER_TESTS(reader)                                                                       \
     cmocka_unit_test_prestate(reads_good_input, reader),                                           \
         cmocka_unit_test_prestate(refuses_bad_input, reader),                                      \

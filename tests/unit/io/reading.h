@@ -1,8 +1,7 @@
-/* What the tests of the readers share: tables of inputs, what they hold, and how malformed ones are
- * refused.
+/* Shared by the tests of readers: tables of inputs with the expected mesh or error.
  *
  * Meshes are compared as text: "x y z; x y z | i j k; i j k l", vertices before the bar, polygons
- * behind it. */
+ * after it. */
 #ifndef TESTS_UNIT_IO_READING_H
 #define TESTS_UNIT_IO_READING_H
 
@@ -20,7 +19,7 @@
 
 #define COUNT_OF(array) (sizeof(array) / sizeof(array)[0])
 
-/* A string literal, which may hold NULs, as pointer and size. */
+/* Pointer and size of a string literal, which may contain NULs. */
 #define BYTES(literal) (literal), sizeof(literal) - 1
 
 struct good_input {
@@ -33,11 +32,11 @@ struct bad_input {
     const char *bytes;
     size_t size;
     enum gd_status status;
-    uint64_t place;   /* line or byte; 0: the error has none, or it is no matter */
-    const char *says; /* part of the sentence; NULL: no matter */
+    uint64_t place;   /* line or byte; 0: none, or not checked */
+    const char *says; /* part of the message; NULL: not checked */
 };
 
-/* Reads an exact copy of the bytes, so that a sanitizer sees a reader look behind them. */
+/* Reads an exact copy of the bytes, so that AddressSanitizer detects reads beyond them. */
 static inline enum gd_status read_copy(const char *bytes, size_t size, enum gd_format format,
                                        const struct gd_read_options *limits,
                                        struct gd_polygons *out, struct gd_detail *detail)
@@ -52,7 +51,7 @@ static inline enum gd_status read_copy(const char *bytes, size_t size, enum gd_f
     return status;
 }
 
-/* malloc'ed text of the mesh. */
+/* Returns the mesh as text; the caller frees it. */
 static inline char *mesh_text(const struct gd_polygons *polygons)
 {
     char *text = NULL;
@@ -115,7 +114,41 @@ static inline void check_bad(enum gd_format format, const struct bad_input *inpu
     }
 }
 
-/* Every beginning of every good input is read or refused by name; recognising it is safe too. */
+struct skipped_input {
+    const char *bytes;
+    size_t size;
+    const char *mesh;
+    uint32_t count, place; /* number of skipped elements; line or byte of the first */
+};
+
+/* Checks that each input is refused, but is read if the caller passes a counter for skipped
+ * elements. */
+static inline void check_skipped(enum gd_format format, const struct skipped_input *inputs,
+                                 size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        const struct skipped_input *input = &inputs[i];
+        struct gd_mended skipped = {0};
+        struct gd_polygons polygons = {0};
+        struct gd_detail detail = {.text = ""};
+        enum gd_status status =
+            read_copy(input->bytes, input->size, format, NULL, &polygons, &detail);
+        if (status != GD_SYNTAX || !strstr(detail.text, "repair=split"))
+            fail_msg("input %zu: %s ('%s')", i, gd_status_name(status), detail.text);
+        const struct gd_read_options options = {.skipped = &skipped};
+        status = read_copy(input->bytes, input->size, format, &options, &polygons, &detail);
+        if (status != GD_OK) fail_msg("input %zu: %s: %s", i, gd_status_name(status), detail.text);
+        char *text = mesh_text(&polygons);
+        assert_string_equal(text, input->mesh);
+        assert_int_equal(skipped.count, input->count);
+        assert_int_equal(skipped.elements[0][0], input->place);
+        free(text);
+        gd_polygons_free(&polygons);
+    }
+}
+
+/* Checks that every prefix of every valid input is read or refused with a message, and that format
+ * recognition is safe for it. */
 static inline void check_truncations(enum gd_format format, const struct good_input *inputs,
                                      size_t count)
 {

@@ -6,11 +6,12 @@ static void knows_names(void **state)
     assert_int_equal(gd_format_by_name("obj"), GD_FORMAT_OBJ);
     assert_int_equal(gd_format_by_name("json"), GD_FORMAT_JSON);
     assert_int_equal(gd_format_by_name("gltf"), GD_FORMAT_GLTF);
-    static const char *const unknown[] = {"", "OBJ", "any", "objx", "3mf"};
+    assert_int_equal(gd_format_by_name("3mf"), GD_FORMAT_3MF);
+    static const char *const unknown[] = {"", "OBJ", "any", "objx", "3MF"};
     for (size_t i = 0; i < COUNT_OF(unknown); i++)
         assert_int_equal(gd_format_by_name(unknown[i]), GD_FORMAT_ANY);
     assert_int_equal(gd_format_by_name(NULL), GD_FORMAT_ANY);
-    for (enum gd_format format = GD_FORMAT_OBJ; format <= GD_FORMAT_GLTF; format++) {
+    for (enum gd_format format = GD_FORMAT_OBJ; format <= GD_FORMAT_3MF; format++) {
         assert_int_equal(gd_format_by_name(gd_format_name(format)), format);
         assert_int_equal(gd_format_by_media_type(gd_format_media_type(format)), format);
     }
@@ -46,6 +47,14 @@ static void recognises_content(void **state)
         {BYTES("\n# comment\r\n\r\n  mtllib x.mtl\n"), GD_FORMAT_OBJ},
         {BYTES("\xEF\xBB\xBFo thing\n"), GD_FORMAT_OBJ},
         {BYTES("f 1 2 3\n"), GD_FORMAT_OBJ},
+        {BYTES("# cow\n$ by ftp\n\nother words\n  v 1 -2.5 3e0 1\n"), GD_FORMAT_OBJ},
+        {BYTES("# cow\n$ by ftp\nv 1 two 3\nv 1 2\nvertex 1 2 3\n"), GD_FORMAT_ANY},
+        {BYTES("\xFF\xFEv\0 \0"), GD_FORMAT_OBJ},
+        {BYTES("\xFE\xFF\0O\0F\0F\0\r\0\n"), GD_FORMAT_OFF},
+        {BYTES("\xFE\xFF\0h\0i"), GD_FORMAT_ANY},
+        {BYTES("\xFE\xFF"), GD_FORMAT_ANY},
+        {BYTES("\xFF\xFE" ZERO_20 ZERO_20 ZERO_20 SPACES_20 "\0\0"), GD_FORMAT_ANY},
+        {BYTES(" \n  OFF3 1 0\n"), GD_FORMAT_OFF},
         {BYTES("ply\nformat"), GD_FORMAT_PLY},
         {BYTES("ply\r\n"), GD_FORMAT_PLY},
         {BYTES("OFF\n1 2 3"), GD_FORMAT_OFF},
@@ -60,6 +69,8 @@ static void recognises_content(void **state)
         {BYTES("glTF\2\0\0\0"), GD_FORMAT_GLB},
         {BYTES("glTF"), GD_FORMAT_GLB},
         {BYTES("glT"), GD_FORMAT_ANY},
+        {BYTES("PK\3\4\24\0"), GD_FORMAT_3MF},
+        {BYTES("PK\5\6"), GD_FORMAT_ANY},
         {BYTES("solid\nfacet"), GD_FORMAT_STL},
         {BYTES("  Solid x\n"), GD_FORMAT_STL},
         {BYTES(ZERO_20 ZERO_20 ZERO_20 ZERO_20 "\0\0\0\0"), GD_FORMAT_STL},

@@ -2,8 +2,8 @@
 
 #include "tests/unit/io/gltf_text.h"
 
-/* Four corners of a square, as floats; two triangles as indices of 16, 8 and 32 bits; the square as
- * bytes; two corners that stand elsewhere. */
+/* The buffer: corners of a square as floats; two triangles as indices of 16, 8 and 32 bits; the
+ * square as bytes; indices and values of a sparse accessor that moves two corners. */
 static const struct __attribute__((packed)) {
     float corners[4][3];
     uint16_t shorts[6];
@@ -20,9 +20,9 @@ static const struct __attribute__((packed)) {
           {1, 3},
           {{5, 0, 0}, {0, 7, 0}}};
 
-/* Accessors: 0 corners; indices 1, 2, 3; 4 the first five bytes; 5 the quantized square, 6 the same
- * as it is; 7 the corners, two of them elsewhere; 8 zeros, but for two elsewhere; 9 the bytes from
- * the second on. */
+/* Accessors: 0 corners; 1, 2, 3 indices of 16, 8 and 32 bits; 4 the first five byte indices; 5 the
+ * square as normalised bytes, 6 as plain bytes; 7 the corners with two moved (sparse); 8 zeros with
+ * two moved (sparse); 9 the byte indices from the second on. */
 #define DATA                                                                                       \
     "{'asset':{'version':'2.0'},'buffers':[{'byteLength':136,'uri':'@'}],"                         \
     "'bufferViews':[{'buffer':0,'byteLength':48},"                                                 \
@@ -71,7 +71,7 @@ static void reads_every_mode(void **state)
                "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 1 2 0; 2 3 0");
     check_both(MESH("{'attributes':{'POSITION':0},'indices':9,'mode':6}"),
                "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 2 0 1; 0 2 1; 2 3 1");
-    /* 0 1 2 0 2: the last triangle repeats a corner, and is nothing in a strip or fan */
+    /* indices 0 1 2 0 2: in a strip or fan the last triangle repeats a corner and is dropped */
     check_both(MESH("{'attributes':{'POSITION':0},'indices':4,'mode':5}"),
                "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 0 1 2; 1 0 2");
     check_both(MESH("{'attributes':{'POSITION':0},'indices':4,'mode':6}"),
@@ -87,7 +87,8 @@ static void leaves_points_and_lines_out(void **state)
         "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 0 1 2; 0 2 3");
 }
 
-/* Two primitives over the same vertices, and a third that has them again: a seam is no gap. */
+/* Two primitives share an accessor, and a third one repeats a position. Equal positions become one
+ * vertex. */
 static void welds_equal_positions(void **state)
 {
     (void)state;
@@ -116,7 +117,7 @@ static void reads_sparse_accessors(void **state)
                "0 0 0; 5 0 0; 0 7 0 | 1 0 0; 0 2 0");
 }
 
-/* --- places ----------------------------------------------------------------------------------- */
+/* --- nodes ------------------------------------------------------------------------------------ */
 
 static void chooses_the_scene(void **state)
 {
@@ -152,8 +153,8 @@ static void check_corner(const struct gd_polygons *mesh, uint32_t vertex, double
                     1e-15 * (1 + fabs(expected[axis])));
 }
 
-/* Turned by 90 degrees about z, stretched, moved, within a node that turns about x: by hand. The
- * quaternions are rounded, as in files. */
+/* A mesh rotated by 90 degrees about z, scaled and translated, in a parent rotated about x.
+ * Expected positions were computed by hand. Quaternions are rounded as in real files. */
 static void places_by_nodes(void **state)
 {
     (void)state;
@@ -173,7 +174,7 @@ static void places_by_nodes(void **state)
                "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 0 1 2; 0 2 3");
 }
 
-/* What turns space inside out turns faces round, so that outside stays outside. */
+/* A transformation that mirrors reverses the faces, so that the outside stays outside. */
 static void turns_mirrored_faces(void **state)
 {
     (void)state;
@@ -183,7 +184,7 @@ static void turns_mirrored_faces(void **state)
                "0 0 0; -1 0 0; -1 -1 0; 0 -1 0 | 0 1 2; 0 2 3");
 }
 
-static void reads_whatever_else_there_is(void **state)
+static void ignores_other_content(void **state)
 {
     (void)state;
     const char *square = "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 0 1 2; 0 2 3";
@@ -194,7 +195,7 @@ static void reads_whatever_else_there_is(void **state)
                square);
     check_both(SCENE("'materials':[{'name':'\\u00e4 { [ \\\" '}],'images':[{'uri':'picture.png'}]"),
                square);
-    /* Draco with the same uncompressed beside it, which is ours */
+    /* Draco, with the same data uncompressed, which is what the reader uses */
     check_both(MESH("{'attributes':{'POSITION':0},'indices':1,'extensions':{'KHR_draco_mesh_"
                     "compression':{}}}"),
                square);
@@ -204,10 +205,10 @@ static void reads_whatever_else_there_is(void **state)
     check_file((struct file){file.bytes, file.size + 3}, square);
 }
 
-/* --- mistakes --------------------------------------------------------------------------------- */
+/* --- errors ----------------------------------------------------------------------------------- */
 
 static const struct {
-    const char *find, *by; /* in a good document */
+    const char *find, *by; /* replacement in a valid document */
     enum gd_status status;
     const char *says;
 } mistakes[] = {
@@ -307,7 +308,7 @@ static const struct {
 
 #define GOOD SCENE("'nodes':[{'mesh':0},{}],'scene':0,'scenes':[{'nodes':[0]}]")
 
-/* Reads the document with `find` replaced. */
+/* Reads the document with `find` replaced by `by`. */
 static enum gd_status read_replaced(const char *document, const char *find, const char *by,
                                     struct gd_detail *detail)
 {
@@ -377,7 +378,7 @@ static void refuses_broken_containers(void **state)
     check_bad(GD_FORMAT_GLB, bad, COUNT_OF(bad));
 }
 
-/* Every beginning, and every byte changed: read or refused, by a sentence. */
+/* Every prefix, and every document with one byte changed, is read or refused with a message. */
 static void survives_damage(void **state)
 {
     (void)state;
@@ -400,9 +401,9 @@ static void survives_damage(void **state)
     }
 }
 
-/* --- what it takes ---------------------------------------------------------------------------- */
+/* --- cost ------------------------------------------------------------------------------------- */
 
-/* A mesh that stands in many places is counted as often, and limits hold for what comes of it. */
+/* The cost and the limits count a mesh once for each of its placements. */
 static void counts_what_is_placed(void **state)
 {
     (void)state;
@@ -431,7 +432,7 @@ static void counts_what_is_placed(void **state)
     free(document);
 }
 
-/* Zeros need no bytes: the cost tells, not the size. */
+/* An accessor of zeros needs no bytes in the file. Its memory is part of the cost. */
 static void counts_zeros(void **state)
 {
     (void)state;
@@ -460,7 +461,7 @@ int main(void)
         cmocka_unit_test(chooses_the_scene),
         cmocka_unit_test(places_by_nodes),
         cmocka_unit_test(turns_mirrored_faces),
-        cmocka_unit_test(reads_whatever_else_there_is),
+        cmocka_unit_test(ignores_other_content),
         cmocka_unit_test(refuses_mistakes),
         cmocka_unit_test(refuses_broken_sparse_accessors),
         cmocka_unit_test(refuses_broken_containers),

@@ -3,10 +3,10 @@
 #define VERTICES      "\"vertices\":[[0,0,0],[1,0,0],[0,1,0]]"
 #define TRIANGLE_MESH "0 0 0; 1 0 0; 0 1 0 | 0 1 2"
 
-/* A face list within the document that has the three vertices; the list begins at byte 47. */
+/* A document with three vertices and this face list, which begins at byte 47. */
 #define WITH_FACES(faces) BYTES("{" VERTICES ", \"faces\":" faces "}")
 
-/* A first coordinate within a valid document; it begins at byte 14. */
+/* A document with this first coordinate, which begins at byte 14. */
 #define WITH_X(x) BYTES("{\"vertices\":[[" x ",0,0],[1,0,0],[0,1,0]],\"faces\":[[0,1,2]]}")
 
 static const struct good_input good[] = {
@@ -78,9 +78,9 @@ static const struct bad_input bad[] = {
     {WITH_X("1\0"), GD_SYNTAX, 15, NULL},
 };
 
-static void what_is_read_is_whole(void **state)
+static void prefixes_are_truncated(void **state)
 {
-    (void)state; /* no beginning of a document is one, but for space at its end */
+    (void)state; /* no proper prefix is a valid document, except before trailing spaces */
     for (size_t size = 1; size < good[0].size; size++) {
         struct gd_polygons polygons;
         assert_int_equal(read_copy(good[0].bytes, size, GD_FORMAT_JSON, NULL, &polygons, NULL),
@@ -92,6 +92,6 @@ int main(void)
 {
     struct reader reader = {GD_FORMAT_JSON, good, COUNT_OF(good), bad, COUNT_OF(bad)};
     const struct CMUnitTest tests[] = {READER_TESTS(&reader),
-                                       cmocka_unit_test(what_is_read_is_whole)};
+                                       cmocka_unit_test(prefixes_are_truncated)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

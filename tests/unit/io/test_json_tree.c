@@ -8,7 +8,8 @@ static enum gd_status parse(const char *text, struct gd__json *out, struct gd_de
     return gd__json_parse(&scan, NULL, out);
 }
 
-/* The values as text: each its first character and the number behind it. */
+/* Checks the values as text: for each the first character and the number of the next value after
+ * it. */
 static void check_tree(const char *text, const char *expected)
 {
     struct gd__json json;
@@ -51,7 +52,7 @@ static void finds_members(void **state)
     gd__json_free(&json);
 }
 
-static void refuses_what_is_no_json(void **state)
+static void refuses_invalid_json(void **state)
 {
     (void)state;
     static const struct {
@@ -97,7 +98,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(numbers_values_in_order),
         cmocka_unit_test(finds_members),
-        cmocka_unit_test(refuses_what_is_no_json),
+        cmocka_unit_test(refuses_invalid_json),
         cmocka_unit_test(bounds_depth),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

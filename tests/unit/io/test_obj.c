@@ -29,7 +29,7 @@ static const struct good_input good[] = {
     {BYTES(TRIANGLE "v 1 1 0\nf 1 2 4 3\n"), "0 0 0; 1 0 0; 0 1 0; 1 1 0 | 0 1 3 2"},
     {BYTES(TRIANGLE "v 1 1 0\nf 1 2 3\nf 2 4 3 1\nf 1 2 4\n"),
      "0 0 0; 1 0 0; 0 1 0; 1 1 0 | 0 1 2; 1 3 2 0; 0 1 3"},
-    /* degenerate: for the mesh builder to refuse */
+    /* degenerate faces are left to the mesh builder, which refuses them */
     {BYTES(TRIANGLE "f 1 1 1\n"), "0 0 0; 1 0 0; 0 1 0 | 0 0 0"},
     {BYTES("v 16777217 0.1 1e-320\nv 1.7976931348623157e308 123456789012345678901234567890 "
            "1e-400\nv 0 1 0\nf 1 2 3\n"),
@@ -38,7 +38,20 @@ static const struct good_input good[] = {
      "0 1 2"},
 };
 
+static const struct skipped_input skipped[] = {
+    {BYTES(TRIANGLE "f\nf 1 2 3\nf 1// 2//\n"), TRIANGLE_MESH, 2, 4},
+};
+
+static void skips_ignored_content(void **state)
+{
+    (void)state;
+    check_skipped(GD_FORMAT_OBJ, skipped, COUNT_OF(skipped));
+}
+
 static const struct bad_input bad[] = {
+    {BYTES("v 1.#INF 0 0\n"), GD_NON_FINITE, 1, "'1.#INF' is no finite number"},
+    {BYTES("v 0 0 0\nv 0 0 -1.#QNAN\n"), GD_NON_FINITE, 2, "'-1.#QNAN'"},
+    {BYTES("v 0 0 1.#\n"), GD_NON_FINITE, 1, NULL},
     {BYTES("# nothing\n"), GD_EMPTY, 0, "no faces"},
     {BYTES(TRIANGLE), GD_EMPTY, 0, "no faces"},
     {BYTES("\0\0\0\0"), GD_EMPTY, 0, NULL},
@@ -83,6 +96,7 @@ static const struct bad_input bad[] = {
 int main(void)
 {
     struct reader reader = {GD_FORMAT_OBJ, good, COUNT_OF(good), bad, COUNT_OF(bad)};
-    const struct CMUnitTest tests[] = {READER_TESTS(&reader)};
+    const struct CMUnitTest tests[] = {READER_TESTS(&reader),
+                                       cmocka_unit_test(skips_ignored_content)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

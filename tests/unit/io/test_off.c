@@ -24,6 +24,9 @@ static const struct good_input good[] = {
     {BYTES("STOFF\n3 1 0\n0 0 0 0 1\n1 0 0 0 1\n0 1 0 0 1\n3 0 1 2\n"), TRIANGLE_MESH},
     {BYTES("STCNOFF\n3 1 0\n0 0 0 0 1\n1 0 0 0 1\n0 1 0 0 1\n3 0 1 2\n"), TRIANGLE_MESH},
     {BYTES("OFF\n4 1 0\n" VERTICES "1 1 0\n4 0 1 3 2\n"), "0 0 0; 1 0 0; 0 1 0; 1 1 0 | 0 1 3 2"},
+    {BYTES("OFF\n4 1 0\n" VERTICES "1 1 0\n4 0\n\n1 # one\n3 \n2 \n\n"),
+     "0 0 0; 1 0 0; 0 1 0; 1 1 0 | 0 1 3 2"},
+    {BYTES(" \t\n  OFF3 1 0 # counts\n" VERTICES "3 0 1\n2\n"), TRIANGLE_MESH},
     {BYTES("OFF\n3 1 0\n" VERTICES "3 0 1 2\nwhat follows is not read\n"), TRIANGLE_MESH},
     {BYTES("OFF\n3 1 0\n0.1 16777217 -0\n1e-320 0 0\n0 1 0\n3 2 1 0\n"),
      "0.10000000000000001 16777217 -0; 9.9998886718268301e-321 0 0; 0 1 0 | 2 1 0"},
@@ -59,17 +62,33 @@ static const struct bad_input bad[] = {
     {BYTES("OFF\n3 1 0\n" VERTICES "2 0 1   \n"), GD_SYNTAX, 6, "2 corners"},
     {BYTES("OFF\n3 1 0\n" VERTICES "-3 0 1 2\n"), GD_SYNTAX, 6, "0 corners"},
     {BYTES("OFF\n3 1 0\n" VERTICES "3 0 1 2.5\n"), GD_SYNTAX, 6, "2.5"},
-    {BYTES("OFF\n3 1 0\n" VERTICES "4 0 1 2\n"), GD_SYNTAX, 6, "the line ends"},
-    {BYTES("OFF\n3 1 0\n" VERTICES "9000000000000000000 0 1 2\n"), GD_SYNTAX, 6, NULL},
+    {BYTES("OFF\n3 1 0\n" VERTICES "4 0 1 2\n"), GD_TRUNCATED, 7, "the input ends"},
+    {BYTES("OFF\n4 2 0\n" VERTICES "1 1 0\n4 0 1 2\n3 0 1 2\n"), GD_SYNTAX, 8,
+     "the end of a face that began on another line"},
+    {BYTES("OFFSET\n3 1 0\n" VERTICES "3 0 1 2\n"), GD_SYNTAX, 1, NULL},
+    {BYTES("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 -1.#IND00\n3 0 1 2\n"), GD_NON_FINITE, 5,
+     "'-1.#IND00' is no finite number"},
+    {BYTES("OFF\n3 1 0\n" VERTICES "9000000000000000000 0 1 2\n"), GD_TRUNCATED, 7, NULL},
     {BYTES("OFF\n3 1 0\n" VERTICES "3 0 1 3\n"), GD_INDEX, 6,
      "vertex 3, but there are only 3, counted from 0"},
     {BYTES("OFF\n3 1 0\n" VERTICES "3 0 1 -1\n"), GD_INDEX, 6, "vertex -1"},
     {BYTES("OFF\n3 1 0\n" VERTICES "3 0 1 4294967296\n"), GD_INDEX, 6, NULL},
 };
 
+static const struct skipped_input skipped[] = {
+    {BYTES("OFF\n3 2 0\n" VERTICES "2 0 1 \n3 0 1 2\n"), TRIANGLE_MESH, 1, 6},
+};
+
+static void skips_ignored_content(void **state)
+{
+    (void)state;
+    check_skipped(GD_FORMAT_OFF, skipped, COUNT_OF(skipped));
+}
+
 int main(void)
 {
     struct reader reader = {GD_FORMAT_OFF, good, COUNT_OF(good), bad, COUNT_OF(bad)};
-    const struct CMUnitTest tests[] = {READER_TESTS(&reader)};
+    const struct CMUnitTest tests[] = {READER_TESTS(&reader),
+                                       cmocka_unit_test(skips_ignored_content)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

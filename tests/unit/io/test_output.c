@@ -23,7 +23,7 @@ static void writes_one_thing_after_another(void **state)
     free(output.bytes);
 }
 
-/* By little steps, and by one that is longer than the growth. */
+/* Many small appends, and one larger than the usual growth. */
 static void grows(void **state)
 {
     (void)state;
@@ -38,15 +38,15 @@ static void grows(void **state)
     free(output.bytes);
 }
 
-/* AddressSanitizer would end the program where malloc says that there is no memory. */
+/* Makes AddressSanitizer return NULL for huge allocations instead of ending the program. */
 const char *__asan_default_options(void);
 const char *__asan_default_options(void)
 {
     return "allocator_may_return_null=1";
 }
 
-/* What fails gives its memory back and takes no more. */
-static void fails_once_for_all(void **state)
+/* A failed output frees its memory and ignores further text. */
+static void stays_failed(void **state)
 {
     (void)state;
     struct gd__output output = {0};
@@ -65,7 +65,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(writes_one_thing_after_another),
         cmocka_unit_test(grows),
-        cmocka_unit_test(fails_once_for_all),
+        cmocka_unit_test(stays_failed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -9,10 +9,10 @@
 #define VERTEX    "element vertex 3\n" XYZ("float")
 #define FACE      "element face 1\nproperty list uchar int vertex_indices\n"
 #define END       "end_header\n"
-#define HEADER    ASCII VERTEX FACE END /* its last line is the 10th */
+#define HEADER    ASCII VERTEX FACE END /* "end_header" is line 10 */
 #define POSITIONS "0 0 0\n1 0 0\n0 1 0\n"
 
-/* Numbers in binary: zero of four bytes, and one as float, of either byte order. */
+/* Binary numbers: four zero bytes, and the float 1 in either byte order. */
 #define O4               "\0\0\0\0"
 #define LITTLE_ONE       "\0\0\x80\x3f"
 #define BIG_ONE          "\x3f\x80\0\0"
@@ -85,6 +85,44 @@ static const struct good_input good[] = {
      TRIANGLE_MESH},
 };
 
+#define STRIPS "element tristrips 1\nproperty list int int vertex_indices\n"
+#define SQUARE "element vertex 4\n" XYZ("float")
+
+static const struct good_input good_strips[] = {
+    {BYTES(ASCII VERTEX STRIPS END POSITIONS "3 0 1 2\n"), TRIANGLE_MESH},
+    {BYTES(ASCII SQUARE STRIPS END POSITIONS "1 1 0\n4 0 1 2 3\n"),
+     "0 0 0; 1 0 0; 0 1 0; 1 1 0 | 0 1 2; 2 1 3"},
+    {BYTES(ASCII SQUARE STRIPS END POSITIONS "1 1 0\n9 0 1 2 -1 -1 1 3 2 -1\n"),
+     "0 0 0; 1 0 0; 0 1 0; 1 1 0 | 0 1 2; 1 3 2"},
+    {BYTES(ASCII SQUARE STRIPS END POSITIONS "1 1 0\n8 0 1 2 2 1 1 3 2\n"),
+     "0 0 0; 1 0 0; 0 1 0; 1 1 0 | 0 1 2; 3 1 2"},
+    {BYTES(LITTLE VERTEX STRIPS END LITTLE_POSITIONS
+           "\4\0\0\0\0\0\0\0\1\0\0\0\2\0\0\0\xff\xff\xff\xff"),
+     TRIANGLE_MESH},
+};
+
+static const struct bad_input bad_strips[] = {
+    {BYTES(ASCII VERTEX STRIPS END POSITIONS "3 0 1 3\n"), GD_INDEX, 13, "vertex 3"},
+    {BYTES(ASCII VERTEX STRIPS END POSITIONS "3 0 1 -2\n"), GD_INDEX, 13, "vertex -2"},
+    {BYTES(ASCII VERTEX STRIPS END POSITIONS "3 0 1.5 2\n"), GD_SYNTAX, 13, "1.5"},
+    {BYTES(ASCII VERTEX STRIPS END POSITIONS "3 0 nan 2\n"), GD_SYNTAX, 13, NULL},
+    {BYTES(ASCII VERTEX STRIPS END POSITIONS "2 0 1\n"), GD_EMPTY, 0, "no faces"},
+    {BYTES(ASCII VERTEX STRIPS END POSITIONS "5 0 1 2\n"), GD_SYNTAX, 13, "the line ends"},
+};
+
+static const struct skipped_input skipped[] = {
+    {BYTES(ASCII "Created by a program\n" VERTEX FACE END POSITIONS "3 0 1 2\n"), TRIANGLE_MESH, 1,
+     3},
+    {BYTES(HEADER "0 0 0\n1 0 0\n0 1 0\n3 0 1 2 9 1 1\n"), TRIANGLE_MESH, 1, 13},
+    {BYTES(ASCII VERTEX "element face 3\nproperty list uchar int vertex_index\n" END POSITIONS
+                        "2 0 1         \n3 0 1 2\n0         \n"),
+     TRIANGLE_MESH, 2, 13},
+    {BYTES(LITTLE VERTEX
+           "element face 2\nproperty list uchar int vertex_index\n" END LITTLE_POSITIONS
+           "\2" O4 O4 LITTLE_TRIANGLE "more"),
+     TRIANGLE_MESH, 1, 203},
+};
+
 static const struct bad_input bad_headers[] = {
     {BYTES("plx\n"), GD_SYNTAX, 1, "the word ply"},
     {BYTES("ply"), GD_SYNTAX, 1, NULL},
@@ -115,9 +153,9 @@ static const struct bad_input bad_headers[] = {
     {BYTES(ASCII VERTEX "element face 1\nproperty list uchar int corners\n" END POSITIONS
                         "3 0 1 2\n"),
      GD_SYNTAX, 9, NULL},
-    {BYTES(ASCII VERTEX "element tristrips 1\nproperty list int int vertex_indices\n" END POSITIONS
+    {BYTES(ASCII VERTEX "element tristrips 1\nproperty list int int corners\n" END POSITIONS
                         "3 0 1 2\n"),
-     GD_UNSUPPORTED, 9, "triangle strips"},
+     GD_SYNTAX, 9, "triangle strips"},
     {BYTES(ASCII VERTEX END POSITIONS), GD_EMPTY, 0, "no faces"},
     {BYTES(ASCII VERTEX "element face 0\nproperty list uchar int vertex_indices\n" END POSITIONS),
      GD_EMPTY, 0, NULL},
@@ -205,9 +243,23 @@ static void survives_truncation(void **state)
 {
     (void)state;
     check_truncations(GD_FORMAT_PLY, good, COUNT_OF(good));
+    check_truncations(GD_FORMAT_PLY, good_strips, COUNT_OF(good_strips));
 }
 
-/* A header with `count` times the same line after its first two. */
+static void reads_strips(void **state)
+{
+    (void)state;
+    check_good(GD_FORMAT_PLY, good_strips, COUNT_OF(good_strips));
+    check_bad(GD_FORMAT_PLY, bad_strips, COUNT_OF(bad_strips));
+}
+
+static void skips_ignored_content(void **state)
+{
+    (void)state;
+    check_skipped(GD_FORMAT_PLY, skipped, COUNT_OF(skipped));
+}
+
+/* Reads a file whose header repeats `line` `count` times after its first element. */
 static enum gd_status read_repeated(const char *line, int count)
 {
     char *text = NULL;
@@ -239,6 +291,7 @@ int main(void)
         cmocka_unit_test(reads_good_input),    cmocka_unit_test(refuses_bad_headers),
         cmocka_unit_test(refuses_bad_text),    cmocka_unit_test(refuses_bad_binary),
         cmocka_unit_test(survives_truncation), cmocka_unit_test(bounds_the_header),
+        cmocka_unit_test(reads_strips),        cmocka_unit_test(skips_ignored_content),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -10,7 +10,7 @@ static enum gd_status read_text(const char *text, enum gd_format format,
     return status;
 }
 
-static void refuses_what_is_no_mesh(void **state)
+static void refuses_other_content(void **state)
 {
     (void)state;
     struct gd_polygons polygons;
@@ -24,7 +24,7 @@ static void refuses_what_is_no_mesh(void **state)
     assert_int_equal(read_text("<html>", (enum gd_format)99, NULL, NULL), GD_UNRECOGNIZED);
 }
 
-/* Two quadrilaterals and a triangle on six vertices: five triangles. */
+/* Two quadrilaterals and a triangle on six vertices: five triangles when triangulated. */
 static const char *const meshes[] = {
     [GD_FORMAT_OBJ] =
         "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nv 1 1 0\nv 2 1 0\nf 1 2 5 4\nf 2 3 6 5\nf 1 2 3\n",
@@ -68,7 +68,8 @@ static enum gd_status read_within(enum gd_format format, enum gd_format named, u
                      detail);
 }
 
-/* Limits are met exactly and passed by one, in every format, whether recognised or named. */
+/* Each format reads input exactly at the limits and refuses one element more. Tested with
+ * recognition and with a named format. */
 static void keeps_the_limits(void **state)
 {
     (void)state;
@@ -89,7 +90,7 @@ static void keeps_the_limits(void **state)
     }
 }
 
-/* Declared counts are refused before the body is looked at. */
+/* A declared count above the limit is refused before the body is read. */
 static void refuses_declared_counts(void **state)
 {
     (void)state;
@@ -107,7 +108,7 @@ static void refuses_declared_counts(void **state)
                      GD_TOO_LARGE);
 }
 
-/* All triangles: no `first`; arrays long enough to have grown many times. */
+/* Triangles only need no `first`. The arrays grow many times. */
 static void grows_with_the_input(void **state)
 {
     (void)state;
@@ -138,7 +139,7 @@ static void grows_with_the_input(void **state)
 
 /* --- control ---------------------------------------------------------------------------------- */
 
-/* Lets a call go on for so many looks. */
+/* Allows a call this many checks of its control. */
 struct watch {
     size_t looks, allowed;
     double last;
@@ -166,7 +167,7 @@ static enum gd_status read_watched(const char *bytes, size_t size, struct watch 
     return status;
 }
 
-/* The control is looked at all along the input, which can be ended anywhere. */
+/* Checks that the reader checks its control at regular intervals and stops when told. */
 static void check_control(const char *bytes, size_t size)
 {
     struct watch whole = {.allowed = SIZE_MAX}, half = {0}, late = {.allowed = SIZE_MAX};
@@ -195,7 +196,7 @@ static void obeys_its_control(void **state)
     gd_polygons_free(&sphere);
 }
 
-/* So often the same, between a beginning and an end. */
+/* Checks the control in a text that repeats the same part between a beginning and an end. */
 static void check_control_of_skipped(const char *begin, const char *repeated, const char *end)
 {
     enum { TIMES = 200000 };
@@ -210,7 +211,7 @@ static void check_control_of_skipped(const char *begin, const char *repeated, co
     free(text);
 }
 
-static void obeys_its_control_in_what_it_skips(void **state)
+static void obeys_its_control_in_skipped_input(void **state)
 {
     (void)state;
     static const char vertices[] = "element vertex 3\nproperty int x\nproperty int y\nproperty int "
@@ -228,7 +229,7 @@ static void obeys_its_control_in_what_it_skips(void **state)
     check_control_of_skipped("", "solid a\nendsolid a\n", meshes[GD_FORMAT_STL]);
 }
 
-/* Much that is skipped, before anything that counts. */
+/* Long skipped input before the first element. */
 static void blanks_end_at_the_deadline(void **state)
 {
     (void)state;
@@ -259,7 +260,7 @@ static void blanks_end_at_the_deadline(void **state)
     }
     memset(text, ' ', size);
     strcpy(text + size - 20, "\nv 0 0 0\n");
-    /* not within the first MiB */
+    /* the first vertex is beyond the first MiB */
     assert_int_equal(gd_format_recognise(text, size - 10), GD_FORMAT_ANY);
     memcpy(text + 1000, "\nv 0 0 0\n", 9);
     assert_int_equal(gd_format_recognise(text, size - 10), GD_FORMAT_OBJ);
@@ -269,12 +270,12 @@ static void blanks_end_at_the_deadline(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(refuses_what_is_no_mesh),
+        cmocka_unit_test(refuses_other_content),
         cmocka_unit_test(keeps_the_limits),
         cmocka_unit_test(refuses_declared_counts),
         cmocka_unit_test(grows_with_the_input),
         cmocka_unit_test(obeys_its_control),
-        cmocka_unit_test(obeys_its_control_in_what_it_skips),
+        cmocka_unit_test(obeys_its_control_in_skipped_input),
         cmocka_unit_test(blanks_end_at_the_deadline),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -59,7 +59,7 @@ static void writes_lines(void **state)
 }
 
 /* Three lines at two levels. */
-static void tells_levels(void **state)
+static void writes_levels(void **state)
 {
     (void)state;
     const double levels[3] = {0.1, 0.1, 2};
@@ -82,8 +82,8 @@ static void tells_levels(void **state)
     free(bytes);
 }
 
-/* The distance is a property that readers of meshes pass over, and the last eight bytes of each
- * vertex. */
+/* The distance is a vertex property after the coordinates, in the last eight bytes of a vertex.
+ * Mesh readers skip it. */
 static void writes_distances_into_ply(void **state)
 {
     (void)state;
@@ -96,7 +96,7 @@ static void writes_distances_into_ply(void **state)
     assert_memory_equal(back.corners, faces, sizeof faces);
     gd_polygons_free(&back);
     static const char property[] = "property double z\nproperty double distance\n";
-    /* behind the header: four vertices and two faces */
+    /* after the header: four vertices and two faces */
     const char *body = bytes + size - (4 * 32 + 2 * 13);
     assert_non_null(memmem(bytes, size, property, sizeof property - 1));
     for (int i = 0; i < 4; i++) {
@@ -107,7 +107,7 @@ static void writes_distances_into_ply(void **state)
     free(bytes);
 }
 
-/* Behind the document: 4 positions of 12 bytes, 6 indices, 4 colours of 8 bytes, 4 distances. */
+/* The binary chunk has 4 positions of 12 bytes, 6 indices, 4 colours of 8 bytes, 4 distances. */
 static void writes_colours_into_glb(void **state)
 {
     (void)state;
@@ -149,7 +149,7 @@ static void check_glb_mesh(const struct gd_result *result, const struct gd_polyg
     free(bytes);
 }
 
-/* Lines are no faces, and a line of one point is one of two equal ones. */
+/* Lines add no faces to the mesh. A line of one point is written as two equal points. */
 static void writes_meshes_beside_lines(void **state)
 {
     (void)state;
@@ -170,8 +170,8 @@ static void writes_meshes_beside_lines(void **state)
     free(bytes);
 }
 
-/* Several accessors of one view: its stride has to be told (glTF 2.0, 3.6.2.4). */
-static void tells_the_stride_of_lines(void **state)
+/* Several accessors share a buffer view, which therefore needs byteStride (glTF 2.0, 3.6.2.4). */
+static void writes_the_stride_of_lines(void **state)
 {
     (void)state;
     size_t size;
@@ -181,8 +181,8 @@ static void tells_the_stride_of_lines(void **state)
     free(bytes);
 }
 
-/* What is lost is a part in 2^24 of the mesh's size, at any scale and however far away it lies;
- * floats lose nothing. */
+/* Positions lose at most 2^-23 of the mesh's size, at any scale and distance from the origin.
+ * Positions that are floats lose nothing. */
 static void keeps_far_meshes(void **state)
 {
     (void)state;
@@ -209,7 +209,7 @@ static void keeps_far_meshes(void **state)
     }
 }
 
-static void refuses_what_it_cant_hold(void **state)
+static void refuses_unsupported_results(void **state)
 {
     (void)state;
     char *bytes = NULL;
@@ -243,13 +243,13 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(writes_rows),
         cmocka_unit_test(writes_lines),
-        cmocka_unit_test(tells_levels),
+        cmocka_unit_test(writes_levels),
         cmocka_unit_test(writes_distances_into_ply),
         cmocka_unit_test(writes_colours_into_glb),
         cmocka_unit_test(writes_meshes_beside_lines),
-        cmocka_unit_test(tells_the_stride_of_lines),
+        cmocka_unit_test(writes_the_stride_of_lines),
         cmocka_unit_test(keeps_far_meshes),
-        cmocka_unit_test(refuses_what_it_cant_hold),
+        cmocka_unit_test(refuses_unsupported_results),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,7 +2,7 @@
 
 #include "io/scan.h"
 
-/* The line of the first '!' as an error names it. */
+/* Returns the line number of the first '!' as an error reports it. */
 static uint64_t line_of_mark(const char *text)
 {
     struct gd_detail detail;
@@ -27,7 +27,7 @@ static void counts_lines_of_every_kind(void **state)
     assert_int_equal(line_of_mark("a\n\rb\r\n!"), 4);
 }
 
-/* Line by line, as many as `lines` counts. */
+/* Checks that gd__scan_skip_line finds `lines` lines. */
 static void check_lines(const char *text, bool comments, bool continued, int lines)
 {
     struct gd__scan scan = gd__scan_begin(text, strlen(text), NULL);
@@ -100,7 +100,7 @@ static void reads_integers(void **state)
     }
 }
 
-static void shows_no_more_than_printable(void **state)
+static void shows_printable_text_only(void **state)
 {
     (void)state;
     const char *word = "a\001\xC3\xA4\x7F~";
@@ -117,7 +117,7 @@ int main(void)
         cmocka_unit_test(skips_lines),
         cmocka_unit_test(splits_words),
         cmocka_unit_test(reads_integers),
-        cmocka_unit_test(shows_no_more_than_printable),
+        cmocka_unit_test(shows_printable_text_only),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,8 +2,8 @@
 
 #include "io/weld.h"
 
-/* Points of a grid in scattered order, each several times, against their numbers in order of first
- * appearance. */
+/* Welds grid points in scattered order, each of them several times. Vertices are numbered in order
+ * of first appearance. */
 static void numbers_by_first_appearance(void **state)
 {
     (void)state;

@@ -54,7 +54,7 @@ static void keeps_every_bit(void **state)
     }
 }
 
-/* More corners than a byte can count. */
+/* A polygon with more corners than a byte can count. */
 static void keeps_large_polygons(void **state)
 {
     (void)state;
@@ -93,7 +93,7 @@ static void writes_stl_as_floats(void **state)
     assert_int_equal(size, 84 + 50 * 4);
     assert_memory_equal(bytes + 80, "\4\0\0\0", 4);
     assert_memory_equal(bytes + 84, "\0\0\0\0\0\0\0\0\0\0\x80\xbf",
-                        12); /* normal of the first face: (0, 0, -1) but for zeros' signs */
+                        12); /* normal of the first face: (0, 0, -1), with zeros of either sign */
     assert_int_equal(gd_format_recognise(bytes, size), GD_FORMAT_STL);
     assert_int_equal(read_copy(bytes, size, GD_FORMAT_ANY, NULL, &back, NULL), GD_OK);
     char *text = mesh_text(&back);
@@ -103,8 +103,8 @@ static void writes_stl_as_floats(void **state)
     free(bytes);
 }
 
-/* Floats stay as they are, in the file's bytes and in its text; what is no float is told to a part
- * in 2^24 of the mesh's size. */
+/* Positions that are floats stay exact in GLB and glTF. Other positions lose at most 2^-24 of the
+ * mesh's size. */
 static void writes_gltf_as_floats(void **state)
 {
     (void)state;

@@ -18,8 +18,8 @@ static void refuses_unknown_names(void **state)
     check_ok(gd_cpu_select("auto"), NULL);
 }
 
-/* What the machine has is taken, what it has not is refused by another code and changes nothing. */
-static void takes_what_the_machine_has(void **state)
+/* A supported instruction set is selected. Any other returns an error and keeps the selection. */
+static void selects_supported_sets(void **state)
 {
     (void)state;
     check_ok(gd_cpu_select("baseline"), NULL);
@@ -40,13 +40,13 @@ static void takes_what_the_machine_has(void **state)
                       sets[i].has ? "supported" : "not on this machine");
     }
 #else
-    /* of another machine: never there */
+    /* instruction sets of other machines */
     assert_int_equal(gd_cpu_select("avx2"), GD_INVALID_ARGUMENT);
     assert_int_equal(gd_cpu_select("avx512"), GD_INVALID_ARGUMENT);
 #endif
 }
 
-static void auto_takes_the_widest(void **state)
+static void auto_selects_the_widest(void **state)
 {
     (void)state;
     const char *widest = "baseline";
@@ -62,8 +62,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(refuses_unknown_names),
-        cmocka_unit_test(takes_what_the_machine_has),
-        cmocka_unit_test(auto_takes_the_widest),
+        cmocka_unit_test(selects_supported_sets),
+        cmocka_unit_test(auto_selects_the_widest),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

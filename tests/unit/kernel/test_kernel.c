@@ -1,5 +1,5 @@
-/* Every kernel that this machine has against the plain one, to the last bit, and the plain one
- * against the window by window. */
+/* Compares every kernel that this machine supports with the plain kernel bit for bit, and the plain
+ * kernel with a computation for each single window. */
 #include "tests/unit/window/model.h"
 
 #include <stdlib.h>
@@ -28,7 +28,7 @@ static int find_kernels(void **state)
     return 0;
 }
 
-/* --- lists as propagation meets them, and worse ----------------------------------------------- */
+/* --- lists as propagation makes them, and harder ones ----------------------------------------- */
 
 enum kind { ANY, CONTINUOUS, TIED, RUNS, GRAZING, NARROW, KINDS };
 
@@ -40,7 +40,7 @@ static double pick(struct rng *rng, const double *values, uint32_t count)
 #define PICK(rng, ...)                                                                             \
     pick(rng, (const double[]){__VA_ARGS__}, sizeof((double[]){__VA_ARGS__}) / sizeof(double))
 
-/* The source of the window behind `before`, which begins where that ends. */
+/* Returns a source for the window that begins where `before` ends. */
 static struct gd__window next_source(struct rng *rng, enum kind kind, double length,
                                      const struct gd__window *before, uint32_t number)
 {
@@ -53,7 +53,7 @@ static struct gd__window next_source(struct rng *rng, enum kind kind, double len
         w.y = PICK(rng, 0, 1e-18, 1e-14, 1e-13, 1e-12, 1e-7, 0.5) * length;
         w.x = PICK(rng, -1, -1e-6, 0, 0.3, 1, 1.0000005, 2) * length;
     }
-    if (kind == TIED && rng_unit(rng) < 0.7) { /* as far from the joint as the one before it */
+    if (kind == TIED && rng_unit(rng) < 0.7) { /* as far from the joint as `before` */
         w = *before;
         w.source = number;
         if (rng_unit(rng) < 0.8) w.x = 2 * joint - w.x;
@@ -74,7 +74,7 @@ static double width_of(struct rng *rng, enum kind kind)
                                                   : 0.01 + rng_unit(rng);
 }
 
-/* Sorted and disjoint on an edge of that length; about half of the lists leave no gap. */
+/* Makes a sorted list of disjoint windows on an edge of this length. Most lists have no gaps. */
 static void random_list(struct rng *rng, enum kind kind, uint32_t count, double length,
                         struct gd__stack *out)
 {
@@ -95,7 +95,7 @@ static void random_list(struct rng *rng, enum kind kind, uint32_t count, double 
     }
 }
 
-/* A side of a random triangle, now and then a thin one. */
+/* Returns a side of a random triangle, sometimes a thin one. */
 static struct gd_side random_side(struct rng *rng)
 {
     double length = exp(rng_between(rng, -2, 2)), px = rng_between(rng, -0.5, 1.5) * length,
@@ -123,7 +123,7 @@ static void check_same_windows(const struct gd__windows *a, const struct gd__win
     assert_memory_equal(a->source, b->source, count * sizeof(uint32_t));
 }
 
-/* What one test keeps: the list that is drawn, and what the plain and another kernel make of it. */
+/* State of a test: the random list, and the results of the plain and of another kernel. */
 static struct gd__stack list, actual;
 static struct gd__window_builder plain, other;
 
@@ -137,7 +137,7 @@ static int free_lists(void **state)
     return 0;
 }
 
-/* Calls `test` with lists of every kind and size in `list`. */
+/* Calls `test` for lists of every kind and size in `list`. */
 static void for_all_lists(uint64_t seed, void (*test)(struct rng *rng, double length))
 {
     struct rng rng = {seed};
@@ -154,8 +154,7 @@ static void for_all_lists(uint64_t seed, void (*test)(struct rng *rng, double le
 
 static uint64_t offered, kept;
 
-/* The distances of the edge's ends as they may be when a list is looked at: what it gives them
- * itself, more, or less. */
+/* Returns a distance for an end of the edge: equal to the list's, larger, or smaller. */
 static double end_distance(struct rng *rng, double length, bool at_end)
 {
     double t = at_end ? length : 0, least = GD_NONE * length;
@@ -185,7 +184,7 @@ static void filter(struct rng *rng, double length)
         check_same_windows(&plain.at, &other.at, count);
     }
     load_windows(&plain.at, count, &actual);
-    for (int i = 0; i < 20; i++) { /* nothing is lost: the way round an end was as short */
+    for (int i = 0; i < 20; i++) { /* removing windows increases no distance */
         double t = rng_unit(rng) * length;
         check_close(least_round_an_end(&actual, length, d0, d1, t),
                     least_round_an_end(&list, length, d0, d1, t), 1e-12);
@@ -213,7 +212,7 @@ static void within(struct rng *rng, double length)
 {
     double bound = rng_unit(rng) < 0.5
                        ? rng_between(rng, 0, 4) * length
-                       /* just reached */
+                       /* exactly reached */
                        : gd__window_nearest(&list.windows[rng_below(rng, list.count)]);
     build_windows(&list, &plain);
     uint32_t count = kernels[0]->within(&plain.at, list.count, bound);
@@ -244,33 +243,45 @@ struct store_counts {
 
 static struct store_counts stores;
 
-/* Arrays for that many wedges behind each other, as in a chunk, and a guard behind them. */
+/* Room for one chunk of that many wedges and a guard behind it. */
 struct shelf {
-    double data[3 * 3 * MOST];
+    union {
+        struct gd__chunk chunk;
+        double room[1 + 3 * 3 * MOST];
+    };
     uint64_t guard[GUARD];
 };
 
-static double *on_shelf(struct shelf *shelf)
+static struct gd__chunk *on_shelf(struct shelf *shelf, enum gd__wedge_form form)
 {
     memset(shelf, 0x5a, sizeof *shelf);
-    return shelf->data;
+    shelf->chunk.form = form;
+    return &shelf->chunk;
+}
+
+/* Checks that the chunks are equal and that nothing is written more than one group behind them. */
+static void check_as_stored(const struct shelf *stored, const struct shelf *expected)
+{
+    size_t bytes = gd__chunk_bytes(&expected->chunk),
+           end = bytes + GD__WINDOWS_GROUP * sizeof(double);
+    assert_memory_equal(stored, expected, bytes);
+    for (size_t i = end; i < sizeof *stored; i++)
+        assert_int_equal(((const unsigned char *)stored)[i], 0x5a);
 }
 
 static void check_as_written(const struct gd__wedges *stored, const struct gd__wedges *written,
                              uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) {
-        assert_true(stored->x[i] == written->x[i] && stored->y[i] == written->y[i]);
-        assert_true(signbit(stored->y[i]) == signbit(written->y[i]));
-        assert_int_equal(gd__wedge_source(stored->start[i]), gd__wedge_source(written->start[i]));
-        int64_t off = (int64_t)gd__wedge_start(stored->start[i]) -
-                      (int64_t)gd__wedge_start(written->start[i]);
-        assert_true(off >= -1 && off <= 1); /* one multiplies by what the other divides by */
+        assert_memory_equal(&stored->x[i], &written->x[i], sizeof stored->x[i]);
+        assert_memory_equal(&stored->y[i], &written->y[i], sizeof stored->y[i]);
+        assert_int_equal(gd__wedge_source(stored, i), gd__wedge_source(written, i));
+        int64_t off = (int64_t)stored->start[i] - (int64_t)written->start[i];
+        assert_true(off >= -1 && off <= 1); /* one divides, the other multiplies */
         if (off) stores.off_by_one++;
-        if (i)
-            assert_true(gd__wedge_start(stored->start[i]) >= gd__wedge_start(stored->start[i - 1]));
+        if (i) assert_true(stored->start[i] >= stored->start[i - 1]);
     }
-    assert_int_equal(gd__wedge_start(stored->start[0]), 0);
+    assert_int_equal(stored->start[0], 0);
 }
 
 static bool has_gap_inside(const struct gd__windows *w, uint32_t count, double length)
@@ -284,30 +295,31 @@ static void store(struct rng *rng, double length)
 {
     static struct shelf shelves[3], general;
     bool mirrored = rng_unit(rng) < 0.5;
+    enum gd__wedge_form form = rng_below(rng, 3);
     build_windows(&list, &plain);
-    uint32_t stored =
-        kernels[0]->store(&plain.at, list.count, length, mirrored, on_shelf(&shelves[0]));
+    bool stored =
+        kernels[0]->store(&plain.at, list.count, length, mirrored, on_shelf(&shelves[0], form));
     for (int k = 1; k < kernel_count; k++) {
         assert_int_equal(
-            kernels[k]->store(&plain.at, list.count, length, mirrored, on_shelf(&shelves[k])),
+            kernels[k]->store(&plain.at, list.count, length, mirrored, on_shelf(&shelves[k], form)),
             stored);
-        /* the guards too */
-        if (stored) assert_memory_equal(&shelves[k], &shelves[0], sizeof shelves[0]);
+        if (stored) check_as_stored(&shelves[k], &shelves[0]);
     }
-    uint32_t count = gd__wedges_write(&plain.at, list.count, length, mirrored, on_shelf(&general));
-    assert_true(count <= gd__wedges_bound(list.count));
-    assert_true((stored == 0) == has_gap_inside(&plain.at, list.count, length));
-    stores.stored += stored == list.count;
-    stores.ends += stored > list.count;
+    gd__chunk_write(&plain.at, list.count, length, mirrored, on_shelf(&general, form));
+    uint32_t count = general.chunk.count, by_kernel = shelves[0].chunk.count;
+    assert_true(count <= gd__wedges_bound(list.count) && general.chunk.form == form);
+    assert_true(!stored == has_gap_inside(&plain.at, list.count, length));
     stores.refused += !stored;
     if (!stored) return;
-    assert_int_equal(stored, count);
-    struct gd__wedges first = gd__wedges_at(shelves[0].data, count),
-                      written = gd__wedges_at(general.data, count);
+    stores.stored += by_kernel == list.count;
+    stores.ends += by_kernel > list.count;
+    assert_int_equal(by_kernel, count);
+    struct gd__wedges first = gd__chunk_wedges(&shelves[0].chunk),
+                      written = gd__chunk_wedges(&general.chunk);
     check_as_written(&first, &written, count);
 }
 
-static void stores_what_leaves_no_gap_inside(void **state)
+static void stores_lists_without_gaps(void **state)
 {
     (void)state;
     stores = (struct store_counts){0};
@@ -341,7 +353,7 @@ static int close_pool(void **state)
     return free_lists(state);
 }
 
-/* Casts windows [first, first + count) of `plain`. */
+/* Casts windows [first, first + count) of `plain` and stores the children in set `result`. */
 static struct gd__apex cast(const struct gd__kernel *kernel, const struct gd_side *side,
                             uint32_t first, uint32_t count, bool coalesce, double known, int result)
 {
@@ -362,8 +374,8 @@ static void check_same_children(const struct gd__children *a, const struct gd__c
     check_same_windows(&a->at, &b->at, a->count);
 }
 
-/* Which windows pass beside the apex, and the best straight way to it through the others, by the
- * definition. */
+/* Finds by definition the windows that pass to the left and to the right of the apex, and the
+ * shortest straight path to it through the others. */
 static struct gd__apex look_at_apex(const struct gd_side *s, double known)
 {
     struct gd__apex best = {.distance = known, .last_left = GD_NONE, .first_right = GD_NONE};
@@ -380,7 +392,7 @@ static struct gd__apex look_at_apex(const struct gd_side *s, double known)
     return best;
 }
 
-/* Children before `tangled` are sorted and disjoint; the others need no order yet. */
+/* Checks that the children before `tangled` are sorted and disjoint. The others have no order. */
 static void check_order(const struct gd__children *children, double length)
 {
     uint32_t end = children->tangled < children->count ? children->tangled : children->count;
@@ -392,12 +404,13 @@ static void check_order(const struct gd__children *children, double length)
     }
 }
 
-/* Untangled, the children are as good as those of each window by itself, in `alone`. */
+/* Checks that the sorted children give the same distances as the children of single windows, in
+ * `alone`. */
 static void check_against_single(struct rng *rng, struct gd__children *children, double length,
                                  const struct gd__stack *alone)
 {
     if (children->tangled != GD_NONE)
-        check_ok(gd__untangle(children, &pool, GD_TOL_WIDTH * length, &scratch), NULL);
+        check_ok(gd__children_sort(children, &pool, GD_TOL_WIDTH * length, &scratch), NULL);
     load_windows(&children->at, children->count, &actual);
     for (int i = 0; i < 8; i++) {
         double t = rng_unit(rng) * length;
@@ -410,7 +423,7 @@ static void cast_list(struct rng *rng, double unused)
     (void)unused;
     struct gd_side side = random_side(rng);
     bool coalesce = rng_unit(rng) < 0.7;
-    /* the lists are drawn for an edge of another length */
+    /* scales the list from its own length to the side's */
     for (uint32_t i = 0; i < list.count; i++) {
         struct gd__window *w = &list.windows[i];
         double scale = side.length / unused;
@@ -475,7 +488,7 @@ static double sag(double d, double part, double own)
                     : 0;
 }
 
-/* The same in double precision, point by point. */
+/* Computes the bound in double precision, point by point. */
 static float ring_by_single(const struct gd__ring_group *groups, uint32_t count, struct gd__place p,
                             float own)
 {
@@ -490,7 +503,7 @@ static float ring_by_single(const struct gd__ring_group *groups, uint32_t count,
     return (float)least;
 }
 
-/* Groups of which the last has empty lanes. */
+/* Makes random groups. The last group has empty lanes. */
 static void random_ring(struct rng *rng, struct gd__ring_group *groups, uint32_t count)
 {
     uint32_t taken = (count - 1) * GD__RING_LANES + 1 + (uint32_t)rng_below(rng, GD__RING_LANES);
@@ -528,7 +541,7 @@ static struct gd_vec3 random_vector(struct rng *rng, double length)
     return gd_vec3_scale(v, length / gd_vec3_length(v));
 }
 
-/* A ring of one edge, about which nothing else is known, seen from the ends of another one. */
+/* A ring that consists of one edge with lower bounds 0, seen from the points of another edge. */
 struct two_edges {
     struct gd_vec3 from, along, to, beside;
 };
@@ -540,7 +553,7 @@ static double between(const struct two_edges *edges, double t, double u)
     return gd_vec3_length(gd_vec3_sub(q, p));
 }
 
-/* What the kernel tells at an end of the first edge. */
+/* Returns the kernel's bound at parameter t of the first edge. */
 static double told_at(const struct two_edges *edges, double t, double own)
 {
     struct gd__ring_group group;
@@ -554,10 +567,10 @@ static double told_at(const struct two_edges *edges, double t, double own)
                             (struct gd__place){(float)p.x, (float)p.y, (float)p.z}, (float)own);
 }
 
-/* No way from a point of an edge to one of another is shorter than the linear function of what is
- * told at its ends: edges near to each other, far from each other, of one length and of lengths
- * that differ by a thousand. */
-static void no_distance_between_edges_is_below_what_rings_tell(void **state)
+/* The linear interpolation of the bounds at an edge's ends is a lower bound of the distance from
+ * its points to points of another edge. Tested for near and far edges, of equal lengths and of
+ * ratios up to 1000. */
+static void ring_bounds_are_below_distances(void **state)
 {
     (void)state;
     struct rng rng = {7};
@@ -583,10 +596,10 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(filters, free_lists),
         cmocka_unit_test_teardown(keeps_what_is_within_a_bound, free_lists),
-        cmocka_unit_test_teardown(stores_what_leaves_no_gap_inside, free_lists),
+        cmocka_unit_test_teardown(stores_lists_without_gaps, free_lists),
         cmocka_unit_test_setup_teardown(casts, open_pool, close_pool),
         cmocka_unit_test(rings),
-        cmocka_unit_test(no_distance_between_edges_is_below_what_rings_tell),
+        cmocka_unit_test(ring_bounds_are_below_distances),
     };
     return cmocka_run_group_tests(tests, find_kernels, NULL);
 }

@@ -10,7 +10,8 @@ static const struct {
                 {"saddle", {1, 0.7, 12, 3}},
                 {"box", {1, 2, 3, 2}}};
 
-/* Angles and turns are two spellings of one direction, and turns lie as the faces do. */
+/* Checks that angles and turns convert into each other, and that the turn's ray in a face
+ * agrees. */
 static void check_point(const struct gd_mesh *mesh, struct gd_point point, struct rng *rng)
 {
     bool is_closed = gd__turn_is_closed(mesh, &point);
@@ -22,7 +23,7 @@ static void check_point(const struct gd_mesh *mesh, struct gd_point point, struc
                     exact);
         struct gd_direction again = gd__turn_direction(mesh, &point, turn);
         expect_place(again.xyz, direction.xyz.x, direction.xyz.y, direction.xyz.z, 1e-11);
-        /* the ray of a turn is that turn in its face, and points where the direction does */
+        /* the ray of a turn has the same turn in its face */
         struct gd__ray ray = gd__turn_ray(mesh, &point, turn);
         double back = gd__turn_in_face(mesh, &point, ray.side, ray.dx, ray.dy);
         expect_near(remainder(back - turn, gd__turn_total(mesh, &point)), 0, exact);
@@ -42,7 +43,7 @@ static void angles_and_turns(void **state)
     }
 }
 
-/* What leads off the surface lies in the plane of the nearest face. */
+/* A direction that leaves the surface lies in the plane of the nearest face. */
 static void off_the_surface(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/* Small meshes written out, and what the tests of this room ask of a build. */
+/* Small meshes, and checks that the tests of meshes share. */
 #ifndef TESTS_UNIT_MESH_SHAPES_H
 #define TESTS_UNIT_MESH_SHAPES_H
 
@@ -16,7 +16,7 @@
 
 #define COUNT(array) ((uint32_t)(sizeof(array) / sizeof *(array)))
 
-/* Polygons over arrays that are written out: nothing to free. */
+/* Polygons over constant arrays, which are not freed. */
 #define TRIANGLES(p, c)                                                                            \
     ((struct gd_polygons){.positions = (p),                                                        \
                           .position_count = COUNT(p),                                              \
@@ -57,7 +57,7 @@ static inline struct gd_mesh *build(const struct gd_polygons *polygons)
     return mesh;
 }
 
-/* The detail of a build that must fail with `status` and leave its output alone. */
+/* Checks that the build fails with `status` and writes no mesh. Returns its detail. */
 static inline struct gd_detail refuse(const struct gd_polygons *polygons, enum gd_status status)
 {
     struct gd_mesh *mesh = NULL;
@@ -69,7 +69,7 @@ static inline struct gd_detail refuse(const struct gd_polygons *polygons, enum g
     return detail;
 }
 
-/* What a detail must hold: its total, its elements in order and a part of its sentence. */
+/* Checks a detail's total, its elements in order, and that its message contains `words`. */
 static inline void expect_elements(const struct gd_detail *detail, enum gd_element kind,
                                    uint64_t total, uint32_t count, const uint64_t elements[][2],
                                    const char *words)
@@ -84,7 +84,7 @@ static inline void expect_elements(const struct gd_detail *detail, enum gd_eleme
     if (!strstr(detail->text, words)) fail_msg("\"%s\" does not say \"%s\"", detail->text, words);
 }
 
-/* Builds with `options`, which must succeed, and checks what holds for every report. */
+/* Builds with `options`, which must succeed, and checks what holds for every repair report. */
 static inline struct gd_mesh *build_with(const struct gd_polygons *polygons,
                                          struct gd_mesh_options options)
 {
@@ -106,7 +106,7 @@ static inline struct gd_mesh *mend(const struct gd_polygons *polygons)
     return build_with(polygons, (struct gd_mesh_options){.repair_split = true});
 }
 
-/* What was done of one kind: as many, and these first. */
+/* Checks the count and the listed elements of one kind of repair. */
 static inline void expect_mended(const struct gd_mended *mended, uint32_t count,
                                  const uint32_t elements[][2])
 {

@@ -49,7 +49,7 @@ static void expect_vector(struct gd_vec3 actual, double x, double y, double z)
                  x, y, z);
 }
 
-/* The direction at an angle is that vector, and the vector's angle is that one. */
+/* Checks that the angle gives the vector (x, y, z) and that this vector gives the angle. */
 static void expect_both(const struct gd_mesh *mesh, struct gd_point point, double angle, double x,
                         double y, double z)
 {
@@ -63,7 +63,8 @@ static void expect_both(const struct gd_mesh *mesh, struct gd_point point, doubl
 
 /* --- the plane -------------------------------------------------------------------------------- */
 
-/* A square around its middle, vertex 4; faces 1 and 3 run the other way round in the input. */
+/* A square around its centre, vertex 4. Faces 1 and 3 have the opposite orientation in the
+ * input. */
 static double square_positions[][3] = {{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}, {1, 1, 0}};
 static uint32_t square_corners[] = {0, 1, 4, 2, 1, 4, 2, 3, 4, 0, 3, 4};
 
@@ -75,24 +76,24 @@ static struct gd_mesh *new_square(void)
     return mesh;
 }
 
-/* Everywhere the directions of the plane, from a zero that depends on the point. */
+/* Directions in a plane are ordinary angles, measured from a zero that depends on the point. */
 static void in_the_plane(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = new_square();
     const struct {
         struct gd_point point;
-        double zero;     /* where in the plane its angles begin */
-        double from, to; /* angles that are on the surface */
+        double zero;     /* direction of its angle 0, as an angle in the plane */
+        double from, to; /* range of the angles on the surface */
     } places[] = {
         {in_face(mesh, 0), 0, 0, 2 * M_PI},         /* 0 -> 1 */
-        {in_face(mesh, 1), -M_PI_2, 0, 2 * M_PI},   /* 2 -> 1, turned over */
+        {in_face(mesh, 1), -M_PI_2, 0, 2 * M_PI},   /* 2 -> 1, face reversed */
         {in_face(mesh, 2), M_PI, 0, 2 * M_PI},      /* 2 -> 3 */
-        {in_face(mesh, 3), M_PI_2, 0, 2 * M_PI},    /* 0 -> 3, turned over */
+        {in_face(mesh, 3), M_PI_2, 0, 2 * M_PI},    /* 0 -> 3, face reversed */
         {on_edge(mesh, 4, 0), M_PI_4, 0, 2 * M_PI}, /* 0 -> 4 */
         {on_edge(mesh, 2, 4), -3 * M_PI_4, 0, 2 * M_PI},
-        {on_edge(mesh, 0, 1), 0, 0, M_PI},                /* the surface to the left */
-        {on_edge(mesh, 3, 0), M_PI_2, M_PI, 2 * M_PI},    /* to the right of 0 -> 3 */
+        {on_edge(mesh, 0, 1), 0, 0, M_PI},                /* surface to the left */
+        {on_edge(mesh, 3, 0), M_PI_2, M_PI, 2 * M_PI},    /* surface to the right of 0 -> 3 */
         {test_vertex(mesh, 4), -3 * M_PI_4, 0, 2 * M_PI}, /* 4 -> 0 */
         {test_vertex(mesh, 0), 0, 0, M_PI_2},
         {test_vertex(mesh, 1), M_PI_2, 0, M_PI_2},
@@ -112,7 +113,7 @@ static void in_the_plane(void **state)
     gd_mesh_release(mesh);
 }
 
-static void what_leads_off_the_surface(void **state)
+static void directions_off_the_surface(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = new_square();
@@ -135,7 +136,7 @@ static void what_leads_off_the_surface(void **state)
     gd_mesh_release(mesh);
 }
 
-static void what_is_no_direction(void **state)
+static void invalid_directions_are_refused(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = new_square();
@@ -159,7 +160,7 @@ static void what_is_no_direction(void **state)
     gd_mesh_release(mesh);
 }
 
-static void whole_turns_do_not_count(void **state)
+static void whole_turns_change_nothing(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = new_square();
@@ -184,8 +185,8 @@ static void whole_turns_do_not_count(void **state)
 
 /* --- solid corners ---------------------------------------------------------------------------- */
 
-/* Vertex 0 of a cube, where three right angles meet; its lowest neighbour is 1, on the x axis. Seen
- * from outside y, then z, then x follow the x axis clockwise: the order is x, z, y. */
+/* At vertex 0 of a cube three right angles meet. The lowest neighbour is 1, on the x axis. Seen
+ * from outside, the edges x, z, y follow each other counter-clockwise. */
 static void at_the_corner_of_a_cube(void **state)
 {
     (void)state;
@@ -203,7 +204,7 @@ static void at_the_corner_of_a_cube(void **state)
     struct gd_direction x = at(mesh, corner, 0), back = gd_direction_opposite(mesh, &corner, &x);
     expect_near(back.angle, M_PI, exact);
     expect_vector(back.xyz, 0, half, half);
-    /* along the normal: what is symmetric stays so */
+    /* along the normal, symmetric vectors stay symmetric */
     struct gd_direction down = along(mesh, corner, (struct gd_vec3){-2, 1, 1});
     expect_near(down.angle, M_PI, exact);
     expect_vector(down.xyz, 0, half, half);
@@ -211,7 +212,7 @@ static void at_the_corner_of_a_cube(void **state)
     gd_mesh_release(mesh);
 }
 
-/* On the edge of a cube between its faces y = 0 and z = 0: the surface is flat across it. */
+/* On the edge of a cube between its faces y = 0 and z = 0. Across an edge the surface is flat. */
 static void on_the_edge_of_a_cube(void **state)
 {
     (void)state;
@@ -220,21 +221,21 @@ static void on_the_edge_of_a_cube(void **state)
     struct gd_point point = on_edge(mesh, 1, 0);
     for (int k = 0; k < 24; k++) {
         double angle = 2 * M_PI * k / 24, x = cos(angle), y = sin(angle);
-        /* to the left of x, seen from outside, is the face y = 0, in which it goes up */
+        /* the face y = 0 is to the left of x, seen from outside */
         expect_both(mesh, point, angle, x, y < 0 ? -y : 0, y < 0 ? 0 : y);
         struct gd_direction direction = at(mesh, point, angle),
                             opposite = gd_direction_opposite(mesh, &point, &direction);
         expect_near(remainder(opposite.angle - angle - M_PI, 2 * M_PI), 0, exact);
     }
-    /* of what projects into both faces the nearer one, of what projects into none the edge */
+    /* A vector that projects into both faces takes the nearer face. One that projects into none
+     * takes the edge. */
     expect_near(along(mesh, point, (struct gd_vec3){0, 1, 2}).angle, M_PI_2, exact);
     expect_near(along(mesh, point, (struct gd_vec3){0, 2, 1}).angle, 3 * M_PI_2, exact);
     expect_near(along(mesh, point, (struct gd_vec3){0.1, -1, -2}).angle, 0, exact);
     gd_mesh_release(mesh);
 }
 
-/* A pyramid's mantle: at its apex angles go round in proportion; along the rim they are as they
- * are. */
+/* On a pyramid without base, angles at the apex are scaled to a total of 2 pi. */
 static void on_a_cone(void **state)
 {
     (void)state;
@@ -262,7 +263,7 @@ static void on_a_cone(void **state)
         expect_both(mesh, apex, next, middle.x, middle.y, middle.z);
         struct gd_direction ridge = at(mesh, apex, turn),
                             ahead = gd_direction_opposite(mesh, &apex, &ridge);
-        /* over against a ridge lies the middle of a sector */
+        /* opposite a ridge is the middle of a sector, because the number of sectors is odd */
         double reach = -hypot(middle.x, middle.y);
         expect_vector(ahead.xyz, reach * cos(start + turn), reach * sin(start + turn), middle.z);
     }
@@ -272,8 +273,8 @@ static void on_a_cone(void **state)
 
 /* --- at the boundary -------------------------------------------------------------------------- */
 
-/* Three quarters of a turn around vertex 0, in the plane; beyond half a turn both ways round are
- * straight on. */
+/* A planar mesh covers three quarters of a turn around boundary vertex 0. The opposite of a
+ * direction is always half a turn away. */
 static void straight_on_at_a_boundary_vertex(void **state)
 {
     (void)state;
@@ -304,8 +305,8 @@ static void straight_on_at_a_boundary_vertex(void **state)
 
 /* --- any surface ------------------------------------------------------------------------------ */
 
-/* Angles come back from their vectors, vectors from their angles; vectors are tangent to their
- * face. */
+/* Checks that an angle's vector gives the angle again, and that vectors are unit vectors in their
+ * face's plane. Returns the largest error. */
 static double check_round_trips(const struct gd_mesh *mesh, struct gd_point point, struct rng *rng)
 {
     double worst = 0;
@@ -355,9 +356,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(in_the_plane),
-        cmocka_unit_test(what_leads_off_the_surface),
-        cmocka_unit_test(what_is_no_direction),
-        cmocka_unit_test(whole_turns_do_not_count),
+        cmocka_unit_test(directions_off_the_surface),
+        cmocka_unit_test(invalid_directions_are_refused),
+        cmocka_unit_test(whole_turns_change_nothing),
         cmocka_unit_test(at_the_corner_of_a_cube),
         cmocka_unit_test(on_the_edge_of_a_cube),
         cmocka_unit_test(on_a_cone),

@@ -25,7 +25,7 @@ static void check_refusal(const struct gd_mesh *mesh, const struct gd__image_hea
     assert_int_equal(gd__image_header_check(mesh, image_header, magic, 7, NULL), expected);
 }
 
-static void tells_kind_version_machine_and_mesh(void **state)
+static void refuses_other_headers(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = terrain(1), *same = terrain(1), *another = terrain(2);
@@ -40,7 +40,7 @@ static void tells_kind_version_machine_and_mesh(void **state)
     changed = image_header;
     changed.byte_order = __builtin_bswap32(image_header.byte_order);
     check_refusal(mesh, &changed, GD_UNRECOGNIZED, "a machine like this");
-    mesh->position[mesh->vertex_count - 1].z += 1e-12; /* the mesh is ours alone */
+    mesh->position[mesh->vertex_count - 1].z += 1e-12; /* only this mesh object changes */
     check_refusal(mesh, &image_header, GD_INVALID_ARGUMENT, "another mesh");
     gd_mesh_release(mesh);
     gd_mesh_release(same);
@@ -49,6 +49,6 @@ static void tells_kind_version_machine_and_mesh(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(tells_kind_version_machine_and_mesh)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(refuses_other_headers)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

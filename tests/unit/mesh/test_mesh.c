@@ -37,7 +37,7 @@ static void positions_and_corners_are_those_of_the_input(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* The polygons of a mesh make the same mesh again. */
+/* The polygons of a mesh build the same mesh. */
 static void a_mesh_can_be_taken_apart_and_built_again(void **state)
 {
     (void)state;

@@ -6,8 +6,8 @@
 #include "tests/samples/samples.h"
 #include "tests/samples/transform.h"
 
-/* Distance from q to the segment ab, and to the triangle abc: by bisection, without any of the
- * engine's formulas. */
+/* Distances from q to the segment ab and to a triangle, by bisection and without the engine's
+ * formulas. */
 static double segment_distance(struct gd_vec3 q, struct gd_vec3 a, struct gd_vec3 b)
 {
     double low = 0, high = 1;
@@ -86,7 +86,7 @@ static void agrees_with_brute_force(void **state)
     sample_jitter(&polygons, 0.1, 1);
     expect_agreement(&polygons, 5, 300, 1);
     gd_polygons_free(&polygons);
-    for (uint64_t seed = 1; seed <= 60; seed++) { /* slivers among them */
+    for (uint64_t seed = 1; seed <= 60; seed++) { /* some have slivers */
         assert_int_equal(sample_tangle(30, seed, &polygons), GD_OK);
         expect_agreement(&polygons, 3, 30, seed);
         gd_polygons_free(&polygons);
@@ -118,7 +118,7 @@ static void a_vertex_is_found_at_its_own_position(void **state)
     }
 }
 
-/* A point's position leads back to it: edges stay edges, faces stay faces. */
+/* The nearest point to a point's position is the same point: of the same kind and element. */
 static void a_position_leads_back_to_its_point(void **state)
 {
     (void)state;
@@ -159,12 +159,12 @@ static void ties_go_to_the_lowest_face(void **state)
     for (uint64_t seed = 0; seed < 20; seed++) {
         assert_int_equal(sample_renumber(&polygons, seed, NULL, NULL), GD_OK);
         struct gd_mesh *mesh = build(&polygons);
-        /* six centres are equally near */
+        /* the six face centres are equally near */
         struct gd_point point = nearest(mesh, (struct gd_vec3){1, 1, 1}, NULL);
         struct gd_point_description found;
         gd_point_describe(mesh, &point, &found);
         assert_int_equal(found.kind, GD_POINT_VERTEX);
-        bool lower_centre = false; /* a face before it with another of the centres */
+        bool lower_centre = false; /* whether a lower face has another of these centres */
         for (uint32_t c = 0; c < 3 * found.face.index; c++) {
             const double *p = polygons.positions[polygons.corners[c]];
             lower_centre |= fabs(p[0] - 1) + fabs(p[1] - 1) + fabs(p[2] - 1) == 1;
@@ -196,7 +196,7 @@ static void max_snap_bounds_the_distance(void **state)
     gd_mesh_release(mesh);
 }
 
-static void far_away_points_have_a_nearest_point_too(void **state)
+static void far_points_have_a_nearest_point(void **state)
 {
     (void)state;
     struct gd_polygons polygons = cube();
@@ -219,7 +219,7 @@ int main(void)
         cmocka_unit_test(a_position_leads_back_to_its_point),
         cmocka_unit_test(ties_go_to_the_lowest_face),
         cmocka_unit_test(max_snap_bounds_the_distance),
-        cmocka_unit_test(far_away_points_have_a_nearest_point_too),
+        cmocka_unit_test(far_points_have_a_nearest_point),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -43,7 +43,7 @@ static struct gd_point at_vertex(const struct gd_mesh *mesh, uint32_t v)
     return point;
 }
 
-/* The face's corners as the input listed them. */
+/* Returns the face's corners in the order of the input. */
 static void input_corners(const struct gd_mesh *mesh, uint32_t face, uint32_t out[3])
 {
     struct gd_vertex c[3];
@@ -61,7 +61,7 @@ static void expect_equal(struct gd_point a, struct gd_point b)
                  b.kind, b.element, b.weight[0]);
 }
 
-static void a_place_is_one_point_however_it_is_named(void **state)
+static void all_forms_give_the_same_point(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = sample_mesh();
@@ -91,7 +91,7 @@ static void a_place_is_one_point_however_it_is_named(void **state)
     gd_mesh_release(mesh);
 }
 
-static void rounding_is_no_error_and_moves_nothing(void **state)
+static void rounded_weights_are_accepted(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = sample_mesh();
@@ -105,12 +105,12 @@ static void rounding_is_no_error_and_moves_nothing(void **state)
     expect_equal(on_edge(mesh, v[0], v[1], -1e-10), at_vertex(mesh, v[0]));
     struct gd_point near = in_face(mesh, 5, 1e-13, 0.5, 0.5 - 1e-13);
     assert_int_equal(near.kind, GD_POINT_FACE);
-    struct gd_point p = in_face(mesh, 5, 0.2, 0.3, 0.5 + 9e-10); /* made to sum to 1 */
+    struct gd_point p = in_face(mesh, 5, 0.2, 0.3, 0.5 + 9e-10); /* normalised to sum 1 */
     expect_near(p.weight[0] + p.weight[1] + p.weight[2], 1, 4e-16);
     gd_mesh_release(mesh);
 }
 
-static void what_is_no_point_is_refused_by_name(void **state)
+static void invalid_points_are_refused(void **state)
 {
     (void)state;
     double positions[][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 5, 5}, {1, 1, 0}};
@@ -168,8 +168,7 @@ static void expect_lowest_face(const struct gd_mesh *mesh, const struct gd_point
     }
 }
 
-/* Description -> point gives the same point, and the description's own numbers place it in
- * space. */
+/* A point's description gives the same point again, and its numbers give the same position. */
 static void a_description_leads_back(void **state)
 {
     (void)state;
@@ -208,7 +207,7 @@ static void a_description_leads_back(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Two triangles that share no vertex. */
+/* Two triangles without a common vertex. */
 static void points_know_their_component(void **state)
 {
     (void)state;
@@ -226,8 +225,8 @@ static void points_know_their_component(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Bit by bit, points of all kinds among each other. */
-static void positions_of_many_are_those_of_each(void **state)
+/* Positions of several points equal the positions of each, bit for bit. */
+static void a_batch_equals_single_calls(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = sample_mesh();
@@ -248,12 +247,12 @@ static void positions_of_many_are_those_of_each(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_place_is_one_point_however_it_is_named),
-        cmocka_unit_test(rounding_is_no_error_and_moves_nothing),
-        cmocka_unit_test(what_is_no_point_is_refused_by_name),
+        cmocka_unit_test(all_forms_give_the_same_point),
+        cmocka_unit_test(rounded_weights_are_accepted),
+        cmocka_unit_test(invalid_points_are_refused),
         cmocka_unit_test(a_description_leads_back),
         cmocka_unit_test(points_know_their_component),
-        cmocka_unit_test(positions_of_many_are_those_of_each),
+        cmocka_unit_test(a_batch_equals_single_calls),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -15,7 +15,7 @@ static struct gd_mesh *open_torus(void)
     return mesh;
 }
 
-/* A point at a distance and an angle from a vertex, in the face of a fan's entry. */
+/* Returns the point at this distance and angle from a vertex, in the face of a fan's entry. */
 static struct gd_point place(const struct gd_mesh *mesh, uint32_t entry, double radius, double turn)
 {
     uint32_t side = mesh->fan[entry].side, face = mesh->side_face[side];
@@ -49,7 +49,7 @@ static void radius_and_angle_keep_their_digits(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Both ends of each edge, from the lesser weight of the two. */
+/* Points close to either end of each edge. */
 static void a_point_of_an_edge_lies_where_its_entry_begins(void **state)
 {
     (void)state;
@@ -65,7 +65,7 @@ static void a_point_of_an_edge_lies_where_its_entry_begins(void **state)
     gd_mesh_release(mesh);
 }
 
-/* A boundary vertex' last edge has no face behind it. */
+/* The last edge of a boundary vertex has no face behind it. */
 static void the_last_edge_of_a_boundary_ends_the_fan(void **state)
 {
     (void)state;
@@ -88,7 +88,7 @@ static void the_last_edge_of_a_boundary_ends_the_fan(void **state)
     gd_polygons_free(&polygons);
 }
 
-static void points_elsewhere_are_beside_none(void **state)
+static void other_points_are_close_to_no_vertex(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = open_torus();
@@ -113,6 +113,6 @@ int main(void)
         cmocka_unit_test(radius_and_angle_keep_their_digits),
         cmocka_unit_test(a_point_of_an_edge_lies_where_its_entry_begins),
         cmocka_unit_test(the_last_edge_of_a_boundary_ends_the_fan),
-        cmocka_unit_test(points_elsewhere_are_beside_none)};
+        cmocka_unit_test(other_points_are_close_to_no_vertex)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

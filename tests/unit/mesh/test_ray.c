@@ -12,7 +12,7 @@ static enum gd_status shoot(const struct gd_mesh *mesh, struct gd_vec3 origin,
     return gd_locate_first_hit(mesh, origin, direction, out, NULL);
 }
 
-/* The first hit by solving for each triangle; INFINITY: none. */
+/* Returns the first hit by an intersection with each triangle; INFINITY: no hit. */
 static double brute_force(const struct gd_polygons *polygons, struct gd_vec3 o, struct gd_vec3 d)
 {
     double best = INFINITY;
@@ -59,8 +59,7 @@ static void agrees_with_brute_force(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* From within a closed surface every ray hits, wherever it is aimed: at vertices, at edges, between
- * them. */
+/* From inside a closed surface every ray hits, also at vertices and on edges. */
 static void no_ray_slips_out_of_a_closed_surface(void **state)
 {
     (void)state;
@@ -112,7 +111,7 @@ static void a_hit_on_a_vertex_or_an_edge_is_that_vertex_or_edge(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* Edge on, a sheet is met at its border, or at once by a ray that starts on it. */
+/* A ray in the plane of a sheet hits its border, or at once if it starts on the sheet. */
 static void a_sheet_can_be_hit_edge_on(void **state)
 {
     (void)state;
@@ -135,7 +134,7 @@ static void a_sheet_can_be_hit_edge_on(void **state)
     gd_polygons_free(&polygons);
 }
 
-static void the_first_of_several_hits_counts_from_either_side(void **state)
+static void the_first_hit_is_found_from_either_side(void **state)
 {
     (void)state;
     struct gd_polygons polygons = cube();
@@ -150,11 +149,11 @@ static void the_first_of_several_hits_counts_from_either_side(void **state)
     assert_true(gd_point_position(mesh, &point).z == 0);
     assert_int_equal(
         shoot(mesh, (struct gd_vec3){0.3, 0.6, 1}, (struct gd_vec3){0, 0, 1e-300}, &point), GD_OK);
-    assert_true(gd_point_position(mesh, &point).z == 1); /* it starts there */
+    assert_true(gd_point_position(mesh, &point).z == 1); /* the ray starts there */
     gd_mesh_release(mesh);
 }
 
-static void what_is_no_ray_is_refused(void **state)
+static void invalid_rays_are_refused(void **state)
 {
     (void)state;
     struct gd_polygons polygons = cube();
@@ -176,8 +175,8 @@ int main(void)
         cmocka_unit_test(no_ray_slips_out_of_a_closed_surface),
         cmocka_unit_test(a_hit_on_a_vertex_or_an_edge_is_that_vertex_or_edge),
         cmocka_unit_test(a_sheet_can_be_hit_edge_on),
-        cmocka_unit_test(the_first_of_several_hits_counts_from_either_side),
-        cmocka_unit_test(what_is_no_ray_is_refused),
+        cmocka_unit_test(the_first_hit_is_found_from_either_side),
+        cmocka_unit_test(invalid_rays_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,4 +1,4 @@
-/* Segments: where they lie, and the chord that they are in a face's frame. */
+/* Tests of segments: the face or edge that contains them, and their chord in a face's frame. */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -32,14 +32,15 @@ static struct gd_point at(double x, double y)
     return point;
 }
 
-static struct gd__home home_of(struct gd_point a, struct gd_point b)
+static struct gd__segment_location home_of(struct gd_point a, struct gd_point b)
 {
-    struct gd__home home = {7, 7}, back = {7, 7};
-    bool found = gd__segment_home(mesh, &a, &b, &home);
-    assert_true(gd__segment_home(mesh, &b, &a, &back) == found);
-    if (!found) return (struct gd__home){GD_NONE, GD_NONE};
-    assert_true(home.edge == back.edge && (home.edge != GD_NONE || home.face == back.face));
-    return home;
+    struct gd__segment_location location = {7, 7}, back = {7, 7};
+    bool found = gd__segment_locate(mesh, &a, &b, &location);
+    assert_true(gd__segment_locate(mesh, &b, &a, &back) == found);
+    if (!found) return (struct gd__segment_location){GD_NONE, GD_NONE};
+    assert_true(location.edge == back.edge &&
+                (location.edge != GD_NONE || location.face == back.face));
+    return location;
 }
 
 static void along_edges(void **state)
@@ -59,15 +60,15 @@ static void across_faces(void **state)
 {
     (void)state;
     struct gd_point inside = at(0.7, 0.2), border = at(0.3, 0);
-    struct gd__home home = home_of(inside, border);
-    assert_int_equal(home.edge, GD_NONE);
-    assert_int_equal(home.face, inside.element);
-    assert_true(gd__face_contains(mesh, home.face, &border) &&
-                gd__face_contains(mesh, home.face, &inside));
-    home = home_of(at(0.3, 0), at(1, 0.6)); /* two edges of a face */
-    assert_int_equal(home.edge, GD_NONE);
-    assert_int_equal(home.face, inside.element);
-    for (int k = 0; k < 3; k++) { /* as long in each side's frame, and its end where it says */
+    struct gd__segment_location location = home_of(inside, border);
+    assert_int_equal(location.edge, GD_NONE);
+    assert_int_equal(location.face, inside.element);
+    assert_true(gd__face_contains(mesh, location.face, &border) &&
+                gd__face_contains(mesh, location.face, &inside));
+    location = home_of(at(0.3, 0), at(1, 0.6)); /* from edge to edge of a face */
+    assert_int_equal(location.edge, GD_NONE);
+    assert_int_equal(location.face, inside.element);
+    for (int k = 0; k < 3; k++) { /* the frame of each side gives the same length and end */
         struct gd__chord chord = gd__chord(mesh, inside.element, k, &inside, &border);
         check_close(chord.length * mesh->unit, hypot(0.4, 0.2), 1e-15);
         struct gd__local end = {chord.from.x + chord.length * chord.along.x,
@@ -79,7 +80,7 @@ static void across_faces(void **state)
     }
 }
 
-static void nowhere(void **state)
+static void segments_without_a_face(void **state)
 {
     (void)state;
     struct gd_point corner = at(0, 0);
@@ -92,6 +93,7 @@ static void nowhere(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(along_edges),
-                                       cmocka_unit_test(across_faces), cmocka_unit_test(nowhere)};
+                                       cmocka_unit_test(across_faces),
+                                       cmocka_unit_test(segments_without_a_face)};
     return cmocka_run_group_tests(tests, make_mesh, drop_mesh);
 }

@@ -1,5 +1,5 @@
-/* Angles between directions: in the plane those of the plane, around a cone's apex as much as there
- * is surface. */
+/* Angles between directions: Euclidean in a plane, and up to half the total angle around an
+ * apex. */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -17,7 +17,7 @@ static struct gd_point at(const struct gd_mesh *mesh, double x, double y, double
 static void in_the_plane(void **state)
 {
     (void)state;
-    /* a vertex, an edge's point, a face's */
+    /* a vertex, a point of an edge, a point of a face */
     static const double places[][2] = {{0.5, 0.5}, {0.4, 0.5}, {0.46, 0.53}};
     struct rng rng = {4};
     struct gd_polygons polygons;
@@ -41,7 +41,7 @@ static void in_the_plane(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* Four sectors of a pyramid: opposite corners lie half of the total angle apart. */
+/* A pyramid of four sectors: opposite corners are half of the total angle apart. */
 static void around_an_apex(void **state)
 {
     (void)state;
@@ -50,10 +50,10 @@ static void around_an_apex(void **state)
     struct gd_mesh *mesh = test_mesh(&polygons);
     struct gd_point apex = at(mesh, 0, 0, 1), corner[3];
     for (int i = 0; i < 3; i++) corner[i] = at(mesh, cos(i * M_PI_2), sin(i * M_PI_2), 0);
-    double sector = acos(0.5); /* of an equilateral triangle */
+    double sector = acos(0.5); /* angle of an equilateral triangle */
     check_close(gd__tangent_angle(mesh, &apex, &corner[0], &corner[1]), sector, 1e-14);
     check_close(gd__tangent_angle(mesh, &apex, &corner[0], &corner[2]), 2 * sector, 1e-14);
-    /* at the boundary all of it */
+    /* at the boundary the angle is measured across the surface only */
     double rim = gd__tangent_angle(mesh, &corner[1], &corner[0], &corner[2]);
     check_close(rim, 2 * sector, 1e-14);
     gd_mesh_release(mesh);

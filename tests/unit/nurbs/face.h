@@ -1,7 +1,6 @@
-/* Face: a freeform model after the second experiment of W.-H. Chen, "Improvement of the shortest
- * path problem with geodesic-like method": a head's front as one bicubic B-spline, with brow,
- * sockets, nose, lips and chin, and the outlines of two holes for the eyes. Lengths are about those
- * of the paper's. */
+/* A human face after the second experiment of W.-H. Chen, "Improvement of the shortest path problem
+ * with geodesic-like method": the front of a head as one bicubic B-spline with brow, sockets, nose,
+ * lips and chin, and the outlines of two holes for the eyes. Lengths are similar to the paper's. */
 #ifndef TESTS_UNIT_NURBS_FACE_H
 #define TESTS_UNIT_NURBS_FACE_H
 
@@ -17,8 +16,8 @@ static inline double face_hill(double x, double y, double width, double height)
     return exp(-(x * x) / (width * width) - (y * y) / (height * height));
 }
 
-/* Height over (x, y) in [-1, 1]^2, x from ear to ear, y from chin to forehead; no face is quite
- * symmetric. */
+/* Returns the height over (x, y) in [-1, 1]^2. x runs from ear to ear, y from chin to forehead. The
+ * face is slightly asymmetric. */
 static inline double face_height(double x, double y)
 {
     double skull = 9 * sqrt(1.02 - 0.6 * x * x - 0.4 * y * y), eye = fabs(x - 0.01) - 0.42;
@@ -61,8 +60,8 @@ static inline enum gd_status face_create(struct gd_parametric **out, struct gd_d
     return gd_nurbs_create(&data, out, detail);
 }
 
-/* A closed cubic B-spline around (u, v), nearly an ellipse with half axes a and b: the outline of a
- * hole. */
+/* Creates the outline of a hole around (u, v): a closed cubic B-spline, nearly an ellipse with the
+ * half axes a and b. */
 static inline enum gd_status face_outline(const struct gd_parametric *surface, double u, double v,
                                           double a, double b, struct gd_domain_curve **out)
 {

@@ -1,6 +1,7 @@
-/* Shooting: the geodesic equation on a parametric surface, integrated by the Runge-Kutta pair of
- * Dormand and Prince with step control, and Newton's method on direction and length until it hits a
- * place. Knows nothing of splines and energies: an independent reference for lengths. */
+/* Shooting method: integrates the geodesic equation on a parametric surface by the Runge-Kutta pair
+ * of Dormand and Prince with step control. Newton's method adjusts direction and length until the
+ * geodesic reaches a given point. It shares no code with the engine's solver and is therefore an
+ * independent reference for lengths. */
 #ifndef TESTS_UNIT_NURBS_SHOOTING_H
 #define TESTS_UNIT_NURBS_SHOOTING_H
 
@@ -10,9 +11,10 @@
 
 #include "gd/domain_curve.h"
 
-static const double shooting_tolerance = 1e-15; /* of a step, relative to the domain */
+static const double shooting_tolerance = 1e-15; /* error of a step, relative to the domain */
 
-/* The jet at a place; a little outside of the domain, as rounding may lead, that of the border. */
+/* Evaluates the surface's jet. Parameters that rounding places slightly outside the domain are
+ * clamped to its border. */
 static inline void shooting_jet(const struct gd_parametric *surface, const double at[2],
                                 struct gd_jet *jet)
 {
@@ -24,8 +26,8 @@ static inline void shooting_jet(const struct gd_parametric *surface, const doubl
     (void)status;
 }
 
-/* y = (u, v, u', v'); (u'', v'') = -g^-1 (x_u . a, x_v . a), a = x_uu u'^2 + 2 x_uv u' v' + x_vv
- * v'^2 */
+/* Right-hand side of the geodesic equation: y = (u, v, u', v'); (u'', v'') = -g^-1 (x_u . a, x_v .
+ * a), a = x_uu u'^2 + 2 x_uv u' v' + x_vv v'^2 */
 static inline void shooting_slope(const struct gd_parametric *surface, const double y[4],
                                   double out[4])
 {
@@ -41,7 +43,7 @@ static inline void shooting_slope(const struct gd_parametric *surface, const dou
     out[3] = -(e * q - f * p) / det;
 }
 
-/* One step of length h; returns the error estimate in (u, v) and their slopes. */
+/* Makes one step of length h. Returns the largest error estimate of u, v, u' and v'. */
 static inline double shooting_step(const struct gd_parametric *surface, const double y[4], double h,
                                    double out[4])
 {
@@ -72,8 +74,8 @@ static inline double shooting_step(const struct gd_parametric *surface, const do
     return error;
 }
 
-/* Where the geodesic of a length ends that leaves `from` with the unit tangent cos(angle) e1 +
- * sin(angle) e2, e1 along x_u. */
+/* Computes the end of the geodesic of this length that leaves `from` with the unit tangent
+ * cos(angle) e1 + sin(angle) e2, where e1 points along x_u. */
 static inline void shoot(const struct gd_parametric *surface, const double from[2], double angle,
                          double length, double to[2], double velocity[2])
 {
@@ -98,7 +100,8 @@ static inline void shoot(const struct gd_parametric *surface, const double from[
     velocity[0] = y[2], velocity[1] = y[3];
 }
 
-/* Newton's method on angle and length; false: it did not arrive. */
+/* Finds angle and length of the geodesic to `target` by Newton's method. Returns false if it does
+ * not converge. */
 static inline bool shoot_at(const struct gd_parametric *surface, const double from[2],
                             const double target[2], double *angle, double *length)
 {
@@ -110,7 +113,8 @@ static inline bool shoot_at(const struct gd_parametric *surface, const double fr
         shooting_jet(surface, at, &x);
         struct gd_vec3 miss = gd_vec3_along(gd_vec3_scale(x.u, r[0]), r[1], x.v);
         if (gd_vec3_length(miss) <= 1e-8 * *length) {
-            /* what is left along the path is length, what is left across counts by its square */
+            /* the rest along the path corrects the length; the rest across changes it in second
+             * order only */
             struct gd_vec3 t = gd_vec3_along(gd_vec3_scale(x.u, velocity[0]), velocity[1], x.v);
             *length -= gd_vec3_dot(miss, t);
             return true;
@@ -126,7 +130,7 @@ static inline bool shoot_at(const struct gd_parametric *surface, const double fr
     return false;
 }
 
-/* Angle of a path's first leg, from two of its places in the domain. */
+/* Returns the angle at which a path starts, from its first two points in the domain. */
 static inline double shooting_angle(const struct gd_parametric *surface, const double from[2],
                                     const double next[2])
 {
@@ -140,14 +144,14 @@ static inline double shooting_angle(const struct gd_parametric *surface, const d
 
 /* --- between two curves ----------------------------------------------------------------------- */
 
-/* A path from curve to curve: parameters of its ends, its length, the side on which it leaves the
- * first curve. */
+/* A path between two curves: parameters of its ends, its length, and the side on which it leaves
+ * the first curve (1: left, -1: right). */
 struct shot {
     double s, t, length, side;
 };
 
-/* Place and derivative of a curve; the derivative by differences, as an angle that is off by e
- * changes the length by its square. */
+/* Computes a curve's point and first derivative. The derivative is a difference quotient: an angle
+ * error e changes the length by e^2 only. */
 static inline void shooting_curve(const struct gd_domain_curve *curve, double s, double at[2],
                                   double first[2])
 {
@@ -160,8 +164,8 @@ static inline void shooting_curve(const struct gd_domain_curve *curve, double s,
     for (int k = 0; k < 2; k++) first[k] = (after[k] - before[k]) / (2 * h);
 }
 
-/* The side of a curve on which a place lies that is near its place at `s`: 1 to the left of its
- * direction, about the surface's normal, or -1. */
+/* Returns 1 if `place`, which is close to the curve's point at `s`, is to the left of the curve's
+ * direction about the surface's normal, otherwise -1. */
 static inline double shooting_side(const struct gd_domain_curve *curve, double s,
                                    const double place[2])
 {
@@ -173,8 +177,8 @@ static inline double shooting_side(const struct gd_domain_curve *curve, double s
     return sin(turn) > 0 ? 1 : -1;
 }
 
-/* What has to vanish: how far the geodesic that leaves `from` at a right angle misses `to` in u and
- * v, and the cosine of the angle there. `*over`: by how much it goes too far. */
+/* Computes what must vanish: the distance in u and v by which the geodesic that leaves `from` at a
+ * right angle misses `to`, and the cosine of its angle with `to`. *over: the excess length. */
 static inline void shooting_miss(const struct gd_domain_curve *from,
                                  const struct gd_domain_curve *to, const double x[3], double side,
                                  double out[3], double *over)
@@ -195,7 +199,7 @@ static inline void shooting_miss(const struct gd_domain_curve *from,
     *over = gd_vec3_dot(gd_vec3_along(gd_vec3_scale(jet.u, out[0]), out[1], jet.v), tangent);
 }
 
-/* Solves the 3 x 3 system by Cramer's rule, columns c. */
+/* Solves the 3 x 3 system with columns c by Cramer's rule. */
 static inline void shooting_solve(struct gd_vec3 c[3], struct gd_vec3 r, double out[3])
 {
     double det = gd_vec3_dot(c[0], gd_vec3_cross(c[1], c[2]));
@@ -204,8 +208,8 @@ static inline void shooting_solve(struct gd_vec3 c[3], struct gd_vec3 r, double 
     out[2] = gd_vec3_dot(c[0], gd_vec3_cross(c[1], r)) / det;
 }
 
-/* Newton's method on both parameters and the length: the geodesic at right angles to both curves
- * near a first guess. False: it did not arrive. */
+/* Finds the geodesic that meets both curves at right angles, by Newton's method on both parameters
+ * and the length. *shot holds the initial values. Returns false if it does not converge. */
 static inline bool shoot_between(const struct gd_domain_curve *from,
                                  const struct gd_domain_curve *to, struct shot *shot)
 {
@@ -214,7 +218,7 @@ static inline bool shoot_between(const struct gd_domain_curve *from,
     for (int i = 0; i < 20; i++) {
         shooting_miss(from, to, x, shot->side, f, &over);
         if (fabs(f[0]) + fabs(f[1]) + fabs(f[2]) <= 1e-8) {
-            /* what is left across counts by its square */
+            /* the rest across changes the length in second order only */
             *shot = (struct shot){x[0], x[2], x[1] - over, shot->side};
             return true;
         }

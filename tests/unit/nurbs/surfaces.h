@@ -1,5 +1,5 @@
-/* Surfaces that the tests share: NURBS of known shape and free ones. Each is released by the
- * caller. */
+/* Surfaces that the tests share: NURBS of known shapes (torus, sphere, cylinder, cone) and
+ * free-form NURBS. The caller releases them. */
 #ifndef TESTS_UNIT_NURBS_SURFACES_H
 #define TESTS_UNIT_NURBS_SURFACES_H
 
@@ -10,8 +10,8 @@
 #include "gd/nurbs.h"
 #include "tests/support/test.h"
 
-/* The unit circle as a rational quadratic of nine points: corners of a square have weight
- * sqrt(1/2). */
+/* The unit circle as a rational quadratic with nine control points. Those at corners of the square
+ * have the weight sqrt(1/2). */
 static const double circle_x[9] = {1, 1, 0, -1, -1, -1, 0, 1, 1};
 static const double circle_y[9] = {0, 1, 1, 1, 0, -1, -1, -1, 0};
 static const double circle_knots[12] = {0, 0, 0, 0.25, 0.25, 0.5, 0.5, 0.75, 0.75, 1, 1, 1};
@@ -22,8 +22,8 @@ static inline double circle_weight(int i)
     return i % 2 ? M_SQRT1_2 : 1;
 }
 
-/* The parameter of that circle at an angle in [0, 2 pi]: within each quarter tan(angle / 2) is a
- * rational function of it. */
+/* Returns the circle's parameter at an angle in [0, 2 pi]. Within a quarter, it is a rational
+ * function of tan(angle / 2). */
 static inline double circle_parameter(double angle)
 {
     double quarter = fmin(floor(angle / M_PI_2), 3), t = tan(0.5 * (angle - quarter * M_PI_2));
@@ -41,8 +41,8 @@ static inline struct gd_parametric *surface_of(const struct gd_nurbs_data *data)
     return surface;
 }
 
-/* The torus of ../shared/data/nurbs_torus.json scaled and moved: u around the axis, v around the
- * tube. */
+/* Creates the torus of ../shared/data/nurbs_torus.json, scaled and moved. u runs around the axis, v
+ * around the tube. */
 static inline struct gd_parametric *nurbs_torus(double major, double minor, double scale,
                                                 double shift)
 {
@@ -68,7 +68,8 @@ static inline struct gd_parametric *nurbs_torus(double major, double minor, doub
                                               .weights = weights});
 }
 
-/* The unit sphere of ../shared/data/nurbs_sphere.json: v from the south pole to the north pole. */
+/* Creates the unit sphere of ../shared/data/nurbs_sphere.json. v runs from the south pole to the
+ * north pole. */
 static inline struct gd_parametric *nurbs_sphere(void)
 {
     static const double radius[5] = {0, 1, 1, 1, 0}, height[5] = {-1, -1, 0, 1, 1};
@@ -92,8 +93,8 @@ static inline struct gd_parametric *nurbs_sphere(void)
                                               .weights = weights});
 }
 
-/* A ruled surface between two circles: cylinder or cone. v in [0, 1] from the lower one, of radius
- * and height each. */
+/* Creates a ruled surface between two circles: a cylinder or a cone. v runs from 0 at the first
+ * circle to 1 at the second. */
 static inline struct gd_parametric *nurbs_ruled(double radius0, double height0, double radius1,
                                                 double height1)
 {
@@ -118,8 +119,8 @@ static inline struct gd_parametric *nurbs_ruled(double radius0, double height0, 
                                               .weights = weights});
 }
 
-/* An open bicubic B-spline of count_u x count_v control points over a grid of cells of size 1, with
- * bumps of a height. */
+/* Creates an open bicubic B-spline with count_u x count_v control points on a grid of unit cells,
+ * with random bumps of this height. */
 static inline struct gd_parametric *nurbs_bumps(int count_u, int count_v, double height,
                                                 uint64_t seed)
 {
@@ -173,7 +174,7 @@ static inline struct gd_parametric *helicoid(void)
     return surface;
 }
 
-/* z = u v on the unit square. */
+/* Creates the surface z = u v on the unit square. */
 static inline struct gd_parametric *bilinear(void)
 {
     struct gd_parametric *surface;
@@ -184,7 +185,7 @@ static inline struct gd_parametric *bilinear(void)
     return surface;
 }
 
-/* A vase: a cubic profile about the axis, open at both ends. */
+/* Creates a vase: a cubic profile about the axis, open at both ends. */
 static inline struct gd_parametric *vase(void)
 {
     static const double knots[] = {0, 0, 0, 0, 1, 2, 3, 3, 3, 3};
@@ -214,7 +215,7 @@ static inline struct gd_domain_curve *iso_at(const struct gd_parametric *surface
     return curve;
 }
 
-/* A closed cubic B-spline about a middle, nearly an ellipse with half axes a and b. */
+/* Creates a closed cubic B-spline around a point, nearly an ellipse with the half axes a and b. */
 static inline struct gd_domain_curve *loop_at(const struct gd_parametric *surface, double u,
                                               double v, double a, double b)
 {

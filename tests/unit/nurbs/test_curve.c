@@ -13,9 +13,9 @@ static void iso_lines_and_loops_are_closed(void **state)
                 !gd_domain_curve_is_closed(open));
     gd_domain_curve_range(line, &low, &high);
     assert_true(low == 0 && high == 1);
-    gd_domain_curve_at(line, 1.25, uv); /* goes on around */
+    gd_domain_curve_at(line, 1.25, uv); /* continues around */
     assert_true(uv[0] == 0.3 && fabs(uv[1] - 1.25) < 1e-15);
-    gd_domain_curve_at(open, 17, uv); /* stays at its end */
+    gd_domain_curve_at(open, 17, uv); /* is clamped to its end */
     assert_true(uv[0] == 2 && uv[1] == 0.5);
     gd_domain_curve_release(line);
     gd_domain_curve_release(open);
@@ -31,11 +31,11 @@ static void iso_lines_and_loops_are_closed(void **state)
     gd_parametric_release(flat);
 }
 
-/* One span over many lines of the surface: a break at each. */
+/* A single span that crosses many knot lines of the surface has a break at each of them. */
 static void breaks_at_every_line(void **state)
 {
     (void)state;
-    struct gd_parametric *surface = nurbs_bumps(60, 60, 0.3, 11); /* 56 lines in either direction */
+    struct gd_parametric *surface = nurbs_bumps(60, 60, 0.3, 11); /* 56 inner lines each way */
     const double ends[2][2] = {{0, 0.031}, {1, 0.957}};
     struct gd_domain_curve *iso = iso_at(surface, GD_ISO_U, 0.3), *line;
     check_ok(
@@ -43,13 +43,14 @@ static void breaks_at_every_line(void **state)
         NULL);
     assert_int_equal(iso->break_count, 58);
     for (int i = 0; i < 58; i++) assert_true(fabs(iso->breaks[i] - i / 57.0) < 1e-12);
-    assert_int_equal(line->break_count, 58 + 53); /* v from 0.031 to 0.957: lines 2 to 54 */
+    assert_int_equal(line->break_count, 58 + 53); /* v from 0.031 to 0.957 crosses lines 2 to 54 */
     gd_domain_curve_release(iso);
     gd_domain_curve_release(line);
     gd_parametric_release(surface);
 }
 
-/* Along a border rounding leads beyond it: a vase of domain [0, 3] at v = 3. */
+/* A curve along a border stays in the domain despite rounding: v = 3 on a vase with the domain [0,
+ * 3]. */
 static void a_border_is_in_the_domain(void **state)
 {
     (void)state;

@@ -1,10 +1,11 @@
-/* Shortest paths on surfaces against closed forms, the values of the design notes, and laws. */
+/* Compares shortest paths on surfaces with closed forms, with values of the design notes, and with
+ * laws. */
 #include "tests/unit/nurbs/surfaces.h"
 
 #include "gd/geodesic_like.h"
 
-static const double promise = 1e-10; /* of a length, relative */
-static const double right = 1e-8;    /* of an angle at an end */
+static const double promise = 1e-10; /* relative error of a length */
+static const double right = 1e-8;    /* error of a right angle at an end */
 
 struct scene {
     struct gd_parametric *surface;
@@ -25,7 +26,7 @@ static void close_scene(struct scene *scene)
     gd_parametric_release(scene->surface);
 }
 
-/* Solves and releases both ends. */
+/* Solves and releases both end curves. */
 static struct gd_geodesics solve(const struct scene *scene, struct gd_domain_curve *from,
                                  struct gd_domain_curve *to,
                                  const struct gd_geodesic_options *options)
@@ -42,7 +43,7 @@ static struct gd_geodesics solve(const struct scene *scene, struct gd_domain_cur
     return found;
 }
 
-/* The shortest path's length, after the checks that every answer must pass. */
+/* Checks what holds for every result, frees it and returns the length of the shortest path. */
 static double length_of(struct gd_geodesics *found)
 {
     const struct gd_geodesic *best = &found->items[0];
@@ -82,7 +83,7 @@ static void torus_values_of_the_notes(void **state)
     close_scene(&rational);
 }
 
-/* The metric does not know where and how large the surface is. */
+/* Relative lengths do not depend on the surface's scale and position. */
 static void scale_and_place_do_not_matter(void **state)
 {
     (void)state;
@@ -143,12 +144,12 @@ static void cylinder_and_cone_unrolled(void **state)
                turn = fabs(a - b) > M_PI ? 2 * M_PI - fabs(a - b) : fabs(a - b);
         check_close(between(&cylinder, circle_parameter(a), s, circle_parameter(b), t),
                     hypot(turn, 3 * (s - t)), promise);
-        /* the cone laid flat: slant sqrt(1.5^2 + 3^2) from radius 2 to 0.5 */
+        /* the unrolled cone: slant sqrt(1.5^2 + 3^2) from radius 2 to 0.5 */
         double slant = hypot(1.5, 3), sine = 1.5 / slant, p = (2 - 1.5 * s) / sine,
                q = (2 - 1.5 * t) / sine;
         double angle = turn * sine, least = 0.5 / sine;
         double flat = sqrt(p * p + q * q - 2 * p * q * cos(angle));
-        /* the chord would leave the cone at its upper edge */
+        /* the straight line would leave the cone at its upper edge */
         if (p * q * sin(angle) < least * flat) continue;
         check_close(between(&cone, circle_parameter(a), s, circle_parameter(b), t), flat, promise);
     }
@@ -156,7 +157,8 @@ static void cylinder_and_cone_unrolled(void **state)
     close_scene(&cone);
 }
 
-/* Two ways around a cylinder that differ by less than the mesh can tell: both must be looked at. */
+/* The two paths around a cylinder differ by less than the mesh's error. The solver must try
+ * both. */
 static void nearly_opposite_points(void **state)
 {
     (void)state;
@@ -179,8 +181,8 @@ static void nearly_opposite_points(void **state)
     close_scene(&cylinder);
 }
 
-/* Feet beside a line of the surface: whichever side the coarse curve ends on. */
-static void feet_beside_a_line(void **state)
+/* The end of the path is close to a knot line. The coarse path may end on either side of it. */
+static void path_ends_near_a_knot_line(void **state)
 {
     (void)state;
     struct scene scene = open_scene(nurbs_torus(2, 1, 1, 0));
@@ -196,9 +198,9 @@ static void feet_beside_a_line(void **state)
     close_scene(&scene);
 }
 
-/* A straight line in the domain is the same curve with two hundred corners, which all are ends of
- * smooth intervals. */
-static void corners_that_are_none_do_not_matter(void **state)
+/* A straight line in the domain, once with two points and once with two hundred collinear corners:
+ * the paths are equal. */
+static void collinear_corners_do_not_matter(void **state)
 {
     (void)state;
     enum { CORNERS = 200 };
@@ -229,7 +231,8 @@ static void corners_that_are_none_do_not_matter(void **state)
     close_scene(&scene);
 }
 
-/* A chord that the upper edge of the cone is in the way of: tangent, arc, tangent. */
+/* The straight line would cross the cone's upper edge. The path is a tangent, an arc and a
+ * tangent. */
 static void the_border_is_followed(void **state)
 {
     (void)state;
@@ -255,8 +258,8 @@ static void meridians_of_a_torus(void **state)
         struct gd_geodesics found = solve(&scenes[i], iso_at(scenes[i].surface, GD_ISO_U, 0),
                                           iso_at(scenes[i].surface, GD_ISO_U, meridian[i]),
                                           &(struct gd_geodesic_options){.all_minima = true});
-        /* the other way round along the inner equator is a minimum too, along the outer one there
-         * is none */
+        /* along the inner equator the longer path is a minimum too; along the outer one there is
+         * none */
         assert_int_equal(found.count, 2);
         for (uint32_t k = 0; k < 2; k++) {
             assert_true(found.items[k].is_minimum);
@@ -268,7 +271,8 @@ static void meridians_of_a_torus(void **state)
     }
 }
 
-/* From inside a circle the nearest and the farthest place are both critical. */
+/* From a point inside a circle, the nearest and the farthest point of the circle are both
+ * critical. */
 static void the_farthest_point_of_a_circle_is_never_returned(void **state)
 {
     (void)state;
@@ -315,7 +319,7 @@ static void curves_that_meet_are_0_apart(void **state)
     assert_true(fabs(found.items[0].meeting[0] - 0.3) < 1e-12 &&
                 fabs(found.items[0].from_parameter - 0.7) < 1e-12);
     gd_geodesics_free(&found);
-    /* by way of the seam, and a point that lies on a curve */
+    /* across the seam; and a point on a curve */
     found =
         solve(&scene, point_at(scene.surface, 1, 0.4), iso_at(scene.surface, GD_ISO_U, 0), NULL);
     assert_true(found.items[0].length == 0);
@@ -327,7 +331,7 @@ static void curves_that_meet_are_0_apart(void **state)
     close_scene(&scene);
 }
 
-/* Where a curve has a corner there is no right angle to ask for. */
+/* At a corner of the curve the path does not need a right angle. */
 static void a_polyline_ends_in_its_corner(void **state)
 {
     (void)state;
@@ -364,8 +368,8 @@ static void exchange_of_the_ends_changes_nothing(void **state)
     close_scene(&scene);
 }
 
-/* The paper's curves: quadratic and cubic, of so many control points. Errors as the design notes
- * say: about h^4 and h^6. */
+/* The paper's curves: quadratic and cubic splines of n control points. Their errors are about h^4
+ * and h^6 (design notes). */
 static void the_papers_curves_converge(void **state)
 {
     (void)state;
@@ -388,7 +392,7 @@ static void the_papers_curves_converge(void **state)
     close_scene(&scene);
 }
 
-static void wrong_questions_are_refused(void **state)
+static void invalid_requests_are_refused(void **state)
 {
     (void)state;
     struct scene scene = open_scene(plane(1)), other = open_scene(plane(1));
@@ -433,8 +437,8 @@ int main(void)
         cmocka_unit_test(sphere_away_from_its_poles_and_through_one),
         cmocka_unit_test(cylinder_and_cone_unrolled),
         cmocka_unit_test(nearly_opposite_points),
-        cmocka_unit_test(feet_beside_a_line),
-        cmocka_unit_test(corners_that_are_none_do_not_matter),
+        cmocka_unit_test(path_ends_near_a_knot_line),
+        cmocka_unit_test(collinear_corners_do_not_matter),
         cmocka_unit_test(the_border_is_followed),
         cmocka_unit_test(meridians_of_a_torus),
         cmocka_unit_test(the_farthest_point_of_a_circle_is_never_returned),
@@ -443,7 +447,7 @@ int main(void)
         cmocka_unit_test(a_polyline_ends_in_its_corner),
         cmocka_unit_test(exchange_of_the_ends_changes_nothing),
         cmocka_unit_test(the_papers_curves_converge),
-        cmocka_unit_test(wrong_questions_are_refused),
+        cmocka_unit_test(invalid_requests_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

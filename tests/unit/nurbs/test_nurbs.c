@@ -1,5 +1,5 @@
-/* NURBS and other surfaces: values of the notes, derivatives by differences, known curvatures, what
- * is recognised and what refused, nearest points. */
+/* Tests of NURBS and other surfaces: values of the design notes, derivatives compared with
+ * differences, known curvatures, recognised and refused input, nearest points. */
 #include "tests/unit/nurbs/surfaces.h"
 
 #include <string.h>
@@ -16,7 +16,7 @@ static struct gd_jet jet_at(const struct gd_parametric *surface, double u, doubl
     return jet;
 }
 
-/* verb-nurbs and three give the same (design notes, section 2). */
+/* The packages verb-nurbs and three compute the same values (design notes, section 2). */
 static void values_of_the_notes(void **state)
 {
     (void)state;
@@ -118,7 +118,7 @@ static void closed_directions_and_poles_are_recognised(void **state)
     assert_true(gd_parametric_axis_v(sphere)->pole_low && gd_parametric_axis_v(sphere)->pole_high);
     assert_true(!gd_parametric_axis_u(open)->closed && !gd_parametric_axis_v(open)->pole_low);
     assert_true(!gd_parametric_axis_v(cone)->pole_low && gd_parametric_axis_v(cone)->pole_high);
-    /* periods are wrapped, outside is outside */
+    /* parameters of closed directions are wrapped, others are refused outside the domain */
     struct gd_jet a = jet_at(both, 0.3, 0.7), b = jet_at(both, 1.3, -2.3), c;
     assert_true(gd_vec3_distance(a.x, b.x) <= 1e-15);
     assert_int_equal(gd_parametric_evaluate(open, 1.1, 0.5, &c), GD_INVALID_ARGUMENT);
@@ -129,7 +129,7 @@ static void closed_directions_and_poles_are_recognised(void **state)
     gd_parametric_release(cone);
 }
 
-/* A quarter of a cylinder in every program's way of writing it. */
+/* The same quarter of a cylinder in each program's convention. */
 static void conventions_are_one_surface(void **state)
 {
     (void)state;
@@ -229,8 +229,8 @@ static void wrong_shapes_are_refused(void **state)
     assert_null(surface);
 }
 
-/* On a torus the foot is known; and no place of a dense grid is nearer than the foot on a free
- * surface. */
+/* On a torus the nearest point is known. On a free-form surface no point of a dense grid is nearer
+ * than the result. */
 static void nearest_points_are_global(void **state)
 {
     (void)state;
@@ -239,7 +239,7 @@ static void nearest_points_are_global(void **state)
     for (int i = 0; i < 20; i++) {
         struct gd_vec3 x = {rng_between(&rng, -4, 4), rng_between(&rng, -4, 4),
                             rng_between(&rng, -2, 2)};
-        struct gd_parametric_foot foot;
+        struct gd_parametric_closest foot;
         check_ok(gd_parametric_nearest(ring, x, NULL, &foot, NULL), NULL);
         check_close(foot.distance, fabs(hypot(hypot(x.x, x.y) - 2, x.z) - 1), 1e-11);
         check_vector(jet_at(ring, foot.u, foot.v).x, foot.xyz.x, foot.xyz.y, foot.xyz.z, 1e-15);
@@ -250,7 +250,7 @@ static void nearest_points_are_global(void **state)
             assert_true(gd_vec3_distance(jet_at(free_form, (k / 300) / 299.0, (k % 300) / 299.0).x,
                                          x) >= foot.distance - 1e-13);
     }
-    struct gd_parametric_foot foot;
+    struct gd_parametric_closest foot;
     assert_int_equal(gd_parametric_nearest(ring, (struct gd_vec3){NAN, 0, 0}, NULL, &foot, NULL),
                      GD_INVALID_ARGUMENT);
     gd_parametric_release(ring);

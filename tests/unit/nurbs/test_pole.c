@@ -1,13 +1,13 @@
-/* Curves that pass a pole or end in one: in the domain their ends there are no places to which a
- * path could slide. And how far lengths of next to nothing are to be trusted. */
+/* Curves that pass through a pole or end in one. In the domain, a pole is a whole line, on which a
+ * path's end cannot slide. Also errors of tiny lengths. */
 #include "tests/unit/nurbs/surfaces.h"
 
 #include "gd/geodesic_like.h"
 
-static const double promise = 1e-10; /* of a length, relative */
-static const double right = 1e-8;    /* of an angle at an end */
+static const double promise = 1e-10; /* relative error of a length */
+static const double right = 1e-8;    /* error of a right angle at an end */
 
-/* Solves between a point and a polyline, in either order. */
+/* Solves between a point and a polyline; `backwards`: with the ends exchanged. */
 static struct gd_geodesics solve(const struct gd_tessellation *tessellation, const double point[2],
                                  const double (*corners)[2], uint32_t count, bool backwards)
 {
@@ -35,7 +35,8 @@ static double colatitude(const struct gd_parametric *sphere, const double at[2])
     return atan2(hypot(x.x.x, x.x.y), -x.x.z); /* from the south pole */
 }
 
-/* A meridian, from pole to pole: from the other half of the sphere its nearest place is a pole. */
+/* A meridian from pole to pole: for points of the opposite half of the sphere its nearest point is
+ * a pole. */
 static void a_curve_that_ends_in_a_pole(void **state)
 {
     (void)state;
@@ -53,7 +54,7 @@ static void a_curve_that_ends_in_a_pole(void **state)
             double parameter = backwards ? path->from_parameter : path->to_parameter;
             double angle = backwards ? M_PI - path->from_angle : path->to_angle;
             assert_true(parameter == 0);
-            /* going on along the curve would lead farther away */
+            /* the distance would grow along the curve */
             assert_true(angle <= M_PI_2 + 1e-8);
             gd_geodesics_free(&found);
         }
@@ -62,8 +63,8 @@ static void a_curve_that_ends_in_a_pole(void **state)
     gd_parametric_release(sphere);
 }
 
-/* Just on this side of the quarter the foot is beside the pole, at a right angle. */
-static void a_foot_close_to_a_pole(void **state)
+/* Slightly less than a quarter turn away, the path ends close to the pole at a right angle. */
+static void a_path_end_close_to_a_pole(void **state)
 {
     (void)state;
     struct gd_parametric *sphere = nurbs_sphere();
@@ -84,7 +85,7 @@ static void a_foot_close_to_a_pole(void **state)
     gd_parametric_release(sphere);
 }
 
-/* Two meridians that meet in the pole are a curve with a corner there. */
+/* Two meridians that meet in a pole form a curve with a corner there. */
 static void a_curve_with_a_corner_in_a_pole(void **state)
 {
     (void)state;
@@ -101,8 +102,8 @@ static void a_curve_with_a_corner_in_a_pole(void **state)
     gd_parametric_release(sphere);
 }
 
-/* Coordinates are rounded: the error that is told is not less than the one that is made. */
-static void lengths_of_next_to_nothing(void **state)
+/* Coordinates have rounding errors. The reported error is at least the true one. */
+static void tiny_lengths(void **state)
 {
     (void)state;
     struct gd_parametric *cylinder = nurbs_ruled(1, 0, 1, 3);
@@ -136,9 +137,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_curve_that_ends_in_a_pole),
-        cmocka_unit_test(a_foot_close_to_a_pole),
+        cmocka_unit_test(a_path_end_close_to_a_pole),
         cmocka_unit_test(a_curve_with_a_corner_in_a_pole),
-        cmocka_unit_test(lengths_of_next_to_nothing),
+        cmocka_unit_test(tiny_lengths),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

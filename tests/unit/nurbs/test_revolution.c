@@ -1,11 +1,10 @@
-/* Meridians: straight in the domain and without curvature, but of a speed that is as uneven as the
- * profile's. */
+/* Meridians: straight and without geodesic curvature, but with the uneven speed of the profile. */
 #include "tests/unit/nurbs/surfaces.h"
 
 #include "gd/geodesic_like.h"
 
-/* Length of a meridian of a surface of revolution, by Simpson's rule on very many panels between
- * the profile's knots. */
+/* Returns the length of a meridian by Simpson's rule with many panels between the profile's
+ * knots. */
 static double profile_length(const struct gd_parametric *surface, double from, double to)
 {
     enum { PANELS = 20000 };
@@ -22,7 +21,7 @@ static double profile_length(const struct gd_parametric *surface, double from, d
     return sum;
 }
 
-/* Between two parallels: splines of all degrees find one length, that of the profile. */
+/* Between two parallels, splines of all degrees have the profile's length. */
 static void between_parallels_of_a_vase(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* The global minimum on random pairs of points: a geodesic by the differential equation, and never
- * longer than the one that is shot along the way on a dense mesh. */
+/* The global minimum for random pairs of points: it satisfies the geodesic equation and is never
+ * longer than the geodesic that follows the path on a dense mesh. */
 #include "tests/unit/nurbs/surfaces.h"
 
 #include <stdio.h>
@@ -10,7 +10,8 @@
 
 enum { DENSE_FACES = 40000 };
 
-/* Pairs on each surface: a short form here; NURBS_PAIRS=125 makes the thousand of the issue. */
+/* Number of pairs on each surface. NURBS_PAIRS overrides it; 125 gives a thousand pairs in
+ * total. */
 static int pair_count(void)
 {
     const char *wanted = getenv("NURBS_PAIRS");
@@ -27,14 +28,15 @@ static struct place random_place(const struct gd_parametric *surface, struct rng
     return (struct place){{rng_between(rng, u->low, u->high), rng_between(rng, v->low, v->high)}};
 }
 
-/* What brute force finds: the way on a dense mesh, and the geodesic that is shot along it. */
+/* Brute force: the path's length on a dense mesh, and the length of the geodesic that shooting
+ * finds from it. */
 struct brute {
     double mesh;
-    double shot; /* NAN: it did not arrive, as beside a pole */
+    double shot; /* NAN: shooting did not converge, for example near a pole */
 };
 
-/* The direction in which a path of the mesh begins, and the copy of its end that it leads to in
- * closed directions. */
+/* Returns the angle at which a path of the mesh starts. *to: the end, moved by whole periods to
+ * follow the path in closed directions. */
 static double follow(const struct gd_tessellation *dense, const struct gd_path *path,
                      struct place from, struct place *to)
 {
@@ -63,7 +65,7 @@ static struct brute brute_force(const struct gd_tessellation *dense, struct plac
     check_ok(gd_tessellation_point(dense, b.at[0], b.at[1], &to, NULL), NULL);
     check_ok(
         gd_pair_solve(gd_tessellation_mesh(dense),
-                      &(struct gd_pair_request){.from = &from, .to = &to, .wish = GD_PAIR_PATH},
+                      &(struct gd_pair_request){.from = &from, .to = &to, .output = GD_PAIR_PATH},
                       NULL, &answer, NULL),
         NULL);
     struct brute brute = {answer.distance, answer.distance};
@@ -74,11 +76,11 @@ static struct brute brute_force(const struct gd_tessellation *dense, struct plac
     return brute;
 }
 
-/* The differential equation is integrated to 1e-15 a step, which paths that diverge make up to some
- * ten thousand times larger. */
+/* Tolerance of lengths by the geodesic equation. Steps are accurate to 1e-15; diverging geodesics
+ * amplify that by up to some ten thousand. */
 static const double equation = 1e-10;
 
-/* Two splines of different degrees have nothing in common but the surface. */
+/* Tolerance between splines of different degrees, which share no intermediate result. */
 static const double two_degrees = 2e-11;
 
 static double quintic_length(const struct gd_tessellation *coarse, struct gd_domain_curve *from,
@@ -96,8 +98,8 @@ static double quintic_length(const struct gd_tessellation *coarse, struct gd_dom
     return length;
 }
 
-/* The length by shooting along the path; NAN where the path follows a border, passes a pole or ends
- * in one. */
+/* Returns the length by shooting along the path. NAN if it follows a border, passes a pole or ends
+ * in one, or if shooting does not converge. */
 static double shot_length(const struct gd_parametric *surface, const struct gd_geodesic *path)
 {
     double places[65][2], angle, length = path->length;
@@ -186,9 +188,9 @@ static void random_pairs_on_eight_surfaces(void **state)
 
 enum { SAMPLES = 400, CORNERS = 5 };
 
-static const double right = 1e-8; /* of an angle at an end */
+static const double right = 1e-8; /* error of a right angle at an end */
 
-/* A curve of any kind, or a point. */
+/* Returns a random point, loop, iso line, B-spline or polyline. */
 static struct gd_domain_curve *random_curve(const struct gd_parametric *surface, struct rng *rng)
 {
     struct place corners[CORNERS], middle = random_place(surface, rng);
@@ -196,7 +198,7 @@ static struct gd_domain_curve *random_curve(const struct gd_parametric *surface,
     const struct gd_axis *u = gd_parametric_axis_u(surface), *v = gd_parametric_axis_v(surface);
     double half[2] = {0.5 * (u->high - u->low), 0.5 * (v->high - v->low)},
            low[2] = {u->low, v->low};
-    double size = rng_between(rng, 0.1, 0.3); /* of half the domain */
+    double size = rng_between(rng, 0.1, 0.3); /* relative to half the domain */
     for (int k = 0; k < 2; k++)
         middle.at[k] = low[k] + half[k] + 0.65 * (middle.at[k] - low[k] - half[k]);
     for (int i = 0; i < CORNERS; i++)
@@ -226,7 +228,7 @@ static struct gd_domain_curve *random_curve(const struct gd_parametric *surface,
     }
 }
 
-/* Places all along a curve; `*gap`: how far apart neighbours are in space at most. */
+/* Samples a curve. *gap: raised to the largest distance in space between neighbours. */
 static uint32_t sample(const struct gd_tessellation *dense, const struct gd_domain_curve *curve,
                        struct gd_seed out[SAMPLES], double *gap)
 {
@@ -246,7 +248,8 @@ static uint32_t sample(const struct gd_tessellation *dense, const struct gd_doma
     return count;
 }
 
-/* The least distance on a dense mesh between samples of both; `*gap` of them. */
+/* Returns the smallest distance on a dense mesh between samples of both curves. *gap: as in
+ * `sample`. */
 static double sampled_distance(const struct gd_tessellation *dense, const struct gd_domain_curve *a,
                                const struct gd_domain_curve *b, double *gap)
 {

@@ -44,7 +44,7 @@ static void skew_lines_and_points(void **state)
     const struct gd_vec3 x[2] = {{-1, 0, 0}, {1, 0, 0}}, y[2] = {{0, -1, 2}, {0, 3, 2}},
                          p = {0.5, 3, 4};
     struct gd_space_curve a = {1, 2, knots, x}, b = {1, 2, knots, y}, point = {0, 1, NULL, &p};
-    struct gd_space_foot foot;
+    struct gd_space_closest foot;
     check_ok(gd_space_distance(&a, &b, &foot, NULL), NULL);
     check_close(foot.distance, 2, 1e-15);
     check_close(foot.from_parameter, 0.5, 1e-12);
@@ -68,7 +68,7 @@ static void random_curves_against_brute_force(void **state)
                                                     rng_unit(&rng) + (i % 3 ? 0 : shift)};
         }
         struct gd_space_curve a = {3, 8, knots, points[0]}, b = {3, 8, knots, points[1]};
-        struct gd_space_foot there, back;
+        struct gd_space_closest there, back;
         check_ok(gd_space_distance(&a, &b, &there, NULL), NULL);
         check_ok(gd_space_distance(&b, &a, &back, NULL), NULL);
         double least = brute(&a, &b);
@@ -89,7 +89,7 @@ static void wrong_curves_are_refused(void **state)
     const struct gd_space_curve wrong[] = {{1, 2, falling, points}, {1, 2, empty, points},
                                            {1, 2, good, nowhere},   {1, 1, good, points},
                                            {16, 20, good, points},  {0, 2, NULL, points}};
-    struct gd_space_foot foot = {.distance = 7};
+    struct gd_space_closest foot = {.distance = 7};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         struct gd_detail detail = {0};
         assert_int_equal(gd_space_distance(&line, &wrong[i], &foot, &detail), GD_INVALID_ARGUMENT);

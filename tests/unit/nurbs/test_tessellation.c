@@ -1,5 +1,5 @@
-/* Tessellations: their topology, that vertices lie on the surface and remember where, and the way
- * there and back. */
+/* Tests of tessellations: topology, vertices on the surface with their parameters, and conversions
+ * in both directions. */
 #include "tests/unit/nurbs/surfaces.h"
 
 #include "gd/tessellation.h"
@@ -56,7 +56,7 @@ static void closed_directions_are_welded_and_poles_are_points(void **state)
     }
 }
 
-static void places_go_there_and_back(void **state)
+static void parameters_convert_both_ways(void **state)
 {
     (void)state;
     struct gd_parametric *surfaces[] = {nurbs_torus(2, 1, 1, 0), nurbs_sphere(),
@@ -84,7 +84,7 @@ static void places_go_there_and_back(void **state)
     }
 }
 
-/* The middles of edges, which is where an edge is farthest from a surface. */
+/* The middle of an edge, where it is farthest from the surface, is within the deviation. */
 static void a_deviation_is_kept(void **state)
 {
     (void)state;
@@ -122,8 +122,8 @@ static void limits_are_kept(void **state)
     gd_parametric_release(surface);
 }
 
-/* Even steps, whatever knots lie between; closed directions and poles are joined all the same. */
-static void steps_are_as_many_as_asked_for(void **state)
+/* Steps are even and ignore the knots. Closed directions and poles are joined as usual. */
+static void steps_are_as_requested(void **state)
 {
     (void)state;
     struct gd_parametric *surfaces[] = {nurbs_torus(2, 1, 1, 0), nurbs_sphere(),
@@ -156,10 +156,10 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(closed_directions_are_welded_and_poles_are_points),
-        cmocka_unit_test(places_go_there_and_back),
+        cmocka_unit_test(parameters_convert_both_ways),
         cmocka_unit_test(a_deviation_is_kept),
         cmocka_unit_test(limits_are_kept),
-        cmocka_unit_test(steps_are_as_many_as_asked_for),
+        cmocka_unit_test(steps_are_as_requested),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

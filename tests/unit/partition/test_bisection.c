@@ -5,8 +5,8 @@
 
 #include "tests/samples/samples.h"
 
-/* A face has one half, its sides and corners know it, and about equally many faces are on both
- * sides at any distance from the source. */
+/* Each face belongs to one half, and so do its sides and corners. At any distance from the source
+ * the halves have similar numbers of faces. */
 
 #define SHELLS 8
 
@@ -44,7 +44,8 @@ static double distance_of(const struct bisection *halves, uint32_t face)
                 (p->z - q->z) * (p->z - q->z));
 }
 
-/* What two that are always equally busy would gain: 2; one that waits for the other: 1. */
+/* Returns the speed-up by two workers: 2 if both are always equally busy, 1 if one waits for the
+ * other. */
 static double gain_of(const struct bisection *halves)
 {
     uint32_t faces = halves->mesh->face_count, count[SHELLS][2] = {{0}}, longest = 0;
@@ -80,7 +81,7 @@ static void check_surface(const char *name, double least, struct gd_polygons *po
     gd_polygons_free(polygons);
 }
 
-static void even_at_any_distance(void **state)
+static void halves_are_balanced(void **state)
 {
     (void)state;
     struct gd_polygons polygons;
@@ -92,7 +93,7 @@ static void even_at_any_distance(void **state)
     check_surface("box", 1.5, &polygons);
 }
 
-/* Fewer faces than samples. */
+/* A mesh with fewer faces than the bisection has samples. */
 static void few_faces(void **state)
 {
     (void)state;
@@ -103,7 +104,7 @@ static void few_faces(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(even_at_any_distance),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(halves_are_balanced),
                                        cmocka_unit_test(few_faces)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

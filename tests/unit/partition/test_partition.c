@@ -9,8 +9,8 @@
 #include "gd/field.h"
 #include "tests/samples/samples.h"
 
-/* Two wavefronts that share a surface give the distances of one, up to rounding, and the same to
- * the last bit however their turns are run. */
+/* Two wavefronts that share a surface give the distances of one up to rounding. Their result is the
+ * same bit for bit in whatever order the tasks run. */
 
 struct task {
     void (*task)(void *context, uint32_t index);
@@ -76,7 +76,7 @@ static void check_same_bits(const struct gd_field *a, const struct gd_field *b)
     assert_memory_equal(a->wedges, b->wedges, a->wedge_bytes);
 }
 
-/* Distances and paths at random points; how much the worst differs. */
+/* Compares distances and paths at random points. Returns the largest relative difference. */
 static double compare(const struct gd_polygons *polygons, const struct gd_field *one,
                       const struct gd_field *two, struct rng *rng)
 {
@@ -119,7 +119,7 @@ static void check_surface(const char *name, struct gd_polygons *polygons)
     gd_polygons_free(polygons);
 }
 
-static void one_and_two(void **state)
+static void two_wavefronts_equal_one(void **state)
 {
     (void)state;
     struct gd_polygons polygons;
@@ -159,7 +159,7 @@ static void limits(void **state)
     assert_int_equal(gd_field_build(mesh, &request, &cancel, &field, NULL), GD_CANCELLED);
     assert_int_equal(calls, 5);
     assert_int_equal(gd_field_build(mesh, &request, &late, &field, NULL), GD_DEADLINE);
-    /* a budget that may not do for two: what is left to share out is the check in the end */
+    /* the budget may be too small for two wavefronts; the only parallel run is the final check */
     uint32_t before = turns;
     struct gd_control tight = {.budget_bytes = 900 * (size_t)mesh->edge_count,
                                .executor = &executor};
@@ -170,13 +170,13 @@ static void limits(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* A budget that does for one wavefront but not for both: one does it after all, as if it had been
- * asked at once. */
-static void one_does_what_two_cannot(void **state)
+/* The budget is enough for one wavefront but not for two. The build falls back to one and gives the
+ * same result. */
+static void falls_back_to_one_wavefront(void **state)
 {
     (void)state;
     struct gd_polygons polygons;
-    check_ok(sample_torus(40, 320, 2, 0.7, &polygons), NULL); /* long faces: many wedges an edge */
+    check_ok(sample_torus(40, 320, 2, 0.7, &polygons), NULL); /* long faces: many wedges per edge */
     struct gd_mesh *mesh = test_mesh(&polygons);
     struct gd_seed seed = {
         .point = test_point(mesh, test_random_place(&polygons, &(struct rng){3})), .offset = 0.25};
@@ -196,7 +196,7 @@ static void one_does_what_two_cannot(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* Beside a vertex of a steep slope. What a seed there emits is common to both wavefronts. */
+/* A seed close to a vertex of a steep slope: both wavefronts share the windows that it emits. */
 static void both_emit_beside_a_vertex(void **state)
 {
     (void)state;
@@ -220,8 +220,8 @@ static void both_emit_beside_a_vertex(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(one_and_two), cmocka_unit_test(limits),
-                                       cmocka_unit_test(one_does_what_two_cannot),
-                                       cmocka_unit_test(both_emit_beside_a_vertex)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(two_wavefronts_equal_one), cmocka_unit_test(limits),
+        cmocka_unit_test(falls_back_to_one_wavefront), cmocka_unit_test(both_emit_beside_a_vertex)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

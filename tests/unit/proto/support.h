@@ -1,5 +1,4 @@
-/* What the tests of proto share: a query string, a look at what was written and what went wrong, a
- * mesh. */
+/* Shared by the tests of proto: query strings, checks of written text and of problems, a mesh. */
 #ifndef TESTS_UNIT_PROTO_SUPPORT_H
 #define TESTS_UNIT_PROTO_SUPPORT_H
 
@@ -19,7 +18,7 @@
 #include "proto/json/problem.h"
 #include "proto/json/writer.h"
 
-/* Options with those fields of an answer. */
+/* Options that select these fields of an answer. */
 #define FIELDS(answer, bits)                                                                       \
     &(const struct proto_options)                                                                  \
     {                                                                                              \
@@ -30,24 +29,11 @@
 
 /* --- query string: names and values in turn, NULL at the end ---------------------------------- */
 
-static inline const char *query_get(void *user, const char *name)
-{
-    for (const char *const *pair = user; *pair; pair += 2) {
-        if (strcmp(pair[0], name) == 0) return pair[1];
-    }
-    return NULL;
-}
-
-static inline void query_each(void *user, bool (*visit)(void *context, const char *name),
-                              void *context)
-{
-    for (const char *const *pair = user; *pair && visit(context, *pair); pair += 2) {
-    }
-}
-
 static inline struct proto_parameters query_of(const char *const *pairs)
 {
-    return (struct proto_parameters){query_get, query_each, (void *)pairs};
+    uint32_t count = 0;
+    while (pairs[2 * count]) count++;
+    return (struct proto_parameters){(const struct proto_parameter *)pairs, count};
 }
 
 #define QUERY(...) query_of((const char *const[]){__VA_ARGS__, NULL})
@@ -55,7 +41,7 @@ static inline struct proto_parameters query_of(const char *const *pairs)
 
 /* --- bodies ----------------------------------------------------------------------------------- */
 
-/* A document, to be let go by json_decref. */
+/* Parses a document. The caller releases it by json_decref. */
 static inline json_t *parse(const char *text)
 {
     struct proto_problem problem;
@@ -64,7 +50,7 @@ static inline json_t *parse(const char *text)
     return document;
 }
 
-/* A function `name` that decodes a text as `decode` does a document. */
+/* Defines a function `name` that parses a text and decodes the document by `decode`. */
 #define DECODER(name, type, decode)                                                                \
     static bool name(const char *text, type *out, struct proto_problem *problem)                   \
     {                                                                                              \
@@ -76,7 +62,7 @@ static inline json_t *parse(const char *text)
 
 /* --- results ---------------------------------------------------------------------------------- */
 
-/* What was written is exactly `expected`; frees the writer. */
+/* Checks that the writer holds exactly `expected`. Frees the writer. */
 static inline void assert_written(struct proto_writer *writer, const char *expected)
 {
     size_t size = 0;
@@ -114,12 +100,12 @@ static inline void assert_parameter(const struct proto_problem *problem, const c
     assert_true(problem->detail[0] != '\0');
 }
 
-/* A body that is not taken, and where in it the reason is. */
+/* A refused body, and the JSON pointer to the value that is wrong. */
 struct refusal {
     const char *text, *pointer;
 };
 
-/* Each is refused, where it says. */
+/* Checks that each body is refused with its pointer. */
 #define CHECK_REFUSED(decode, type, cases)                                                         \
     for (size_t i = 0; i < COUNT(cases); i++) {                                                    \
         type decoded;                                                                              \
@@ -130,7 +116,7 @@ struct refusal {
 
 /* --- mesh ------------------------------------------------------------------------------------- */
 
-/* The corner of a unit cube: right angles at vertex 0, the example of openapi.yaml. */
+/* Builds the example of openapi.yaml: a tetrahedron with right angles at vertex 0. */
 static inline struct gd_mesh *new_tetrahedron(void)
 {
     static double positions[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};

@@ -42,7 +42,11 @@ static bool decode(const char *text, struct proto_batch_query *out, struct proto
     return proto_batch_decode(&line, out, problem);
 }
 
-static void takes_its_own_members_out(void **state)
+static const char *const path_fields[] = {"distance", "reason", NULL};
+static const struct proto_route path = {.fields = path_fields, .has_lines = true},
+                                distance = {.fields = path_fields};
+
+static void separates_its_own_members(void **state)
 {
     (void)state;
     struct proto_batch_query query;
@@ -74,8 +78,7 @@ static void takes_the_former_name_of_select(void **state)
     assert_true(query.has_select && json_object_size(query.document) == 0);
     struct proto_options options;
     struct proto_parameters none = NO_QUERY;
-    assert_false(proto_batch_options(&query, &none, (const char *const[]){"distance", NULL},
-                                     &options, &problem));
+    assert_false(proto_batch_options(&query, &none, &path, &options, &problem));
     assert_pointer(&problem, "/fields");
     proto_batch_query_free(&query);
     assert_false(
@@ -110,7 +113,7 @@ static void refuses_bad_lines(void **state)
     }
 }
 
-/* As many names as fit, and one more. */
+/* As many names as fit are accepted, and one more is refused. */
 static void fields_have_a_largest_size(void **state)
 {
     (void)state;
@@ -148,9 +151,7 @@ static void a_line_has_a_largest_size(void **state)
 
 /* --- options ---------------------------------------------------------------------------------- */
 
-static const char *const names[] = {"distance", "reason", NULL};
-
-static void a_line_goes_before_the_query_string(void **state)
+static void a_line_overrides_the_query_string(void **state)
 {
     (void)state;
     struct proto_batch_query query = {.select = "reason", .has_select = true};
@@ -158,15 +159,32 @@ static void a_line_goes_before_the_query_string(void **state)
     struct proto_problem problem;
     struct proto_parameters parameters =
         QUERY("select", "distance", "geometry", "none", "timeout_ms", "5");
-    assert_true(proto_batch_options(&query, &parameters, names, &options, &problem));
+    assert_true(proto_batch_options(&query, &parameters, &path, &options, &problem));
     assert_true(options.fields == 2 && options.geometry == PROTO_GEOMETRY_NONE &&
                 options.timeout_ms == 5);
     query.has_select = false;
-    assert_true(proto_batch_options(&query, &parameters, names, &options, &problem));
+    assert_true(proto_batch_options(&query, &parameters, &path, &options, &problem));
     assert_int_equal(options.fields, 1);
     struct proto_parameters none = NO_QUERY;
-    assert_true(proto_batch_options(&query, &none, names, &options, &problem));
+    assert_true(proto_batch_options(&query, &none, &path, &options, &problem));
     assert_true(options.fields == 3 && options.geometry == PROTO_GEOMETRY_FULL);
+}
+
+static void a_query_without_lines_takes_no_geometry_of_its_own(void **state)
+{
+    (void)state;
+    struct proto_batch_query query = {.geometry = "none", .has_geometry = true};
+    struct proto_options options;
+    struct proto_problem problem;
+    struct proto_parameters none = NO_QUERY, all = QUERY("geometry", "none");
+    assert_false(proto_batch_options(&query, &none, &distance, &options, &problem));
+    assert_pointer(&problem, "/geometry");
+    assert_true(proto_batch_options(&query, &none, &path, &options, &problem));
+    query = (struct proto_batch_query){.geometry = "full", .has_geometry = true};
+    assert_true(proto_batch_options(&query, &none, &distance, &options, &problem));
+    /* Operations without the option ignore the query string's geometry. */
+    query = (struct proto_batch_query){0};
+    assert_true(proto_batch_options(&query, &all, &distance, &options, &problem));
 }
 
 static void a_bad_option_is_named_where_it_stands(void **state)
@@ -176,32 +194,16 @@ static void a_bad_option_is_named_where_it_stands(void **state)
     struct proto_options options;
     struct proto_problem problem;
     struct proto_parameters parameters = QUERY("select", "x");
-    assert_false(proto_batch_options(&query, &parameters, names, &options, &problem));
+    assert_false(proto_batch_options(&query, &parameters, &path, &options, &problem));
     assert_pointer(&problem, "/select");
     assert_string_equal(problem.parameter, "");
     query = (struct proto_batch_query){
         .geometry = "nix", .has_geometry = true, .has_select = true, .select = "reason"};
-    assert_false(proto_batch_options(&query, &parameters, names, &options, &problem));
+    assert_false(proto_batch_options(&query, &parameters, &path, &options, &problem));
     assert_pointer(&problem, "/geometry");
     query = (struct proto_batch_query){0};
-    assert_false(proto_batch_options(&query, &parameters, names, &options, &problem));
+    assert_false(proto_batch_options(&query, &parameters, &path, &options, &problem));
     assert_parameter(&problem, "select");
-}
-
-static void the_query_string_is_checked_as_a_whole(void **state)
-{
-    (void)state;
-    struct proto_options options;
-    struct proto_problem problem;
-    struct proto_parameters parameters = QUERY("select", "whatever", "timeout_ms", "9");
-    assert_true(proto_batch_parse(&parameters, &options, &problem));
-    assert_int_equal(options.timeout_ms, 9);
-    parameters = QUERY("geometry", "nix");
-    assert_false(proto_batch_parse(&parameters, &options, &problem));
-    assert_parameter(&problem, "geometry");
-    parameters = QUERY("from", "v:0");
-    assert_false(proto_batch_parse(&parameters, &options, &problem));
-    assert_parameter(&problem, "from");
 }
 
 /* --- the answer ------------------------------------------------------------------------------- */
@@ -280,14 +282,14 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(blank_lines_count_and_are_skipped),
-        cmocka_unit_test(takes_its_own_members_out),
+        cmocka_unit_test(separates_its_own_members),
         cmocka_unit_test(takes_the_former_name_of_select),
         cmocka_unit_test(refuses_bad_lines),
         cmocka_unit_test(fields_have_a_largest_size),
         cmocka_unit_test(a_line_has_a_largest_size),
-        cmocka_unit_test(a_line_goes_before_the_query_string),
+        cmocka_unit_test(a_line_overrides_the_query_string),
+        cmocka_unit_test(a_query_without_lines_takes_no_geometry_of_its_own),
         cmocka_unit_test(a_bad_option_is_named_where_it_stands),
-        cmocka_unit_test(the_query_string_is_checked_as_a_whole),
         cmocka_unit_test(answers_stand_beside_their_status),
         cmocka_unit_test(a_problem_takes_the_place_of_its_line_only),
         cmocka_unit_test(an_answer_that_does_not_fit_becomes_a_problem),

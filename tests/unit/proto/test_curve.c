@@ -4,7 +4,7 @@
 
 #include "proto/values/curve.h"
 
-/* Decodes and locates a curve of the tetrahedron. */
+/* Decodes a curve and locates it on the tetrahedron. */
 static bool locate(const char *text, struct proto_located_curve *out, struct proto_problem *problem)
 {
     struct proto_curve curve;
@@ -63,7 +63,7 @@ static void takes_a_boundary(void **state)
     proto_located_curve_free(&curve);
 }
 
-static void refuses_what_is_no_curve(void **state)
+static void refuses_invalid_curves(void **state)
 {
     (void)state;
     static const struct {
@@ -113,7 +113,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(takes_points),     cmocka_unit_test(takes_vertices),
-        cmocka_unit_test(takes_a_boundary), cmocka_unit_test(refuses_what_is_no_curve),
+        cmocka_unit_test(takes_a_boundary), cmocka_unit_test(refuses_invalid_curves),
         cmocka_unit_test(refuses_too_many),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

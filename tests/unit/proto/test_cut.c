@@ -24,7 +24,7 @@ static void takes_all_members(void **state)
     proto_cut_request_free(&cut);
 }
 
-static void refuses_what_is_no_cut(void **state)
+static void refuses_invalid_cuts(void **state)
 {
     (void)state;
     static const struct {
@@ -48,7 +48,7 @@ static void refuses_what_is_no_cut(void **state)
     }
 }
 
-/* A cut of one piece, written with those fields. */
+/* Checks the text of a cut of one piece with these fields. */
 static void check_text(uint32_t fields, const char *name, const char *expected)
 {
     double positions[][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
@@ -69,7 +69,7 @@ static void check_text(uint32_t fields, const char *name, const char *expected)
     assert_written(&writer, expected);
 }
 
-static void writes_what_is_wanted(void **state)
+static void writes_selected_fields(void **state)
 {
     (void)state;
     check_text(PROTO_CUT_FIELD_ALL, "p",
@@ -90,8 +90,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(takes_all_members),
-        cmocka_unit_test(refuses_what_is_no_cut),
-        cmocka_unit_test(writes_what_is_wanted),
+        cmocka_unit_test(refuses_invalid_cuts),
+        cmocka_unit_test(writes_selected_fields),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -17,7 +17,7 @@ static void refuses_hostile_json(void **state)
     (void)state;
     static const struct {
         const char *text;
-        size_t size; /* 0: up to the NUL */
+        size_t size; /* 0: the text ends at the NUL */
     } cases[] = {
         {"{", 0},
         {"}", 0},
@@ -79,7 +79,7 @@ static void tells_the_position(void **state)
     assert_non_null(strstr(problem.detail, "line 3, column 8, byte 20"));
 }
 
-/* `depth` brackets, and a bracket in a string that does not count. */
+/* Decodes `depth` nested brackets. Objects have keys with brackets, which do not count. */
 static bool takes_depth(size_t depth, char open, char close)
 {
     char text[1024];
@@ -216,7 +216,7 @@ static void a_large_text_ends_at_its_deadline(void **state)
     json_t *document = proto_decode_document_within(text, size, NULL, &problem);
     assert_non_null(document);
     json_decref(document);
-    /* what takes no time is done */
+    /* a text that is decoded at once does not reach its deadline */
     document = proto_decode_document_within("{}", 2, &late, &problem);
     assert_non_null(document);
     json_decref(document);

@@ -36,7 +36,7 @@ static void decodes_all_forms(void **state)
                 direction.xyz.z == 3);
 }
 
-static void refuses_what_is_none(void **state)
+static void refuses_invalid_directions(void **state)
 {
     (void)state;
     static const struct {
@@ -81,7 +81,7 @@ static void locates_and_encodes(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(decodes_all_forms),
-                                       cmocka_unit_test(refuses_what_is_none),
+                                       cmocka_unit_test(refuses_invalid_directions),
                                        cmocka_unit_test(locates_and_encodes)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -95,7 +95,7 @@ static void points_are_curves_too(void **state)
     gd_parametric_release(sheet);
 }
 
-static void faults_are_pointed_at(void **state)
+static void errors_have_pointers(void **state)
 {
     static const struct {
         const char *body, *pointer;
@@ -164,7 +164,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(curves_of_all_kinds),
         cmocka_unit_test(points_are_curves_too),
-        cmocka_unit_test(faults_are_pointed_at),
+        cmocka_unit_test(errors_have_pointers),
         cmocka_unit_test(curves_that_do_not_lie_on_the_surface),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

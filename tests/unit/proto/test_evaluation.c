@@ -61,7 +61,7 @@ static void refuses_bad_bodies(void **state)
 
 /* --- the answer ------------------------------------------------------------------------------- */
 
-static void what_is_not_asked_for_is_not_wanted(void **state)
+static void only_requested_fields_are_computed(void **state)
 {
     (void)state;
     struct proto_options options;
@@ -140,7 +140,7 @@ int main(void)
         cmocka_unit_test(decodes_bodies),
         cmocka_unit_test(refuses_bad_bodies),
         cmocka_unit_test(encodes_results),
-        cmocka_unit_test(what_is_not_asked_for_is_not_wanted),
+        cmocka_unit_test(only_requested_fields_are_computed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

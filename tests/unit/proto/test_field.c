@@ -7,7 +7,7 @@
 
 DECODER(decode_whole, struct proto_field_request, proto_field_request_decode)
 
-/* But for its set, which is let go again. */
+/* Decodes a request and releases its set, so that the tests need not. */
 static bool decode(const char *text, struct proto_field_request *out, struct proto_problem *problem)
 {
     bool decoded = decode_whole(text, out, problem);
@@ -42,7 +42,7 @@ static void refuses_bad_requests(void **state)
     CHECK_REFUSED(decode, struct proto_field_request, cases)
 }
 
-static void describes(void **state)
+static void encodes_descriptions(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = new_tetrahedron();
@@ -137,12 +137,9 @@ static void writes_wedges(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(decodes_requests),
-        cmocka_unit_test(refuses_bad_requests),
-        cmocka_unit_test(describes),
-        cmocka_unit_test(writes_values),
-        cmocka_unit_test(an_edge_is_two_vertices),
-        cmocka_unit_test(writes_wedges),
+        cmocka_unit_test(decodes_requests),        cmocka_unit_test(refuses_bad_requests),
+        cmocka_unit_test(encodes_descriptions),    cmocka_unit_test(writes_values),
+        cmocka_unit_test(an_edge_is_two_vertices), cmocka_unit_test(writes_wedges),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -38,7 +38,7 @@ static void requests_are_read(void **state)
     proto_geodesic_free(&wanted);
 }
 
-static void faults_are_pointed_at(void **state)
+static void errors_have_pointers(void **state)
 {
     static const struct {
         const char *body, *pointer;
@@ -99,7 +99,7 @@ static double first[][2] = {{0, 0}, {0.25, 0}, {0.5, 0}},
               second[][2] = {{0.5, 0}, {0.75, 0}, {1, 0}},
               apart[][2] = {{0.5, 0.5}, {0.75, 0}, {1, 0}};
 
-static void a_path(void **state)
+static void encodes_a_path(void **state)
 {
     struct gd_geodesic_piece piece = {2, 3, knots, first};
     struct gd_geodesic item = {.length = 0.5,
@@ -128,8 +128,8 @@ static void a_path(void **state)
         "corner\"]}");
 }
 
-/* Pieces share a control point where they meet; where they do not meet in the domain the knot has
- * one more. */
+/* Pieces share the control point where they meet. Where they meet in space but not in the domain,
+ * both control points are written, and the knot is repeated once more. */
 static void pieces_are_one_spline(void **state)
 {
     struct gd_geodesic_piece joined[] = {{2, 3, knots, first}, {2, 3, knots, second}},
@@ -169,8 +169,8 @@ static void curves_that_meet(void **state)
         "\"b\":{\"parameter\":0.25,\"uv\":[0.25,0.5],\"xyz\":[0.25,0.5,0],\"angle\":null}}}");
 }
 
-/* What is not proved to be a minimum is not among the minima. */
-static void minima(void **state)
+/* Paths that are not proved to be minima are omitted from `minima`. */
+static void encodes_minima(void **state)
 {
     struct gd_geodesic_piece piece = {2, 3, knots, first};
     struct gd_geodesic items[] = {
@@ -215,12 +215,9 @@ static void fields_have_their_bits(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(requests_are_read),
-        cmocka_unit_test(faults_are_pointed_at),
-        cmocka_unit_test(a_path),
-        cmocka_unit_test(pieces_are_one_spline),
-        cmocka_unit_test(curves_that_meet),
-        cmocka_unit_test(minima),
+        cmocka_unit_test(requests_are_read),      cmocka_unit_test(errors_have_pointers),
+        cmocka_unit_test(encodes_a_path),         cmocka_unit_test(pieces_are_one_spline),
+        cmocka_unit_test(curves_that_meet),       cmocka_unit_test(encodes_minima),
         cmocka_unit_test(fields_have_their_bits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

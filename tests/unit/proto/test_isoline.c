@@ -150,7 +150,7 @@ static void the_tolerance_is_a_part_of_the_mesh(void **state)
 
 /* --- the answer ------------------------------------------------------------------------------- */
 
-/* Angles begin in [0, 2 pi) whatever they were; what is straight has none. */
+/* The start angle is reduced to [0, 2 pi). Straight arcs have no angles. */
 static void encodes_arcs(void **state)
 {
     (void)state;

@@ -49,17 +49,21 @@ static void a_point_has_the_wanted_fields(void **state)
     gd_parametric_release(sheet);
 }
 
-static void a_foot_is_read_and_told(void **state)
+static void nearest_points_are_read_and_written(void **state)
 {
     json_t *good = parse("{\"xyz\":[1,2,3]}"), *bad = parse("{\"xyz\":[1,2]}");
-    const struct gd_parametric_foot foot = {0.5, 0.25, {1, 2, 3}, 4};
+    const struct gd_parametric_closest foot = {0.5, 0.25, {1, 2, 3}, 4};
     struct proto_writer writer = new_writer();
     struct proto_problem problem;
-    struct proto_foot_request wanted;
+    struct proto_point wanted;
     (void)state;
-    assert_true(proto_foot_request_decode(good, &wanted, &problem));
-    assert_true(wanted.xyz[0] == 1 && wanted.xyz[1] == 2 && wanted.xyz[2] == 3);
-    assert_false(proto_foot_request_decode(bad, &wanted, &problem));
+    assert_true(proto_foot_decode(good, &wanted, &problem));
+    assert_true(wanted.xyz.xyz.x == 1 && wanted.xyz.xyz.y == 2 && wanted.xyz.xyz.z == 3);
+    assert_true(proto_foot_check(&wanted, 1e9, &problem));
+    wanted.xyz.max_snap = 1;
+    assert_true(proto_foot_check(&wanted, 1, &problem));
+    assert_false(proto_foot_check(&wanted, 1.5, &problem));
+    assert_false(proto_foot_decode(bad, &wanted, &problem));
     assert_pointer(&problem, "/xyz");
     proto_foot_encode(&writer, &foot, FIELDS(foot, PROTO_FOOT_FIELD_ALL));
     assert_written(&writer, "{\"uv\":[0.5,0.25],\"xyz\":[1,2,3],\"distance\":4}");
@@ -70,7 +74,7 @@ static void a_foot_is_read_and_told(void **state)
     json_decref(bad);
 }
 
-/* The names stand in the order of the bits. */
+/* Names are in the order of the bits. */
 static void fields_have_their_bits(void **state)
 {
     (void)state;
@@ -86,7 +90,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(places_are_read),
         cmocka_unit_test(a_point_has_the_wanted_fields),
-        cmocka_unit_test(a_foot_is_read_and_told),
+        cmocka_unit_test(nearest_points_are_read_and_written),
         cmocka_unit_test(fields_have_their_bits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

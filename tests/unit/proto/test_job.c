@@ -62,7 +62,7 @@ static void a_result_is_embedded(void **state)
     assert_encoded(&job, PROTO_JOB_BRIEF, HEAD("done", "1") JSON_RESPONSE "}");
 }
 
-static void what_is_no_json_is_linked(void **state)
+static void other_results_are_linked(void **state)
 {
     (void)state;
     struct proto_job job = job_of(PROTO_JOB_DONE, 1, &bytes);
@@ -79,7 +79,7 @@ static void what_is_no_json_is_linked(void **state)
                   "\"result\":null}");
 }
 
-static void a_problem_is_told_in_events_too(void **state)
+static void events_have_the_problem(void **state)
 {
     (void)state;
     const struct proto_job job = job_of(PROTO_JOB_FAILED, 0, &problem);
@@ -93,7 +93,7 @@ static void a_problem_is_told_in_events_too(void **state)
 #undef FAILED
 }
 
-static void lists(void **state)
+static void encodes_lists(void **state)
 {
     (void)state;
     const struct proto_job job = job_of(PROTO_JOB_QUEUED, 0, NULL);
@@ -107,7 +107,7 @@ static void lists(void **state)
                    "{\"jobs\":[" HEAD("queued", "0") "}," HEAD("queued", "0") "}],\"next\":\"x\"}");
 }
 
-static void events(void **state)
+static void encodes_events(void **state)
 {
     (void)state;
     struct proto_job job = job_of(PROTO_JOB_RUNNING, 0.5, NULL);
@@ -127,10 +127,10 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(without_an_answer),
         cmocka_unit_test(a_result_is_embedded),
-        cmocka_unit_test(what_is_no_json_is_linked),
-        cmocka_unit_test(a_problem_is_told_in_events_too),
-        cmocka_unit_test(lists),
-        cmocka_unit_test(events),
+        cmocka_unit_test(other_results_are_linked),
+        cmocka_unit_test(events_have_the_problem),
+        cmocka_unit_test(encodes_lists),
+        cmocka_unit_test(encodes_events),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

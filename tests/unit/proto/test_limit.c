@@ -6,7 +6,7 @@
 #include "proto/queries/jet.h"
 #include "proto/queries/limit_paths.h"
 
-/* A triangle and a square. */
+/* Creates a surface from a triangle and a square. */
 static struct gd_subdivision *new_surface(void)
 {
     static double positions[5][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {2, 0, 0}};
@@ -22,7 +22,7 @@ static struct gd_subdivision *new_surface(void)
     return surface;
 }
 
-static void places(void **state)
+static void decodes_places(void **state)
 {
     (void)state;
     static const struct {
@@ -64,7 +64,7 @@ static void places(void **state)
     gd_subdivision_release(surface);
 }
 
-static void jets(void **state)
+static void encodes_jets(void **state)
 {
     (void)state;
     struct gd_limit_jet jet = {.normal = {0, 0, 1}, .du = {1, 0, 0}, .curvatures = {-1, 2}};
@@ -78,12 +78,12 @@ static void jets(void **state)
     proto_limit_jet_encode(&writer, &jet, FIELDS(limit_jet, fields));
     assert_written(&writer,
                    "{\"normal\":[0,0,1],\"duu\":null,\"curvatures\":null,\"singular\":true}");
-    jet.normal.x = NAN; /* at the tip of a spike */
+    jet.normal.x = NAN; /* as at the tip of a spike */
     writer = new_writer();
     proto_limit_jet_encode(
         &writer, &jet, FIELDS(limit_jet, PROTO_LIMIT_JET_FIELD_NORMAL | PROTO_LIMIT_JET_FIELD_DU));
     assert_written(&writer, "{\"normal\":null,\"du\":[1,0,0]}");
-    const struct gd_limit_foot foot = {
+    const struct gd_limit_closest foot = {
         .place = {3, 0, 0.5, 0.25}, .position = {1, 0, 0}, .distance = 2};
     writer = new_writer();
     proto_limit_foot_encode(&writer, &foot, FIELDS(limit_foot, PROTO_LIMIT_FOOT_FIELD_ALL));
@@ -105,7 +105,7 @@ static void traces(void **state)
     const struct gd_limit_jet jet = {.normal = {0, 0, 1}, .du = {2, 0, 0}, .dv = {0, 2, 0}};
     struct gd_vec3 up = proto_limit_trace_direction(&trace, &jet, 1);
     assert_true(fabs(up.x) < 1e-15 && up.y == 1 && up.z == 0);
-    proto_limit_trace_free(&trace);
+    proto_limit_trace_request_free(&trace.request);
     document = parse("{\"start\":{\"face\":1,\"uv\":[0.5,0.5]},\"directions\":[[0,0,3]],\"length\":"
                      "0,\"smooth\":true,"
                      "\"level\":1,\"vertex_rule\":\"bisect\"}");
@@ -114,7 +114,7 @@ static void traces(void **state)
     assert_true(trace.request.smooth && trace.level == 1 &&
                 trace.request.vertex_rule == PROTO_VERTEX_RULE_BISECT);
     assert_true(proto_limit_trace_direction(&trace, &jet, 0).z == 3);
-    proto_limit_trace_free(&trace);
+    proto_limit_trace_request_free(&trace.request);
     document =
         parse("{\"start\":{\"face\":1,\"uv\":[0.5,0.5]},\"directions\":[1,\"x\"],\"length\":0}");
     assert_false(proto_limit_trace_decode(document, surface, &trace, &problem));
@@ -207,8 +207,8 @@ static void discretizations(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(places), cmocka_unit_test(jets),
-                                       cmocka_unit_test(traces), cmocka_unit_test(paths),
-                                       cmocka_unit_test(discretizations)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(decodes_places),
+                                       cmocka_unit_test(encodes_jets), cmocka_unit_test(traces),
+                                       cmocka_unit_test(paths), cmocka_unit_test(discretizations)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

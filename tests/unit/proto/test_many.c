@@ -49,7 +49,7 @@ static void fields_ask_each_mesh_for_the_same_set(void **state)
     proto_many_free(&many);
 }
 
-static void what_is_no_batch_is_refused(void **state)
+static void invalid_batches_are_refused(void **state)
 {
     static const char *const texts[] = {
         "[]",
@@ -76,7 +76,7 @@ static void what_is_no_batch_is_refused(void **state)
     }
 }
 
-static void state_and_answers_are_told(void **state)
+static void writes_state_and_answers(void **state)
 {
     (void)state;
     struct proto_many many =
@@ -106,8 +106,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(all_pairs_are_rows_of_a_matrix),
         cmocka_unit_test(fields_ask_each_mesh_for_the_same_set),
-        cmocka_unit_test(what_is_no_batch_is_refused),
-        cmocka_unit_test(state_and_answers_are_told),
+        cmocka_unit_test(invalid_batches_are_refused),
+        cmocka_unit_test(writes_state_and_answers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -45,7 +45,7 @@ static void refuses_bad_bodies(void **state)
     CHECK_REFUSED(decode, struct proto_matrix_request, cases)
 }
 
-/* A JSON array of that many vertices. */
+/* Appends a JSON array of `count` vertices. */
 static void append_vertices(struct proto_writer *writer, const char *key, uint32_t count)
 {
     proto_write_key(writer, key);
@@ -118,25 +118,6 @@ static void encodes_rows_and_reasons(void **state)
     }
 }
 
-static void bytes_are_little_endian_and_nan_for_null(void **state)
-{
-    (void)state;
-    static const double distances[] = {1, INFINITY, NAN, 0.5};
-    static const unsigned char expected[] = {0, 0, 0, 0, 0, 0, 0xf0, 0x3f},
-                               half[] = {0, 0, 0, 0, 0, 0, 0xe0, 0x3f};
-    struct proto_matrix_answer answer = {distances, 2, 2};
-    unsigned char bytes[32];
-    assert_int_equal(proto_matrix_bytes(&answer, NULL), sizeof bytes);
-    proto_matrix_bytes(&answer, bytes);
-    assert_memory_equal(bytes, expected, 8);
-    assert_memory_equal(bytes + 24, half, 8);
-    for (int i = 1; i < 3; i++) {
-        double value;
-        memcpy(&value, bytes + 8 * i, sizeof value); /* tests run on little-endian machines */
-        assert_true(isnan(value));
-    }
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -144,7 +125,6 @@ int main(void)
         cmocka_unit_test(refuses_bad_bodies),
         cmocka_unit_test(has_a_largest_size),
         cmocka_unit_test(encodes_rows_and_reasons),
-        cmocka_unit_test(bytes_are_little_endian_and_nan_for_null),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

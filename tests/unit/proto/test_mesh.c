@@ -137,7 +137,7 @@ static void chooses_the_format_to_send(void **state)
     assert_int_equal(format, GD_FORMAT_OFF);
 }
 
-static void refuses_what_can_not_be_sent(void **state)
+static void refuses_other_media_types(void **state)
 {
     (void)state;
     struct proto_problem problem;
@@ -160,7 +160,9 @@ static void refuses_what_can_not_be_sent(void **state)
 #define NOT_REPAIRED                                                                               \
     "\"repair\":{\"edges_split\":0,\"vertices_split\":0,\"vertices_welded\":0,\"vertices_"         \
     "merged\":0,"                                                                                  \
-    "\"duplicate_faces\":0,\"degenerate_faces\":0,\"edges_flipped\":0,\"largest_shift\":0,"        \
+    "\"duplicate_faces\":0,\"degenerate_faces\":0,\"edges_flipped\":0,\"faces_cut\":0,\"lines_"    \
+    "skipped\":0,"                                                                                 \
+    "\"largest_shift\":0,"                                                                         \
     "\"vertices_copied\":0,"                                                                       \
     "\"copies\":[],\"first\":{}}"
 
@@ -181,7 +183,7 @@ static void refuses_what_can_not_be_sent(void **state)
     "cached\":2,"                                                                                  \
     "\"created\":\"2026-11-21T12:34:56Z\",\"etag\":\"1f0c\"}"
 
-/* The tetrahedron without its last face, one face turned over, and a vertex that no face uses. */
+/* Builds the tetrahedron without its last face, with one face turned over and an unused vertex. */
 static struct gd_mesh *new_corner(void)
 {
     static double positions[5][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {9, 9, 9}};
@@ -222,8 +224,8 @@ static void describes_meshes(void **state)
     assert_written(&writer, "{\"meshes\":[],\"next\":null}");
 }
 
-/* Two triangles that meet in vertex 0 alone, one of them given twice, and one of which nothing is
- * left. */
+/* Two triangles that share only vertex 0, a duplicate of one of them, and a triangle without
+ * area. */
 static void describes_repairs(void **state)
 {
     (void)state;
@@ -244,7 +246,9 @@ static void describes_repairs(void **state)
     static const char expected[] =
         "\"repair\":{\"edges_split\":0,\"vertices_split\":1,\"vertices_welded\":0,\"vertices_"
         "merged\":1,"
-        "\"duplicate_faces\":1,\"degenerate_faces\":1,\"edges_flipped\":0,\"largest_shift\":0,"
+        "\"duplicate_faces\":1,\"degenerate_faces\":1,\"edges_flipped\":0,\"faces_cut\":0,\"lines_"
+        "skipped\":0,"
+        "\"largest_shift\":0,"
         "\"vertices_copied\":1,"
         "\"copies\":[[6,0]],\"first\":{\"vertices_split\":[[0,1]],\"vertices_merged\":[[5,4]],"
         "\"duplicate_faces\":[[3,0]],\"degenerate_faces\":[2]}}";
@@ -253,7 +257,7 @@ static void describes_repairs(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Triangles that touch nothing: as many boundaries. */
+/* Builds `count` separate triangles, each with a boundary of its own. */
 static struct gd_mesh *build_loose_triangles(uint32_t count)
 {
     double(*positions)[3] = calloc(3 * count, sizeof *positions);
@@ -301,7 +305,7 @@ static void long_lists_of_boundaries_are_cut(void **state)
     char *text = text_of(&writer);
     assert_non_null(strstr(text, "\"boundary_count\":250,"));
     assert_int_equal(count_of(text, LOOP), PROTO_MESH_BOUNDARIES);
-    assert_null(proto_mesh_shorten(text)); /* it is short */
+    assert_null(proto_mesh_shorten(text)); /* the text is short already */
     free(text);
     gd_mesh_release(mesh);
 }
@@ -355,7 +359,7 @@ int main(void)
         cmocka_unit_test(refuses_bad_upload_options),
         cmocka_unit_test(finds_the_format_of_an_upload),
         cmocka_unit_test(chooses_the_format_to_send),
-        cmocka_unit_test(refuses_what_can_not_be_sent),
+        cmocka_unit_test(refuses_other_media_types),
         cmocka_unit_test(describes_meshes),
         cmocka_unit_test(describes_repairs),
         cmocka_unit_test(long_lists_of_boundaries_are_cut),

@@ -35,8 +35,8 @@ static void a_file_is_a_surface(void **state)
     assert_true(read(SADDLE, NULL, &surface, &form, &problem));
     assert_string_equal(form.shape, "nurbs");
     assert_string_equal(form.convention, "canonical");
-    assert_int_equal(form.degree_u + form.degree_v, 2);
-    assert_int_equal(form.count_u + form.count_v, 4);
+    assert_int_equal(form.degree[0] + form.degree[1], 2);
+    assert_int_equal(form.count[0] + form.count[1], 4);
     assert_false(form.is_rational);
     gd_parametric_release(surface);
     assert_true(read("{\"parametric\":{\"torus\":{\"major\":2,\"minor\":1}}}", NULL, &surface,
@@ -46,7 +46,7 @@ static void a_file_is_a_surface(void **state)
     gd_parametric_release(surface);
 }
 
-/* Weight 3 at the last corner pulls the middle to it: (0 + 0 + 0 + 3 * 1) / 6 in z. */
+/* Weight 3 at the last corner moves the middle towards it: z = (0 + 0 + 0 + 3 * 1) / 6. */
 static void weights_stand_in_several_places(void **state)
 {
     const struct proto_nurbs_options verb = {.has_convention = true, .convention = GD_NURBS_VERB};
@@ -72,7 +72,7 @@ static void weights_stand_in_several_places(void **state)
                     (struct gd_vec3){4.0 / 6, 4.0 / 6, 0.5}) < 1e-15);
 }
 
-static void faults_are_pointed_at(void **state)
+static void errors_have_pointers(void **state)
 {
     static const struct {
         const char *body, *pointer;
@@ -156,7 +156,7 @@ static void options_are_a_convention(void **state)
     assert_parameter(&problem, "weld");
 }
 
-/* What the query string says and what the file says may agree. */
+/* The query string and the file may both name the convention if they agree. */
 static void one_of_two_conventions(void **state)
 {
     const char *body = "{\"degreeU\":1,\"degreeV\":1," KNOTS "," POINTS ",\"convention\":\"verb\"}";
@@ -205,7 +205,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_file_is_a_surface),
         cmocka_unit_test(weights_stand_in_several_places),
-        cmocka_unit_test(faults_are_pointed_at),
+        cmocka_unit_test(errors_have_pointers),
         cmocka_unit_test(flaws_have_names),
         cmocka_unit_test(options_are_a_convention),
         cmocka_unit_test(one_of_two_conventions),

@@ -85,7 +85,7 @@ static void an_answer_without_fields_has_none_to_choose(void **state)
     assert_parameter(&problem, "geometry");
 }
 
-static void lists_what_it_would_take(void **state)
+static void errors_list_the_choices(void **state)
 {
     (void)state;
     struct proto_options options;
@@ -99,7 +99,7 @@ static void lists_what_it_would_take(void **state)
                         "the answer has no member \"path\"; it has distance from to");
 }
 
-static void a_whole_alone_is_all_of_its_parts(void **state)
+static void a_whole_means_all_of_its_parts(void **state)
 {
     (void)state;
     enum { OTHER = 1, WHOLE = 2, PARTS = 4 | 8 };
@@ -137,7 +137,7 @@ static void requires_values(void **state)
     assert_parameter(&problem, "point");
 }
 
-static void leaves_what_is_absent(void **state)
+static void absent_parameters_change_nothing(void **state)
 {
     (void)state;
     static const char *const words[] = {"a", "b", NULL};
@@ -156,11 +156,11 @@ int main(void)
         cmocka_unit_test(reads_the_options),
         cmocka_unit_test(refuses_bad_values),
         cmocka_unit_test(an_answer_without_fields_has_none_to_choose),
-        cmocka_unit_test(lists_what_it_would_take),
-        cmocka_unit_test(a_whole_alone_is_all_of_its_parts),
+        cmocka_unit_test(errors_list_the_choices),
+        cmocka_unit_test(a_whole_means_all_of_its_parts),
         cmocka_unit_test(refuses_repeated_parameters),
         cmocka_unit_test(requires_values),
-        cmocka_unit_test(leaves_what_is_absent),
+        cmocka_unit_test(absent_parameters_change_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -24,7 +24,7 @@ static void decodes_bodies(void **state)
     proto_points_free(&stops);
 }
 
-static void decodes_stops_in_the_order_of_the_way(void **state)
+static void decodes_stops_in_order_of_the_path(void **state)
 {
     (void)state;
     struct proto_points stops;
@@ -98,7 +98,7 @@ static void refuses_bad_query_strings(void **state)
     }
 }
 
-static void says_which_of_the_points_is_not_there(void **state)
+static void names_the_missing_point(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = new_tetrahedron();
@@ -174,7 +174,7 @@ static void encodes_answers(void **state)
     gd_mesh_release(mesh);
 }
 
-static void encodes_what_it_went_by_way_of(void **state)
+static void encodes_stops(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = new_tetrahedron();
@@ -215,13 +215,13 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(decodes_bodies),
-        cmocka_unit_test(decodes_stops_in_the_order_of_the_way),
+        cmocka_unit_test(decodes_stops_in_order_of_the_path),
         cmocka_unit_test(refuses_bad_bodies),
         cmocka_unit_test(parses_query_strings),
         cmocka_unit_test(refuses_bad_query_strings),
-        cmocka_unit_test(says_which_of_the_points_is_not_there),
+        cmocka_unit_test(names_the_missing_point),
         cmocka_unit_test(encodes_answers),
-        cmocka_unit_test(encodes_what_it_went_by_way_of),
+        cmocka_unit_test(encodes_stops),
         cmocka_unit_test(names_its_fields_in_the_order_of_the_bits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

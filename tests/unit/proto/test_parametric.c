@@ -13,7 +13,7 @@ static bool read(const char *text, struct gd_parametric **out, const char **shap
     return ok;
 }
 
-/* Each shape at one place. */
+/* Checks each shape at one point. */
 static void shapes_are_what_they_say(void **state)
 {
     const double c = cos(0.3), s = sin(0.3);
@@ -52,7 +52,7 @@ static void shapes_are_what_they_say(void **state)
     }
 }
 
-static void faults_are_pointed_at(void **state)
+static void errors_have_pointers(void **state)
 {
     static const struct {
         const char *body, *pointer;
@@ -93,7 +93,7 @@ static void faults_are_pointed_at(void **state)
     }
 }
 
-static void the_domain_is_told(void **state)
+static void encodes_the_domain(void **state)
 {
     struct gd_parametric *cone;
     struct proto_problem problem;
@@ -117,8 +117,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(shapes_are_what_they_say),
-        cmocka_unit_test(faults_are_pointed_at),
-        cmocka_unit_test(the_domain_is_told),
+        cmocka_unit_test(errors_have_pointers),
+        cmocka_unit_test(encodes_the_domain),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

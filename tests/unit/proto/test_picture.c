@@ -10,7 +10,7 @@ static struct proto_picture parsed(struct proto_parameters parameters)
     return picture;
 }
 
-static void nothing_said_is_the_mesh_alone(void **state)
+static void defaults_draw_the_mesh_only(void **state)
 {
     (void)state;
     struct proto_parameters none = NO_QUERY;
@@ -26,7 +26,7 @@ static void nothing_said_is_the_mesh_alone(void **state)
     assert_true(picture.picture.up.y == 1);
 }
 
-static void all_can_be_said(void **state)
+static void reads_all_options(void **state)
 {
     (void)state;
     struct proto_picture picture =
@@ -51,7 +51,7 @@ static void all_can_be_said(void **state)
     assert_int_equal(picture.picture.view, GD_VIEW_LEFT);
 }
 
-static void what_is_wrong_is_named(void **state)
+static void errors_name_the_parameter(void **state)
 {
     (void)state;
     static const char *const cases[][2] = {
@@ -95,9 +95,9 @@ static void a_path_has_two_ends_and_a_picture_one_field(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(nothing_said_is_the_mesh_alone),
-        cmocka_unit_test(all_can_be_said),
-        cmocka_unit_test(what_is_wrong_is_named),
+        cmocka_unit_test(defaults_draw_the_mesh_only),
+        cmocka_unit_test(reads_all_options),
+        cmocka_unit_test(errors_name_the_parameter),
         cmocka_unit_test(a_path_has_two_ends_and_a_picture_one_field),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

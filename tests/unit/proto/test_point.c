@@ -231,7 +231,7 @@ static void locate(const struct gd_mesh *mesh, const char *text, struct gd_point
     assert_true(proto_point_locate(mesh, &point, out, snap, &problem));
 }
 
-static void comes_back_with_all_that_is_known(void **state)
+static void encodes_all_fields(void **state)
 {
     (void)state;
     static const struct {
@@ -262,7 +262,7 @@ static void comes_back_with_all_that_is_known(void **state)
     gd_mesh_release(mesh);
 }
 
-static void gives_the_fields_that_are_wanted(void **state)
+static void encodes_selected_fields(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = new_tetrahedron();
@@ -278,7 +278,7 @@ static void gives_the_fields_that_are_wanted(void **state)
     gd_mesh_release(mesh);
 }
 
-static void says_which_point_is_not_there(void **state)
+static void names_the_missing_point(void **state)
 {
     (void)state;
     static const struct {
@@ -323,9 +323,9 @@ int main(void)
         cmocka_unit_test(json_takes_compact_text),
         cmocka_unit_test(refuses_what_has_no_compact_form),
         cmocka_unit_test(refuses_malformed_numbers),
-        cmocka_unit_test(comes_back_with_all_that_is_known),
-        cmocka_unit_test(gives_the_fields_that_are_wanted),
-        cmocka_unit_test(says_which_point_is_not_there),
+        cmocka_unit_test(encodes_all_fields),
+        cmocka_unit_test(encodes_selected_fields),
+        cmocka_unit_test(names_the_missing_point),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -13,7 +13,7 @@ static bool decode(const char *text, uint32_t most, struct proto_points *points,
     return decoded;
 }
 
-static void decodes_arrays_behind_what_is_there(void **state)
+static void appends_decoded_arrays(void **state)
 {
     (void)state;
     struct proto_points points = {0};
@@ -30,7 +30,7 @@ static void decodes_arrays_behind_what_is_there(void **state)
     assert_int_equal(points.count, 0);
 }
 
-static void refuses_what_is_no_array_of_points(void **state)
+static void refuses_invalid_arrays(void **state)
 {
     (void)state;
     struct proto_points points = {0};
@@ -107,8 +107,8 @@ static void locates_all_or_none(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(decodes_arrays_behind_what_is_there),
-        cmocka_unit_test(refuses_what_is_no_array_of_points),
+        cmocka_unit_test(appends_decoded_arrays),
+        cmocka_unit_test(refuses_invalid_arrays),
         cmocka_unit_test(refuses_too_many),
         cmocka_unit_test(a_compact_point_of_a_thousand_digits_is_refused),
         cmocka_unit_test(locates_all_or_none),

@@ -97,7 +97,7 @@ static void maps_every_status(void **state)
     }
 }
 
-static void keeps_a_failed_self_check_to_itself(void **state)
+static void hides_details_of_a_failed_self_check(void **state)
 {
     (void)state;
     struct gd_detail detail = {.text = "path 0.30 but distance 0.31"};
@@ -106,7 +106,7 @@ static void keeps_a_failed_self_check_to_itself(void **state)
     assert_null(strstr(problem.detail, "0.3"));
 }
 
-static void says_when_to_come_back(void **state)
+static void encodes_retry_after(void **state)
 {
     (void)state;
     struct proto_problem problem;
@@ -129,7 +129,7 @@ static void escapes_pointers(void **state)
     assert_parameter(&problem, "to");
 }
 
-static void cuts_what_is_too_long(void **state)
+static void shortens_long_texts(void **state)
 {
     (void)state;
     char slashes[2000];
@@ -155,10 +155,10 @@ int main(void)
         cmocka_unit_test(encodes_what_applies),
         cmocka_unit_test(encodes_elements),
         cmocka_unit_test(maps_every_status),
-        cmocka_unit_test(keeps_a_failed_self_check_to_itself),
-        cmocka_unit_test(says_when_to_come_back),
+        cmocka_unit_test(hides_details_of_a_failed_self_check),
+        cmocka_unit_test(encodes_retry_after),
         cmocka_unit_test(escapes_pointers),
-        cmocka_unit_test(cuts_what_is_too_long),
+        cmocka_unit_test(shortens_long_texts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

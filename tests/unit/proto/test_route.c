@@ -66,7 +66,7 @@ static void answers_head_where_it_answers_get(void **state)
     assert_ptr_equal(match.route, &routes[3]);
 }
 
-static void knows_what_is_not_there(void **state)
+static void refuses_unknown_paths(void **state)
 {
     (void)state;
     static const char *const paths[] = {
@@ -123,7 +123,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(finds_rows_and_captures),
         cmocka_unit_test(answers_head_where_it_answers_get),
-        cmocka_unit_test(knows_what_is_not_there),
+        cmocka_unit_test(refuses_unknown_paths),
         cmocka_unit_test(lists_the_methods_that_a_path_takes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

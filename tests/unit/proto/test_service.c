@@ -25,7 +25,7 @@ static void describes_the_daemon(void **state)
         "{\"version\":\"1.2.3\",\"limits\":{\"max_body_bytes\":1,\"max_faces\":2,\"timeout_ms\":3,"
         "\"memory_budget_bytes\":4294967296,\"max_answer_bytes\":6,\"workers\":5},\"capabilities\":"
         "{\"formats\":[\"obj\",\"ply\",\"stl\","
-        "\"off\",\"json\",\"glb\",\"gltf\"],\"queries\":[\"path\",\"nearest\"]}}");
+        "\"off\",\"json\",\"glb\",\"gltf\",\"3mf\"],\"queries\":[\"path\",\"nearest\"]}}");
 }
 
 static void assert_health(enum proto_health health, const char *reason, const char *text)
@@ -35,7 +35,7 @@ static void assert_health(enum proto_health health, const char *reason, const ch
     assert_written(&writer, text);
 }
 
-static void tells_its_health(void **state)
+static void encodes_health(void **state)
 {
     (void)state;
     assert_health(PROTO_HEALTH_OK, NULL, "{\"status\":\"ok\"}");
@@ -48,6 +48,6 @@ static void tells_its_health(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(describes_the_daemon),
-                                       cmocka_unit_test(tells_its_health)};
+                                       cmocka_unit_test(encodes_health)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

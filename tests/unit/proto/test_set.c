@@ -5,7 +5,7 @@
 
 #include "proto/values/set.h"
 
-/* Decodes and locates a set of the tetrahedron; NULL with the problem. */
+/* Decodes a set and locates it on the tetrahedron. Returns NULL with the problem on failure. */
 static struct proto_located_set *locate(const char *text, struct proto_problem *problem)
 {
     struct proto_set set;
@@ -13,7 +13,7 @@ static struct proto_located_set *locate(const char *text, struct proto_problem *
     struct gd_mesh *mesh = new_tetrahedron();
     json_t *document = parse(text);
     if (proto_set_decode(document, "/set", &set, problem)) {
-        if (proto_set_locate(mesh, &set, NULL, NULL, &located, problem)) assert_null(located);
+        if (proto_set_locate(mesh, &set, NULL, &located, problem)) assert_null(located);
         proto_set_free(&set);
         proto_set_free(&set);
     }
@@ -57,7 +57,7 @@ static void equal_sets_are_equal_bytes(void **state)
     free(b);
 }
 
-static void refuses_what_is_no_set(void **state)
+static void refuses_invalid_sets(void **state)
 {
     (void)state;
     static const struct {
@@ -125,7 +125,7 @@ static void members_are_bounded(void **state)
     test_free(text);
 }
 
-/* Points, then curves: of a curve each point and the segment behind it. */
+/* Points come first, then curves. A curve gives a seed for each point and one for each segment. */
 static void curves_are_members(void **state)
 {
     (void)state;
@@ -155,7 +155,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(takes_points_of_all_forms), cmocka_unit_test(equal_sets_are_equal_bytes),
-        cmocka_unit_test(refuses_what_is_no_set),    cmocka_unit_test(labels_are_bounded),
+        cmocka_unit_test(refuses_invalid_sets),      cmocka_unit_test(labels_are_bounded),
         cmocka_unit_test(members_are_bounded),       cmocka_unit_test(curves_are_members),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

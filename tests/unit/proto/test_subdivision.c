@@ -118,8 +118,8 @@ static void refuses_bad_usd(void **state)
     assert_int_equal(problem.code, PROTO_PROBLEM_TOO_LARGE);
 }
 
-/* A tag that names nothing is a flaw of the file, not of the request. */
-static void tells_flaws(void **state)
+/* A tag with an invalid index is an error of the file, not of the request. */
+static void reports_errors_of_the_file(void **state)
 {
     (void)state;
     struct gd_detail detail = {0};
@@ -133,7 +133,7 @@ static void tells_flaws(void **state)
     assert_int_equal(problem.code, PROTO_PROBLEM_DEADLINE_EXCEEDED);
 }
 
-static void describes(void **state)
+static void encodes_descriptions(void **state)
 {
     (void)state;
     struct proto_usd usd;
@@ -162,6 +162,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(reads_options), cmocka_unit_test(reads_usd),
                                        cmocka_unit_test(refuses_bad_usd),
-                                       cmocka_unit_test(tells_flaws), cmocka_unit_test(describes)};
+                                       cmocka_unit_test(reports_errors_of_the_file),
+                                       cmocka_unit_test(encodes_descriptions)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

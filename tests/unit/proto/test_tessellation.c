@@ -24,7 +24,7 @@ static void requests_are_read(void **state)
                 wanted.options.deviation == 0);
 }
 
-static void faults_are_pointed_at(void **state)
+static void errors_have_pointers(void **state)
 {
     static const struct {
         const char *body, *pointer;
@@ -58,7 +58,7 @@ static void too_many_faces(void **state)
     assert_string_equal(problem.pointer, "/resolution");
 }
 
-static void places_are_told(void **state)
+static void encodes_places(void **state)
 {
     static const double uv[2][2] = {{0, 0.5}, {1, 0.25}};
     const struct proto_vertex_parameters parameters = {"torus", "tag", {1, 0}, uv, 2};
@@ -76,9 +76,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(requests_are_read),
-        cmocka_unit_test(faults_are_pointed_at),
+        cmocka_unit_test(errors_have_pointers),
         cmocka_unit_test(too_many_faces),
-        cmocka_unit_test(places_are_told),
+        cmocka_unit_test(encodes_places),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

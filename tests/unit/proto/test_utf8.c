@@ -19,7 +19,7 @@ static void knows_characters(void **state)
         {"\xef\xbf\xbf", 3},
         {"\xf0\x90\x80\x80", 4},
         {"\xf4\x8f\xbf\xbf", 4},
-        /* stray, missing and wrong continuations */
+        /* stray, missing and wrong continuation bytes */
         {"\x80", 0},
         {"\xbf", 0},
         {"\xc3", 0},
@@ -27,7 +27,7 @@ static void knows_characters(void **state)
         {"\xe2\x82", 0},
         {"\xe2(\xa1", 0},
         {"\xf0\x9f\x98", 0},
-        /* overlong, surrogates, beyond Unicode, no UTF-8 at all */
+        /* overlong forms, surrogates, beyond Unicode, bytes that never occur in UTF-8 */
         {"\xc0\x80", 0},
         {"\xc1\xbf", 0},
         {"\xe0\x9f\xbf", 0},
@@ -42,7 +42,7 @@ static void knows_characters(void **state)
         assert_int_equal(proto_utf8_length(cases[i].text, strlen(cases[i].text)), cases[i].length);
 }
 
-static void looks_no_further_than_the_text(void **state)
+static void reads_no_further_than_the_text(void **state)
 {
     (void)state;
     static const char rabbit[] = "\xf0\x9f\x90\xb0";
@@ -53,6 +53,6 @@ static void looks_no_further_than_the_text(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(knows_characters),
-                                       cmocka_unit_test(looks_no_further_than_the_text)};
+                                       cmocka_unit_test(reads_no_further_than_the_text)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

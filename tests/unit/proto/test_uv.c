@@ -25,7 +25,7 @@ static void pairs_are_read(void **state)
     json_decref(document);
 }
 
-static void faults_are_pointed_at(void **state)
+static void errors_have_pointers(void **state)
 {
     static const struct {
         const char *body, *pointer;
@@ -48,7 +48,7 @@ static void faults_are_pointed_at(void **state)
     }
 }
 
-static void too_many_are_told_the_limit(void **state)
+static void too_many_places_report_the_limit(void **state)
 {
     json_t *document = parse("{\"list\":[[1,2],[3,4],[5,6]]}");
     struct proto_problem problem;
@@ -97,8 +97,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pairs_are_read),
-        cmocka_unit_test(faults_are_pointed_at),
-        cmocka_unit_test(too_many_are_told_the_limit),
+        cmocka_unit_test(errors_have_pointers),
+        cmocka_unit_test(too_many_places_report_the_limit),
         cmocka_unit_test(places_are_in_the_domain),
         cmocka_unit_test(long_places_are_cut),
     };

@@ -31,7 +31,8 @@ static void places_commas(void **state)
         "\"c\":[0.5,-2,null,null,null]}");
 }
 
-/* More than are made at a time, beside the same one by one. */
+/* Compares triples, more than are formatted at a time, with the same numbers written one triple at
+ * a time. */
 static void triples_are_arrays_of_three(void **state)
 {
     (void)state;
@@ -104,7 +105,7 @@ static void grows(void **state)
     struct proto_problem problem;
     assert_true(proto_writer_check(&writer, &problem));
     assert_int_equal(writer.size,
-                     /* digits, commas, brackets */
+                     /* number of digits, commas and brackets */
                      10 + 2 * 90 + 3 * 900 + 4 * 9000 + 5 * 40000 + 49999 + 2);
     proto_writer_free(&writer);
 }
@@ -128,8 +129,8 @@ static void stops_at_its_maximum_for_good(void **state)
 
     proto_writer_free(&writer);
 
-    proto_append(&writer, "123456789", 9); /* fails */
-    proto_append(&writer, "1", 1);         /* would fit, but comes after a failure */
+    proto_append(&writer, "123456789", 9); /* too long */
+    proto_append(&writer, "1", 1);         /* would fit, but the writer has failed */
     proto_append_format(&writer, "%d", 1);
     proto_write_number(&writer, 1);
     assert_int_equal(writer.size, 0);
@@ -165,12 +166,12 @@ static void makes_room_once_for_what_is_expected(void **state)
     assert_ptr_equal(writer.data, data);
     proto_append(&writer, "x", 1);
     assert_int_equal(writer.capacity, 10000);
-    proto_writer_expect(&writer, 5000); /* more than is allowed: no failure yet */
+    proto_writer_expect(&writer, 5000); /* more than the maximum: fails only when written */
     assert_int_equal(writer.failure, PROTO_WRITER_FINE);
     proto_writer_free(&writer);
 }
 
-/* --- an account ------------------------------------------------------------------------------- */
+/* --- memory account --------------------------------------------------------------------------- */
 
 struct budget {
     size_t taken, most;
@@ -210,14 +211,14 @@ static void counts_large_buffers_until_they_are_freed(void **state)
     assert_int_equal(budget.taken, writer.capacity);
     append_many(&writer, 3000000);
     assert_int_equal(budget.taken, writer.capacity);
-    assert_true(writer.capacity < writer.size + writer.size / 3); /* large ones grow slowly */
+    assert_true(writer.capacity < writer.size + writer.size / 3); /* grow by less than a third */
     proto_writer_free(&writer);
     assert_int_equal(budget.taken, 0);
 
-    append_many(&writer, 20000); /* it counts again */
+    append_many(&writer, 20000); /* the writer is counted again */
     size_t size = 0;
     char *text = proto_writer_take(&writer, &size);
-    assert_int_equal(budget.taken, proto_writer_counted(size)); /* no more than the text has */
+    assert_int_equal(budget.taken, proto_writer_counted(size)); /* only the text's size */
     give(&budget, proto_writer_counted(size));
     free(text);
     proto_writer_free(&writer);
@@ -243,8 +244,8 @@ static void fails_when_there_is_no_room(void **state)
 
 struct drain {
     char text[4096];
-    size_t size, most; /* of one block */
-    size_t left;       /* blocks that it takes */
+    size_t size, most; /* largest block */
+    size_t left;       /* blocks that it accepts */
 };
 
 static bool drain_write(void *user, const char *text, size_t size)
@@ -292,7 +293,7 @@ static void hands_its_text_to_a_sink(void **state)
     proto_writer_free(&writer);
 }
 
-/* At a maximum that the text just has, or lacks one byte of; and when the sink takes no more. */
+/* The text has exactly the maximum size or one byte more, or the sink refuses a block. */
 static void a_sink_can_stop_it(void **state)
 {
     (void)state;

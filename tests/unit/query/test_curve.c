@@ -23,7 +23,8 @@ static double distance(const struct gd_mesh *mesh, struct gd_point p, struct gd_
     return answer.distance;
 }
 
-/* As long as the distances between its points, and through them in turn. */
+/* The curve passes through its points in order. Its length is the sum of the distances between
+ * them. */
 static void joined_by_shortest_paths(void **state)
 {
     (void)state;
@@ -55,7 +56,7 @@ static void joined_by_shortest_paths(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Points of one face, however close: straight, without a search. */
+/* Points of one face are joined by straight segments without a search, however close they are. */
 static void within_a_face(void **state)
 {
     (void)state;
@@ -111,7 +112,7 @@ static void round_boundaries(void **state)
         check_close(gd_curve_length(mesh, &curve), boundary.length, 1e-12);
         struct gd_vec3 p = gd_point_position(mesh, &curve.points[0]),
                        q = gd_point_position(mesh, &curve.points[1]);
-        /* the surface at the left: below counter-clockwise, above clockwise */
+        /* the surface is on the left: counter-clockwise at the bottom, clockwise at the top */
         double turn = p.x * q.y - p.y * q.x;
         assert_true(p.z < 1 ? turn > 0 : turn < 0);
         gd_curve_free(&curve);

@@ -24,8 +24,8 @@ static struct gd_mesh *terrain(uint64_t seed)
     return mesh;
 }
 
-/* Aims at a vertex inside, without landmarks and with them, and checks what both say of all
- * vertices. Returns at how many landmarks say more. */
+/* Aims at a vertex without landmarks and with them, and checks the bounds at all vertices. Returns
+ * the number of vertices at which landmarks give better bounds. */
 static uint32_t check_bounds(const struct gd_mesh *mesh, const struct gd_landmarks *landmarks,
                              uint32_t target)
 {
@@ -54,9 +54,9 @@ static uint32_t check_bounds(const struct gd_mesh *mesh, const struct gd_landmar
     return better;
 }
 
-/* Lower bounds are no longer, upper bounds no shorter than the distance, and most landmarks' bounds
- * beat the straight line's. The landmarks themselves are targets too: nothing but the rounding of
- * one float stands between their bounds and the distance. */
+/* Lower bounds are at most the distance, upper bounds at least, and landmarks often give better
+ * ones than the straight line. The landmarks are targets too: there bounds and distance differ only
+ * by rounding to float. */
 static void check_all_bounds(uint64_t seed)
 {
     struct gd_mesh *mesh = terrain(seed);
@@ -85,7 +85,7 @@ static void bounds_hold(void **state)
 {
     (void)state;
     check_all_bounds(5);
-    check_all_bounds(11); /* where floats round one of them up by 1.1e-8 */
+    check_all_bounds(11); /* rounding to float raises one of these bounds by 1.1e-8 */
 }
 
 static void survive_being_stored(void **state)

@@ -11,7 +11,8 @@ enum { MOST = 12 };
 
 static const double promise = 1e-9;
 
-/* Corner, opposite corner, the other two, the middle: on one cell and on many. */
+/* From a corner: the opposite corner, the other two corners, the centre. On one cell and on
+ * many. */
 static void corners_and_middle_of_a_square(void **state)
 {
     (void)state;
@@ -31,7 +32,8 @@ static void corners_and_middle_of_a_square(void **state)
     }
 }
 
-/* Each point is as far from those before it as the radius says, and no vertex is farther. */
+/* Each point's distance from the earlier ones equals the reported radius, and no vertex is
+ * farther. */
 static void radii_cover_the_surface(void **state)
 {
     (void)state;

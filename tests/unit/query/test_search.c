@@ -20,7 +20,7 @@ static struct gd_mesh *terrain(uint32_t cells)
     return mesh;
 }
 
-/* A disc of triangles round vertex 0, with that many vertices on its rim. */
+/* Builds a disc of triangles around vertex 0 with `rim` vertices on its boundary. */
 static struct gd_mesh *disc(uint32_t rim)
 {
     struct gd_polygons polygons = {.position_count = rim + 1, .polygon_count = rim};
@@ -59,7 +59,7 @@ static bool never(void *user, double fraction)
     return false;
 }
 
-/* Over both runs. */
+/* Progress increases over both runs of the search. */
 static void progress_goes_up(void **state)
 {
     (void)state;
@@ -73,7 +73,7 @@ static void progress_goes_up(void **state)
     gd_mesh_release(mesh);
 }
 
-/* What is on another component is known without looking for it. */
+/* A target on another component is detected without a search. */
 static void other_components_are_not_searched(void **state)
 {
     (void)state;
@@ -115,8 +115,8 @@ static void check_clean(const struct gd__guide *guide, const struct gd_mesh *mes
     }
 }
 
-/* Before the first window too: while the path is sought. */
-static void the_guide_looks_at_its_control(void **state)
+/* The guide checks the control before the first window is propagated. */
+static void the_guide_checks_its_control(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = terrain(64);
@@ -135,9 +135,9 @@ static void the_guide_looks_at_its_control(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Nodes, list and heap are the caller's bytes. A guide that finds no room is as clean afterwards as
- * any other; bounds it tells all the same. */
-static void the_guide_asks_the_budget(void **state)
+/* The guide's nodes, lists and heap count against the budget. Without memory for more nodes the
+ * guide still returns bounds and is clean afterwards. */
+static void the_guide_respects_the_budget(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = terrain(64);
@@ -149,7 +149,7 @@ static void the_guide_asks_the_budget(void **state)
     assert_int_equal(aim(&guide, mesh, 100, &tight), GD_BUDGET);
     gd__guide_clean(&guide);
     check_ok(aim(&guide, mesh, 500, NULL), NULL);
-    guide.touched_capacity = guide.touched_count; /* full */
+    guide.touched_capacity = guide.touched_count; /* no room for further nodes */
     struct gd_control spent = {.budget_bytes = gd__guide_held(&guide)};
     guide.control = &spent;
     for (uint32_t v = 0; v < mesh->vertex_count; v++) assert_true(gd__guide_lower(&guide, v) >= 0);
@@ -160,7 +160,7 @@ static void the_guide_asks_the_budget(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Turned, it tells of the ways to the other end. */
+/* After turning, the bounds are those of the distances to the other end. */
 static void the_guide_turns(void **state)
 {
     (void)state;
@@ -185,8 +185,8 @@ static void the_guide_turns(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Whichever way round the question is put, most pairs are searched from the same end. */
-static void both_ways_round_take_one_way(void **state)
+/* Most pairs are searched from the same end, whichever end is given first. */
+static void both_directions_search_from_one_end(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = terrain(32);
@@ -207,13 +207,13 @@ static void both_ways_round_take_one_way(void **state)
         gd__guide_clean(&guide);
         gd__guide_destroy(&guide);
     }
-    print_message("# of %u pairs %u are searched from the same end however they are asked for\n",
-                  pairs, one);
+    print_message("# of %u pairs %u are searched from the same end in either order\n", pairs, one);
     assert_true(one > 0.8 * pairs);
     gd_mesh_release(mesh);
 }
 
-/* Whatever budget runs out where: the workspace answers the next pair as a new one does. */
+/* After a search that failed for lack of budget, the workspace solves the next pair as a new one
+ * would. */
 static void a_failed_search_leaves_nothing(void **state)
 {
     (void)state;
@@ -237,8 +237,9 @@ static void a_failed_search_leaves_nothing(void **state)
     gd_mesh_release(mesh);
 }
 
-/* A path beside a hub costs the hub's fan a few times, not once for each of its vertices. */
-static void hubs_are_walked_round_a_few_times(void **state)
+/* A path close to a vertex with a large fan visits the fan a few times, not once for each of its
+ * vertices. */
+static void large_fans_are_visited_a_few_times(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = disc(4000);
@@ -246,7 +247,7 @@ static void hubs_are_walked_round_a_few_times(void **state)
     struct gd_point from = test_vertex(mesh, 1), to = test_vertex(mesh, 400);
     double upper;
     check_ok(gd__guide_aim(&guide, mesh, &from, &to, NULL, &upper), NULL);
-    print_message("# a hub of 4000: %u entries of fans were looked at\n", guide.steps);
+    print_message("# a hub of 4000: %u entries of fans were checked\n", guide.steps);
     assert_true(guide.steps < 10 * 4000);
     gd__guide_clean(&guide);
     gd__guide_destroy(&guide);
@@ -254,8 +255,8 @@ static void hubs_are_walked_round_a_few_times(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Points as close to a vertex as to each other: the way through the vertex is not the shortest,
- * however little is between. */
+/* Two points close to a vertex have their Euclidean distance. The path through the vertex is hardly
+ * longer but not the shortest. */
 static void points_close_to_a_vertex(void **state)
 {
     (void)state;
@@ -275,7 +276,7 @@ static void points_close_to_a_vertex(void **state)
         }
         check_ok(gd_pair_solve(mesh,
                                &(struct gd_pair_request){
-                                   .from = &point[0], .to = &point[1], .wish = GD_PAIR_PATH},
+                                   .from = &point[0], .to = &point[1], .output = GD_PAIR_PATH},
                                NULL, &answer, NULL),
                  NULL);
         assert_true(fabs(answer.distance - gd_vec3_distance(xyz[0], xyz[1])) < 4e-15);
@@ -285,8 +286,8 @@ static void points_close_to_a_vertex(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* The same at the origin, where coordinates tell nothing of how edges are rounded: from a point of
- * an edge to the edge's end. */
+/* As above, for a point of an edge and the edge's end at the origin. There coordinates are exact,
+ * but edge lengths are rounded. */
 static void points_close_to_a_vertex_at_the_origin(void **state)
 {
     (void)state;
@@ -303,7 +304,7 @@ static void points_close_to_a_vertex_at_the_origin(void **state)
                                              gd_mesh_position(mesh, (struct gd_vertex){other}));
             check_ok(gd_pair_solve(mesh,
                                    &(struct gd_pair_request){
-                                       .from = &point, .to = &corner, .wish = GD_PAIR_PATH},
+                                       .from = &point, .to = &corner, .output = GD_PAIR_PATH},
                                    NULL, &answer, NULL),
                      NULL);
             assert_true(fabs(answer.distance - t * length) < 4e-15);
@@ -319,12 +320,12 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(progress_goes_up),
         cmocka_unit_test(other_components_are_not_searched),
-        cmocka_unit_test(the_guide_looks_at_its_control),
-        cmocka_unit_test(the_guide_asks_the_budget),
+        cmocka_unit_test(the_guide_checks_its_control),
+        cmocka_unit_test(the_guide_respects_the_budget),
         cmocka_unit_test(the_guide_turns),
-        cmocka_unit_test(both_ways_round_take_one_way),
+        cmocka_unit_test(both_directions_search_from_one_end),
         cmocka_unit_test(a_failed_search_leaves_nothing),
-        cmocka_unit_test(hubs_are_walked_round_a_few_times),
+        cmocka_unit_test(large_fans_are_visited_a_few_times),
         cmocka_unit_test(points_close_to_a_vertex),
         cmocka_unit_test(points_close_to_a_vertex_at_the_origin),
     };

@@ -1,4 +1,4 @@
-/* What the tests of pictures share: a picture back as pixels, by a decoder of its own. */
+/* Shared by the tests of pictures: a PNG decoder that is independent of the writer. */
 #ifndef TESTS_UNIT_RENDER_PIXELS_H
 #define TESTS_UNIT_RENDER_PIXELS_H
 
@@ -12,7 +12,7 @@
 
 struct pixels {
     uint32_t width, height, channels;
-    uint8_t *byte; /* rows of channels * width; the caller frees it */
+    uint8_t *byte; /* rows of channels * width bytes; the caller frees it */
 };
 
 static inline uint32_t number_at(const uint8_t *at)
@@ -52,7 +52,7 @@ static inline void unfilter(struct pixels *pixels, const uint8_t *raw)
         }
 }
 
-/* Takes the file; every chunk's check sum must be right. */
+/* Decodes the file, checks every chunk's checksum, and frees the file. */
 static inline struct pixels decode_png(uint8_t *file, size_t size)
 {
     struct pixels pixels = {0};

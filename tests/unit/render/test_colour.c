@@ -22,7 +22,8 @@ static struct oklab oklab_of(struct gd__colour colour)
                           0.0259040371 * l + 0.7827717662 * m - 0.8086757660 * s};
 }
 
-/* Back from sRGB: nothing was cut off at its borders, since that would make steps uneven. */
+/* Converts from sRGB to Oklab and checks that steps are even. Clamped components would make them
+ * uneven. */
 static void equal_steps_look_equal(void **state)
 {
     (void)state;
@@ -40,7 +41,7 @@ static void equal_steps_look_equal(void **state)
     assert_true(worst < 0.02);
 }
 
-/* Luminance, which is what is left of colours in print and to those who see none, grows with the
+/* Luminance, which remains in black-and-white print and for colour-blind readers, grows with the
  * distance. */
 static void order_survives_without_hues(void **state)
 {

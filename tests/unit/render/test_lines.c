@@ -12,7 +12,7 @@ static double length_of(const struct gd__lines *lines)
     return length;
 }
 
-/* A spiral of `count` places. */
+/* Adds a spiral of `count` points. */
 static void spiral(struct gd__lines *lines, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) {
@@ -22,11 +22,11 @@ static void spiral(struct gd__lines *lines, uint32_t count)
     gd__lines_end(lines);
 }
 
-static double distance_to(const struct gd__lines *lines, struct gd__place p)
+static double distance_to(const struct gd__lines *lines, struct gd__pixel_point p)
 {
     double least = INFINITY;
     for (uint32_t k = 0; k + 1 < lines->ends[0]; k++) {
-        struct gd__place a = lines->places[k], b = lines->places[k + 1];
+        struct gd__pixel_point a = lines->places[k], b = lines->places[k + 1];
         double x = (double)b.x - a.x, y = (double)b.y - a.y,
                t = ((p.x - a.x) * x + (p.y - a.y) * y) / (x * x + y * y);
         t = fmin(fmax(t, 0), 1);
@@ -70,11 +70,11 @@ static void dashes_have_their_lengths(void **state)
     (void)state;
     struct gd__lines line = {0}, dashes = {0};
     gd__lines_add(&line, 0, 0);
-    gd__lines_add(&line, 33, 44); /* 55 long, with a bend amid a dash */
+    gd__lines_add(&line, 33, 44); /* length 55, the bend is within a dash */
     gd__lines_add(&line, 33, 49);
     gd__lines_end(&line);
     gd__lines_dash(&line, 4, 6, &dashes);
-    assert_int_equal(dashes.count, 6); /* at 0, 10, 20, 30, 40, 50 */
+    assert_int_equal(dashes.count, 6); /* dashes begin at 0, 10, 20, 30, 40, 50 */
     check_close(length_of(&dashes), 24, 1e-5);
     gd__lines_free(&line);
     gd__lines_free(&dashes);

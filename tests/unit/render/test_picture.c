@@ -8,7 +8,7 @@
 
 /* --- areas ------------------------------------------------------------------------------------ */
 
-/* Sum of the opacities: pixels. */
+/* Returns the sum of the opacities, which is the covered area in pixels. */
 static double opaque_area(const struct pixels *pixels)
 {
     double area = 0;
@@ -18,7 +18,7 @@ static double opaque_area(const struct pixels *pixels)
     return area;
 }
 
-/* The picture's frame is 0.1 of 400 or 16 pixels wide, whichever is less. */
+/* The opaque area equals the triangle's area on the screen. */
 static void a_triangle_has_its_area(void **state)
 {
     (void)state;
@@ -45,7 +45,7 @@ static void a_triangle_has_its_area(void **state)
     print_message("# areas of triangles: off by %.1e at most\n", worst);
 }
 
-/* A slanting border has pixels of all sixteenths. */
+/* An inclined border has pixels of all sixteenths of opacity. */
 static void borders_are_smooth(void **state)
 {
     (void)state;
@@ -73,10 +73,10 @@ struct flat {
     struct gd_polygons polygons;
     struct gd_mesh *mesh;
     struct gd_field *field;
-    double scale, left, bottom; /* of its [0,4] x [0,3] in the picture */
+    double scale, left, bottom; /* pixels per unit; position of (0, 0) in pixels */
 };
 
-/* A rectangle of few large triangles, and the field of a point within. */
+/* Opens a rectangle of few large triangles and the field of a point in it. */
 static struct flat open_flat(double x, double y)
 {
     struct flat flat;
@@ -101,8 +101,8 @@ static void close_flat(struct flat *flat)
     gd_polygons_free(&flat->polygons);
 }
 
-/* In the plane the light is the same everywhere: what is left is the colour of the distance, the
- * true one, though the nearest vertex is far away. */
+/* In a plane the shading is uniform. Pixels show the colour of the exact distance, however far the
+ * nearest vertex is. */
 static void colours_are_those_of_the_distance(void **state)
 {
     (void)state;
@@ -119,7 +119,7 @@ static void colours_are_those_of_the_distance(void **state)
                    py = (flat.bottom - row - 0.5) / flat.scale, distance = hypot(px - x, py - y);
             struct gd__colour colour = gd__colour_of_part(distance / range);
             const uint8_t *pixel = pixel_at(&pixels, column, row);
-            if (distance * flat.scale < 8) continue; /* its mark */
+            if (distance * flat.scale < 8) continue; /* covered by the source's mark */
             if (shade < 0) shade = pixel[1] / (255 * colour.green);
             worst = fmax(worst, fabs(pixel[0] - 255 * shade * colour.red));
             worst = fmax(worst, fabs(pixel[1] - 255 * shade * colour.green));
@@ -131,8 +131,8 @@ static void colours_are_those_of_the_distance(void **state)
     close_flat(&flat);
 }
 
-/* Isolines are where the distance is round: the pixels that they darken are on the circles, and all
- * circles are dark. */
+/* Isolines are at multiples of 0.5. Exactly the pixels near these circles are darker than without
+ * isolines. */
 static void isolines_are_circles(void **state)
 {
     (void)state;
@@ -170,7 +170,7 @@ static bool is_red(const uint8_t *pixel)
     return pixel[0] > 150 && pixel[1] < 50 && pixel[2] < 60;
 }
 
-static void a_path_is_where_it_is(void **state)
+static void a_path_is_drawn_in_place(void **state)
 {
     (void)state;
     double x = 0.4, y = 0.6, to_x = 3.7, to_y = 2.2;
@@ -198,13 +198,13 @@ static void a_path_is_where_it_is(void **state)
             if (has_red && is_between) assert_true(across < 1.5 * unit + 0.75);
             red += has_red && is_between;
         }
-    assert_true(red > length - 16); /* it is there in all of its length */
+    assert_true(red > length - 16); /* the line is drawn in its full length */
     free(pixels.byte);
     gd_path_free(&path);
     close_flat(&flat);
 }
 
-/* The same path on a sphere from before and from behind: solid, and faint with gaps. */
+/* The same path on a sphere: solid from the front, faint and dashed from behind. */
 static void what_is_behind_is_faint(void **state)
 {
     (void)state;
@@ -251,7 +251,7 @@ static enum gd_status status_of(const struct gd_picture *picture, const struct g
     return status;
 }
 
-static void what_is_no_picture_is_refused(void **state)
+static void invalid_pictures_are_refused(void **state)
 {
     (void)state;
     struct flat flat = open_flat(1, 1), other = open_flat(2, 2);
@@ -280,7 +280,7 @@ static void random_pictures(void **state)
     struct gd_polygons polygons;
     struct rng rng = {21};
     check_ok(sample_genus2(6, 0.3, &polygons), NULL);
-    for (int k = 0; k < 3; k++) /* far away, and tiny */
+    for (int k = 0; k < 3; k++) /* far from the origin, and tiny */
         for (uint32_t i = 0; i < polygons.position_count; i++)
             polygons.positions[i][k] = polygons.positions[i][k] * 1e-3 + 1e3;
     struct gd_mesh *mesh = test_mesh(&polygons);
@@ -347,7 +347,7 @@ static void an_svg_has_lines_and_an_image(void **state)
 
 /* --- control ---------------------------------------------------------------------------------- */
 
-static void control_is_heard(void **state)
+static void the_control_is_checked(void **state)
 {
     (void)state;
     struct flat flat = open_flat(1, 1);
@@ -374,11 +374,11 @@ int main(void)
                                        cmocka_unit_test(borders_are_smooth),
                                        cmocka_unit_test(colours_are_those_of_the_distance),
                                        cmocka_unit_test(isolines_are_circles),
-                                       cmocka_unit_test(a_path_is_where_it_is),
+                                       cmocka_unit_test(a_path_is_drawn_in_place),
                                        cmocka_unit_test(what_is_behind_is_faint),
-                                       cmocka_unit_test(what_is_no_picture_is_refused),
+                                       cmocka_unit_test(invalid_pictures_are_refused),
                                        cmocka_unit_test(random_pictures),
                                        cmocka_unit_test(an_svg_has_lines_and_an_image),
-                                       cmocka_unit_test(control_is_heard)};
+                                       cmocka_unit_test(the_control_is_checked)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -9,22 +9,22 @@ enum { SIDE = 96, GRID = 4 };
 
 struct scene {
     struct gd_mesh *mesh;
-    struct gd__spot *spots;
+    struct gd__screen_point *points;
     struct gd__raster raster;
 };
 
-/* A mesh of these triangles, seen as if its coordinates were pixels and z the depth. */
+/* Opens a scene in which x and y are pixels and z is the depth. */
 static struct scene open_scene(struct gd_polygons *polygons, uint32_t rows)
 {
     struct scene scene = {.mesh = test_mesh(polygons)};
     const struct gd_mesh *mesh = scene.mesh;
-    scene.spots = malloc(mesh->vertex_count * sizeof *scene.spots);
+    scene.points = malloc(mesh->vertex_count * sizeof *scene.points);
     for (uint32_t v = 0; v < mesh->vertex_count; v++) {
         struct gd_vec3 p = gd_vec3_scale(mesh->position[v], mesh->unit);
-        scene.spots[v] = (struct gd__spot){(float)p.x, (float)p.y, (float)p.z};
+        scene.points[v] = (struct gd__screen_point){(float)p.x, (float)p.y, (float)p.z};
     }
     scene.raster = (struct gd__raster){.mesh = mesh,
-                                       .spots = scene.spots,
+                                       .points = scene.points,
                                        .width = SIDE,
                                        .height = SIDE,
                                        .grid = GRID,
@@ -36,11 +36,11 @@ static struct scene open_scene(struct gd_polygons *polygons, uint32_t rows)
 static void close_scene(struct scene *scene)
 {
     gd__raster_close(&scene->raster);
-    free(scene->spots);
+    free(scene->points);
     gd_mesh_release(scene->mesh);
 }
 
-/* Calls for each sample of the picture. */
+/* Calls `look` for each sample of the picture. */
 static void each_sample(struct scene *scene,
                         void (*look)(void *user, uint32_t face, float depth, double x, double y),
                         void *user)
@@ -67,16 +67,17 @@ struct soup {
     uint64_t samples, covered, skipped;
 };
 
-/* Depth of the face there; INFINITY: the sample is outside; NAN: it is on its border, up to
+/* Returns the face's depth at a sample. INFINITY: outside the face. NAN: on its border up to
  * rounding. */
 static double depth_at(const struct scene *scene, uint32_t face, double x, double y)
 {
     uint32_t v[3];
     gd__corners(scene->mesh, face, v);
-    const struct gd__spot *p[3] = {&scene->spots[v[0]], &scene->spots[v[1]], &scene->spots[v[2]]};
+    const struct gd__screen_point *p[3] = {&scene->points[v[0]], &scene->points[v[1]],
+                                           &scene->points[v[2]]};
     double weight[3], area = 0, depth = 0, least = INFINITY;
     for (int k = 0; k < 3; k++) {
-        const struct gd__spot *a = p[(k + 1) % 3], *b = p[(k + 2) % 3];
+        const struct gd__screen_point *a = p[(k + 1) % 3], *b = p[(k + 2) % 3];
         weight[k] = ((double)b->x - a->x) * (y - a->y) - ((double)b->y - a->y) * (x - a->x);
         area += weight[k];
     }
@@ -118,7 +119,7 @@ static void compare_sample(void *user, uint32_t face, float depth, double x, dou
     assert_true(fabs(depth - nearest) < 2e-3);
 }
 
-/* Triangles anywhere, also partly outside the picture. */
+/* Random triangles, some of them partly outside the picture. */
 static void nearest_face_at_every_sample(void **state)
 {
     (void)state;
@@ -151,8 +152,8 @@ static void count_covered(void *user, uint32_t face, float depth, double x, doub
     *count += face != GD_NONE;
 }
 
-/* A sheet of many triangles, moved and sheared within: each sample within is covered, none
- * outside. */
+/* A sheet of many triangles with displaced inner vertices. Samples inside the sheet are covered,
+ * others are not. */
 static void no_gaps_between_neighbours(void **state)
 {
     (void)state;

@@ -21,7 +21,7 @@ static double distance(const struct gd_mesh *mesh, uint32_t from, uint32_t to)
     return result;
 }
 
-/* The same distances between the first `count` vertices. */
+/* Checks that the distances between the first `count` vertices are equal in both meshes. */
 static void expect_same_distances(const struct gd_mesh *a, const struct gd_mesh *b, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) {
@@ -34,9 +34,9 @@ static void expect_same_distances(const struct gd_mesh *a, const struct gd_mesh 
 
 enum { CUBE_FACES = 12, MOST = 40 };
 
-/* The cube in triangles, its edge 0-1 (z = 0, y = 0) with `points` on it: seen from the one side
- * all of them lead to the face below, seen from the other the edge is straight, and caps fill the
- * gap as `fan` says. */
+/* A triangulated cube with `points` on its edge 0-1 (z = 0, y = 0). The faces below end in all of
+ * these points. The face in front has the whole edge as one side. Caps, which are faces without
+ * area, fill the gap. */
 struct gapped_cube {
     double positions[MOST][3];
     uint32_t corners[3 * MOST];
@@ -70,8 +70,8 @@ static uint32_t add_point(struct gapped_cube *cube_, double x)
     return cube_->polygons.position_count++;
 }
 
-/* Points at x = 1/(n+1) ... n/(n+1) on the edge, the bottom fanned out to them from vertex 2, caps
- * from 0 or from both ends in turn. */
+/* Makes the cube. Points are at x = 1/(n+1) ... n/(n+1). The bottom is a fan about vertex 2. Caps
+ * form a fan about vertex 0, or alternate between both ends if `zigzag`. */
 static void make_gapped_cube(struct gapped_cube *cube_, uint32_t points, bool zigzag)
 {
     start_cube(cube_, false);
@@ -134,7 +134,7 @@ static void the_faces_of_a_flipped_edge_stand_at_their_old_indices(void **state)
     gd_mesh_release(mesh);
 }
 
-/* A square whose lower border has caps outside: they go, and the border has all their points. */
+/* Caps at the lower border of a square are dropped. The border keeps all of their points. */
 static void caps_at_the_border_are_dropped(void **state)
 {
     (void)state;
@@ -153,7 +153,8 @@ static void caps_at_the_border_are_dropped(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Two caps back to back on the diagonal of a square, with one point or two between its ends. */
+/* Two opposite caps on the diagonal of a square, with the same inner point or with two different
+ * ones. */
 static void a_pocket_closes(void **state)
 {
     (void)state;
@@ -177,7 +178,7 @@ static void a_pocket_closes(void **state)
     gd_mesh_release(mesh);
 }
 
-/* The ends of a side that is a billionth of the others become one. */
+/* A side that is a billionth of the others collapses: its ends become one vertex. */
 static void needles_collapse(void **state)
 {
     (void)state;
@@ -235,9 +236,9 @@ static void scale_does_not_matter(void **state)
     }
 }
 
-/* Random points of a line, triangulated at random, between two walls: hard on the order of flips.
- * Answered, or refused by name, in bounded time. */
-static void any_heap_of_caps_ends(void **state)
+/* A random triangulation of collinear points between two triangles: the worst case for the order of
+ * flips. The repair finishes in bounded time. */
+static void random_caps_are_repaired_in_bounded_time(void **state)
 {
     (void)state;
     enum { POINTS = 3000 };
@@ -285,7 +286,7 @@ int main(void)
         cmocka_unit_test(what_is_thin_but_not_flat_stays),
         cmocka_unit_test(a_mesh_without_area_is_empty),
         cmocka_unit_test(scale_does_not_matter),
-        cmocka_unit_test(any_heap_of_caps_ends),
+        cmocka_unit_test(random_caps_are_repaired_in_bounded_time),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

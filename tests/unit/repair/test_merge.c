@@ -29,7 +29,8 @@ static void a_surface_stays_as_it_is(void **state)
     }
 }
 
-/* 1 and 4 are one position, joined by an edge; so are 2 and 5, but no edge joins them. */
+/* 1 and 4 are at one position and joined by an edge: they are merged. 2 and 5 are at one position
+ * too, but no edge joins them. */
 static void vertices_that_an_edge_of_length_zero_joins_become_one(void **state)
 {
     (void)state;
@@ -57,7 +58,7 @@ static void vertices_that_an_edge_of_length_zero_joins_become_one(void **state)
     gd_mesh_release(mesh);
 }
 
-static void rings_lose_what_encloses_nothing(void **state)
+static void rings_lose_spurs(void **state)
 {
     (void)state;
     static double positions[][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0},
@@ -80,7 +81,7 @@ static void rings_lose_what_encloses_nothing(void **state)
         {7, {5, 4, 2, 0, 1, 2, 4}, 1},
     };
     for (uint32_t i = 0; i < COUNT(cases); i++) {
-        /* one face that stays */
+        /* one valid face */
         uint32_t corners[16] = {0, 3, 5}, first[] = {0, 3, 3 + cases[i].count};
         memcpy(corners + 3, cases[i].ring, cases[i].count * sizeof *corners);
         struct gd_polygons polygons = POLYGONS(positions, corners, first);
@@ -102,6 +103,37 @@ static void a_ring_that_passes_a_vertex_twice_is_refused(void **state)
     struct gd_detail detail = refuse_mending(&polygons, GD_DEGENERATE_FACE);
     expect_elements(&detail, GD_ELEMENT_FACE, 1, ONE_ELEMENT(0, 0),
                     "face 0 has vertex 0 as two of its corners");
+}
+
+/* A square with a square hole. The edge 0-4 joins the outer and the inner ring. */
+static void a_ring_with_a_bridge_to_its_hole_is_cut(void **state)
+{
+    (void)state;
+    double positions[][3] = {{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0},
+                             {1, 1, 0}, {2, 1, 0}, {2, 2, 0}, {1, 2, 0}};
+    uint32_t corners[] = {0, 1, 2, 3, 0, 4, 7, 6, 5, 4}, first[] = {0, 10};
+    struct gd_polygons polygons = POLYGONS(positions, corners, first);
+    struct gd_mesh *mesh = mend(&polygons);
+    const struct gd_mesh_summary *summary = gd_mesh_summary(mesh);
+    assert_int_equal(summary->faces, 8);
+    assert_int_equal(summary->boundaries, 2);
+    assert_int_equal(summary->euler_characteristic, 0);
+    assert_float_equal(summary->area, 15, 1e-14);
+    expect_mended(&gd_mesh_repair(mesh)->faces_cut, MENDED({0, 0}));
+    gd_mesh_release(mesh);
+}
+
+static void a_ring_that_goes_round_several_times_does_so_once(void **state)
+{
+    (void)state;
+    double positions[][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+    uint32_t corners[] = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3}, first[] = {0, 12};
+    struct gd_polygons polygons = POLYGONS(positions, corners, first);
+    struct gd_mesh *mesh = mend(&polygons);
+    assert_int_equal(gd_mesh_summary(mesh)->faces, 2);
+    assert_float_equal(gd_mesh_summary(mesh)->area, 1, 1e-14);
+    assert_int_equal(gd_mesh_repair(mesh)->degenerate_faces.count, 8);
+    gd_mesh_release(mesh);
 }
 
 static void of_duplicates_the_first_stays(void **state)
@@ -140,7 +172,7 @@ static void a_polygon_given_twice_takes_up_its_indices(void **state)
     gd_mesh_release(mesh);
 }
 
-static void when_nothing_is_left_it_is_empty(void **state)
+static void no_faces_left_is_empty(void **state)
 {
     (void)state;
     double positions[][3] = {{0, 0, 0}, {0, 0, 0}, {1, 0, 0}};
@@ -155,11 +187,13 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_surface_stays_as_it_is),
         cmocka_unit_test(vertices_that_an_edge_of_length_zero_joins_become_one),
-        cmocka_unit_test(rings_lose_what_encloses_nothing),
+        cmocka_unit_test(rings_lose_spurs),
         cmocka_unit_test(a_ring_that_passes_a_vertex_twice_is_refused),
+        cmocka_unit_test(a_ring_with_a_bridge_to_its_hole_is_cut),
+        cmocka_unit_test(a_ring_that_goes_round_several_times_does_so_once),
         cmocka_unit_test(of_duplicates_the_first_stays),
         cmocka_unit_test(a_polygon_given_twice_takes_up_its_indices),
-        cmocka_unit_test(when_nothing_is_left_it_is_empty),
+        cmocka_unit_test(no_faces_left_is_empty),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

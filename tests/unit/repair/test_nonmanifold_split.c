@@ -43,7 +43,7 @@ static void an_open_bow_tie_is_cut(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Tetrahedra that share their last vertex. */
+/* Tetrahedra that share only their last vertex. */
 static void a_closed_bow_tie_is_cut(void **state)
 {
     (void)state;
@@ -92,7 +92,7 @@ static void of_three_faces_the_ones_with_the_inside_between_stay_together(void *
     assert_int_equal(gd_mesh_summary(mesh)->flipped_faces, 0);
     gd_mesh_release(mesh);
 
-    /* seen from the other side: the inside is between 3 and 2 */
+    /* opposite orientation: the inside is between 3 and 2 */
     uint32_t turned[] = {0, 1, 2, 1, 0, 3, 1, 0, 4};
     polygons = TRIANGLES(around_x, turned);
     mesh = mend(&polygons);
@@ -114,8 +114,8 @@ static void faces_that_all_run_alike_are_joined_to_nothing(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Two tetrahedra on both sides of the edge 0-1 that they share, one of them as the caller orients
- * it, and a fin. */
+/* Two tetrahedra that share the edge 0-1, one of them with the orientation of `solid_corners`, and
+ * a single face at the same edge (a fin). */
 static double two_solids[][3] = {{0, 0, -1}, {0, 0, 1},   {2, 1, 0}, {2, -1, 0},
                                  {-2, 1, 0}, {-2, -1, 0}, {0, 3, 0}};
 static uint32_t solid_corners[] = {0, 1, 2, 1, 0, 3, 2, 1, 3, 3, 0, 2, 5, 0,
@@ -134,7 +134,7 @@ static void solids_that_share_an_edge_are_taken_apart(void **state)
         expect_pieces(mesh, 2, 0);
         assert_int_equal(gd_mesh_summary(mesh)->euler_characteristic, 4);
         gd_mesh_release(mesh);
-        /* again with one face turned over in the file */
+        /* repeats the test with one face turned over */
         corners[12] = 0;
         corners[13] = 5;
     }
@@ -210,10 +210,9 @@ static uint32_t next_random(uint64_t *state)
     return (uint32_t)(*state >> 33);
 }
 
-/* Random triangles over a few vertices: crowded edges and vertices everywhere, pairs that hang
- * together round about. Each is taken, or refused for being one-sided; its faces have the corners
- * of the input or copies of them. */
-static void whatever_the_triangles_they_become_a_surface(void **state)
+/* Random triangles over a few vertices: edges with many faces, vertices with many fans. Each mesh
+ * is built or refused as non-orientable. Its faces have the input's corners or copies of them. */
+static void random_triangles_become_surfaces(void **state)
 {
     (void)state;
     enum { MESHES = 3000, MOST_VERTICES = 14, MOST_FACES = 60 };
@@ -273,7 +272,7 @@ int main(void)
         cmocka_unit_test(a_fin_between_solids_is_cut_off),
         cmocka_unit_test(many_faces_at_an_edge_are_paired_in_a_moment),
         cmocka_unit_test(a_moebius_strip_is_refused_all_the_same),
-        cmocka_unit_test(whatever_the_triangles_they_become_a_surface),
+        cmocka_unit_test(random_triangles_become_surfaces),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,4 +1,4 @@
-/* Meshes that no one here made (tests/support/shared.h). */
+/* Repairs of the shared meshes (tests/support/shared.h). */
 #include "tests/unit/mesh/shapes.h"
 
 #include "base/tolerance.h"
@@ -6,7 +6,7 @@
 #include "tests/support/shared.h"
 #include "tests/support/test.h"
 
-/* Every vertex of the component of the first face is reached from there. */
+/* Checks that a field can be built, and its distances within the first face. */
 static void check_field(const struct gd_mesh *mesh)
 {
     struct gd_vertex corners[3];
@@ -60,7 +60,7 @@ static void every_shared_mesh_is_answered(void **state)
     }
 }
 
-/* What repair made is a surface: built again without it, the same. */
+/* The polygons of a repaired mesh build the same mesh without repair. */
 static void a_repaired_mesh_needs_no_repair(void **state)
 {
     (void)state;
@@ -87,9 +87,8 @@ static uint32_t next_random(uint64_t *state)
     return (uint32_t)(*state >> 33);
 }
 
-/* Random triangles over a few points of a lattice, exact or moved by next to nothing: every kind of
- * damage at once. Each soup is answered or refused by name; hardly one for a face that stays
- * flat. */
+/* Random triangles over a few lattice points, exact or slightly moved: every kind of damage at
+ * once. Each mesh is repaired or refused; at most one is refused for a degenerate face. */
 static void any_damage_is_mended_or_named(void **state)
 {
     (void)state;
@@ -136,7 +135,7 @@ static bool stop_at(void *user, double fraction)
     return --*(int *)user != 0;
 }
 
-/* Whenever it is stopped it leaves nothing behind (the sanitizer looks). */
+/* A repair that is cancelled at any report leaks nothing (checked by LeakSanitizer). */
 static void a_repair_can_be_cancelled_at_every_report(void **state)
 {
     (void)state;

@@ -30,7 +30,7 @@ static void expect_same_vertex(const struct gd_mesh *mesh, uint32_t i, uint32_t 
     assert_int_equal(gd_point_equal(&p, &q), same);
 }
 
-/* The cube's twelve triangles, each with corners of its own, moved by up to `jitter` in each
+/* Makes the cube's twelve triangles, each with its own corners, moved by up to `jitter` in each
  * coordinate. */
 static void make_soup(double jitter, double (*positions)[3], uint32_t *corners)
 {
@@ -78,7 +78,8 @@ static void a_soup_of_triangles_becomes_a_cube(void **state)
     }
 }
 
-/* 0, 3 and 4 within reach of 1 and of each other in a row: 3 joins 1, 4 does not. */
+/* Vertices 1, 3 and 4 are in a row, each within the tolerance of the next. 3 is welded to 1, but 4
+ * is not. */
 static void a_chain_does_not_become_one(void **state)
 {
     (void)state;
@@ -148,7 +149,7 @@ static void faces_brought_upon_each_other_name_the_weld(void **state)
                     "the weld brought vertex 3 to vertex 0");
 }
 
-/* A quad with a short side becomes a triangle, the sliver beside it vanishes; indices after it
+/* A quad with a short side becomes a triangle, and the sliver beside it is removed. Later indices
  * stay. */
 static void faces_that_fall_together_are_removed(void **state)
 {
@@ -217,9 +218,9 @@ static void a_tolerance_beyond_the_mesh_leaves_nothing(void **state)
     }
 }
 
-/* Against the rule itself, tried on all pairs. Faces are far away from what is welded but for one
- * corner. */
-static void the_hash_finds_what_trying_all_finds(void **state)
+/* Compares with the rule applied to all pairs. Each face shares at most one corner with welded
+ * points. */
+static void agrees_with_a_search_of_all_pairs(void **state)
 {
     (void)state;
     enum { POINTS = 300 };
@@ -257,9 +258,9 @@ static void the_hash_finds_what_trying_all_finds(void **state)
     }
 }
 
-/* All points in one cell, in a tolerance's reach of each other or hardly out of it: a moment's
- * work. */
-static void no_input_makes_it_slow(void **state)
+/* All points are in one cell, within the tolerance or slightly beyond it. Welding must remain
+ * fast. */
+static void crowded_points_are_welded_fast(void **state)
 {
     (void)state;
     enum { POINTS = 300000 };
@@ -306,8 +307,8 @@ int main(void)
         cmocka_unit_test(only_vertices_of_faces_are_welded),
         cmocka_unit_test(a_tolerance_is_a_length),
         cmocka_unit_test(a_tolerance_beyond_the_mesh_leaves_nothing),
-        cmocka_unit_test(the_hash_finds_what_trying_all_finds),
-        cmocka_unit_test(no_input_makes_it_slow),
+        cmocka_unit_test(agrees_with_a_search_of_all_pairs),
+        cmocka_unit_test(crowded_points_are_welded_fast),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,7 +1,7 @@
-/* What the tests of the cache share: a cache with one mesh cache, and requests for the fields of
- * two points. */
-#ifndef TESTS_UNIT_SERVER_SHELVED_H
-#define TESTS_UNIT_SERVER_SHELVED_H
+/* Shared by the tests of the cache: a cache with one mesh cache, and requests for the fields of two
+ * points. */
+#ifndef TESTS_UNIT_SERVER_CACHED_FIELDS_H
+#define TESTS_UNIT_SERVER_CACHED_FIELDS_H
 
 #include "support.h"
 
@@ -35,7 +35,7 @@ static inline int tear_down(void **state)
     server_cache_destroy(fixture->cache);
     server_workers_destroy(fixture->workers);
     gd_mesh_release(fixture->mesh);
-    assert_int_equal(fixture->budget.total, 0); /* whatever a test did, every byte has come back */
+    assert_int_equal(fixture->budget.total, 0); /* every byte of the budget was returned */
     free(fixture);
     return 0;
 }

@@ -1,4 +1,4 @@
-/* What a test tries in a child process: what it ends with, and how it ends early. */
+/* Runs parts of a test in a child process. */
 #ifndef TESTS_UNIT_SERVER_CHILD_H
 #define TESTS_UNIT_SERVER_CHILD_H
 
@@ -8,10 +8,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* What a child ends with. */
+/* Exit statuses of a child. */
 enum { FINE, WRONG = 10, SKIPPED = 77 };
 
-/* Ends the child, naming the line, unless it holds. */
+/* Ends the child with a message that names the line, unless `holds` is true. */
 #define INSIST(holds)                                                                              \
     do {                                                                                           \
         if (!(holds)) {                                                                            \

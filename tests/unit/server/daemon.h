@@ -1,5 +1,5 @@
-/* A daemon without a network: requests go through router, handlers, workers and the registry's
- * writer, and are answered to the test. One at a time. */
+/* A daemon without a network: requests pass through router, handlers, workers and the registry's
+ * writer, one at a time, and the test gets the answers. */
 #ifndef TESTS_UNIT_SERVER_DAEMON_H
 #define TESTS_UNIT_SERVER_DAEMON_H
 
@@ -18,7 +18,7 @@
 
 static struct server daemon_server;
 static sem_t daemon_finished;
-/* an exchange was finished with its handler's state: others may wait for what that holds */
+/* true after an error: an exchange finished before its handler's state was freed */
 static bool daemon_had_state;
 
 static inline void daemon_finish(struct server_exchange *exchange)
@@ -37,7 +37,7 @@ static inline bool daemon_is_gone(struct server_exchange *exchange)
 static const struct server_transport daemon_transport = {.finish = daemon_finish,
                                                          .is_gone = daemon_is_gone};
 
-/* Starts on a store, which becomes its own. */
+/* Starts the daemon with a store, and takes over the store. */
 static inline void daemon_start(struct server_store *store)
 {
     struct server *server = &daemon_server;
@@ -69,7 +69,7 @@ static inline void daemon_start(struct server_store *store)
     sem_init(&daemon_finished, 0, 0);
 }
 
-/* Stops; whatever it did, every byte of the budget has come back. */
+/* Stops the daemon. Asserts that every byte of the budget was returned. */
 static inline void daemon_stop(void)
 {
     struct server *server = &daemon_server;
@@ -105,7 +105,7 @@ static inline void daemon_add_headers(struct server_exchange *exchange, char *li
     }
 }
 
-/* What becomes of a request after its headers, which are the caller's to keep. */
+/* Begins a request. The caller keeps the headers. */
 static inline struct server_exchange *daemon_begin(const char *method, const char *target,
                                                    char *headers)
 {
@@ -132,10 +132,10 @@ static inline void daemon_end(struct server_exchange *exchange, const char *body
     }
 }
 
-/* The answered exchange, for the caller to destroy. */
+/* Returns the answered exchange, for the caller to destroy. */
 static inline struct server_exchange *daemon_ask(struct daemon_request request)
 {
-    char headers[512]; /* done with when this returns */
+    char headers[512]; /* unused after this function returns */
     int size = snprintf(headers, sizeof headers, "%s", request.headers ? request.headers : "");
     if (request.body)
         snprintf(headers + size, sizeof headers - (size_t)size, "\nContent-Length: %zu",
@@ -154,7 +154,7 @@ static inline const char *daemon_header(const struct server_exchange *exchange, 
     return NULL;
 }
 
-/* Asks, and writes the answer as a text: "201 {…}". */
+/* Sends a request and returns the answer as a text: "201 {…}". */
 static inline const char *daemon_answer(struct daemon_request request)
 {
     static char text[65536];

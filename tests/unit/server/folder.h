@@ -1,4 +1,4 @@
-/* A folder of a test's own. */
+/* A folder for one test. */
 #ifndef TESTS_UNIT_SERVER_FOLDER_H
 #define TESTS_UNIT_SERVER_FOLDER_H
 
@@ -31,7 +31,7 @@ static inline void folder_remove(const char *folder)
     nftw(folder, folder_remove_one, 16, FTW_DEPTH | FTW_PHYS);
 }
 
-/* False: the folder can't be read. */
+/* Calls a function for each file. Returns false if the folder can't be read. */
 static inline bool folder_each(const char *folder,
                                void (*visit)(void *user, const char *path, const char *name),
                                void *user)

@@ -9,13 +9,13 @@
 
 #define MESH_OPTIONS "format=obj&triangulate=true"
 
-/* The key of a mesh of a daemon without tenants. */
+/* Returns the key of a mesh of a daemon without tenants. */
 static inline struct server_key mesh_key(const char *name)
 {
     return (struct server_key){.tenant = "", .kind = &server_kind_mesh, .name = name};
 }
 
-/* A record under that key of a file, and of an attachment (NULL: none), which are texts. */
+/* Creates a record with that key, of a file and an attachment (NULL: none), both given as texts. */
 static inline struct server_record *new_record_of(struct server_key key, const char *options,
                                                   const char *bytes, const char *attachment)
 {

@@ -1,5 +1,4 @@
-/* What the tests of server share: a mesh with fields, a budget with a cache, jobs that tell what
- * became of them, exchanges without a network. */
+/* Shared by the tests of server: meshes, fields, and jobs that record how they end. */
 #ifndef TESTS_UNIT_SERVER_SUPPORT_H
 #define TESTS_UNIT_SERVER_SUPPORT_H
 
@@ -57,7 +56,7 @@ static inline struct gd_field *new_field(const struct gd_mesh *mesh, const struc
 struct test_job {
     struct server_job job; /* first */
     sem_t began, done;
-    sem_t *hold; /* run waits for it; NULL: it doesn't */
+    sem_t *hold; /* run waits for this; NULL: it does not wait */
     int runs;
     int refusals;
     enum server_refusal why;
@@ -91,7 +90,7 @@ static inline void test_job_init(struct test_job *job, sem_t *hold)
 
 /* --- the cache -------------------------------------------------------------------------------- */
 
-/* Asks about a source often enough for a field of its own. */
+/* Queries a source so often that its field may be built. */
 static inline void ask_often(struct server_mesh_cache *fields, const struct gd_point *source)
 {
     for (int i = 0; i < SERVER_CACHE_SEARCHES; i++) server_cache_note(fields, source);

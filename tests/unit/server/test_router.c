@@ -1,4 +1,4 @@
-/* The way of an exchange through router, handlers and workers, without a network. */
+/* Exchanges pass through router, handlers and workers, without a network. */
 #include "tests/unit/server/daemon.h"
 
 static int set_up(void **state)
@@ -33,7 +33,7 @@ static const char square[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3
 
 #define PUT_SQUARE() status_of("PUT", "/v1/meshes/square", "", square)
 
-static void an_upload_and_a_question(void **state)
+static void an_upload_and_a_query(void **state)
 {
     (void)state;
     assert_int_equal(PUT_SQUARE(), 201);
@@ -43,19 +43,19 @@ static void an_upload_and_a_question(void **state)
     assert_int_equal(exchange->response.status, 200);
     assert_int_equal(exchange->response.size, strlen("{\"distance\":1}"));
     assert_memory_equal(exchange->response.body, "{\"distance\":1}", exchange->response.size);
-    assert_ptr_not_equal(exchange->work, NULL); /* the second lane */
+    assert_ptr_not_equal(exchange->work, NULL); /* answered by a worker */
     server_exchange_destroy(exchange);
     for (int i = 1; i < SERVER_CACHE_SEARCHES; i++)
         assert_int_equal(status_of("GET", "/v1/meshes/square/distance?from=v:0&to=v:1", "", NULL),
                          200);
     exchange = exchange_of("GET", "/v1/meshes/square/distance?from=v:2&to=v:0", "", NULL);
-    assert_ptr_equal(exchange->work, NULL); /* the first: by now there is a field of v:0 */
+    assert_ptr_equal(exchange->work, NULL); /* answered at once: v:0 has a field by now */
     server_exchange_destroy(exchange);
     assert_int_equal(status_of("DELETE", "/v1/meshes/square", "", NULL), 204);
     assert_int_equal(status_of("GET", "/v1/meshes/square", "", NULL), 404);
 }
 
-static void what_takes_it_becomes_a_job(void **state)
+static void requests_that_permit_it_become_jobs(void **state)
 {
     (void)state;
     static const char prefer[] = "Prefer: respond-async";
@@ -69,7 +69,7 @@ static void what_takes_it_becomes_a_job(void **state)
     assert_int_equal(status_of("GET", location, "", NULL), 200);
     server_exchange_destroy(exchange);
     assert_int_equal(status_of("GET", "/v1/meshes", "Prefer: respond-async", NULL), 200);
-    /* refused as ever */
+    /* refused as without Prefer */
     assert_int_equal(status_of("PUT", "/v1/meshes/-/..", prefer, square), 404);
 }
 
@@ -81,7 +81,7 @@ static void a_number_may_hold_a_plus_sign(void **state)
         status_of("GET", "/v1/meshes/square/nearest?point=p:5e-1,2.5e+0,1e+2", "", NULL), 200);
 }
 
-static void targets_that_can_not_be_read(void **state)
+static void malformed_targets_are_refused(void **state)
 {
     (void)state;
     static const char *const targets[] = {"/v1/%",   "/v1/%4",       "/v1/%zz",
@@ -93,7 +93,7 @@ static void targets_that_can_not_be_read(void **state)
     assert_int_equal(status_of("GET", "", "", NULL), 404);
 }
 
-static void what_is_refused_before_its_body_closes_the_connection(void **state)
+static void a_refusal_before_the_body_closes_the_connection(void **state)
 {
     (void)state;
     char wrong[] = "Content-Length: 48", fine[] = "Content-Length: 48",
@@ -116,7 +116,7 @@ static void what_is_refused_before_its_body_closes_the_connection(void **state)
     server_exchange_destroy(exchange);
 }
 
-static void a_request_is_named(void **state)
+static void a_request_gets_an_id(void **state)
 {
     (void)state;
     struct server_exchange *exchange = exchange_of("GET", "/v1", "X-Request-Id: a.B-9_", NULL);
@@ -130,7 +130,7 @@ static void a_request_is_named(void **state)
     server_exchange_destroy(b);
 }
 
-static void options_tell_what_is_allowed(void **state)
+static void options_list_the_methods(void **state)
 {
     (void)state;
     struct server_exchange *exchange = exchange_of("OPTIONS", "/v1/meshes", "", NULL);
@@ -139,7 +139,7 @@ static void options_tell_what_is_allowed(void **state)
     server_exchange_destroy(exchange);
 }
 
-static void long_answers_are_compressed_for_those_who_take_it(void **state)
+static void long_answers_are_compressed_if_accepted(void **state)
 {
     (void)state;
     static const struct {
@@ -166,7 +166,7 @@ static void long_answers_are_compressed_for_those_who_take_it(void **state)
     server_exchange_destroy(small);
 }
 
-static void a_drain_shows(void **state)
+static void a_drain_closes_connections(void **state)
 {
     (void)state;
     atomic_store(&daemon_server.host.is_draining, true);
@@ -178,7 +178,7 @@ static void a_drain_shows(void **state)
     assert_int_equal(status_of("GET", "/livez", "", NULL), 200);
 }
 
-static void work_after_the_cancel_is_told_so(void **state)
+static void work_after_the_cancel_is_refused(void **state)
 {
     (void)state;
     assert_int_equal(PUT_SQUARE(), 201);
@@ -208,9 +208,9 @@ static void a_search_leaves_a_workspace_that_is_counted(void **state)
     assert_int_equal(counted(SERVER_BUDGET_FLIGHT), 0);
 }
 
-/* The first grant is more than there is: so the workspace of the search before makes way, and all
- * of the rest is granted. */
-static void a_search_that_needs_everything_has_the_workspace_too(void **state)
+/* The first grant exceeds the free memory. So the idle workspace is freed, and the call gets all
+ * the rest. */
+static void a_search_can_use_all_memory(void **state)
 {
     (void)state;
     assert_int_equal(PUT_SQUARE(), 201);
@@ -224,7 +224,7 @@ static void a_search_that_needs_everything_has_the_workspace_too(void **state)
     assert_int_equal(status, 200);
 }
 
-/* What those are told who waited for work that ended in that way. */
+/* Asserts the answer to jobs that waited for work that ended in this way. */
 static void assert_told(enum server_refusal why, unsigned status, const char *words)
 {
     char none[] = "";
@@ -252,18 +252,18 @@ int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
     const struct CMUnitTest tests[] = {
-        TEST(an_upload_and_a_question),
-        TEST(what_takes_it_becomes_a_job),
+        TEST(an_upload_and_a_query),
+        TEST(requests_that_permit_it_become_jobs),
         TEST(a_number_may_hold_a_plus_sign),
-        TEST(targets_that_can_not_be_read),
-        TEST(what_is_refused_before_its_body_closes_the_connection),
-        TEST(a_request_is_named),
-        TEST(options_tell_what_is_allowed),
-        TEST(long_answers_are_compressed_for_those_who_take_it),
-        TEST(a_drain_shows),
-        TEST(work_after_the_cancel_is_told_so),
+        TEST(malformed_targets_are_refused),
+        TEST(a_refusal_before_the_body_closes_the_connection),
+        TEST(a_request_gets_an_id),
+        TEST(options_list_the_methods),
+        TEST(long_answers_are_compressed_if_accepted),
+        TEST(a_drain_closes_connections),
+        TEST(work_after_the_cancel_is_refused),
         TEST(a_search_leaves_a_workspace_that_is_counted),
-        TEST(a_search_that_needs_everything_has_the_workspace_too),
+        TEST(a_search_can_use_all_memory),
         TEST(a_refusal_says_why),
     };
 #undef TEST

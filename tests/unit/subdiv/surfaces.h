@@ -1,4 +1,4 @@
-/* Control meshes for the tests of this room. */
+/* Control meshes for the tests of subdivision surfaces. */
 #ifndef TESTS_UNIT_SUBDIV_SURFACES_H
 #define TESTS_UNIT_SUBDIV_SURFACES_H
 
@@ -19,7 +19,7 @@ static inline struct gd_subdivision *surface_of(const struct gd_control_mesh *me
     return surface;
 }
 
-/* From OBJ text with tags. */
+/* Creates a surface from an OBJ text with tags. */
 static inline struct gd_subdivision *surface_from(const char *text, enum gd_scheme scheme)
 {
     struct gd_control_mesh mesh;
@@ -33,7 +33,7 @@ static inline struct gd_subdivision *surface_from(const char *text, enum gd_sche
     return surface;
 }
 
-/* NULL where the file isn't. */
+/* Creates a surface from a file. Returns NULL if the file does not exist. */
 static inline struct gd_subdivision *surface_from_file(const char *path, enum gd_scheme scheme)
 {
     size_t size;
@@ -43,12 +43,12 @@ static inline struct gd_subdivision *surface_from_file(const char *path, enum gd
     return surface;
 }
 
-/* [-1,1]^3; face 0 is z = 1 from (-,-) on. */
+/* The cube [-1,1]^3. Face 0 is z = 1 and begins at (-1,-1). */
 #define CUBE                                                                                       \
     "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n"         \
     "f 5 6 8 7\nf 1 3 4 2\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n"
 
-/* The same without symmetry. */
+/* A cube without symmetry. */
 #define SKEW_CUBE                                                                                  \
     "v -1 -1 -1\nv 1.2 -1.1 -1\nv -1 .8 -1.4\nv 1.1 1.3 -.7\nv -1 -.6 1\nv .7 -1 1.2\nv -1.3 1 "   \
     "1\nv 1 1.4 .8\n"                                                                              \
@@ -58,8 +58,8 @@ static inline struct gd_subdivision *surface_from_file(const char *path, enum gd
     "v 1 0 0\nv 0 1 0\nv -1 0 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\n"                                    \
     "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\nf 2 1 6\nf 3 2 6\nf 4 3 6\nf 1 4 6\n"
 
-/* A bent sheet of n x n cells; triangles: each cell in two. Face (i,j) of quads is number i n + j,
- * its corners (i,j), (i+1,j), (i+1,j+1), (i,j+1). */
+/* Makes a bent sheet of n x n cells, of two triangles each if `triangles`. The quad (i,j) is face i
+ * n + j with the corners (i,j), (i+1,j), (i+1,j+1), (i,j+1). */
 static inline void make_sheet(uint32_t n, bool triangles, struct gd_control_mesh *out)
 {
     *out = (struct gd_control_mesh){0};

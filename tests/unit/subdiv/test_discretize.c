@@ -13,7 +13,7 @@ static struct gd_discretization fine_of(const struct gd_subdivision *surface, ui
     return fine;
 }
 
-/* Every vertex is where evaluation says that its place is, and so is its normal. */
+/* Checks that each vertex has the position and normal that evaluation gives at its parameters. */
 static void check_places(const struct gd_subdivision *surface, const struct gd_discretization *fine,
                          double normal_tolerance)
 {
@@ -31,7 +31,8 @@ static void check_places(const struct gd_subdivision *surface, const struct gd_d
     free(jets);
 }
 
-/* A mesh: closed or with the boundaries that the control mesh has, no cracks. */
+/* Checks that the mesh has no cracks: Euler characteristic and boundaries are the control
+ * mesh's. */
 static void check_mesh(const struct gd_discretization *fine, int64_t euler, uint32_t loops)
 {
     struct gd_mesh *mesh = test_mesh(&fine->polygons);
@@ -71,7 +72,7 @@ static void levels(void **state)
     gd_subdivision_release(octahedron);
 }
 
-/* The triangles' middles are as near to the surface as was asked. */
+/* Checks that the centroids of triangles are within the tolerance of the surface. */
 static void check_tolerance(const struct gd_subdivision *surface, double tolerance)
 {
     struct gd_discretization fine = fine_of(surface, 0, tolerance);
@@ -83,7 +84,7 @@ static void check_tolerance(const struct gd_subdivision *surface, double toleran
             const double *q = p->positions[p->corners[3 * i + k]];
             middle = gd_vec3_along(middle, 1.0 / 3, (struct gd_vec3){q[0], q[1], q[2]});
         }
-        struct gd_limit_foot foot;
+        struct gd_limit_closest foot;
         check_ok(gd_limit_nearest(surface, middle, NULL, &foot, NULL), NULL);
         worst = fmax(worst, foot.distance);
     }
@@ -109,7 +110,7 @@ static void tolerances(void **state)
     gd_subdivision_release(surface);
 }
 
-/* A real control mesh with boundaries and triangles. Volumes' differences fall by 4 a level. */
+/* A real control mesh with boundaries, quads and triangles. */
 static void real_mesh(void **state)
 {
     (void)state;
@@ -164,8 +165,8 @@ static bool stop_later(void *user, double fraction)
     return --*(uint32_t *)user > 0;
 }
 
-/* A single face is a million vertices at level 10, and some hundred milliseconds. */
-static void a_large_face_is_looked_up_from(void **state)
+/* The control is checked within a single face, which has a million vertices at level 10. */
+static void a_large_face_checks_the_control(void **state)
 {
     (void)state;
     struct gd_subdivision *cube = surface_from(CUBE, GD_SCHEME_CATMULL_CLARK);
@@ -193,6 +194,6 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(levels), cmocka_unit_test(tolerances),
                                        cmocka_unit_test(real_mesh), cmocka_unit_test(refusals),
-                                       cmocka_unit_test(a_large_face_is_looked_up_from)};
+                                       cmocka_unit_test(a_large_face_checks_the_control)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

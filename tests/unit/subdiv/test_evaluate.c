@@ -1,6 +1,6 @@
 #include "tests/unit/subdiv/surfaces.h"
 
-/* Values computed independently and compared with OpenSubdiv to 12 digits. */
+/* Values that were computed independently and agree with OpenSubdiv to 12 digits. */
 static void cube_values(void **state)
 {
     (void)state;
@@ -54,7 +54,7 @@ static double basis(int i, double t)
     return b[i];
 }
 
-/* A regular grid is the uniform bicubic B-spline. */
+/* A regular grid gives the uniform bicubic B-spline. */
 static void regular_grid(void **state)
 {
     (void)state;
@@ -74,8 +74,8 @@ static void regular_grid(void **state)
     gd_control_mesh_free(&mesh);
 }
 
-/* Four infinitely sharp edges round the top: their curve is the uniform cubic B-spline of the
- * square, z = 1 stays a face of the surface's border. */
+/* Four infinitely sharp edges around the top: their curve is the uniform cubic B-spline of the
+ * square, and the top stays in the plane z = 1. */
 static void creased_cube(void **state)
 {
     (void)state;
@@ -96,11 +96,11 @@ static void creased_cube(void **state)
                         GD_SCHEME_CATMULL_CLARK);
     check_near(jet_at(cube, 0, 0, 0, 0).position, -1, -1, 1, 0);
     check_near(jet_at(cube, 0, 0, 0.25, 0).position, -0.5, -1, 1,
-               1e-14); /* with corners at its ends an edge is straight, and uniform */
+               1e-14); /* between two corners the edge is a straight line at uniform speed */
     gd_subdivision_release(cube);
 }
 
-/* Semi-sharp tags lie between none and infinite ones, in order. */
+/* The height grows with the sharpness of the tag. */
 static void semi_sharp(void **state)
 {
     (void)state;
@@ -117,8 +117,8 @@ static void semi_sharp(void **state)
     check_close(before, 1, 2e-3);
 }
 
-/* Tags of sharpness s <= 1 are gone after the one step in which they blend, so that the surface is
- * linear in s. */
+/* For sharpness s <= 1 the tag acts in one refinement step, which blends smooth and sharp rules by
+ * s. The surface is therefore linear in s. */
 static void fractional(void **state)
 {
     (void)state;
@@ -140,7 +140,8 @@ static void fractional(void **state)
     for (int k = 0; k < 3; k++) gd_subdivision_release(cubes[k]);
 }
 
-/* Central differences of positions give the derivatives, and theirs the second ones. */
+/* Compares first derivatives with central differences of positions, and second derivatives with
+ * those of first derivatives. */
 static void check_derivatives(const struct gd_subdivision *surface, uint32_t face, double u,
                               double v)
 {
@@ -180,9 +181,8 @@ static void derivatives(void **state)
     gd_subdivision_release(octahedron);
 }
 
-/* Both faces of an edge tell the same position, normal and curvatures along it. Face 0 of both
- * meshes is over its first edge beside face `other`, whose first edge it isn't: so places are told
- * by position. */
+/* Both faces of an edge give the same position, normal and curvatures along it. The pairs of
+ * parameters below denote the same point. */
 static void borders(void **state)
 {
     (void)state;
@@ -205,9 +205,8 @@ static void borders(void **state)
     gd_subdivision_release(octahedron);
 }
 
-/* (A crease vertex with one face: normals converge with the logarithm.) Towards vertices of every
- * kind (closed of valence 3 and 4, darts, creases, corners, boundaries of one to three faces)
- * positions and normals converge to those told at the vertex itself. */
+/* Checks that position and normal converge towards a vertex to their values at the vertex. Normals
+ * at a crease vertex with one face converge only with the logarithm of the distance. */
 static void check_limit(const struct gd_subdivision *surface, uint32_t face, const double corner[2],
                         const double inner[2], double tolerance)
 {
@@ -246,9 +245,8 @@ static void vertices(void **state)
     }
 }
 
-/* An L: at the corner that goes in, the boundary has three faces; at others two and one. At the
- * latter (edge only) normals converge with the logarithm of the distance, for the face's own bend
- * is as small as the curve's. */
+/* An L-shaped mesh has boundary vertices with one, two and three faces. With one face (edges
+ * interpolated, corners not) normals converge only with the logarithm of the distance. */
 static void boundary_vertices(void **state)
 {
     (void)state;
@@ -272,7 +270,8 @@ static void boundary_vertices(void **state)
     gd_subdivision_release(surface);
 }
 
-/* An n-gon's pieces meet in its middle, and are its control mesh refined once. */
+/* The pieces of an n-gon meet in its middle. They are the faces of the control mesh refined
+ * once. */
 static void polygons(void **state)
 {
     (void)state;
@@ -304,8 +303,8 @@ static void polygons(void **state)
     gd_subdivision_release(wedge);
 }
 
-/* A corner inside of a smooth surface: it stays where it is, all ways from it begin along one axis,
- * and there is no normal. */
+/* Checks a sharp corner inside a smooth surface (a spike). The corner stays fixed, all paths leave
+ * it along the same axis, and it has no normal. */
 static void check_spike(const char *text, enum gd_scheme scheme, uint32_t face, uint32_t corner)
 {
     struct gd_subdivision *surface = surface_from(text, scheme);
@@ -338,14 +337,14 @@ static void spikes(void **state)
     check_spike(SKEW_CUBE "t corner 1/1/0 7 10\n", GD_SCHEME_CATMULL_CLARK, 0, 2);
     check_spike(OCTAHEDRON "t corner 1/1/0 0 10\n", GD_SCHEME_LOOP, 0, 0);
     check_spike(OCTAHEDRON "t corner 1/1/0 4 10\n", GD_SCHEME_LOOP, 0, 2);
-    /* not for ever: smooth in the end */
+    /* finite sharpness: smooth in the limit */
     cube = surface_from(SKEW_CUBE "t corner 1/1/0 4 9.9\n", GD_SCHEME_CATMULL_CLARK);
     check_close(gd_vec3_length(jet_at(cube, 0, 0, 0, 0).normal), 1, 1e-14);
     gd_subdivision_release(cube);
 }
 
-/* A corner that is in the middle of its ring already is no spike: in an even plane nothing
- * happens. */
+/* A corner that is the centre of its ring already is not a spike: a regular planar sheet stays the
+ * same. */
 static void corner_in_a_plane(void **state)
 {
     (void)state;
@@ -370,8 +369,8 @@ static void corner_in_a_plane(void **state)
     }
 }
 
-/* Control points in a line: there are positions, and no normals. */
-static void no_plane(void **state)
+/* Collinear control points: positions exist, but no normals. */
+static void collinear_control_points(void **state)
 {
     (void)state;
     struct gd_subdivision *line =
@@ -383,7 +382,7 @@ static void no_plane(void **state)
     gd_subdivision_release(line);
 }
 
-/* Every face of real control meshes: quads with triangles, polygons, boundaries. */
+/* Every face of real control meshes, with quads, triangles, polygons and boundaries. */
 static void real_meshes(void **state)
 {
     (void)state;
@@ -413,7 +412,7 @@ static void real_meshes(void **state)
     }
 }
 
-/* The same at scales from 1e-6 to 1e6. */
+/* The same result at scales from 1e-6 to 1e6. */
 static void scales(void **state)
 {
     (void)state;
@@ -452,7 +451,7 @@ int main(void)
         cmocka_unit_test(scales),
         cmocka_unit_test(spikes),
         cmocka_unit_test(corner_in_a_plane),
-        cmocka_unit_test(no_plane),
+        cmocka_unit_test(collinear_control_points),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

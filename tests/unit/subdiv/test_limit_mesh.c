@@ -14,8 +14,8 @@ static struct gd_limit_mesh *fine_of(const struct gd_subdivision *surface, uint3
     return fine;
 }
 
-/* Vertices are where the discretization says that they are, to the last bit, and so are their
- * normals. */
+/* Checks that vertices and normals are those of the discretization, bit for bit, and that vertices
+ * convert to parameters and back. */
 static void check_vertices(const struct gd_subdivision *surface, const struct gd_limit_mesh *fine)
 {
     struct gd_discretization made;
@@ -38,7 +38,8 @@ static void check_vertices(const struct gd_subdivision *surface, const struct gd
     gd_discretization_free(&made);
 }
 
-/* There and back again, at places all over the face, on the lines of cells too. */
+/* Converts random parameters to points of the mesh and back, including points on lines between
+ * cells. */
 static void check_places(const struct gd_limit_mesh *fine, uint32_t faces, uint32_t corners,
                          bool triangles)
 {
@@ -76,7 +77,7 @@ static void check(const char *text, enum gd_scheme scheme, uint32_t faces, uint3
     gd_subdivision_release(surface);
 }
 
-/* Both diagonals occur where nothing is symmetric. */
+/* An asymmetric mesh uses both diagonals of quads. */
 static void quads(void **state)
 {
     (void)state;
@@ -97,7 +98,7 @@ static void triangles(void **state)
     check(OCTAHEDRON, GD_SCHEME_LOOP, 8, 1);
 }
 
-/* A quad among polygons is one piece of four parts. */
+/* In a mesh with triangles, a quad is one piece of four parts. */
 static void mixed(void **state)
 {
     (void)state;
@@ -141,7 +142,7 @@ static void levels(void **state)
     gd_subdivision_release(surface);
 }
 
-/* Angles are counted from du, counter-clockwise, and found again. */
+/* Angles are counter-clockwise from du. Directions and angles convert into each other. */
 static void directions(void **state)
 {
     (void)state;

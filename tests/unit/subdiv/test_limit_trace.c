@@ -26,9 +26,9 @@ static double gap(const struct gd_limit_path *path)
     return gd_vec3_distance(path->steps[0].position, last(path)->position);
 }
 
-/* The two closed geodesics in mirror planes of the smoothed cube. The lengths: quadrature of |S'|
- * along them; the second one's, with Gauss nodes graded towards the four vertices of valence 3,
- * is 5.384418260817. */
+/* The two closed geodesics in mirror planes of the smoothed cube. Their lengths were computed by
+ * quadrature of |S'|. The second one, 5.384418260817, used Gauss nodes graded towards the four
+ * vertices of valence 3. */
 static void closed_geodesics(void **state)
 {
     (void)state;
@@ -54,7 +54,8 @@ static void closed_geodesics(void **state)
     gd_subdivision_release(cube);
 }
 
-/* A geodesic traced back is itself, with creases and boundaries or not, in both schemes. */
+/* Checks that a geodesic traced backwards returns to its start, with and without creases and
+ * boundaries, in both schemes. */
 static void check_back(const struct gd_subdivision *surface, double length, uint32_t faces,
                        int count)
 {
@@ -99,7 +100,7 @@ static void there_and_back(void **state)
     gd_subdivision_release(surface);
 }
 
-/* In a flat sheet geodesics are straight, to the boundary; the parameters there are not even. */
+/* In a flat sheet with uneven parameters, geodesics are straight lines to the boundary. */
 static void flat(void **state)
 {
     (void)state;
@@ -121,7 +122,7 @@ static void flat(void **state)
     gd_control_mesh_free(&mesh);
 }
 
-/* A path ends at the tip of a spike, and passes by it when it isn't aimed there. */
+/* A path that is aimed at the tip of a spike ends there. Other paths pass by. */
 static void spike(void **state)
 {
     (void)state;
@@ -131,7 +132,7 @@ static void spike(void **state)
     struct gd_limit_path path = trace(cube, at, (struct gd_vec3){-1, -1, 0}, 3);
     assert_int_equal(path.end, GD_LIMIT_END_SINGULAR);
     check_near(last(&path)->position, -1, -1, 1, 1e-15);
-    check_close(path.length, 1.2073125, 1e-6); /* of the curve in the mirror plane */
+    check_close(path.length, 1.2073125, 1e-6); /* length of the curve in the mirror plane */
     double chords = 0;
     for (uint32_t i = 1; i < path.step_count; i++)
         chords += gd_vec3_distance(path.steps[i].position, path.steps[i - 1].position);
@@ -152,8 +153,8 @@ static void spike(void **state)
     gd_subdivision_release(cube);
 }
 
-/* Paths begin at boundary vertices of any number of faces, in the face where the direction leads,
- * whichever face is told: in a flat L they are straight. */
+/* Paths from the inner corner of a flat L, which has three faces: they are straight lines,
+ * whichever face the start names. */
 static void from_corners(void **state)
 {
     (void)state;
@@ -184,7 +185,8 @@ static void from_corners(void **state)
     gd_subdivision_release(l);
 }
 
-/* A tag that is spent leaves a smooth vertex, through which a path passes: there and back. */
+/* A semi-sharp tag leaves a smooth vertex in the limit. A path passes through it in both
+ * directions. */
 static void semi_sharp_vertex(void **state)
 {
     (void)state;
@@ -243,9 +245,8 @@ static void refusals(void **state)
     gd_subdivision_release(cube);
 }
 
-/* A thousand directions from as many places of a real control mesh, each a part of the bounding
- * box's diagonal long, never fail, on the surface and on its discretization; every tenth begins at
- * a vertex. */
+/* Traces a thousand random geodesics on a real control mesh and on its discretization. None may
+ * fail. Every tenth starts at a vertex. `part`: length relative to the bounding box's diagonal. */
 static void check_thousand(const char *path, double part)
 {
     struct gd_subdivision *surface = surface_from_file(path, GD_SCHEME_CATMULL_CLARK);
@@ -281,7 +282,7 @@ static void check_thousand(const char *path, double part)
         struct gd_trace line;
         check_ok(gd_limit_mesh_point(fine, &start, &from, &detail), &detail);
         enum gd_status status = gd_direction_along(mesh, &from, direction, &ahead, &detail);
-        if (status == GD_NOT_ON_SURFACE) continue; /* over the boundary */
+        if (status == GD_NOT_ON_SURFACE) continue; /* leads over the boundary */
         check_ok(status, &detail);
         check_ok(gd_trace_follow(
                      mesh,
@@ -302,7 +303,7 @@ static void real_meshes(void **state)
 {
     (void)state;
     check_thousand("../shared/meshes/suzanne.obj", 0.5);
-    /* of ten times as many patches to a length */
+    /* a path of the same length crosses ten times as many patches */
     check_thousand("../shared/meshes/beast.obj", 0.03);
 }
 

@@ -11,8 +11,8 @@ static double at(struct lattice lattice, int i, int j, int axis)
     return lattice.p[i * ROW + j][axis];
 }
 
-/* Loop's rules on the regular lattice, whose triangles are (i,j),(i+1,j),(i,j+1) and
- * (i+1,j),(i+1,j+1),(i,j+1); a, b are of the fine one. */
+/* Returns coordinate `axis` of vertex (a, b) after one step of Loop's rules on the regular lattice.
+ * The triangles of the lattice are (i,j),(i+1,j),(i,j+1) and (i+1,j),(i+1,j+1),(i,j+1). */
 static double refined(struct lattice l, int a, int b, int axis)
 {
     int i = a / 2, j = b / 2;
@@ -31,8 +31,8 @@ static double refined(struct lattice l, int a, int b, int axis)
            0.125 * (at(l, i, j, axis) + at(l, i + 1, j + 1, axis));
 }
 
-/* The only bounded functions that refinement takes to themselves are the box splines: a sheet and
- * its refinement are one surface. */
+/* A sheet and its refinement are the same surface. Only box splines have this property among
+ * bounded functions. */
 static void refinement(void **state)
 {
     (void)state;
@@ -64,8 +64,7 @@ static void refinement(void **state)
     gd_control_mesh_free(&fine);
 }
 
-/* A flat, even lattice stays what it is: inside S(u,v) is linear in (u,v), and at a straight
- * boundary too. */
+/* On a regular planar lattice, S(u,v) is linear in (u,v), also at a straight boundary. */
 static void linear_precision(void **state)
 {
     (void)state;
@@ -86,8 +85,8 @@ static void linear_precision(void **state)
     gd_control_mesh_free(&mesh);
 }
 
-/* Octahedron: masks at its vertices of valence 4. beta = (5/8 - (3/8)^2) / 4, the vertex keeps w /
- * (w + 4), w = 3 / (8 beta), of itself; the neighbours cancel. */
+/* Limit masks at the octahedron's vertices of valence 4: beta = (5/8 - (3/8)^2) / 4, w = 3 / (8
+ * beta). The vertex has the weight w / (w + 4), and its neighbours cancel each other. */
 static void octahedron(void **state)
 {
     (void)state;

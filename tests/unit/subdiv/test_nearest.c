@@ -1,14 +1,15 @@
 #include "tests/unit/subdiv/surfaces.h"
 
-static struct gd_limit_foot foot_of(const struct gd_subdivision *surface, struct gd_vec3 xyz)
+static struct gd_limit_closest foot_of(const struct gd_subdivision *surface, struct gd_vec3 xyz)
 {
-    struct gd_limit_foot foot = {0};
+    struct gd_limit_closest foot = {0};
     struct gd_detail detail = {0};
     check_ok(gd_limit_nearest(surface, xyz, NULL, &foot, &detail), &detail);
     return foot;
 }
 
-/* A point moved off along the normal, by less than the surface bends, comes back. */
+/* Moves points along the normal by less than the radius of curvature. Their nearest point is the
+ * original point. */
 static void check_normals(const struct gd_subdivision *surface, uint32_t faces, double height)
 {
     struct rng rng = {5};
@@ -17,7 +18,7 @@ static void check_normals(const struct gd_subdivision *surface, uint32_t faces, 
                                        rng_between(&rng, 0, 0.5)};
         if (n % 10 == 0) place.v = 0;
         struct gd_limit_jet jet = jet_at(surface, place.face, 0, place.u, place.v);
-        struct gd_limit_foot foot =
+        struct gd_limit_closest foot =
             foot_of(surface, gd_vec3_along(jet.position, height, jet.normal));
         check_close(foot.distance, height, 1e-13);
         check_near(foot.position, jet.position.x, jet.position.y, jet.position.z, 1e-7);
@@ -27,7 +28,8 @@ static void check_normals(const struct gd_subdivision *surface, uint32_t faces, 
         foot = foot_of(surface, jet.position);
         assert_true(foot.distance < 1e-13);
         struct gd_limit_jet near =
-            jet_at(surface, place.face, 0, place.u / 20, place.v / 20); /* a vertex is the seed */
+            /* near a vertex, so the search starts there */
+            jet_at(surface, place.face, 0, place.u / 20, place.v / 20);
         assert_true(foot_of(surface, near.position).distance < 1e-13);
     }
 }
@@ -38,7 +40,7 @@ static void along_normals(void **state)
     struct gd_subdivision *surface = surface_from(CUBE, GD_SCHEME_CATMULL_CLARK);
     check_normals(surface, 6, 0.3);
     /* the vertex of valence 3 */
-    struct gd_limit_foot foot = foot_of(surface, (struct gd_vec3){3, 3, 3});
+    struct gd_limit_closest foot = foot_of(surface, (struct gd_vec3){3, 3, 3});
     check_near(foot.position, 0.5, 0.5, 0.5, 1e-12);
     check_close(foot.distance, 2.5 * sqrt(3), 1e-14);
     gd_subdivision_release(surface);
@@ -47,14 +49,15 @@ static void along_normals(void **state)
     gd_subdivision_release(surface);
 }
 
-/* Beyond a boundary the foot is on the boundary, at a right angle to it. */
+/* Beyond a boundary the nearest point is on the boundary, and the connecting line is at a right
+ * angle to it. */
 static void boundary(void **state)
 {
     (void)state;
     struct gd_control_mesh mesh;
     make_sheet(4, false, &mesh);
     struct gd_subdivision *sheet = surface_of(&mesh, GD_SCHEME_CATMULL_CLARK);
-    struct gd_limit_foot foot = foot_of(sheet, (struct gd_vec3){2.1, -3, 0.4});
+    struct gd_limit_closest foot = foot_of(sheet, (struct gd_vec3){2.1, -3, 0.4});
     struct gd_limit_jet jet = jet_at(sheet, foot.place.face, 0, foot.place.u, foot.place.v);
     assert_true(foot.place.v < 1e-12);
     struct gd_vec3 way = gd_vec3_sub((struct gd_vec3){2.1, -3, 0.4}, foot.position);

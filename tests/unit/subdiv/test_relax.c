@@ -2,8 +2,8 @@
 
 #include "gd/limit_path.h"
 
-/* Traced geodesics whose polylines are told coarsely, by three points one of which is off, are
- * found again. */
+/* Checks that relaxation finds a traced geodesic again from three points, the middle one of which
+ * is off the geodesic. */
 static void check_found(const struct gd_subdivision *surface, uint32_t faces, double length)
 {
     struct rng rng = {2};
@@ -40,7 +40,7 @@ static void check_found(const struct gd_subdivision *surface, uint32_t faces, do
     }
 }
 
-static void found_again(void **state)
+static void finds_the_geodesic_again(void **state)
 {
     (void)state;
     struct gd_subdivision *surface = surface_from(CUBE, GD_SCHEME_CATMULL_CLARK);
@@ -51,8 +51,8 @@ static void found_again(void **state)
     gd_subdivision_release(surface);
 }
 
-/* Around a hole no geodesic leads straight: the shortest path hugs the boundary, and that is
- * said. */
+/* Around a corner the shortest path follows the boundary and is not a geodesic. The result is "not
+ * converged". */
 static void around_a_corner(void **state)
 {
     (void)state;
@@ -67,7 +67,7 @@ static void around_a_corner(void **state)
              NULL);
     assert_false(found.converged);
     assert_null(found.path.steps);
-    /* leads over the gap, straight to the end */
+    /* crosses the gap in a straight line */
     const struct gd_limit_point chord[2] = {polyline[0], polyline[2]};
     check_ok(gd_limit_relax(corner, &(struct gd_limit_places){chord, 2}, NULL, &found, NULL), NULL);
     assert_false(found.converged);
@@ -83,7 +83,7 @@ static void around_a_corner(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(found_again),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(finds_the_geodesic_again),
                                        cmocka_unit_test(around_a_corner)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -23,7 +23,7 @@ static struct gd_limit_shortest find(const struct gd_limit_mesh *fine, struct gd
     return shortest;
 }
 
-/* A flat sheet of regular cells is a plane in which distances are Pythagoras'. */
+/* In a flat sheet of regular cells distances are Euclidean. */
 static void plane(void **state)
 {
     (void)state;
@@ -46,9 +46,9 @@ static void plane(void **state)
     gd_subdivision_release(surface);
 }
 
-/* Half of the closed geodesic in the mirror plane y = 0 of the smoothed cube, from the middle of
- * the top to that of the bottom: smooth.md's length. */
-static void half_a_turn(void **state)
+/* A quarter of the closed geodesic in the mirror plane y = 0 of the smoothed cube, from the middle
+ * of the top to the middle of the side x = 1. Its length is that of test_limit_trace.c. */
+static void quarter_of_a_closed_geodesic(void **state)
 {
     (void)state;
     struct gd_subdivision *surface = surface_from(CUBE, GD_SCHEME_CATMULL_CLARK);
@@ -62,7 +62,7 @@ static void half_a_turn(void **state)
         check_close(shortest.steps[0].position.z, 68.0 / 81, 1e-12);
         check_close(shortest.steps[shortest.step_count - 1].position.x, 68.0 / 81, 1e-10);
         double off = fabs(shortest.mesh_distance - shortest.distance);
-        assert_true(off < 0.3 * before); /* of second order */
+        assert_true(off < 0.3 * before); /* converges in second order */
         before = off;
         gd_limit_shortest_free(&shortest);
         gd_limit_mesh_free(fine);
@@ -70,7 +70,7 @@ static void half_a_turn(void **state)
     gd_subdivision_release(surface);
 }
 
-/* No path is longer than the ways by a third place, and the two directions are of one length. */
+/* The triangle inequality holds, and both directions have the same length. */
 static void laws(void **state)
 {
     (void)state;
@@ -99,14 +99,14 @@ static void laws(void **state)
         for (int i = 0; i < 3; i++)
             assert_true(distance[i] <= distance[(i + 1) % 3] + distance[(i + 2) % 3] + error);
     }
-    /* the others end at conjugate points, or pass a vertex of valence 3 */
+    /* the others end at conjugate points or pass a vertex of valence 3 */
     assert_true(relaxed > 110);
     gd_limit_mesh_free(fine);
     gd_subdivision_release(surface);
 }
 
-/* Around a corner that turns in, where the path is not a geodesic, its length converges, and the
- * estimate tells how far. */
+/* Around a corner the path follows the boundary. Its length converges with the level, and the
+ * estimate bounds the error. */
 static void around_a_corner(void **state)
 {
     (void)state;
@@ -131,7 +131,7 @@ static void around_a_corner(void **state)
     gd_subdivision_release(corner);
 }
 
-static void edges(void **state)
+static void edge_cases(void **state)
 {
     (void)state;
     struct gd_subdivision *surface =
@@ -163,8 +163,8 @@ static void edges(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(plane), cmocka_unit_test(half_a_turn),
-                                       cmocka_unit_test(laws), cmocka_unit_test(around_a_corner),
-                                       cmocka_unit_test(edges)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(plane), cmocka_unit_test(quarter_of_a_closed_geodesic),
+        cmocka_unit_test(laws), cmocka_unit_test(around_a_corner), cmocka_unit_test(edge_cases)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

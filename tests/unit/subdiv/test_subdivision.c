@@ -81,7 +81,7 @@ static void summaries(void **state)
     gd_control_mesh_free(&mesh);
 }
 
-/* Tags of a file: chains, one sharpness or one each, and what is skipped. */
+/* Tags of a file: chains of edges, one sharpness for all or one each, and ignored tags. */
 static void tags(void **state)
 {
     (void)state;
@@ -103,8 +103,7 @@ static void tags(void **state)
     gd_control_mesh_free(&mesh);
 }
 
-/* More of them than a mesh of one triangle has sides (found by the fuzzer): they are no part of the
- * surface, which is that of the triangle alone. */
+/* More unreferenced vertices than the mesh has sides. They do not change the surface. */
 static void unreferenced_vertices(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/* Curves: what the tests of curve operations share. */
+/* Shared by the tests of operations on curves. */
 #ifndef TESTS_UNIT_TRANSPORT_CURVES_H
 #define TESTS_UNIT_TRANSPORT_CURVES_H
 
@@ -18,8 +18,7 @@ static inline struct gd_curve curve_through(const struct gd_mesh *mesh,
     return curve;
 }
 
-/* Consecutive points lie in one face: what joins them is a segment, whose middle is on the
- * surface. */
+/* Checks that the segments between consecutive points lie on the surface, at their middles. */
 static inline void check_curve(const struct gd_mesh *mesh, const struct gd_curve *curve,
                                double size)
 {

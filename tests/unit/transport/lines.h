@@ -1,4 +1,4 @@
-/* Lines: what the tests of this room share. */
+/* Shared by the tests of transport. */
 #ifndef TESTS_UNIT_TRANSPORT_LINES_H
 #define TESTS_UNIT_TRANSPORT_LINES_H
 
@@ -17,7 +17,7 @@
 
 static const double exact = 1e-12, promise = 1e-9;
 
-/* A mesh and what it was made of. */
+/* A mesh and the polygons that it was built from. */
 struct surface {
     struct gd_polygons polygons;
     struct gd_mesh *mesh;
@@ -37,7 +37,7 @@ static inline void surface_free(struct surface *surface)
     gd_polygons_free(&surface->polygons);
 }
 
-/* The meshes that the task came with, when they are there. False: there is none of that name. */
+/* Reads a mesh of ../shared/meshes. Returns false if the file does not exist. */
 static inline bool surface_read(const char *name, struct surface *out)
 {
     char path[128];
@@ -114,7 +114,7 @@ static inline void expect_near(double actual, double expected, double tolerance)
         fail_msg("%.17g instead of %.17g", actual, expected);
 }
 
-/* Any direction that is on the surface. */
+/* Returns a random direction that does not lead off the surface. */
 static inline struct gd_direction random_direction(const struct gd_mesh *mesh,
                                                    struct gd_point point, struct rng *rng)
 {

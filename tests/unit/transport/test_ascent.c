@@ -4,7 +4,7 @@
 
 enum { MOST = 7, STEPS = 20000 };
 
-/* The sum that gd__ascent is the greatest of, straight from its definition. */
+/* Computes by definition the sum that gd__ascent maximises. */
 static double sum_at(const struct gd__pull *pulls, uint32_t count, double turn, double circle)
 {
     double sum = 0;
@@ -16,7 +16,8 @@ static double sum_at(const struct gd__pull *pulls, uint32_t count, double turn, 
     return sum;
 }
 
-/* No direction on the surface pulls more, and that one pulls as much as it says. */
+/* Checks that no direction on the surface has a larger sum, and that the found direction has the
+ * returned sum. */
 static void check_point(const struct gd_mesh *mesh, struct gd_point point, struct rng *rng)
 {
     bool is_closed = gd__turn_is_closed(mesh, &point);
@@ -65,8 +66,8 @@ static void greatest_of_all(void **state)
     surface_free(&grid);
 }
 
-/* In the plane Newton's step leads to the mean of the vectors' ends, also of those that bend: to
- * the second order. */
+/* In a plane, Newton's step leads to the mean of the vectors' ends. If a vector bends, the second
+ * derivative across it is larger by the factor `bend`. */
 static void steps_to_the_mean(void **state)
 {
     (void)state;

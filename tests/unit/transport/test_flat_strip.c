@@ -29,7 +29,7 @@ static double segment(const struct gd_mesh *mesh, const struct gd_point *a,
     return gd_vec3_distance(gd_point_position(mesh, a), gd_point_position(mesh, b));
 }
 
-/* Lengths in the plane are lengths on the surface. */
+/* Checks that lengths between consecutive points are the same in the plane and on the surface. */
 static void check_points(const struct gd_mesh *mesh, const struct gd_path *path,
                          const struct gd_flat_strip *strip)
 {
@@ -54,7 +54,7 @@ static bool has_corner(const struct gd_flat_face *face, const double at[2], doub
     return false;
 }
 
-/* Faces are seen from outside, and each shares an edge with the one before. */
+/* Checks that faces are counter-clockwise and that each shares an edge with the previous one. */
 static void check_faces(const struct gd_flat_strip *strip, double error)
 {
     for (uint32_t i = 0; i < strip->face_count; i++) {
@@ -71,9 +71,9 @@ static void check_pair(const struct gd_mesh *mesh, const struct gd_point *from,
 {
     struct gd_pair_answer answer;
     struct gd_flat_strip strip;
-    check_ok(gd_pair_solve(mesh,
-                           &(struct gd_pair_request){.from = from, .to = to, .wish = GD_PAIR_PATH},
-                           NULL, &answer, NULL),
+    check_ok(gd_pair_solve(
+                 mesh, &(struct gd_pair_request){.from = from, .to = to, .output = GD_PAIR_PATH},
+                 NULL, &answer, NULL),
              NULL);
     check_ok(gd_flat_strip_of(mesh, &answer.path, NULL, &strip), NULL);
     const double *end = strip.points[strip.point_count - 1];
@@ -90,8 +90,7 @@ static void check_pair(const struct gd_mesh *mesh, const struct gd_point *from,
     gd_pair_answer_free(&answer);
 }
 
-/* The law: on a convex surface a shortest path passes through no vertex, so unfolded it is one
- * straight line. */
+/* On a convex surface a shortest path passes through no vertex. Unfolded, it is a straight line. */
 static void straight_where_the_surface_is_convex(void **state)
 {
     (void)state;
@@ -109,7 +108,7 @@ static void straight_where_the_surface_is_convex(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Paths of a terrain and of a mesh with holes bend at vertices, run along edges and boundaries. */
+/* On a terrain paths bend at vertices and run along edges and boundaries. */
 static void lengths_are_kept_everywhere(void **state)
 {
     (void)state;
@@ -126,8 +125,8 @@ static void lengths_are_kept_everywhere(void **state)
     gd_mesh_release(mesh);
 }
 
-/* A path that turns back in the middle of a face goes over the same faces again. */
-static void keeps_ways_back(void **state)
+/* A path that turns back inside a face crosses the same faces again. */
+static void paths_that_turn_back(void **state)
 {
     (void)state;
     struct gd_polygons polygons;
@@ -142,12 +141,12 @@ static void keeps_ways_back(void **state)
         struct gd_flat_strip strip;
         check_ok(gd_pair_solve(mesh,
                                &(struct gd_pair_request){
-                                   .from = &ends[0], .to = &ends[1], .wish = GD_PAIR_PATH},
+                                   .from = &ends[0], .to = &ends[1], .output = GD_PAIR_PATH},
                                NULL, &there, NULL),
                  NULL);
         check_ok(gd_pair_solve(mesh,
                                &(struct gd_pair_request){
-                                   .from = &ends[1], .to = &ends[2 * i], .wish = GD_PAIR_PATH},
+                                   .from = &ends[1], .to = &ends[2 * i], .output = GD_PAIR_PATH},
                                NULL, &back, NULL),
                  NULL);
         struct gd_path path = {there.path.length + back.path.length,
@@ -172,7 +171,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(straight_where_the_surface_is_convex),
         cmocka_unit_test(lengths_are_kept_everywhere),
-        cmocka_unit_test(keeps_ways_back),
+        cmocka_unit_test(paths_that_turn_back),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

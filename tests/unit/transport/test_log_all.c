@@ -3,8 +3,8 @@
 #include "gd/query.h"
 #include "tests/support/field.h"
 
-/* Counts the vertices to which the map has another way than the path: as long, or it would be none
- * of the shortest. */
+/* Checks the map at a vertex. Increments *others if the map's direction belongs to another path
+ * than gd_pair_from_field's; its length must be equal. */
 static void check_vertex(const struct gd_field *field, struct gd_point from, uint32_t index,
                          double angle, double length, uint32_t *others)
 {
@@ -37,12 +37,12 @@ static void check_map(const struct gd_mesh *mesh, struct gd_point from)
         assert_true(is_there == !isnan(lengths[i]));
         if (is_there) check_vertex(field, from, i, angles[i], lengths[i], &others);
     }
-    assert_true(others <= 2 + count / 200); /* on the cut locus there is more than one way */
+    assert_true(others <= 2 + count / 200); /* on the cut locus several paths are shortest */
     gd_field_release(field);
     free(angles);
 }
 
-static void as_by_the_paths(void **state)
+static void agrees_with_paths(void **state)
 {
     (void)state;
     static const struct {
@@ -70,7 +70,7 @@ static void as_by_the_paths(void **state)
     }
 }
 
-/* In the plane the directions are known. */
+/* In a plane the directions are known. */
 static void in_the_plane(void **state)
 {
     (void)state;
@@ -122,7 +122,7 @@ static void other_fields_are_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(as_by_the_paths),
+        cmocka_unit_test(agrees_with_paths),
         cmocka_unit_test(in_the_plane),
         cmocka_unit_test(other_fields_are_refused),
     };

@@ -39,8 +39,8 @@ static void arithmetic_in_the_plane(void **state)
     surface_free(&grid);
 }
 
-/* Whatever the order, and with equal weights given or not: the same point, where the vectors cancel
- * out. */
+/* The mean depends neither on the order of the points nor on whether equal weights are given. At
+ * the mean the vectors to the points cancel. */
 static void does_not_depend_on_the_order(void **state)
 {
     (void)state;
@@ -75,7 +75,7 @@ static void does_not_depend_on_the_order(void **state)
     }
 }
 
-/* Three points of a ball around an axis of its symmetry: their mean is on it. */
+/* Three points of a sphere that are symmetric about an axis: their mean lies on the axis. */
 static void symmetric_on_a_ball(void **state)
 {
     (void)state;
@@ -95,9 +95,9 @@ static void symmetric_on_a_ball(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* At a saddle's apex, whose angle is much more than 2 pi, a mean stands fast: points may move and
- * it stays. */
-static void stands_at_a_saddle(void **state)
+/* At the apex of a saddle, whose total angle is much larger than 2 pi, the mean is stable: it stays
+ * when the points move. */
+static void stable_at_a_saddle(void **state)
 {
     (void)state;
     struct gd_polygons polygons;
@@ -118,7 +118,7 @@ static void stands_at_a_saddle(void **state)
     gd_polygons_free(&polygons);
 }
 
-static void what_has_no_mean(void **state)
+static void refusals(void **state)
 {
     (void)state;
     double positions[][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 0, 0}, {6, 0, 0}, {5, 1, 0}};
@@ -149,9 +149,11 @@ static void what_has_no_mean(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(arithmetic_in_the_plane), cmocka_unit_test(does_not_depend_on_the_order),
-        cmocka_unit_test(symmetric_on_a_ball),     cmocka_unit_test(stands_at_a_saddle),
-        cmocka_unit_test(what_has_no_mean),
+        cmocka_unit_test(arithmetic_in_the_plane),
+        cmocka_unit_test(does_not_depend_on_the_order),
+        cmocka_unit_test(symmetric_on_a_ball),
+        cmocka_unit_test(stable_at_a_saddle),
+        cmocka_unit_test(refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,4 +1,4 @@
-/* Resampling, and offsets: places at equal lengths, and curves at equal distances. */
+/* Tests of resampling (points at equal arc lengths) and of offsets (curves at equal distances). */
 #include "tests/unit/transport/curves.h"
 
 #include "gd/offset.h"

@@ -1,4 +1,4 @@
-/* Shortening: curves pulled tight against closed forms and against shortest paths. */
+/* Compares shortened curves with closed forms and with shortest paths. */
 #include "tests/unit/transport/curves.h"
 
 #include <string.h>
@@ -27,7 +27,7 @@ static double distance_between(const struct gd_mesh *mesh, const struct gd_point
     return answer.distance;
 }
 
-/* A detour in the plane becomes the straight line, wherever it led. */
+/* In a plane any detour becomes the straight segment. */
 static void detours_in_the_plane(void **state)
 {
     (void)state;
@@ -51,8 +51,8 @@ static void detours_in_the_plane(void **state)
     surface_free(&plane);
 }
 
-/* On any surface it is never shorter than the distance, never longer than it was, and pulled again
- * stays. */
+/* On any surface a shortened curve is at least as long as the distance and at most as long as
+ * before. Shortening it again does not change its length. */
 static void detours_on_surfaces(void **state)
 {
     (void)state;
@@ -86,12 +86,12 @@ static void detours_on_surfaces(void **state)
             gd_shortening_free(&twice);
             gd_curve_free(&curve);
         }
-        assert_true(shortest >= 10); /* most of those on a disc */
+        assert_true(shortest >= 10); /* most curves on a disc */
         surface_free(&surface);
     }
 }
 
-/* A wavy curve round a prism becomes its girth; round the tube of a torus a meridian. */
+/* A wavy curve around a prism becomes a closed geodesic of the prism's perimeter. */
 static void closed_geodesics(void **state)
 {
     (void)state;
@@ -106,7 +106,7 @@ static void closed_geodesics(void **state)
     assert_true(shortening.is_geodesic && shortening.curve.closed);
     check_curve(tube.mesh, &shortening.curve, 1);
     gd_shortening_free(&shortening);
-    /* Birkhoff's way is slower, and comes from above */
+    /* Birkhoff's method converges more slowly, from above */
     shortening = shorten(tube.mesh, &curve, 100);
     double length = gd_curve_length(tube.mesh, &shortening.curve);
     assert_true(length > 48 * sin(M_PI / 24) && length < 48.2 * sin(M_PI / 24));
@@ -116,7 +116,7 @@ static void closed_geodesics(void **state)
     surface_free(&tube);
 }
 
-/* What nothing holds is told so. */
+/* A loop that shrinks to a point is refused. */
 static void loops_that_shrink_to_points(void **state)
 {
     (void)state;

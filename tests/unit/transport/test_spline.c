@@ -1,4 +1,4 @@
-/* Splines against the classical ones in the plane, and the laws that they keep on any surface. */
+/* Compares splines with the classical ones in a plane, and checks laws on any surface. */
 #include "tests/unit/transport/lines.h"
 
 #include <pthread.h>
@@ -43,7 +43,8 @@ static void random_points(const struct surface *surface, struct rng *rng, struct
 
 /* --- the plane -------------------------------------------------------------------------------- */
 
-/* The cubic through the points i and i + 1 with the tangents m, by Hermite's basis. */
+/* Evaluates the cubic with the end points p[0], p[1] and the tangents m[0], m[1] by Hermite's
+ * basis. */
 static struct gd_vec3 hermite(const struct gd_vec3 *p, const struct gd_vec3 *m, double span,
                               double t)
 {
@@ -121,8 +122,7 @@ static const struct {
     double values[SAMPLE_PARAMETERS];
 } surfaces[] = {{"icosphere", {3, 1}}, {"torus", {36, 24, 1, 0.4}}, {"cylinder", {1, 2, 24, 12}}};
 
-/* All points lie on the surface, one face for two that follow each other, and the length is the
- * sum. */
+/* Checks that the path's length is the sum of the distances between consecutive points. */
 static void check_path(const struct gd_mesh *mesh, const struct gd_path *path)
 {
     double length = 0;
@@ -196,7 +196,7 @@ static void laws_on_surfaces(void **state)
     }
 }
 
-/* ../shared/meshes, where they are there. */
+/* Checks the laws on meshes of ../shared/meshes. Missing files are skipped. */
 static void laws_on_shared_meshes(void **state)
 {
     (void)state;
@@ -216,7 +216,7 @@ static void laws_on_shared_meshes(void **state)
     }
 }
 
-/* The same curve whatever the unit. */
+/* Scaling the mesh scales the curve. */
 static void any_scale(void **state)
 {
     (void)state;
@@ -237,7 +237,7 @@ static void any_scale(void **state)
         struct gd_spline_line line =
             sample(sphere.mesh, &spline, (struct gd_spline_sampling){.even = 30});
         if (i == 0) length = line.path.length;
-        double speed = line.path.length / 30; /* of each step, but for the bend of its chord */
+        double speed = line.path.length / 30; /* of each step, up to its chord */
         for (uint32_t k = 1; k < line.count; k++)
             check_close(gd_vec3_distance(gd_point_position(sphere.mesh, &line.places[k - 1].point),
                                          gd_point_position(sphere.mesh, &line.places[k].point)),
@@ -249,7 +249,8 @@ static void any_scale(void **state)
     }
 }
 
-/* With tension 1 it is the polyline of shortest paths; finer tolerances only add to the length. */
+/* With tension 1 the spline is the polyline of shortest paths. A smaller tolerance never reduces
+ * the length. */
 static void lengths(void **state)
 {
     (void)state;
@@ -302,7 +303,7 @@ static void *do_first(void *user)
     return NULL;
 }
 
-/* An executor of two threads: the caller's takes the second task. */
+/* Runs the first task on a thread of its own and the second one on the caller's thread. */
 static void run_on_two(void *user, void (*task)(void *context, uint32_t index), void *context,
                        uint32_t count)
 {
@@ -339,14 +340,14 @@ static void check_same(const struct gd_spline *a, const struct gd_spline *b)
         for (int k = 0; k < 4; k++)
             assert_true(gd_point_equal(&a->segments[i].control[k], &b->segments[i].control[k]));
         for (int k = 0; k < 3; k++) {
-            const struct gd_path *leg = &a->segments[i].legs[k], *other = &b->segments[i].legs[k];
+            const struct gd_path *leg = &a->segments[i].arms[k], *other = &b->segments[i].arms[k];
             assert_true(leg->count == other->count && leg->length == other->length);
         }
     }
 }
 
-/* With any executor the spline is the same to the last bit; progress is heard on the caller's
- * thread and never falls; a search that is no longer wanted ends. */
+/* With an executor the spline is the same bit for bit. Progress is reported on the caller's thread
+ * and never decreases. Cancelling stops both searches. */
 static void two_at_a_time(void **state)
 {
     (void)state;
@@ -383,7 +384,7 @@ static void two_at_a_time(void **state)
     surface_free(&torus);
 }
 
-/* Of two tangents that are no end of, it is the first that is told. */
+/* If two given tangents lead nowhere, the error names the first one. */
 static void two_refuse_as_one(void **state)
 {
     (void)state;
@@ -409,7 +410,7 @@ static void two_refuse_as_one(void **state)
     surface_free(&torus);
 }
 
-/* The least budget that is enough for one search at a time is enough with an executor. */
+/* The smallest budget for one search at a time is enough with an executor too. */
 static void two_within_the_budget_of_one(void **state)
 {
     (void)state;

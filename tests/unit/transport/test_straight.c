@@ -9,8 +9,8 @@ static struct gd_vec3 heading(const struct gd_mesh *mesh, struct gd_point point,
     return gd__turn_direction(mesh, &point, gd__turn_reduce(mesh, &point, turn)).xyz;
 }
 
-/* Of all directions around the vertex that lie in the plane and go ahead, by search, the one that
- * turns least. */
+/* Searches all directions at the vertex that lie in the plane and lead forward. Returns the one
+ * with the smallest turn, or NAN. */
 static double search(const struct gd_mesh *mesh, struct gd_point point, struct gd_vec3 across,
                      struct gd_vec3 ahead)
 {
@@ -53,7 +53,7 @@ static void least_turn_in_the_plane(void **state)
         const struct gd_trace_options options = {.vertex_rule = GD_VERTEX_RULE_NORMAL,
                                                  .normals = normals};
         assert_true(gd__straight_on(saddle.mesh, apex.element, back, &options, &out));
-        if (isnan(expected)) { /* no way in the plane: half of the angle */
+        if (isnan(expected)) { /* no direction lies in the plane: half of the angle */
             expected =
                 gd__turn_reduce(saddle.mesh, &apex, back + gd__turn_total(saddle.mesh, &apex) / 2);
         } else {
@@ -66,7 +66,7 @@ static void least_turn_in_the_plane(void **state)
     surface_free(&saddle);
 }
 
-/* A regular hexagon: on its rim a line slides round and round, in either sense. */
+/* Along the boundary of a regular hexagon a line slides around, in both senses. */
 static void slides_round_a_hexagon(void **state)
 {
     (void)state;
@@ -98,7 +98,7 @@ static void slides_round_a_hexagon(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Along a straight side of a boundary a line goes over its vertices, both ways. */
+/* Along a straight side of the boundary a line passes over vertices, in both senses. */
 static void runs_along_a_straight_side(void **state)
 {
     (void)state;

@@ -37,7 +37,8 @@ static void straight_in_the_plane(void **state)
         }
 }
 
-/* A prism around the z axis: `u` along its perimeter from the corner on the positive x axis. */
+/* Returns the point of a prism around the z axis at height z. `u`: arc length along its perimeter
+ * from the corner on the positive x axis. */
 static struct gd_vec3 on_prism(uint32_t sides, double u, double z)
 {
     double side = 2 * sin(M_PI / sides), k = floor(u / side), part = u / side - k;
@@ -73,7 +74,7 @@ static void helix_on_a_prism(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* Around the four walls of a box, which are a strip; any cells. */
+/* The four walls of a box unroll into a strip. Any number of cells gives the same line. */
 static void around_a_box(void **state)
 {
     (void)state;
@@ -97,14 +98,15 @@ static void around_a_box(void **state)
 
 enum { SECTORS = 7 };
 
-/* The angle at the apex of a cone's sector: between neighbouring ridges. */
+/* Returns the angle at the cone's apex between neighbouring ridges. */
 static double sector_angle(double height)
 {
     double ridge = hypot(1, height);
     return 2 * asin(sin(M_PI / SECTORS) / ridge);
 }
 
-/* Distance from the apex, and the angle around it on the mantle, from the ridge in the xz plane. */
+/* Computes the polar coordinates on the unrolled cone: distance from the apex, and angle from the
+ * ridge in the xz plane. */
 static void develop(double height, struct gd_vec3 at, double *r, double *turned)
 {
     double step = 2 * M_PI / SECTORS, around = atan2(at.y, at.x);
@@ -119,7 +121,7 @@ static void develop(double height, struct gd_vec3 at, double *r, double *turned)
               atan2(gd_vec3_dot(v, across) / gd_vec3_length(across), gd_vec3_dot(v, a) / ridge);
 }
 
-/* On a cone a line is one of the plane into which its mantle unrolls. */
+/* On a cone a line is straight in the unrolled surface. */
 static void straight_on_a_cone(void **state)
 {
     (void)state;
@@ -150,7 +152,7 @@ static void straight_on_a_cone(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* --- smooth surfaces: errors that fall -------------------------------------------------------- */
+/* --- smooth surfaces: errors decrease with the mesh ------------------------------------------ */
 
 static double off_great_circle(uint32_t level, enum gd_vertex_rule rule)
 {
@@ -187,8 +189,8 @@ static void great_circles(void **state)
     }
 }
 
-/* The greatest change of Clairaut's constant, distance from the axis times the sine of the angle
- * with the meridian. */
+/* Returns the largest change of Clairaut's constant: the distance from the axis times the sine of
+ * the angle with the meridian. */
 static double off_clairaut(uint32_t columns)
 {
     struct gd_polygons polygons;
@@ -226,7 +228,8 @@ static void clairaut_on_a_torus(void **state)
 
 /* --- any surface ------------------------------------------------------------------------------ */
 
-/* Back from the end along the same way; also that a path is as long as it says. */
+/* Checks that a line traced back from its end returns to its start, and that its length is the sum
+ * of its segments. */
 static void check_return(const struct gd_mesh *mesh, struct gd_point start,
                          struct gd_direction ahead, double length)
 {
@@ -292,8 +295,8 @@ static void there_and_back(void **state)
     }
 }
 
-/* Every pair of neighbouring points lies in one face: their segment is as long in space as on the
- * surface. */
+/* Checks that the length is the sum of the distances between consecutive points, and that it is the
+ * requested one unless the line ended early. */
 static void check_path(const struct gd_mesh *mesh, const struct gd_trace *trace, double length)
 {
     double sum = 0, edge = gd_mesh_summary(mesh)->edge_length.max;
@@ -307,8 +310,8 @@ static void check_path(const struct gd_mesh *mesh, const struct gd_trace *trace,
     expect_near(gd_vec3_length(trace->direction.xyz), 1, 1e-9);
 }
 
-/* Surfaces with slivers, saddles, boundaries and many straight boundaries' vertices; from points of
- * all kinds, also along edges. */
+/* Surfaces with slivers, saddles and boundaries. Lines start at points of all kinds, sometimes
+ * along edges. */
 static void all_rules_on_any_surface(void **state)
 {
     (void)state;
@@ -340,8 +343,8 @@ static void all_rules_on_any_surface(void **state)
 
 /* --- vertices --------------------------------------------------------------------------------- */
 
-/* Aimed at a vertex, and past it by what rounding makes, to either side: all go on alike, with half
- * of the angle on each side. */
+/* A line aimed at a vertex, and lines that pass it on either side within rounding, continue alike:
+ * with half of the total angle on each side. */
 static void hits_from_both_sides_agree(void **state)
 {
     (void)state;
@@ -363,8 +366,8 @@ static void hits_from_both_sides_agree(void **state)
             gd_trace_free(&trace);
         }
         struct gd_vec3 middle = gd_point_position(box.mesh, &ends[1]);
-        /* the corner's angle is 3/2 pi: half of that from where the line came, over one edge or
-         * over the other */
+        /* the corner's angle is 3/2 pi: half of it from the incoming line, across one edge or the
+         * other */
         double in = atan2(1 - y, 1 - x), by_x = 3 * M_PI_4 - in, by_y = M_PI_4 + in;
         if (by_y < M_PI_2)
             expect_place(middle, 1, 1 - 0.15 * cos(by_y), 1 - 0.15 * sin(by_y), exact);
@@ -401,8 +404,8 @@ static void bisects_at_an_apex(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* In the mirror planes of a ball, through vertices, both rules stay in the plane; and normals that
- * are given count. */
+/* In mirror planes of an icosphere, through vertices, both rules keep a line in the plane. Given
+ * normals are used. */
 static void normals_keep_a_mirror_plane(void **state)
 {
     (void)state;
@@ -420,7 +423,7 @@ static void normals_keep_a_mirror_plane(void **state)
     for (uint32_t i = 1; i < 12; i++) {
         struct gd_vec3 b = gd_mesh_position(mesh, (struct gd_vertex){i}),
                        pole = gd_vec3_cross(a, b);
-        if (gd_vec3_dot(a, b) < 0.1) continue; /* the next ones in the icosahedron */
+        if (gd_vec3_dot(a, b) < 0.1) continue; /* not neighbours in the icosahedron */
         for (uint32_t k = 0; k < COUNT(options); k++) {
             struct gd_point start = vertex(mesh, 0);
             struct gd_vec3 d = gd_vec3_sub(b, a);
@@ -436,7 +439,7 @@ static void normals_keep_a_mirror_plane(void **state)
             gd_trace_free(&trace);
         }
     }
-    /* a tilted normal turns the line */
+    /* with tilted normals the line leaves the plane */
     for (uint32_t i = 0; i < polygons.position_count; i++) normals[i].z += 0.5;
     struct gd_point start = vertex(mesh, 0);
     struct gd_vec3 d = gd_vec3_sub(gd_mesh_position(mesh, (struct gd_vertex){1}), a);
@@ -452,10 +455,10 @@ static void normals_keep_a_mirror_plane(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* --- itself ----------------------------------------------------------------------------------- */
+/* --- self-intersections ----------------------------------------------------------------------- */
 
-/* On a cone whose total angle is less than pi a line that comes up turns round the apex and crosses
- * itself. */
+/* On a cone with a total angle below pi, a line that runs towards the apex turns around it and
+ * crosses itself. */
 static void crosses_itself_on_a_cone(void **state)
 {
     (void)state;
@@ -487,8 +490,8 @@ static void crosses_itself_on_a_cone(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* A closed line through a vertex where it began ends in that vertex. */
-static void comes_round_to_a_vertex(void **state)
+/* A closed line that starts at a vertex ends in that vertex. */
+static void closed_line_ends_in_its_vertex(void **state)
 {
     (void)state;
     const struct gd_trace_options options = {.stop_at_self_intersection = true};
@@ -510,8 +513,8 @@ static void comes_round_to_a_vertex(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* A closed line ends where it began; a helix never meets itself. */
-static void comes_round(void **state)
+/* A closed line ends where it began. A helix never meets itself. */
+static void closed_line_ends_where_it_began(void **state)
 {
     (void)state;
     const struct gd_trace_options options = {.stop_at_self_intersection = true};
@@ -549,7 +552,7 @@ int main(void)
                                        cmocka_unit_test(bisects_at_an_apex),
                                        cmocka_unit_test(normals_keep_a_mirror_plane),
                                        cmocka_unit_test(crosses_itself_on_a_cone),
-                                       cmocka_unit_test(comes_round_to_a_vertex),
-                                       cmocka_unit_test(comes_round)};
+                                       cmocka_unit_test(closed_line_ends_in_its_vertex),
+                                       cmocka_unit_test(closed_line_ends_where_it_began)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

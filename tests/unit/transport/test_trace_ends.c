@@ -1,5 +1,5 @@
-/* Where lines end: at the boundary and at limits; and what is traced of several at once. The ways
- * there: test_trace.c. */
+/* Ends of traced lines: at the boundary and at limits; and several lines traced together. The lines
+ * themselves are tested by test_trace.c. */
 #include "lines.h"
 
 #include <string.h>
@@ -18,7 +18,7 @@ static void stops_at_the_boundary(void **state)
     expect_place(gd_point_position(grid.mesh, &end), 1, 0.75, 0, exact);
     expect_place(trace.direction.xyz, 2 / sqrt(5), 1 / sqrt(5), 0, exact);
     gd_trace_free(&trace);
-    /* into a corner, and along an edge of the boundary, over vertices where it is straight */
+    /* into a corner; and along a straight side of the boundary, over its vertices */
     trace = follow(grid.mesh, start, along(grid.mesh, start, 1, 1, 0), 9, NULL);
     end = end_of(&trace);
     expect_place(gd_point_position(grid.mesh, &end), 1, 1, 0, exact);
@@ -32,8 +32,8 @@ static void stops_at_the_boundary(void **state)
     surface_free(&grid);
 }
 
-/* A square of 3 x 3 cells without the middle of its right side: (1..2, 1..2) to (2..3, 1..2) is a
- * notch. */
+/* Builds a square of 3 x 3 cells without the middle cell of the right column: a notch at x in 2..3,
+ * y in 1..2. */
 static struct gd_mesh *notched_square(void)
 {
     enum { TRIANGLES = 16 };
@@ -70,18 +70,18 @@ static void slides_along_the_boundary(void **state)
     expect_place(gd_point_position(grid.mesh, &end), 1, 0.85, 0, exact);
     expect_place(trace.direction.xyz, 0, 1, 0, exact);
     gd_trace_free(&trace);
-    /* the corner turns a right angle */
+    /* the boundary turns by a right angle at the corner */
     trace = follow(grid.mesh, start, along(grid.mesh, start, 2, 1, 0), 9, &slide);
     end = end_of(&trace);
     assert_int_equal(trace.end, GD_TRACE_END_BOUNDARY);
     expect_place(gd_point_position(grid.mesh, &end), 1, 1, 0, exact);
     gd_trace_free(&trace);
-    /* leans to neither side */
+    /* at a right angle to the boundary: slides to neither side */
     trace = follow(grid.mesh, start, along(grid.mesh, start, 1, 0, 0), 9, &slide);
     check_close(trace.path.length, 0.5, exact);
     gd_trace_free(&trace);
     surface_free(&grid);
-    /* along the notch's side, and off it where the boundary falls back */
+    /* along the notch's side, and straight on where the boundary turns away */
     struct gd_mesh *mesh = notched_square();
     start = nearest(mesh, 1.25, 1.5, 0);
     trace = follow(mesh, start, along(mesh, start, 3, 1, 0), 1.5, &slide);
@@ -110,7 +110,7 @@ static void limits(void **state)
     struct gd_trace trace = follow(torus.mesh, start, ahead, 1e3, &few), again;
     assert_int_equal(trace.end, GD_TRACE_END_STEP_LIMIT);
     assert_int_equal(trace.path.count, 11);
-    struct gd_point end = end_of(&trace); /* it can be gone on with */
+    struct gd_point end = end_of(&trace); /* the line can be continued */
     again = follow(torus.mesh, end, trace.direction, 1, NULL);
     struct gd_trace whole = follow(torus.mesh, start, ahead, trace.path.length + 1, NULL);
     struct gd_point p = end_of(&again), q = end_of(&whole);
@@ -160,9 +160,9 @@ static void limits(void **state)
     surface_free(&torus);
 }
 
-/* Several at once are what they are one by one, to the last bit, whatever each meets; and fail
- * together. */
-static void many(void **state)
+/* Lines that are traced together equal lines that are traced alone, bit for bit. An error of one
+ * fails all. */
+static void several_lines_equal_single_ones(void **state)
 {
     (void)state;
     struct surface terrain = surface_of("terrain", (double[SAMPLE_PARAMETERS]){24, 1, 2});
@@ -198,7 +198,7 @@ static void many(void **state)
             gd_trace_free(&traces[i]);
         }
     }
-    struct gd_control control = {.budget_bytes = 8192}; /* enough for one, and not for all */
+    struct gd_control control = {.budget_bytes = 8192}; /* enough for one, but not for all */
     check_ok(gd_trace_follow_many(terrain.mesh,
                                   &(struct gd_trace_request){
                                       .start = &start, .ahead = ahead, .length = 0.1, .count = 1},
@@ -252,7 +252,7 @@ int main(void)
         cmocka_unit_test(stops_at_the_boundary),
         cmocka_unit_test(slides_along_the_boundary),
         cmocka_unit_test(limits),
-        cmocka_unit_test(many),
+        cmocka_unit_test(several_lines_equal_single_ones),
         cmocka_unit_test(fans),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

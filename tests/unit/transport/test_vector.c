@@ -15,7 +15,7 @@ static struct gd_path shortest(const struct gd_mesh *mesh, struct gd_point from,
     struct gd_pair_answer answer;
     struct gd_detail detail = {0};
     check_ok(gd_pair_solve(
-                 mesh, &(struct gd_pair_request){.from = &from, .to = &to, .wish = GD_PAIR_PATH},
+                 mesh, &(struct gd_pair_request){.from = &from, .to = &to, .output = GD_PAIR_PATH},
                  NULL, &answer, &detail),
              &detail);
     *distance = answer.distance;
@@ -82,7 +82,7 @@ static struct gd_point random_point(const struct gd_mesh *mesh, struct rng *rng)
     return point;
 }
 
-/* ../shared/meshes, where they are there. */
+/* Runs on meshes of ../shared/meshes. Missing files are skipped. */
 static void exp_of_log_on_shared_meshes(void **state)
 {
     (void)state;
@@ -101,7 +101,7 @@ static void exp_of_log_on_shared_meshes(void **state)
     }
 }
 
-/* A path over a saddle's apex is two vectors; the first one alone is shorter than the way. */
+/* The log of a path over a saddle's apex has two segments, each as long as its part of the path. */
 static void bends_are_kept(void **state)
 {
     (void)state;
@@ -119,7 +119,7 @@ static void bends_are_kept(void **state)
                 exact);
     gd_log_free(&log);
     gd_path_free(&path);
-    /* what is not the path of two points has no vector */
+    /* a path of a single point has a zero vector; a path with a gap is an error */
     path = (struct gd_path){.length = 1, .count = 1, .points = &p};
     log = log_of(saddle.mesh, &path);
     assert_true(log.count == 0 && log.vector.length == 0);
@@ -134,8 +134,8 @@ static void bends_are_kept(void **state)
     surface_free(&saddle);
 }
 
-/* Where a segment ends by a vertex up to rounding, the next one begins in it; and where it has come
- * to the boundary with no more left than that. */
+/* A segment that ends at a vertex up to rounding continues in that vertex. So does one that reaches
+ * the boundary with no more than rounding left. */
 static void joints_are_found(void **state)
 {
     (void)state;
@@ -192,7 +192,7 @@ static struct gd_vector moved(const struct gd_mesh *mesh, struct gd_point from, 
     return vector;
 }
 
-/* What the angles around a vertex lack of a whole turn, by the positions alone. */
+/* Computes the angle defect of a vertex from positions: 2 pi minus the total angle. */
 static double defect_at(const struct surface *surface, uint32_t index)
 {
     double defect = 2 * M_PI;
@@ -208,8 +208,8 @@ static double defect_at(const struct surface *surface, uint32_t index)
     return defect;
 }
 
-/* Three points of faces close around a vertex; false: they are not inside faces, or the vertex is
- * of the boundary. */
+/* Finds three points in faces close to a vertex, around it. Returns false if one is not inside a
+ * face, or if the vertex is on the boundary. */
 static bool triangle_around(const struct gd_mesh *mesh, struct gd_point centre,
                             struct gd_point corner[3])
 {
@@ -226,8 +226,8 @@ static bool triangle_around(const struct gd_mesh *mesh, struct gd_point centre,
     return true;
 }
 
-/* Gauss and Bonnet: around a small triangle a vector turns by the curvature inside, which sits in
- * the vertices. At a saddle the sides would bend. */
+/* Gauss-Bonnet: transport around a small triangle turns a vector by the enclosed curvature, which
+ * is the vertex' angle defect. Saddles are left out: there the triangle's sides would bend. */
 static void turns_by_the_angle_defect(void **state)
 {
     (void)state;
@@ -257,8 +257,8 @@ static void turns_by_the_angle_defect(void **state)
     }
 }
 
-/* In the plane a vector is the same everywhere; there and back it is itself on any surface, also
- * over bends. */
+/* In a plane transport keeps a vector. On any surface, transport forth and back along a path
+ * without bends restores the vector's angle. */
 static void moves_and_comes_back(void **state)
 {
     (void)state;
@@ -290,7 +290,7 @@ static void moves_and_comes_back(void **state)
             log = log_of(surface.mesh, &path);
             if (log.count == 1)
                 expect_near(remainder(angle - vector.direction.angle, 2 * M_PI), 0, promise);
-            /* the path's own direction stays on the path */
+            /* the path's own direction remains tangent to the path */
             struct gd_vector tangent = log.vector;
             check_ok(gd_vector_transport(surface.mesh, &path, &tangent, 1, NULL), NULL);
             struct gd_trace trace;
@@ -322,12 +322,12 @@ static void sums(void **state)
     expect_place(gd_vec3_scale(sum.direction.xyz, sum.length), 2 + 6, -3 + 8, 0, 1e-13);
     sum = gd_vector_combine(grid.mesh, &p, vectors, (const double[]){0, 0, 0}, 3);
     assert_true(sum.length == 0);
-    /* at a boundary vertex, where angles end at its total one */
+    /* at a boundary vertex, where angles end at the total angle */
     const struct gd_vector inward[2] = {{along(grid.mesh, corner, -1, 0, 0), 1},
                                         {along(grid.mesh, corner, 0, -1, 0), 1}};
     sum = gd_vector_combine(grid.mesh, &corner, inward, (const double[]){1, 1}, 2);
     expect_place(sum.direction.xyz, -M_SQRT1_2, -M_SQRT1_2, 0, 1e-13);
-    /* off the surface */
+    /* the sum leads off the surface */
     sum = gd_vector_combine(grid.mesh, &corner, inward, (const double[]){-1, 0}, 2);
     expect_place(sum.direction.xyz, 1, 0, 0, 1e-13);
     surface_free(&grid);

@@ -1,5 +1,5 @@
-/* Pages are made when they are asked for, and used again when nothing has waited on them for a
- * while; what has to stay stays. */
+/* Pages are allocated at first use and reused when nothing has waited on them for a while. Pages
+ * with `stays` are never reused. */
 #include "tests/support/test.h"
 
 #include "wavefront/pages.h"
@@ -9,7 +9,7 @@ enum {
     PAGES_A_SLAB = 32,
     SLAB = PAGES_A_SLAB * 48 + 8,
     MADE_MOST = 4,
-    LONG = 1000 /* buckets: longer than any rest */
+    LONG = 1000 /* in buckets: longer than any rest */
 };
 
 struct numbers {
@@ -33,7 +33,7 @@ static int close_pages(void **state)
     return pages.page ? -1 : 0;
 }
 
-/* Makes a page on which nothing waits. */
+/* Allocates a page on which nothing waits. */
 static struct gd__page *make(uint32_t number, uint32_t now)
 {
     check_ok(gd__pages_make(&pages, number, now), NULL);
@@ -46,7 +46,7 @@ static void rested_pages_are_used_again(void **state)
 {
     (void)state;
     struct gd__page *first = make(0, 10), *second = make(1, 10);
-    struct gd__page *third = make(2, 11); /* too early */
+    struct gd__page *third = make(2, 11); /* too early to reuse a page */
     assert_true(pages.page[0] == first && pages.page[1] == second && third != first &&
                 third != second);
     assert_ptr_equal(make(3, LONG), first);
@@ -59,18 +59,18 @@ static void pages_that_woke_up_stay_where_they_are(void **state)
     (void)state;
     struct gd__page *awake = make(0, 10), *drowsy = make(1, 10), *asleep = make(2, 10);
     awake->waiting = 1;
-    gd__pages_rest(&pages, drowsy, LONG); /* something waited on it in the meantime */
+    gd__pages_rest(&pages, drowsy, LONG); /* something waited on it meanwhile */
     assert_ptr_equal(make(3, LONG), asleep);
     assert_true(pages.page[0] == awake && pages.page[1] == drowsy);
     awake->waiting = 0;
     gd__pages_rest(&pages, awake, 2 * LONG);
     assert_ptr_equal(make(4, 2 * LONG), drowsy);
     assert_ptr_equal(pages.page[0], awake);
-    assert_ptr_equal(make(5, 3 * LONG), asleep); /* by then that of 3 */
+    assert_ptr_equal(make(5, 3 * LONG), asleep); /* used by number 3 until now */
     assert_ptr_equal(make(6, 3 * LONG), awake);
 }
 
-static void what_must_not_be_forgotten_stays(void **state)
+static void pages_that_stay_are_kept(void **state)
 {
     (void)state;
     struct gd__page *page = make(0, 10);
@@ -79,8 +79,8 @@ static void what_must_not_be_forgotten_stays(void **state)
     assert_ptr_equal(pages.page[0], page);
 }
 
-/* The front comes back to two places in turn: in the end both have a page for good. */
-static void a_place_that_is_made_too_often_stays(void **state)
+/* The front returns to two pages in turn. After some reallocations both stay. */
+static void a_page_made_often_stays(void **state)
 {
     (void)state;
     uint32_t makes = 0;
@@ -104,7 +104,7 @@ static void the_budget_is_kept(void **state)
     for (uint32_t i = 0; i < PAGES_A_SLAB; i++) make(i, 10)->waiting = i > 0;
     assert_int_equal(gd__pages_make(&pages, PAGES_A_SLAB, 10), GD_BUDGET);
     assert_null(pages.page[PAGES_A_SLAB]);
-    make(PAGES_A_SLAB, LONG); /* that of 0 */
+    make(PAGES_A_SLAB, LONG); /* reuses the page of number 0 */
     control.budget_bytes = 1;
     gd__pages_close(&pages);
     budget.held = 0;
@@ -118,10 +118,8 @@ static void the_budget_is_kept(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        WITH_PAGES(rested_pages_are_used_again),
-        WITH_PAGES(pages_that_woke_up_stay_where_they_are),
-        WITH_PAGES(what_must_not_be_forgotten_stays),
-        WITH_PAGES(a_place_that_is_made_too_often_stays),
+        WITH_PAGES(rested_pages_are_used_again), WITH_PAGES(pages_that_woke_up_stay_where_they_are),
+        WITH_PAGES(pages_that_stay_are_kept),    WITH_PAGES(a_page_made_often_stays),
         WITH_PAGES(the_budget_is_kept),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

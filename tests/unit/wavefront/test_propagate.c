@@ -1,5 +1,5 @@
-/* Example 1 of the paper (Fig. 8), window by window, without pruning: w1 and w2 on e3, w3 and w4 on
- * e2. */
+/* Example 1 of the paper (Fig. 8), window by window and without pruning: windows w1 and w2 on edge
+ * e3, w3 and w4 on edge e2. */
 #include "tests/support/test.h"
 
 #include <string.h>
@@ -14,7 +14,7 @@ static uint32_t corners[24] = {0, 1, 2, 1, 6, 2, 2, 6, 5, 0, 2, 3,
 static const struct gd_polygons example = {
     .positions = positions, .position_count = 8, .polygon_count = 8, .corners = corners};
 
-/* The side of edge a-b whose face has the apex c, with vertices named as in the paper. */
+/* Returns the side of edge a-b whose face has the apex c. Vertex numbers are the paper's. */
 static uint32_t side_towards(const struct gd_mesh *mesh, uint32_t a, uint32_t b, uint32_t c)
 {
     uint32_t side = gd__side_between(mesh, mesh->vertex_of_index[a], mesh->vertex_of_index[b]);
@@ -25,8 +25,8 @@ static uint32_t side_towards(const struct gd_mesh *mesh, uint32_t a, uint32_t b,
     return side;
 }
 
-/* The window that v0 casts through its face onto edge a-b, as it enters the face beyond, whose apex
- * is c. */
+/* Returns the window that v0 casts through its face onto edge a-b, seen from the face with the apex
+ * c. */
 static struct gd__window from_v0(const struct gd_mesh *mesh, uint32_t a, uint32_t b, uint32_t c)
 {
     uint32_t side = side_towards(mesh, a, b, c);
@@ -40,9 +40,9 @@ static struct gd__window from_v0(const struct gd_mesh *mesh, uint32_t a, uint32_
 }
 
 static struct gd__pool pool;
-static struct gd__children children[2]; /* of the window that was cast last: left, right */
+static struct gd__children children[2]; /* of the last cast window: left, right */
 
-/* Casts a window by itself across the face of a side; the best way that it offers the apex. */
+/* Casts a single window across the face of a side. Returns the distance that it gives the apex. */
 static double cast(const struct gd_side *side, const struct gd__window *window)
 {
     struct gd__window_builder parent = {0};
@@ -72,7 +72,8 @@ static int close_pool(void **state)
     return 0;
 }
 
-/* Sends a window on edge (a, b) across the face with apex c, to the edge (c, d), d = a or b. */
+/* Casts a window on edge (a, b) across the face with the apex c onto the edge (c, d), d = a or
+ * b. */
 static struct gd__window cross(const struct gd_mesh *mesh, struct gd__window w, uint32_t a,
                                uint32_t b, uint32_t c, uint32_t d)
 {
@@ -84,7 +85,7 @@ static struct gd__window cross(const struct gd_mesh *mesh, struct gd__window w, 
     return gd__windows_get(&child->at, 0);
 }
 
-/* The same window in the frame that starts at vertex a of its edge (a, b), seen from the side with
+/* Returns the window in the frame that starts at vertex a, if it is on edge (a, b) of the face with
  * the apex c. */
 static struct gd__window in_frame_of(const struct gd_mesh *mesh, struct gd__window w, uint32_t a,
                                      uint32_t b, uint32_t c)
@@ -99,29 +100,29 @@ static void example_1(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = test_mesh(&example);
-    /* w1 on e3 = (v5, v6): through v0v1v2, v1v6v2, v2v6v5 */
+    /* w1 on e3 = (v5, v6): through faces v0v1v2, v1v6v2, v2v6v5 */
     struct gd__window on_26 = cross(mesh, from_v0(mesh, 1, 2, 6), 1, 2, 6, 2);
     struct gd__window w1 = cross(mesh, on_26, 2, 6, 5, 6);
-    /* w2: through v0v2v3, v2v4v3, v2v5v4, v2v6v5 */
+    /* w2: through faces v0v2v3, v2v4v3, v2v5v4, v2v6v5 */
     struct gd__window on_24 = cross(mesh, from_v0(mesh, 2, 3, 4), 2, 3, 4, 2);
     struct gd__window on_25 = cross(mesh, on_24, 2, 4, 5, 2);
     struct gd__window w2 = cross(mesh, on_25, 2, 5, 6, 5);
     double lo = fmax(w1.b0, w2.b0), hi = fmin(w1.b1, w2.b1);
     assert_true(hi > lo);
-    struct gd__verdict verdict =
-        gd__contest(&w2, &w1, lo, hi); /* C1: no solution, w1 is better on all of the overlap */
+    struct gd__contest_result verdict =
+        gd__contest(&w2, &w1, lo, hi); /* C1: no solution, w1 wins everywhere */
     assert_int_equal(verdict.switches, 0);
     assert_false(verdict.challenger_first);
     assert_true(gd__window_distance(&w2, (lo + hi) / 2) >
                 gd__window_distance(&w1, (lo + hi) / 2) + 1e-3);
-    /* w3 on e2 = (v5, v7): w1 across v5v6v7; w4: through v4v5 and v4v5v7 */
+    /* w3 on e2 = (v5, v7): w1 across v5v6v7; w4: across edge v4v5 and face v4v5v7 */
     struct gd__window w3 = in_frame_of(mesh, cross(mesh, w1, 5, 6, 7, 5), 5, 7, 4);
     struct gd__window w4 =
         in_frame_of(mesh, cross(mesh, cross(mesh, on_24, 2, 4, 5, 4), 4, 5, 7, 5), 5, 7, 6);
     lo = fmax(w3.b0, w4.b0);
     hi = fmin(w3.b1, w4.b1);
     assert_true(hi - lo > 0.1 / mesh->unit);
-    for (int k = 0; k <= 10; k++) { /* C2 with infinitely many solutions */
+    for (int k = 0; k <= 10; k++) { /* C2: infinitely many solutions */
         double t = lo + (hi - lo) * k / 10;
         check_close(gd__window_distance(&w3, t), gd__window_distance(&w4, t), 1e-15);
     }
@@ -131,15 +132,15 @@ static void example_1(void **state)
     gd_mesh_release(mesh);
 }
 
-/* A point of a child's edge, in the frame of the parent's side. */
+/* Computes a point of a child's edge in the frame of the parent's side. */
 static void place_on_child(const struct gd_side *s, int k, double t, double at[2])
 {
     at[0] = k ? s->left_length * s->left_x + t * s->right_x : t * s->left_x;
     at[1] = k ? s->left_length * s->left_y + t * s->right_y : t * s->left_y;
 }
 
-/* Rays keep their lengths: a child sees its points at the distance that the parent's ray has there,
- * and through the parent's interval. */
+/* A child gives its points the distances along the parent's rays, which cross the parent's
+ * interval. */
 static void children_continue_the_rays(void **state)
 {
     (void)state;
@@ -168,7 +169,7 @@ static void children_continue_the_rays(void **state)
             checked++;
         }
         assert_true(children[0].count + children[1].count > 0);
-        /* between its two children it sees the apex */
+        /* if it has children on both sides, it reaches the apex */
         if (children[0].count && children[1].count) {
             double px = s->left_length * s->left_x, py = s->left_length * s->left_y;
             check_close(apex, 1 + hypot(px - w.x, py + w.y), 1e-13);

@@ -1,22 +1,21 @@
-/* Pruning against the model: what the stored wedges make useless is cut off, what is strictly
- * better than they are is left. */
+/* Compares pruning with the model: windows are removed where stored wedges are strictly better, and
+ * kept where they are strictly better themselves. */
 #include "tests/unit/window/model.h"
 
 #include "wavefront/wavefront.h"
 
 enum { CHUNKS = 3, MOST = 6 };
 
-/* differences that neither rounding nor the stored ends' 2^-32 can turn round */
+/* larger than any difference by rounding, including the 2^-32 of stored ends */
 #define CLEAR 1e-7
 
-/* A wavefront of which there is only what pruning looks at: distances, and the wedges of edge 0
- * of one face. */
+/* A wavefront with the data that pruning reads: distances, and the wedges of edge 0 of one face. */
 static struct gd_mesh *mesh;
 static struct gd_workspace *work;
 static struct gd__wavefront front;
 static double *distances, length;
 static uint32_t *newest;
-static struct gd__stack stored[2], windows, actual; /* stored: by side, in that side's frame */
+static struct gd__stack stored[2], windows, actual; /* stored: by side, in the frame of that side */
 
 static int open_front(void **state)
 {
@@ -47,7 +46,7 @@ static int close_front(void **state)
     return 0;
 }
 
-/* Up to MOST windows of the three vertices, sorted and disjoint, with gaps here and there. */
+/* Makes up to MOST sorted and disjoint windows of the three vertices, some with gaps. */
 static void draw(struct rng *rng, struct gd__stack *out)
 {
     uint32_t count = 1 + rng_below(rng, MOST);
@@ -62,30 +61,31 @@ static void draw(struct rng *rng, struct gd__stack *out)
     }
 }
 
-/* Stores a list of the side as propagation does. */
+/* Stores a list of a side like propagation does. */
 static void store_chunk(uint32_t side, const struct gd__stack *list)
 {
     struct gd__window_builder builder = {0};
     build_windows(list, &builder);
-    check_ok(gd__region_reserve(&work->wedges, sizeof(struct gd__chunk) +
-                                                   gd__wedges_bound(list->count) * GD__WEDGE_BYTES),
-             NULL);
+    check_ok(gd__region_reserve(&work->wedges, gd__chunk_bound(list->count)), NULL);
     struct gd__chunk *chunk = (struct gd__chunk *)(work->wedges.base + work->wedges.used);
     *chunk = (struct gd__chunk){.previous = newest[0]};
-    chunk->count = gd__wedges_write(&builder.at, list->count, length, side & 1, chunk->data);
+    gd__chunk_write(&builder.at, list->count, length, side & 1, chunk);
     newest[0] = (uint32_t)(work->wedges.used / GD__CHUNK_UNIT);
-    work->wedges.used += sizeof *chunk + chunk->count * GD__WEDGE_BYTES;
+    work->wedges.used += gd__chunk_bytes(chunk);
     gd__window_builder_destroy(&builder);
 }
 
-/* What the windows of side 0 become. */
+/* Prunes the windows of side 0 by the wedges of its own side and of the twin. Result: `actual`. */
 static void prune(bool own, bool twin)
 {
     struct gd__window_builder builder = {0};
     build_windows(&windows, &builder);
     struct gd__windows list = builder.at;
     uint32_t count = windows.count;
-    check_ok(gd__prune_by_stored(&front, 0, own, twin, &list, &count), NULL);
+    check_ok(gd__prune_by_stored(&front, 0,
+                                 (own ? GD__PRUNE_BY_OWN : 0) | (twin ? GD__PRUNE_BY_OTHER : 0),
+                                 &list, &count),
+             NULL);
     load_windows(&list, count, &actual);
     gd__window_builder_destroy(&builder);
 }
@@ -116,15 +116,14 @@ static void check_pruned(struct rng *rng, bool own, bool twin)
         if (is_near_an_end(&windows, t) || is_near_an_end(&stored[0], t) ||
             is_near_an_end(&stored[1], length - t))
             continue;
-        /* better: stays as it is */
+        /* better: stays */
         if (offered < known * (1 - CLEAR)) assert_true(left == offered);
-        if (known < offered * (1 - CLEAR)) assert_true(isinf(left)); /* worse: gone */
+        if (known < offered * (1 - CLEAR)) assert_true(isinf(left)); /* worse: removed */
         assert_true(isinf(left) || left == offered);
     }
 }
 
-/* Several chunks of both sides in one chain; pruned by its own, of the other side's, of both, of
- * nothing. */
+/* Several chunks of both sides in one chain. Pruned by the own side, the twin, both or neither. */
 static void agrees_with_the_model(void **state)
 {
     (void)state;
@@ -155,8 +154,8 @@ static void agrees_with_the_model(void **state)
     gd__stack_destroy(&list);
 }
 
-/* The same windows again: as one's own they are not news, as the other side's they stay: a tie must
- * not cut both. */
+/* Windows equal to stored ones: removed if stored by the own side, kept if stored by the twin.
+ * Otherwise a tie would remove both. */
 static void ties(void **state)
 {
     (void)state;
@@ -176,7 +175,7 @@ static void ties(void **state)
         store_chunk(1, &stored[0]);
         prune(false, true);
         assert_int_equal(actual.count, windows.count);
-        /* but where a stored neighbour was rounded into a window */
+        /* except where the end of a stored neighbour was rounded into a window */
         for (uint32_t i = 0; i < actual.count; i++) {
             assert_true(fabs(actual.windows[i].b0 - windows.windows[i].b0) <=
                         2 * length * GD__WEDGE_UNIT);

@@ -32,8 +32,7 @@ static void push(uint32_t node, double key)
     gd__queue_push(queue, node, key, &waiting[node]);
 }
 
-/* The first node that waits for its turn: entries that became stale are passed over, as owners
- * do. */
+/* Returns the first waiting node. Skips stale entries, like the queue's owners do. */
 static uint32_t pop(void)
 {
     for (;;) {
@@ -51,7 +50,7 @@ static void pops_in_order_of_buckets(void **state)
     push(7, 3.2);
     push(3, 0.1);
     push(5, 1.7);
-    push(4, 0.4); /* the bucket of node 3, behind it */
+    push(4, 0.4); /* same bucket as node 3, after it */
     static const uint32_t order[] = {3, 4, 5, 7, GD_NONE};
     for (int i = 0; i < 5; i++) assert_int_equal(pop(), order[i]);
 }
@@ -59,29 +58,29 @@ static void pops_in_order_of_buckets(void **state)
 static void first_in_first_out_within_a_bucket(void **state)
 {
     (void)state;
-    /* one bucket, whatever the order of keys */
+    /* all keys are in one bucket, in any order */
     for (uint32_t i = 0; i < NODES; i++) push(i, 7 + 0.4 * (i % 2));
     for (uint32_t i = 0; i < NODES; i++) assert_int_equal(pop(), i);
 }
 
-/* A node that moves forward leaves a stale entry behind; one that would move back stays, without a
- * new entry. */
+/* A node that moves to an earlier bucket leaves a stale entry. A push to a later bucket is
+ * ignored. */
 static void deletes_lazily(void **state)
 {
     (void)state;
     push(1, 5);
     push(2, 3);
-    push(1, 1); /* forward */
+    push(1, 1); /* moves to an earlier bucket */
     push(2, 9); /* stays */
     assert_int_equal(queue->size, 3);
     assert_int_equal(pop(), 1);
     assert_int_equal(pop(), 2);
     assert_int_equal(queue->size, 1);
-    assert_int_equal(pop(), GD_NONE); /* passes over the old entry of node 1 */
+    assert_int_equal(pop(), GD_NONE); /* skips the stale entry of node 1 */
     assert_int_equal(queue->size, 0);
 }
 
-/* A node that comes back into the very bucket of its stale entry is there twice, and is given out
+/* A node that returns to the bucket of its stale entry has two entries there, but is popped
  * once. */
 static void a_stale_entry_does_not_pop_twice(void **state)
 {
@@ -95,17 +94,17 @@ static void a_stale_entry_does_not_pop_twice(void **state)
     assert_int_equal(pop(), GD_NONE);
 }
 
-/* Keys beyond the ring and below the current bucket are legal: they only lose their exact order. */
+/* Keys beyond the ring or below the current bucket are allowed. Only their order is not exact. */
 static void takes_any_key(void **state)
 {
     (void)state;
     push(1, 1e300);
     push(2, 2);
     assert_int_equal(pop(), 2);
-    push(3, 0); /* the past */
+    push(3, 0); /* a bucket that has passed */
     assert_int_equal(pop(), 3);
     assert_int_equal(pop(), 1);
-    for (int lap = 0; lap < 3; lap++) { /* from the end of the ring, and of numbers */
+    for (int lap = 0; lap < 3; lap++) { /* from the end of the ring, and the largest keys */
         push(4, 1e300);
         push(5, 0);
         assert_int_equal(pop(), 5);
@@ -113,8 +112,8 @@ static void takes_any_key(void **state)
     }
 }
 
-/* Keys that all lie beyond a ring that begins at zero keep their order in one that begins near
- * them, those a little nearer too. */
+/* A queue that begins near its keys keeps the order of keys beyond the ring of a queue that begins
+ * at zero, and of slightly smaller keys. */
 static void begins_near_its_keys(void **state)
 {
     (void)state;
@@ -128,8 +127,7 @@ static void begins_near_its_keys(void **state)
     for (int i = 0; i < 5; i++) assert_int_equal(pop(), order[i]);
 }
 
-/* A bucket that is filled while it is emptied keeps the size of what waits in it, not of all that
- * came by. */
+/* The size of a bucket that is filled while being emptied depends on its waiting entries only. */
 static void a_bucket_filled_while_emptied_stays_small(void **state)
 {
     (void)state;
@@ -150,7 +148,7 @@ static void peeks_at_what_comes_next(void **state)
     push(2, 0.3);
     push(3, 0.7); /* the next bucket */
     push(4, 0.8);
-    push(5, 2.1); /* farther than anyone looks */
+    push(5, 2.1); /* too far for gd__queue_peek */
     assert_int_equal(pop(), 0);
     for (uint32_t places = 1; places < 5; places++)
         assert_int_equal(gd__queue_peek(queue, places), places);
@@ -158,7 +156,8 @@ static void peeks_at_what_comes_next(void **state)
     assert_int_equal(gd__queue_peek(queue, 1000), GD_NONE);
 }
 
-/* Against a set: what waits is given out once each, never before a bucket that comes earlier. */
+/* Compares with a set: each pushed node is popped once, never before a node of an earlier
+ * bucket. */
 static void keeps_every_node_once(void **state)
 {
     (void)state;
@@ -185,7 +184,7 @@ static void keeps_every_node_once(void **state)
     assert_false(queue->out_of_memory);
 }
 
-/* Cleared from any state it is as good as new; another width counts from then on. */
+/* A cleared queue is like a new one and may get another width. */
 static void clears(void **state)
 {
     (void)state;
@@ -207,7 +206,8 @@ static void clears(void **state)
     gd__queue_destroy(NULL);
 }
 
-/* Pops stop before a bucket and go on from there; what comes late goes to the bucket at hand. */
+/* Pops stop before the given bucket and continue from there. Late entries go to the current
+ * bucket. */
 static void stops_before_a_bucket(void **state)
 {
     (void)state;

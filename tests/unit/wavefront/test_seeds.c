@@ -1,6 +1,6 @@
-/* Seeds on a circle of the plane, as segments and as points: the symmetric places of a grid see
- * many of them equally near, up to rounding, some through a window and some just past its end. Each
- * distance is the closed form's, and each path leads there. */
+/* Seeds on a circle of a plane, as segments and as points. By symmetry many seeds are equally near
+ * to places of the grid, up to rounding. Some are seen through a window, others just past its end.
+ * Each distance equals the closed form, and each path has this length. */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -11,14 +11,14 @@
 
 enum { CORNERS_MOST = 400, PLACES = 60, TURNS = 60 };
 
-/* A regular polygon in the plane, by its corners on the mesh. */
+/* A regular polygon in the plane: its corners on the mesh and their positions. */
 struct ring {
     struct gd_point point[CORNERS_MOST];
     struct gd_vec3 place[CORNERS_MOST];
     uint32_t count;
 };
 
-/* A square of 8 x 8, and its polygons. */
+/* A square of side 8, and its polygons. */
 static struct gd_polygons polygons;
 static struct gd_mesh *mesh;
 
@@ -34,7 +34,7 @@ static void close_square(void)
     gd_polygons_free(&polygons);
 }
 
-/* In the unit circle around the square's middle. */
+/* Places the corners on the unit circle around the square's centre. */
 static void lay_ring(struct ring *ring, uint32_t count)
 {
     ring->count = count;
@@ -81,7 +81,7 @@ static double to_points(const struct ring *ring, struct gd_vec3 p)
     return least;
 }
 
-/* How the ring is seeded, and how far away it is then. */
+/* How the ring is seeded, and the closed form of the distance. */
 struct seeding {
     struct gd_field *(*field)(const struct ring *ring);
     double (*distance)(const struct ring *ring, struct gd_vec3 p);
@@ -90,7 +90,7 @@ struct seeding {
 static const struct seeding segments = {field_of_segments, to_segments},
                             points = {field_of_points, to_points};
 
-/* Distance and path at a point; the distance's error. */
+/* Checks distance and path at a point. Returns the distance's error. */
 static double check_at(const struct gd_field *field, const struct gd_point *point, double expected)
 {
     struct gd_path path;
@@ -102,7 +102,7 @@ static double check_at(const struct gd_field *field, const struct gd_point *poin
     return error;
 }
 
-/* At all vertices and some places in between; the worst error. */
+/* Checks all vertices and some random places. Returns the largest error. */
 static double check_ring(const struct ring *ring, const struct seeding *seeding, struct rng *rng)
 {
     struct gd_field *field = seeding->field(ring);
@@ -146,9 +146,9 @@ static void rings_of_points(void **state)
     check_rings(&points);
 }
 
-/* --- straight on, past a vertex --------------------------------------------------------------- */
+/* --- straight curves past a vertex ------------------------------------------------------------ */
 
-/* A square of 8 x 8 cells, turned about its middle. */
+/* A square of 8 x 8 cells, turned about its centre. */
 static void open_turned_square(double angle)
 {
     check_ok(sample_grid(8, 8, 8, 8, &polygons), NULL);
@@ -160,8 +160,8 @@ static void open_turned_square(double angle)
     mesh = test_mesh(&polygons);
 }
 
-/* A line in that direction, so far to the left of the middle vertex; it may bend by what paths are
- * rounded by. */
+/* Returns a line in this direction at the distance `apart` to the left of the central vertex. It
+ * bends by no more than the rounding of paths. */
 static struct gd_curve line_beside(double angle, double apart)
 {
     struct gd_point ends[2];
@@ -186,7 +186,7 @@ static double to_curve(const struct gd_curve *curve, struct gd_vec3 p)
     return least;
 }
 
-/* The worst error at vertices. */
+/* Returns the largest error at vertices. */
 static double check_beside(double angle, double apart)
 {
     double worst = 0;
@@ -202,8 +202,8 @@ static double check_beside(double angle, double apart)
     return worst;
 }
 
-/* A joint that a curve goes straight through does nothing itself: the corners right beside it are
- * its segments', however near they are. */
+/* A joint at which the curve is straight emits nothing itself. Vertices close to it get their
+ * distance from its segments. */
 static void lines_beside_vertices(void **state)
 {
     (void)state;

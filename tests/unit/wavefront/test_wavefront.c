@@ -1,4 +1,4 @@
-/* The loop's own promises: work is bounded, and what is refused leaves nothing behind. */
+/* Guarantees of the propagation loop: work is bounded, and a refused run leaves nothing behind. */
 #include "tests/support/test.h"
 
 #include "tests/samples/samples.h"
@@ -25,12 +25,12 @@ static int close_mesh(void **state)
     return 0;
 }
 
-/* A sink that takes nothing but the count. */
+/* A sink that stores only the number of windows. */
 static enum gd_status count_work(void *user, struct gd__wavefront *front,
                                  const struct gd_executor *executor)
 {
     (void)executor;
-    *(uint64_t *)user = front->effort.windows_propagated;
+    *(uint64_t *)user = front->counts.windows_propagated;
     return GD_OK;
 }
 
@@ -43,8 +43,8 @@ static enum gd_status run(uint64_t work_limit, struct gd_workspace *workspace, u
     return gd__wavefront_run(mesh, &propagation, &sink, &control, NULL);
 }
 
-/* More work than allowed is a runaway, as much as is needed is none. The sink of a runaway is not
- * called, and the next run in the same workspace is as if there had been none. */
+/* A run beyond its work limit fails with GD_RUNAWAY and does not call its sink. The next run in the
+ * same workspace is not affected. */
 static void a_runaway_is_stopped(void **state)
 {
     (void)state;
@@ -64,7 +64,7 @@ static void a_runaway_is_stopped(void **state)
     gd_workspace_destroy(workspace);
 }
 
-/* Windows of a mantle of needles with that many sides. */
+/* Returns the number of windows on a cylinder with this number of narrow sides. */
 static double windows_of_needles(uint32_t sides)
 {
     struct gd_polygons needles;
@@ -82,7 +82,8 @@ static double windows_of_needles(uint32_t sides)
     return (double)work;
 }
 
-/* Faces that are many and narrow hand a window on in one piece, not in as many as they are. */
+/* Many narrow faces pass a window on as one piece each. The number of windows is linear in the
+ * number of faces. */
 static void needles_are_not_quadratic(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* A workspace is clean between calls: what was computed before, on whatever mesh, however it ended,
- * changes nothing. */
+/* A workspace is clean between calls: no earlier call changes a result, whatever its mesh and
+ * status. */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -40,7 +40,7 @@ static int close_all(void **state)
     return 0;
 }
 
-/* The field's image without the time that it took. */
+/* Returns the field's image with the build time set to 0. */
 static char *image_of(const struct gd_field *field, size_t *size)
 {
     *size = gd_field_image_size(field);
@@ -85,9 +85,9 @@ static void check_refusal(const struct gd_mesh *mesh, const struct gd_field_requ
     assert_null(field);
 }
 
-/* Fields and pairs on meshes of all sizes in turn, near and far, finished and broken off: each as
- * if it were the first. */
-static void calls_do_not_see_each_other(void **state)
+/* Fields and pairs on meshes of several sizes in turn, near and far, finished and cancelled. Each
+ * result equals one with a fresh workspace. */
+static void calls_are_independent(void **state)
 {
     (void)state;
     struct rng rng = {17};
@@ -122,8 +122,8 @@ static void calls_do_not_see_each_other(void **state)
     }
 }
 
-/* A refusal before anything was taken leaves an empty workspace that works. */
-static void an_empty_one_survives_refusal(void **state)
+/* A refusal before anything was allocated leaves an empty and usable workspace. */
+static void an_empty_workspace_survives_refusal(void **state)
 {
     (void)state;
     struct gd_seed seed = {.point = test_point(meshes[0], (struct test_place){0, {1, 0, 0}})};
@@ -133,7 +133,7 @@ static void an_empty_one_survives_refusal(void **state)
     check_same_field(meshes[0], &request);
 }
 
-/* What one call was granted says nothing about the next. */
+/* The budget of one call does not affect the next. */
 static void each_call_has_its_own_budget(void **state)
 {
     (void)state;
@@ -157,7 +157,7 @@ static void each_call_has_its_own_budget(void **state)
     check_same_field(meshes[0], &request);
 }
 
-static void tells_what_it_holds(void **state)
+static void reports_its_size(void **state)
 {
     (void)state;
     struct gd_seed seed = {.point = test_point(meshes[0], (struct test_place){0, {1, 0, 0}})};
@@ -174,10 +174,10 @@ static void tells_what_it_holds(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(calls_do_not_see_each_other),
-        cmocka_unit_test(an_empty_one_survives_refusal),
+        cmocka_unit_test(calls_are_independent),
+        cmocka_unit_test(an_empty_workspace_survives_refusal),
         cmocka_unit_test(each_call_has_its_own_budget),
-        cmocka_unit_test(tells_what_it_holds),
+        cmocka_unit_test(reports_its_size),
     };
     return cmocka_run_group_tests(tests, open_all, close_all);
 }

@@ -1,5 +1,5 @@
-/* Windows at random, and the model that lists are compared with: at each place the least over all
- * windows that were offered. */
+/* Random windows, and the model with which lists are compared: at each parameter the minimum over
+ * all offered windows. */
 #ifndef TESTS_UNIT_WEDGE_MODEL_H
 #define TESTS_UNIT_WEDGE_MODEL_H
 
@@ -9,9 +9,9 @@
 
 #include "window/list.h"
 
-#define WIDTH 1e-10 /* windows of at most this width may be dropped */
+#define WIDTH 1e-10 /* windows up to this width may be dropped */
 
-/* On an edge of length 1. */
+/* Returns a random window on an edge of length 1. */
 static inline struct gd__window random_window(struct rng *rng, uint32_t source)
 {
     double a = rng_unit(rng), b = rng_unit(rng);
@@ -29,7 +29,7 @@ static inline void append_window(struct gd__stack *stack, struct gd__window wind
     stack->windows[stack->count++] = window;
 }
 
-/* INFINITY where no window is. */
+/* Returns the minimum over the windows at t; INFINITY where there is none. */
 static inline double least_distance(const struct gd__stack *windows, double t)
 {
     double least = INFINITY;
@@ -47,17 +47,17 @@ static inline void check_sorted_and_disjoint(const struct gd__stack *list)
     }
 }
 
-/* The list is sorted, disjoint, and at every place as short as the best that was offered. */
+/* Checks that the list is sorted, disjoint, and everywhere as short as the best offered window. */
 static inline void check_envelope(const struct gd__stack *list, const struct gd__stack *offered)
 {
     check_sorted_and_disjoint(list);
     for (int k = 1; k < 200; k++) {
-        double t = k / 200.0 + 1e-4; /* off the ends, where a window may begin or stop */
+        double t = k / 200.0 + 1e-4; /* not at 1/200, where windows may end */
         check_close(least_distance(list, t), least_distance(offered, t), 1e-12);
     }
 }
 
-/* Each window is a piece of the one that was offered with its source's number, 0 to count - 1. */
+/* Checks that each window is a piece of the offered window whose index is its source. */
 static inline void check_pieces(const struct gd__stack *list, const struct gd__stack *offered)
 {
     for (uint32_t i = 0; i < list->count; i++) {
@@ -69,15 +69,14 @@ static inline void check_pieces(const struct gd__stack *list, const struct gd__s
     }
 }
 
-/* Windows of a stack as arrays. */
+/* Converts a stack to arrays. */
 static inline void build_windows(const struct gd__stack *from, struct gd__window_builder *out)
 {
     check_ok(gd__window_builder_reserve(out, from->count), NULL);
     for (uint32_t i = 0; i < from->count; i++) gd__windows_put(&out->at, i, &from->windows[i]);
 }
 
-/* Windows of a stack as children that nobody has looked at yet: from `tangled` on they may
- * overlap. */
+/* Converts a stack to unsorted children: from `tangled` on they may overlap. */
 static inline void build_children(const struct gd__stack *from, uint32_t tangled,
                                   struct gd__pool *pool, struct gd__children *out)
 {
@@ -88,7 +87,7 @@ static inline void build_children(const struct gd__stack *from, uint32_t tangled
     out->tangled_last = from->count - 1;
 }
 
-/* And back. */
+/* Converts arrays to a stack. */
 static inline void load_windows(const struct gd__windows *from, uint32_t count,
                                 struct gd__stack *out)
 {

@@ -18,61 +18,61 @@ static void no_solution(void **state)
 {
     (void)state;
     struct gd__window near = window(0.4, 0.3, 0), far = window(0.5, 0.3, 5);
-    struct gd__verdict verdict = gd__contest(&near, &far, 0, 1);
-    assert_true(verdict.challenger_first);
-    assert_int_equal(verdict.switches, 0);
-    verdict = gd__contest(&far, &near, 0, 1);
-    assert_false(verdict.challenger_first);
-    assert_int_equal(verdict.switches, 0);
+    struct gd__contest_result result = gd__contest(&near, &far, 0, 1);
+    assert_true(result.challenger_first);
+    assert_int_equal(result.switches, 0);
+    result = gd__contest(&far, &near, 0, 1);
+    assert_false(result.challenger_first);
+    assert_int_equal(result.switches, 0);
 }
 
 static void one_solution(void **state)
 {
     (void)state;
     struct gd__window left = window(-0.5, 0.7, 0), right = window(1.5, 0.7, 0);
-    struct gd__verdict verdict = gd__contest(&left, &right, 0, 1);
-    assert_true(verdict.challenger_first);
-    assert_int_equal(verdict.switches, 1);
-    check_close(verdict.at[0], 0.5, 1e-15);
-    right.sigma = 0.25; /* a branch of a hyperbola */
-    verdict = gd__contest(&right, &left, 0, 1);
-    assert_false(verdict.challenger_first);
-    assert_int_equal(verdict.switches, 1);
-    assert_true(gap(&left, &right, verdict.at[0]) < 1e-15);
+    struct gd__contest_result result = gd__contest(&left, &right, 0, 1);
+    assert_true(result.challenger_first);
+    assert_int_equal(result.switches, 1);
+    check_close(result.at[0], 0.5, 1e-15);
+    right.sigma = 0.25; /* the distances are equal on a branch of a hyperbola */
+    result = gd__contest(&right, &left, 0, 1);
+    assert_false(result.challenger_first);
+    assert_int_equal(result.switches, 1);
+    assert_true(gap(&left, &right, result.at[0]) < 1e-15);
 }
 
 static void two_solutions(void **state)
 {
     (void)state;
     struct gd__window wide = window(0.5, 1, 0),
-                      /* the narrow one wins a piece in the middle */
+                      /* the narrow window wins a middle part */
         narrow = window(0.5, 0.1, 0.8);
-    struct gd__verdict verdict = gd__contest(&narrow, &wide, 0, 1);
-    assert_false(verdict.challenger_first);
-    assert_int_equal(verdict.switches, 2);
-    assert_true(verdict.at[0] < 0.5 && verdict.at[1] > 0.5);
-    check_close(verdict.at[0] + verdict.at[1], 1, 1e-14);
-    for (int i = 0; i < 2; i++) assert_true(gap(&wide, &narrow, verdict.at[i]) < 1e-15);
-    verdict = gd__contest(&wide, &narrow, 0, 1);
-    assert_true(verdict.challenger_first);
-    assert_int_equal(verdict.switches, 2);
+    struct gd__contest_result result = gd__contest(&narrow, &wide, 0, 1);
+    assert_false(result.challenger_first);
+    assert_int_equal(result.switches, 2);
+    assert_true(result.at[0] < 0.5 && result.at[1] > 0.5);
+    check_close(result.at[0] + result.at[1], 1, 1e-14);
+    for (int i = 0; i < 2; i++) assert_true(gap(&wide, &narrow, result.at[i]) < 1e-15);
+    result = gd__contest(&wide, &narrow, 0, 1);
+    assert_true(result.challenger_first);
+    assert_int_equal(result.switches, 2);
 }
 
 static void infinitely_many_solutions_are_a_tie_for_the_owner(void **state)
 {
     (void)state;
-    /* mirror images across the edge look the same on it */
+    /* mirror images across the edge have the same distances on it */
     struct gd__window a = window(0.3, 0.4, 1), b = a;
-    struct gd__verdict verdict = gd__contest(&a, &b, 0, 1);
-    assert_false(verdict.challenger_first);
-    assert_int_equal(verdict.switches, 0);
-    b.x += 1e-16; /* and so do images that differ by rounding */
+    struct gd__contest_result result = gd__contest(&a, &b, 0, 1);
+    assert_false(result.challenger_first);
+    assert_int_equal(result.switches, 0);
+    b.x += 1e-16; /* so do images that differ by rounding */
     b.sigma += 1e-16;
     assert_int_equal(gd__contest(&a, &b, 0, 1).switches, 0);
     assert_false(gd__contest(&a, &b, 0, 1).challenger_first);
 }
 
-/* Pitfall 1 of the design: at a tangential double root a Newton step would jump far. */
+/* Pitfall 1 of the design: at a tangential double root a Newton step would diverge. */
 static void a_double_root_changes_nothing(void **state)
 {
     (void)state;
@@ -80,21 +80,21 @@ static void a_double_root_changes_nothing(void **state)
     struct gd__window wide = window(0.5, 1, 0), touching = window(0.5, 0.1, 0.9);
     for (double shift = -1e-15; shift <= 1e-15; shift += 5e-16) {
         touching.sigma = 0.9 + shift;
-        struct gd__verdict verdict = gd__contest(&touching, &wide, 0, 1);
-        assert_false(verdict.challenger_first);
-        if (verdict.switches) assert_true(verdict.at[1] - verdict.at[0] < 1e-6);
+        struct gd__contest_result result = gd__contest(&touching, &wide, 0, 1);
+        assert_false(result.challenger_first);
+        if (result.switches) assert_true(result.at[1] - result.at[0] < 1e-6);
     }
 }
 
-/* From the ends of a long edge two sources close to it look equally far; close by, one is much
- * nearer. */
+/* Two sources close to a long edge have equal distances at both of its ends. In between, near the
+ * sources, one is much nearer. */
 static void a_tie_at_both_ends_is_no_tie_between(void **state)
 {
     (void)state;
     struct gd__window near = {.b0 = 0, .b1 = 1e4, .x = 5e3, .y = 1e-4},
                       far = {.b0 = 0, .b1 = 1e4, .x = 5e3, .y = 3e-4};
     for (double sigma = 0; sigma < 1e-4; sigma += 4e-5) {
-        near.sigma = sigma * 1e-10; /* unequal sigma takes the other way through the contest */
+        near.sigma = sigma * 1e-10; /* with unequal sigma the contest takes another branch */
         assert_true(gd__contest(&near, &far, 0, 1e4).challenger_first);
         assert_int_equal(gd__contest(&near, &far, 0, 1e4).switches, 0);
         assert_false(gd__contest(&far, &near, 0, 1e4).challenger_first);
@@ -102,7 +102,7 @@ static void a_tie_at_both_ends_is_no_tie_between(void **state)
     }
 }
 
-/* Law: the verdict's winner is nowhere worse than the other by more than rounding. */
+/* Law: the winner is nowhere worse than the other window by more than rounding. */
 static void winner_is_never_worse(void **state)
 {
     (void)state;
@@ -116,7 +116,7 @@ static void winner_is_never_worse(void **state)
         struct gd__window b =
             window(rng_between(&rng, -1, 2) * scale, exp(rng_between(&rng, -8, 1)) * scale, 0);
         double mode = rng_between(&rng, 0, 1), hi = scale;
-        /* at an end as often as in the middle */
+        /* ties at the start, in the middle and at the end are equally frequent */
         double tie = hi * (int)rng_between(&rng, 0, 3) / 2;
         if (mode > 0.2)
             b.sigma = (gd__window_distance(&a, tie) - gd__window_distance(&b, tie)) *
@@ -125,12 +125,12 @@ static void winner_is_never_worse(void **state)
             a.sigma = -b.sigma;
             b.sigma = 0;
         }
-        struct gd__verdict verdict = gd__contest(&a, &b, 0, hi);
-        counts[verdict.switches]++;
+        struct gd__contest_result result = gd__contest(&a, &b, 0, hi);
+        counts[result.switches]++;
         for (int k = 0; k <= 50; k++) {
             double t = hi * k / 50;
-            bool challenger = verdict.challenger_first;
-            for (int j = 0; j < verdict.switches; j++) challenger ^= t > verdict.at[j];
+            bool challenger = result.challenger_first;
+            for (int j = 0; j < result.switches; j++) challenger ^= t > result.at[j];
             double da = gd__window_distance(&a, t), db = gd__window_distance(&b, t),
                    excess = challenger ? da - db : db - da;
             if (excess / (da + db) > worst) worst = excess / (da + db);
@@ -145,7 +145,8 @@ static void winner_is_never_worse(void **state)
 
 /* --- linear windows --------------------------------------------------------------------------- */
 
-/* Of a line seen under that angle along the edge, that far from the edge's origin. */
+/* Returns the linear window of a line at this angle to the edge. `sigma`: the line's distance from
+ * the edge's origin. */
 static struct gd__window linear(double angle, double sigma)
 {
     return (struct gd__window){.b0 = 0,
@@ -161,18 +162,18 @@ static void a_line_and_a_point_part_at_a_parabola(void **state)
     (void)state;
     /* the point wins in the middle */
     struct gd__window line = linear(M_PI / 2, 0.5), point = window(0.5, 0.1, 0.2);
-    struct gd__verdict verdict = gd__contest(&point, &line, 0, 1);
-    assert_false(verdict.challenger_first);
-    assert_int_equal(verdict.switches, 2);
+    struct gd__contest_result result = gd__contest(&point, &line, 0, 1);
+    assert_false(result.challenger_first);
+    assert_int_equal(result.switches, 2);
     double half = sqrt(0.3 * 0.3 - 0.1 * 0.1);
-    check_close(verdict.at[0], 0.5 - half, 1e-14);
-    check_close(verdict.at[1], 0.5 + half, 1e-14);
-    line = linear(1.1, 0.75); /* at a slant: one place in the edge */
+    check_close(result.at[0], 0.5 - half, 1e-14);
+    check_close(result.at[1], 0.5 + half, 1e-14);
+    line = linear(1.1, 0.75); /* at another angle: one crossing */
     for (int i = 0; i < 2; i++) {
-        verdict = i ? gd__contest(&line, &point, 0, 1) : gd__contest(&point, &line, 0, 1);
-        assert_int_equal(verdict.switches, 1);
-        assert_true(gap(&line, &point, verdict.at[0]) < 1e-15);
-        assert_true(verdict.challenger_first == (i == 0));
+        result = i ? gd__contest(&line, &point, 0, 1) : gd__contest(&point, &line, 0, 1);
+        assert_int_equal(result.switches, 1);
+        assert_true(gap(&line, &point, result.at[0]) < 1e-15);
+        assert_true(result.challenger_first == (i == 0));
     }
 }
 
@@ -180,16 +181,15 @@ static void two_lines_part_at_one_place(void **state)
 {
     (void)state;
     struct gd__window a = linear(2.0, 0.3), b = linear(1.0, 0.6);
-    struct gd__verdict verdict = gd__contest(&a, &b, 0, 1);
-    assert_true(verdict.challenger_first);
-    assert_int_equal(verdict.switches, 1);
-    check_close(verdict.at[0], 0.3 / (cos(1.0) - cos(2.0)), 1e-14);
+    struct gd__contest_result result = gd__contest(&a, &b, 0, 1);
+    assert_true(result.challenger_first);
+    assert_int_equal(result.switches, 1);
+    check_close(result.at[0], 0.3 / (cos(1.0) - cos(2.0)), 1e-14);
     assert_int_equal(gd__contest(&a, &a, 0, 1).switches, 0);
     assert_false(gd__contest(&a, &a, 0, 1).challenger_first);
 }
 
-/* A segment's end is as near as the segment along the line on which the one's sight gives way to
- * the other's: a double root. */
+/* On the normal through a segment's end, the end is as near as the segment: a double root. */
 static void where_a_line_ends_nothing_changes(void **state)
 {
     (void)state;
@@ -209,12 +209,12 @@ static void random_contests_with_lines(void **state)
                                   ? linear(rng_between(&rng, 0.01, 3.13), rng_between(&rng, 0, 2))
                                   : window(rng_between(&rng, -1, 2), rng_between(&rng, 0.01, 1),
                                            rng_between(&rng, 0, 1));
-        struct gd__verdict verdict = gd__contest(&a, &b, 0, 1);
+        struct gd__contest_result result = gd__contest(&a, &b, 0, 1);
         for (int k = 0; k < 50; k++) {
             double t = rng_unit(&rng),
                    difference = gd__window_distance(&a, t) - gd__window_distance(&b, t);
-            bool a_wins = verdict.challenger_first;
-            for (int s = 0; s < verdict.switches; s++) a_wins ^= t > verdict.at[s];
+            bool a_wins = result.challenger_first;
+            for (int s = 0; s < result.switches; s++) a_wins ^= t > result.at[s];
             if (fabs(difference) > 1e-12) assert_true(a_wins == (difference < 0));
         }
     }

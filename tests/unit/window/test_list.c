@@ -1,12 +1,12 @@
-/* A list is the lower envelope of the windows that were offered to it: sorted, disjoint, nowhere
- * worse than any of them. */
+/* A list is the lower envelope of the offered windows: sorted, disjoint, nowhere worse than any of
+ * them. */
 #include "tests/unit/window/model.h"
 
 #include "gd/polygons.h"
 
 #define OFFERED 12
 
-/* --- a list, and what was offered to it ------------------------------------------------------- */
+/* --- a list and the offered windows ----------------------------------------------------------- */
 
 static struct gd__pool pool;
 static struct gd__list list;
@@ -42,12 +42,12 @@ static void empty_list(void)
     offered.count = 0;
 }
 
-/* Inserts windows, which may overlap: the last `count` of what was offered. */
+/* Inserts the last `count` of the offered windows, which may overlap. */
 static void insert_last(uint32_t count)
 {
     struct gd__stack batch = {offered.windows + offered.count - count, count, count};
     build_children(&batch, 0, &pool, &newer);
-    check_ok(gd__untangle(&newer, &pool, WIDTH, &scratch), NULL);
+    check_ok(gd__children_sort(&newer, &pool, WIDTH, &scratch), NULL);
     check_ok(gd__list_insert(&list, &pool, &newer, WIDTH, &scratch), NULL);
 }
 
@@ -79,7 +79,8 @@ static void pushing_gives_the_envelope(void **state)
 
 /* --- untangling ------------------------------------------------------------------------------- */
 
-/* Windows nearly in order, as children are: some reach back a little, few of them far. */
+/* Returns windows nearly in order, like children: some begin slightly before the previous one ends,
+ * a few far before. */
 static struct gd__window nearly_next(struct rng *rng, uint32_t i, uint32_t count)
 {
     struct gd__window w = random_window(rng, i);
@@ -100,14 +101,14 @@ static void untangling_gives_the_envelope(void **state)
         for (uint32_t i = 0; i < count; i++) {
             struct gd__window w =
                 in_any_order ? random_window(&rng, i) : nearly_next(&rng, i, count);
-            if (i < in_order) { /* those before `from` neither overlap nor stand out of order */
+            if (i < in_order) { /* windows before `from` are disjoint and in order */
                 w.b0 = (double)i / count;
                 w.b1 = (double)(i + 1) / count;
             }
             append_window(&offered, w);
         }
         build_children(&offered, in_order, &pool, &newer);
-        check_ok(gd__untangle(&newer, &pool, WIDTH, &scratch), NULL);
+        check_ok(gd__children_sort(&newer, &pool, WIDTH, &scratch), NULL);
         assert_int_equal(newer.tangled, GD_NONE);
         load_windows(&newer.at, newer.count, &actual);
         check_envelope(&actual, &offered);
@@ -115,7 +116,7 @@ static void untangling_gives_the_envelope(void **state)
     }
 }
 
-/* Windows of one source that meet become one, unless they are to be kept apart. */
+/* Adjacent windows of one source are merged unless `apart` is set. */
 static void untangling_joins_neighbours(void **state)
 {
     (void)state;
@@ -127,7 +128,7 @@ static void untangling_joins_neighbours(void **state)
                           (struct gd__window){
                               .b0 = i / 10.0, .b1 = (i + 1) / 10.0, .x = 0.5, .y = 2, .source = 3});
         build_children(&offered, 0, &pool, &newer);
-        check_ok(gd__untangle(&newer, &pool, WIDTH, &scratch), NULL);
+        check_ok(gd__children_sort(&newer, &pool, WIDTH, &scratch), NULL);
         assert_int_equal(newer.count, apart ? 10 : 1);
         assert_true(newer.at.b0[0] == 0 && newer.at.b1[newer.count - 1] == 1);
     }
@@ -150,7 +151,7 @@ static void inserting_gives_the_envelope(void **state)
     }
 }
 
-/* Offers windows of different sources that cover the given pieces, and inserts them together. */
+/* Offers windows of different sources with the given pieces, and inserts them together. */
 static void insert_pieces(struct rng *rng, const double (*pieces)[2], uint32_t count, double sigma)
 {
     for (uint32_t i = 0; i < count; i++) {
@@ -172,7 +173,7 @@ static void appends(void **state)
     (void)state;
     struct rng rng = {1};
     insert_pieces(&rng, PIECES({0, 0.1}, {0.1, 0.3}), 0);
-    insert_pieces(&rng, PIECES({0.3, 0.5}, {0.6, 0.7}), 0); /* touches */
+    insert_pieces(&rng, PIECES({0.3, 0.5}, {0.6, 0.7}), 0); /* touches an existing window */
     insert_pieces(&rng, PIECES({0.8, 1}), 0);               /* leaves a gap */
     assert_int_equal(list.count, 5);
     check_list();
@@ -189,8 +190,7 @@ static void prepends(void **state)
     check_list();
 }
 
-/* Ends that overlap by less than the least width are cut to meet: nothing is contested, nothing
- * overlaps. */
+/* Ends that overlap by less than the least width are cut to meet, without a contest. */
 static void ends_that_touch_are_cut(void **state)
 {
     (void)state;
@@ -213,8 +213,8 @@ static void fills_a_gap(void **state)
     check_list();
 }
 
-/* The newer windows reach around what is there on both sides, whether they win in the middle
- * (sigma), lose there, or leave it out. */
+/* The newer windows overlap the list on both sides. In the middle they win, lose (by sigma) or have
+ * a gap. */
 static void overlaps_in_the_middle(void **state)
 {
     (void)state;
@@ -239,7 +239,7 @@ static struct gd__window of_source(double b0, double b1, uint32_t source)
         .b0 = b0, .b1 = b1, .x = 0.3 * source, .y = 0.5 + 0.1 * source, .source = source};
 }
 
-/* Neighbours of one source become one at either end of what is inserted, or at both. */
+/* Adjacent windows of one source are merged at one end of the inserted windows or at both. */
 static void joins_at_both_seams(void **state)
 {
     (void)state;
@@ -253,7 +253,7 @@ static void joins_at_both_seams(void **state)
     assert_int_equal(list.count, 2);
     assert_true(w.b0[0] == 0 && w.b1[0] == 0.45 && w.b0[1] == 0.45 && w.b1[1] == 1);
     check_list();
-    empty_list(); /* with windows to contest between the seams */
+    empty_list(); /* with contested windows between the ends */
     append_window(&offered, of_source(0, 0.2, 1));
     append_window(&offered, of_source(0.4, 0.6, 3));
     append_window(&offered, of_source(0.8, 1, 2));
@@ -268,7 +268,7 @@ static void joins_at_both_seams(void **state)
     check_list();
 }
 
-static void keeps_neighbours_apart_if_told(void **state)
+static void neighbours_stay_apart_if_requested(void **state)
 {
     (void)state;
     scratch.apart = true;
@@ -290,13 +290,13 @@ static void neighbours_that_see_one_source_become_one(void **state)
         insert_last(1);
     }
     struct gd__windows w = gd__list_windows(&list);
-    assert_true(list.count <= 2); /* the last one meets both; it is joined to one of them */
+    assert_true(list.count <= 2); /* the last window touches both and is merged with one of them */
     assert_true(w.b0[0] == 0 && w.b1[list.count - 1] == 1);
     check_list();
 }
 
-/* Hundreds of windows in pieces of every size up to some groups, from all sides: blocks grow, and
- * nothing is lost on the way. */
+/* Inserts hundreds of windows in lists of up to several groups, everywhere. Blocks grow, and no
+ * window is lost. */
 static void blocks_grow(void **state)
 {
     (void)state;
@@ -355,7 +355,7 @@ static void one_by_one_gives_the_envelope(void **state)
     }
 }
 
-/* A line at right angles to some direction, as near as the points of random_window. */
+/* Returns a linear window, as near as the points of random_window. */
 static struct gd__window random_line(struct rng *rng, uint32_t source)
 {
     struct gd__window w = random_window(rng, source | GD__SOURCE_LINEAR);
@@ -381,8 +381,8 @@ static void lines_one_by_one_give_the_envelope(void **state)
     }
 }
 
-/* Ties stay with what is there, what begins where another one ends is no overlap, and windows of
- * one source become one. */
+/* In a tie the existing window stays. A window that begins where another one ends does not overlap
+ * it. Adjacent windows of one source are merged. */
 static void one_window_beside_others(void **state)
 {
     (void)state;
@@ -402,14 +402,14 @@ static void one_window_beside_others(void **state)
         assert_true(w.b0[i] == from[i] && w.b1[i] == to[i] && w.source[i] == (i != 1));
 }
 
-/* A point that three lines are nearer than at both of their ends, but not between: the most parts
- * there can be. The block has to grow for them. */
+/* Each of three lines is nearer than the point at both of its ends, but not between: the largest
+ * possible number of parts. The block must grow. */
 static void one_window_may_leave_thirteen_parts(void **state)
 {
     (void)state;
     const struct gd__window point = {.b0 = 0, .b1 = 1, .x = 0.5, .y = 0.1, .source = 3};
     const double from[3] = {0.05, 0.4, 0.7}, to[3] = {0.3, 0.6, 0.95};
-    for (uint32_t i = 0; i < 3; i++) { /* chords of the point's distance, a little nearer */
+    for (uint32_t i = 0; i < 3; i++) { /* chords of the point's distance, slightly nearer */
         double d0 = gd__window_distance(&point, from[i]), d1 = gd__window_distance(&point, to[i]),
                slope = (d1 - d0) / (to[i] - from[i]);
         append_window(&offered, (struct gd__window){.b0 = from[i],
@@ -427,7 +427,7 @@ static void one_window_may_leave_thirteen_parts(void **state)
     for (uint32_t i = 0; i < 13; i++) assert_int_equal(actual.windows[i].source == 3, i % 2 == 0);
 }
 
-static void one_by_one_they_stay_apart_if_told(void **state)
+static void single_windows_stay_apart_if_requested(void **state)
 {
     (void)state;
     scratch.apart = true;
@@ -441,7 +441,7 @@ static void one_by_one_they_stay_apart_if_told(void **state)
 
 /* --- memory ----------------------------------------------------------------------------------- */
 
-/* Windows side by side, one at a time, until the budget is spent: what was there stays. */
+/* Inserts adjacent windows one at a time until the budget is spent. The list remains intact. */
 static void budget_is_kept(void **state)
 {
     (void)state;
@@ -487,14 +487,14 @@ int main(void)
         WITH_LIST(fills_a_gap),
         WITH_LIST(overlaps_in_the_middle),
         WITH_LIST(joins_at_both_seams),
-        WITH_LIST(keeps_neighbours_apart_if_told),
+        WITH_LIST(neighbours_stay_apart_if_requested),
         WITH_LIST(neighbours_that_see_one_source_become_one),
         WITH_LIST(blocks_grow),
         WITH_LIST(one_by_one_gives_the_envelope),
         WITH_LIST(lines_one_by_one_give_the_envelope),
         WITH_LIST(one_window_beside_others),
         WITH_LIST(one_window_may_leave_thirteen_parts),
-        WITH_LIST(one_by_one_they_stay_apart_if_told),
+        WITH_LIST(single_windows_stay_apart_if_requested),
         WITH_LIST(budget_is_kept),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

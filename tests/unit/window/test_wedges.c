@@ -1,4 +1,5 @@
-/* Wedges: what the general writer makes of windows, gaps and ends, and what is read back. */
+/* Tests that the general writer of wedges stores windows, gaps and ends, and that they are read
+ * back. */
 #include "tests/unit/window/model.h"
 
 #include <stdlib.h>
@@ -8,9 +9,12 @@
 
 enum { MOST = 12 };
 
-/* The wedges of a list, and room for them. */
+/* The wedges of a list, with room for them. */
 struct written {
-    double data[3 * (2 * MOST + 1)];
+    union {
+        struct gd__chunk chunk;
+        uint64_t room[1 + 3 * (2 * MOST + 1)];
+    };
     struct gd__wedges wedges;
     uint32_t count;
 };
@@ -24,19 +28,39 @@ static int free_builder(void **state)
     return 0;
 }
 
-static void write(const struct gd__stack *list, double length, bool mirrored, struct written *out)
+/* Writes in the given form, if the sources' numbers fit into it. */
+static void write_as(const struct gd__stack *list, double length, bool mirrored,
+                     enum gd__wedge_form form, struct written *out)
 {
     build_windows(list, &builder);
-    out->count = gd__wedges_write(&builder.at, list->count, length, mirrored, out->data);
+    out->chunk.form = form;
+    gd__chunk_write(&builder.at, list->count, length, mirrored, &out->chunk);
+    out->count = out->chunk.count;
     assert_true(out->count <= gd__wedges_bound(list->count));
-    out->wedges = (struct gd__wedges){out->data, out->data + out->count,
-                                      (uint64_t *)(out->data + 2 * (size_t)out->count)};
+    assert_true(gd__chunk_bytes(&out->chunk) <= gd__chunk_bound(list->count));
+    out->wedges = gd__chunk_wedges(&out->chunk);
+}
+
+static void write(const struct gd__stack *list, double length, bool mirrored, struct written *out)
+{
+    write_as(list, length, mirrored, GD__WEDGE_16, out);
+    assert_int_equal(out->chunk.form, GD__WEDGE_16);
+}
+
+static double x_of(const struct written *w, uint32_t i)
+{
+    return gd__wedge_unpack(&w->wedges, &w->wedges.x[i]);
+}
+
+static double y_of(const struct written *w, uint32_t i)
+{
+    return gd__wedge_unpack(&w->wedges, &w->wedges.y[i]);
 }
 
 static void check_wedge(const struct written *written, uint32_t i, double length, double b0,
                         double b1, uint32_t source)
 {
-    struct gd__window w = gd__wedge_window(written->wedges, written->count, i, length);
+    struct gd__window w = gd__wedge_window(&written->wedges, i, length);
     assert_true(fabs(w.b0 - b0) <= length * GD__WEDGE_UNIT &&
                 fabs(w.b1 - b1) <= length * GD__WEDGE_UNIT);
     assert_int_equal(w.source, source);
@@ -56,18 +80,17 @@ static void marks_gaps_before_between_and_behind(void **state)
     check_wedge(&w, 2, 4, 2, 3, GD_NONE);
     check_wedge(&w, 3, 4, 3, 3.5, 8);
     check_wedge(&w, 4, 4, 3.5, 4, GD_NONE);
-    write(&list, 4, true, &w); /* of the edge's other side */
+    write(&list, 4, true, &w); /* for the other side of the edge */
     assert_int_equal(w.count, 5);
     check_wedge(&w, 0, 4, 0, 0.5, GD_NONE);
     check_wedge(&w, 1, 4, 0.5, 1, 8);
     check_wedge(&w, 2, 4, 1, 2, GD_NONE);
     check_wedge(&w, 3, 4, 2, 3, 7);
     check_wedge(&w, 4, 4, 3, 4, GD_NONE);
-    assert_true(w.wedges.x[1] == 2 && w.wedges.y[1] == 1 && w.wedges.x[3] == 3 &&
-                w.wedges.y[3] == 3);
+    assert_true(x_of(&w, 1) == 2 && y_of(&w, 1) == 1 && x_of(&w, 3) == 3 && y_of(&w, 3) == 3);
 }
 
-/* Windows apart by no more than rounding leave none; the first begins at the end of the edge. */
+/* Gaps of the size of rounding are closed. The first window begins at the edge's end. */
 static void closes_what_rounding_left_open(void **state)
 {
     (void)state;
@@ -79,12 +102,12 @@ static void closes_what_rounding_left_open(void **state)
     for (int mirrored = 0; mirrored < 2; mirrored++) {
         write(&list, 1, mirrored, &w);
         assert_int_equal(w.count, 2);
-        assert_int_equal(gd__wedge_start(w.wedges.start[0]), 0);
+        assert_int_equal(w.wedges.start[0], 0);
         check_wedge(&w, mirrored ? 1 : 0, 1, mirrored ? 0.5 : 0, mirrored ? 1 : 0.5, 1);
     }
 }
 
-/* The side of the source is in the sign of y, also where y is zero. */
+/* The sign of y stores the side of the source, also where y is zero. */
 static void tells_the_side_by_the_sign(void **state)
 {
     (void)state;
@@ -93,14 +116,13 @@ static void tells_the_side_by_the_sign(void **state)
     struct written w;
     for (int mirrored = 0; mirrored < 2; mirrored++) {
         write(&list, 1, mirrored, &w);
-        struct gd__window read = gd__wedge_window(w.wedges, 1, 0, 1);
+        struct gd__window read = gd__wedge_window(&w.wedges, 0, 1);
         assert_int_equal(read.tags, mirrored ? GD__WINDOW_FAR_SIDE : 0);
         assert_true(read.x == (mirrored ? 0.75 : 0.25) && read.y == 0 && !signbit(read.y));
     }
 }
 
-/* At random: what is read back is what was written, to 2^-32 of the edge, in the frame of side
- * 0. */
+/* Random lists are read back up to 2^-32 of the edge, in the frame of side 0. */
 static void reads_back_what_was_written(void **state)
 {
     (void)state;
@@ -120,14 +142,12 @@ static void reads_back_what_was_written(void **state)
             append_window(&list, w);
         }
         struct written w;
-        write(&list, length, mirrored, &w);
+        write_as(&list, length, mirrored, round % 3, &w);
         for (uint32_t i = 0; i < w.count; i++) {
-            struct gd__window read = gd__wedge_window(w.wedges, w.count, i, length);
-            if (i)
-                assert_true(gd__wedge_start(w.wedges.start[i]) >=
-                            gd__wedge_start(w.wedges.start[i - 1]));
+            struct gd__window read = gd__wedge_window(&w.wedges, i, length);
+            if (i) assert_true(w.wedges.start[i] >= w.wedges.start[i - 1]);
             if (read.source == GD_NONE) {
-                assert_true(w.wedges.x[i] == 0 && w.wedges.y[i] == 0);
+                assert_true(x_of(&w, i) == 0 && y_of(&w, i) == 0);
                 continue;
             }
             struct gd__window expected = list.windows[mirrored ? count - 1 - next : next];
@@ -139,12 +159,12 @@ static void reads_back_what_was_written(void **state)
             next++;
         }
         assert_int_equal(next, count);
-        assert_int_equal(gd__wedge_start(w.wedges.start[0]), 0);
+        assert_int_equal(w.wedges.start[0], 0);
     }
     gd__stack_destroy(&list);
 }
 
-/* A linear window comes back as it was, on both sides of the edge, and its ends rounded inwards. */
+/* Linear windows are read back on both sides of the edge. Their ends are rounded inwards. */
 static void linear_windows_come_back(void **state)
 {
     (void)state;
@@ -155,10 +175,12 @@ static void linear_windows_come_back(void **state)
         uint32_t source[9] = {GD__SOURCE_LINEAR | 77};
         struct gd__windows windows = {b0, b1, x, y, sigma, source};
         for (int mirrored = 0; mirrored < 2; mirrored++) {
-            double data[9];
-            assert_int_equal(gd__wedges_write(&windows, 1, length, mirrored, data), 3);
-            struct gd__wedges wedges = {data, data + 3, (uint64_t *)(data + 6)};
-            struct gd__window w = gd__wedge_window(wedges, 3, 1, length);
+            struct written written;
+            written.chunk.form = GD__WEDGE_16;
+            gd__chunk_write(&windows, 1, length, mirrored, &written.chunk);
+            assert_true(written.chunk.count == 3 && written.chunk.form == GD__WEDGE_WIDE);
+            struct gd__wedges wedges = gd__chunk_wedges(&written.chunk);
+            struct gd__window w = gd__wedge_window(&wedges, 1, length);
             assert_int_equal(w.tags, mirrored ? GD__WINDOW_FAR_SIDE : 0);
             if (mirrored) w = gd__window_mirrored(&w, length);
             assert_true(w.b0 >= 0.3 - 1e-15 && w.b0 < 0.3 + 1e-9 && w.b1 <= 1.7 + 1e-15 &&
@@ -170,6 +192,53 @@ static void linear_windows_come_back(void **state)
     }
 }
 
+/* Each form keeps numbers and coordinates bit for bit. A coordinate that is too large makes its
+ * chunk wide. */
+static void every_form_keeps_all_bits(void **state)
+{
+    (void)state;
+    struct rng rng = {21};
+    const uint32_t most[] = {UINT16_MAX - 1, (1u << 24) - 2, UINT32_MAX >> 1};
+    for (int round = 0; round < 3000; round++) {
+        enum gd__wedge_form form = round % 3;
+        struct gd__window w = {.b1 = 1,
+                               .x = (round % 2 ? -1 : 1) * exp2(rng_between(&rng, -62, 62)),
+                               .y = exp2(rng_between(&rng, -62, 62)),
+                               .source = round < 300 ? most[form] - (uint32_t)round / 3
+                                                     : (uint32_t)rng_next(&rng) % most[form]};
+        struct gd__stack list = {&w, 1, 1};
+        struct written written;
+        for (int mirrored = 0; mirrored < 2; mirrored++) {
+            write_as(&list, 1, mirrored, form, &written);
+            assert_int_equal(written.chunk.form, form);
+            struct gd__window read = gd__wedge_window(&written.wedges, 0, 1);
+            assert_true(read.x == (mirrored ? 1 - w.x : w.x) && read.y == w.y);
+            assert_int_equal(read.source, w.source);
+        }
+    }
+    struct gd__window far[2] = {{.b1 = 1, .x = -GD__WEDGE_LIMIT, .y = 1, .source = 2},
+                                {.b1 = 1, .x = 1, .y = 2 * GD__WEDGE_LIMIT, .source = 2}};
+    for (int i = 0; i < 2; i++) {
+        struct written written;
+        write_as(&(struct gd__stack){&far[i], 1, 1}, 1, false, GD__WEDGE_16, &written);
+        struct gd__window read = gd__wedge_window(&written.wedges, 0, 1);
+        assert_int_equal(written.chunk.form, GD__WEDGE_WIDE);
+        assert_true(read.x == far[i].x && read.y == far[i].y && read.source == 2);
+    }
+}
+
+static void the_form_depends_on_sources_and_edges(void **state)
+{
+    (void)state;
+    assert_int_equal(gd__wedge_form_of(UINT16_MAX - 1), GD__WEDGE_16);
+    assert_int_equal(gd__wedge_form_of(UINT16_MAX), GD__WEDGE_24);
+    assert_int_equal(gd__wedge_form_of((1u << 24) - 2), GD__WEDGE_24);
+    assert_int_equal(gd__wedge_form_of((1u << 24) - 1), GD__WEDGE_WIDE);
+    assert_true(gd__wedges_fit(GD_TOL_PACKED, 0x1p32, 1u << 29));
+    assert_false(gd__wedges_fit(0.9 * GD_TOL_PACKED, 1, 100));
+    assert_false(gd__wedges_fit(1, 0x1p32, 1u << 30));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -178,6 +247,8 @@ int main(void)
         cmocka_unit_test_teardown(tells_the_side_by_the_sign, free_builder),
         cmocka_unit_test_teardown(reads_back_what_was_written, free_builder),
         cmocka_unit_test(linear_windows_come_back),
+        cmocka_unit_test_teardown(every_form_keeps_all_bits, free_builder),
+        cmocka_unit_test(the_form_depends_on_sources_and_edges),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

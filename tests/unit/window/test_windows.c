@@ -15,7 +15,7 @@ static void a_builder_keeps_what_is_in_it(void **state)
     for (uint32_t count = 1; count < 3000; count += 1 + count / 7) {
         check_ok(gd__window_builder_reserve(&builder, count), NULL);
         assert_true(builder.capacity >= count);
-        while (model.count < builder.capacity) { /* up to the brim */
+        while (model.count < builder.capacity) { /* up to the capacity */
             append_window(&model, random_window(&rng, model.count));
             gd__windows_put(&builder.at, model.count - 1, &model.windows[model.count - 1]);
         }
@@ -31,8 +31,8 @@ static void a_builder_keeps_what_is_in_it(void **state)
     gd__stack_destroy(&model);
 }
 
-/* A whole group behind the last window may be written, and a whole one before the first may be
- * read: under AddressSanitizer. */
+/* A whole group after the last window may be written, and a whole group before the first one may be
+ * read. AddressSanitizer checks this. */
 static void a_group_more_is_there_on_both_sides(void **state)
 {
     (void)state;
@@ -61,7 +61,7 @@ static void copies_any_part(void **state)
                  at = rng_below(&rng, 201 - count);
         build_windows(&model, &to);
         gd__windows_copy(&to.at, at, &from.at, first, count);
-        /* what lies behind is undefined up to a group */
+        /* up to a group beyond the end is undefined */
         for (uint32_t i = 0; i < at + count; i++) {
             struct gd__window w = gd__windows_get(&to.at, i);
             assert_true(is_same(&w, i < at ? &model.windows[i] : &source.windows[first + i - at]));

@@ -1,19 +1,19 @@
-// Which group of points takes the next click, where there are several.
+// The control that chooses the group to which the next click adds a point.
 
 import { make } from "../dom.ts";
 import type { Points } from "../points.ts";
 
-/** A choice with a label for each group, in their order. */
-export function activeChoice(points: Points, labels: string[]): HTMLElement {
-  const inputs = labels.map((_, g) =>
-    make("input", {
+/** Returns a control that chooses among groups, given by their indices and labels. */
+export function activeChoice(points: Points, groups: [number, string][]): HTMLElement {
+  const rows = groups.map(([g, label]) => {
+    const input = make("input", {
       type: "radio",
       name: "active",
       value: g,
       checked: g === points.active,
       change: () => (points.active = g),
-    }),
-  );
-  const rows = labels.map((label, g) => make("label", { class: "check" }, inputs[g]!, label));
-  return make("fieldset", {}, make("legend", { class: "unseen" }, "What clicks set"), ...rows);
+    });
+    return make("label", { class: "check" }, input, label);
+  });
+  return make("fieldset", {}, make("legend", { class: "unseen" }, "Clicks set"), ...rows);
 }

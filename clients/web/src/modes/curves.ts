@@ -1,6 +1,11 @@
-// Two curves through clicked points, and how far they are from each other.
+// Two curves through clicked points, and the distance between them.
 
-import type { Curve, CurveDistanceAnswer, CurveOperationAnswer, CurvePlaces } from "../../../js/types.d.ts";
+import type {
+  Curve,
+  CurveDistanceAnswer,
+  CurveOperationAnswer,
+  CurvePlaces,
+} from "../../../js/types.d.ts";
 import type { Fact } from "../answer.ts";
 import { type Place, pointOf } from "../place.ts";
 import { check, choice, Settings } from "../settings.ts";
@@ -11,22 +16,28 @@ import { INK, Mode, pointsOf, XYZ } from "./mode.ts";
 export class CurvesMode extends Mode {
   readonly id = "curves";
   readonly title = "Curve to curve";
-  readonly hint = "Click the points of curve A, then those of curve B. Shortest paths join them in turn.";
+  readonly hint =
+    "Click the points of curve A, then those of curve B. Shortest paths join them in turn.";
   readonly groups = [
     { id: "a", label: "A", least: 2, most: 50, colour: INK.first },
     { id: "b", label: "B", least: 2, most: 50, colour: INK.second },
   ];
   override settings = new Settings({
     measure: choice("Distance", "min", [
-      ["min", "the least one"],
-      ["hausdorff", "Hausdorff: the farthest that one is from the other"],
+      ["min", "least distance"],
+      ["hausdorff", "Hausdorff distance"],
     ]),
     closed_a: check("A is closed", false),
     closed_b: check("B is closed", false),
   });
 
   override extras(): Node[] {
-    return [activeChoice(this.bench.points, ["Clicks set points of A", "Clicks set points of B"])];
+    return [
+      activeChoice(this.bench.points, [
+        [0, "Clicks set points of A"],
+        [1, "Clicks set points of B"],
+      ]),
+    ];
   }
 
   private curve(places: Place[], closed: boolean): Curve {
@@ -39,16 +50,22 @@ export class CurvesMode extends Mode {
     const b = this.curve(bench.points.of("b"), settings.on("closed_b"));
     const body = { a, b, measure: settings.text("measure") };
     const lengths = [await this.draw("a", a, INK.first), await this.draw("b", b, INK.second)];
-    const found = live
-      ? await bench.post<CurveDistanceAnswer>("curve-distance", body, XYZ)
-      : await bench.postLong<CurveDistanceAnswer>("curve-distance", body, XYZ);
+    const found = await bench.postLong<CurveDistanceAnswer>("curve-distance", body, {
+      live,
+      parameters: XYZ,
+    });
     this.lines("path", [pointsOf(found.path)], INK.path, 4);
+    this.path = found.path ? { length: found.distance!, points: pointsOf(found.path) } : null;
     this.tell(found, lengths);
   }
 
-  /** Shows a curve; its length. */
+  /** Shows a curve and returns its length. */
   private async draw(name: string, curve: Curve, colour: string): Promise<number> {
-    const { path } = await this.bench.post<CurveOperationAnswer>("curve", { curve, operation: "length" }, XYZ);
+    const { path } = await this.bench.post<CurveOperationAnswer>(
+      "curve",
+      { curve, operation: "length" },
+      XYZ,
+    );
     this.lines(name, [pointsOf(path)], colour, 3.5);
     return path!.length;
   }
@@ -56,9 +73,15 @@ export class CurvesMode extends Mode {
   private tell(found: CurveDistanceAnswer, [a, b]: number[]): void {
     const { answer, units } = this.bench;
     const none = "no path: they lie on different components";
-    const value = (distance?: number | null): string => (distance == null ? none : units.length(distance, 9));
+    const value = (distance?: number | null): string =>
+      distance == null ? none : units.length(distance, 9);
     const facts: Fact[] = [
-      { label: "Distance", value: value(found.distance), main: true, title: String(found.distance) },
+      {
+        label: "Distance",
+        value: value(found.distance),
+        main: true,
+        title: String(found.distance),
+      },
     ];
     if (found.farthest)
       facts.push(
@@ -75,10 +98,11 @@ export class CurvesMode extends Mode {
   }
 }
 
-/** At which angles the shortest path meets the curves; a right one unless it ends at an end or in a corner. */
+/** Returns the angles between the shortest path and the curves: 90° except at ends and corners. */
 function angles(places: CurvePlaces | undefined): Fact[] {
   if (!places) return [];
-  const text = (angle: number | null): string => (angle === null ? "none: they meet" : degrees(angle));
+  const text = (angle: number | null): string =>
+    angle === null ? "none: they meet" : degrees(angle);
   return [
     { label: "Angle with A", value: text(places.a.angle) },
     { label: "Angle with B", value: text(places.b.angle) },

@@ -1,10 +1,10 @@
-// The surface cut along a curve: what the pieces would be, then the pieces themselves, pulled apart.
+// Cuts the surface along a curve: shows a preview of the pieces, then the pieces, moved apart.
 
 import type { Curve, CurveOperationAnswer, CutAnswer, CutPiece } from "../../../js/types.d.ts";
 import { boundaryOf, nearestOnBoundary } from "../boundary.ts";
 import { hexOf, memberColour } from "../colours.ts";
 import { button, make } from "../dom.ts";
-import { download } from "../download.ts";
+import { save } from "../files.ts";
 import { Pieces } from "../pieces.ts";
 import { type Place, pointOf } from "../place.ts";
 import { check, range, Settings } from "../settings.ts";
@@ -18,8 +18,10 @@ export class CutMode extends Mode {
   readonly id = "cut";
   readonly title = "Cut";
   readonly hint =
-    "Click the points of a closed curve (or of an open one, whose ends go to the boundary), then cut along it.";
-  readonly groups = [{ id: "points", label: "Point", least: 2, first: 5, most: 60, colour: INK.second }];
+    "Click the points of a closed curve, or of an open one that ends at the boundary. Then cut along it.";
+  readonly groups = [
+    { id: "points", label: "Point", least: 2, first: 5, most: 60, colour: INK.second },
+  ];
   private readonly pieces = new Pieces(this.bench);
   private names: string[] = [];
   override settings = new Settings({
@@ -40,7 +42,11 @@ export class CutMode extends Mode {
     const places = this.bench.points.of("points");
     if (this.settings.on("closed")) return { points: places.map(pointOf), closed: true };
     const ends = [places[0]!, ...places.slice(1, -1), places.at(-1)!];
-    return { points: ends.map((place, i) => pointOf(i % (ends.length - 1) === 0 ? this.onBoundary(place) : place)) };
+    return {
+      points: ends.map((place, i) =>
+        pointOf(i % (ends.length - 1) === 0 ? this.onBoundary(place) : place),
+      ),
+    };
   }
 
   private onBoundary(place: Place): Place {
@@ -54,7 +60,11 @@ export class CutMode extends Mode {
     this.pieces.pull(this.settings.number("apart"));
     if (this.pieces.isOf(JSON.stringify(this.curve))) return;
     this.pieces.clear();
-    const { path } = await bench.post<CurveOperationAnswer>("curve", { curve: this.curve, operation: "length" }, XYZ);
+    const { path } = await bench.post<CurveOperationAnswer>(
+      "curve",
+      { curve: this.curve, operation: "length" },
+      XYZ,
+    );
     this.lines("curve", [pointsOf(path)], INK.path, 4);
     if (live) return;
     const preview = await bench.post<CutAnswer>(
@@ -66,7 +76,7 @@ export class CutMode extends Mode {
     this.tell(preview, path!.length);
   }
 
-  /** Names for so many pieces that nothing has yet. */
+  /** Returns unused names for `count` pieces. */
   private freeNames(count: number): string[] {
     const { surface, taken } = this.bench;
     const names: string[] = [];
@@ -80,12 +90,18 @@ export class CutMode extends Mode {
     const pieces = preview.pieces!;
     answer.show(
       [
-        { label: preview.separates ? "Pieces" : "Pieces, not separated", value: whole(pieces.length), main: true },
+        {
+          label: preview.separates ? "Pieces" : "Pieces, not separated",
+          value: whole(pieces.length),
+          main: true,
+        },
         { label: "Length of the cut", value: units.length(length) },
-        ...pieces.slice(0, 8).map((piece, i) => ({ label: `Area of piece ${i + 1}`, value: units.area(piece.area!) })),
+        ...pieces
+          .slice(0, 8)
+          .map((piece, i) => ({ label: `Area of piece ${i + 1}`, value: units.area(piece.area!) })),
         this.time,
       ],
-      make("p", { class: "faint" }, `To be stored as ${this.names.join(", ")}.`),
+      make("p", { class: "faint" }, `Cut stores them as ${this.names.join(", ")}.`),
     );
   }
 
@@ -94,7 +110,11 @@ export class CutMode extends Mode {
     if (!bench.points.complete) return;
     const curve = this.curve;
     await bench.question(async () => {
-      const made = await bench.postLong<CutAnswer>("cut", { curve, names: this.names }, { select: "separates,pieces" });
+      const made = await bench.postLong<CutAnswer>(
+        "cut",
+        { curve, names: this.names },
+        { parameters: { select: "separates,pieces" } },
+      );
       await this.pieces.show(
         made.pieces!.map((piece) => piece.name!),
         JSON.stringify(curve),
@@ -118,12 +138,21 @@ export class CutMode extends Mode {
     const files = FORMATS.map((format) =>
       button(
         format.toUpperCase(),
-        () => void download(bench, { method: "GET", path, query: { format } }, `${name}.${format}`),
+        () =>
+          void bench.beside(async () => {
+            const bytes = await bench.api.bytes({ method: "GET", path, query: { format } });
+            save(new Blob([bytes]), `${name}.${format}`);
+          }),
         { "aria-label": `Download ${name} as ${format.toUpperCase()}` },
       ),
     );
     const about = `${name}: ${whole(piece.faces!)} faces, ${bench.units.area(piece.area!)}`;
-    return make("li", { class: "piece" }, make("p", {}, swatch, about), make("div", { class: "row" }, ...files));
+    return make(
+      "li",
+      { class: "piece" },
+      make("p", {}, swatch, about),
+      make("div", { class: "row" }, ...files),
+    );
   }
 
   override clear(): void {

@@ -1,42 +1,75 @@
-// The distance from one point to everywhere: colours, lines of equal distance, the farthest point.
+// The distances from one point to the whole surface: colours, isolines, the farthest point.
 
-import type { Field, IsolinesAnswer } from "../../../js/types.d.ts";
+import type { Field, IsolinesAnswer, ResultsAnswer } from "../../../js/types.d.ts";
+import type { Bench } from "../bench.ts";
+import { daemonFile, type FileOffer } from "../files.ts";
 import { type Place, placeOf, pointOf } from "../place.ts";
 import { check, range, Settings } from "../settings.ts";
 import { milliseconds, whole } from "../units.ts";
 import type { Vec3 } from "../vector.ts";
-import { INK, Mode, XYZ } from "./mode.ts";
+import { INK, Mode, pointsOf, XYZ } from "./mode.ts";
 
-const LIVE_FACES = 30000; /* up to which a field follows the mouse */
+// the most faces of a surface whose field the page requests during a drag
+export const LIVE_FACES = 300000;
+const EXACT_FACES = 20000; /* the most faces on which isolines are exact polylines */
 
-/** A vertex' distance each, NaN where there is none. */
-export async function valuesOf(mode: Pick<FieldCaller, "get">, id: string): Promise<Float64Array> {
-  return new Float64Array(
-    await (await mode.get(`fields/${id}/values`, undefined, "application/octet-stream")).arrayBuffer(),
-  );
+/** Returns the distance at each vertex; NaN if no path reaches the vertex. */
+export async function valuesOf(bench: Bench, id: string): Promise<Float64Array> {
+  const response = await bench.get(`fields/${id}/values`, undefined, "application/octet-stream");
+  return new Float64Array(await response.arrayBuffer());
 }
 
-interface FieldCaller {
-  get: (path: string, parameters?: Record<string, string>, accept?: string) => Promise<Response>;
+export async function isolinesOf(bench: Bench, id: string, count: number): Promise<Vec3[][]> {
+  const response = await bench.get(`fields/${id}/isolines`, { count: String(count), ...XYZ });
+  const { isolines } = (await response.json()) as IsolinesAnswer;
+  return isolines.flatMap((isoline) => isoline.lines.map((line) => (line.points ?? []) as Vec3[]));
 }
 
-export async function isolinesOf(mode: FieldCaller, id: string, count: number): Promise<IsolinesAnswer["isolines"]> {
-  const response = await mode.get(`fields/${id}/isolines`, { count: String(count), ...XYZ });
-  return ((await response.json()) as IsolinesAnswer).isolines;
+/** Returns the exact distance of a place in a field; null if no path reaches the place. */
+export async function distanceAt(
+  bench: Bench,
+  id: string,
+  place: Place,
+  signal: AbortSignal,
+): Promise<number | null> {
+  const path = `${bench.surface!.path}/fields/${id}/evaluate`;
+  const json = { points: [pointOf(place)] };
+  const request = { method: "POST", path, query: { select: "distance" }, json } as const;
+  return (await bench.api.json<ResultsAnswer>(request, signal)).results[0]!.distance ?? null;
 }
 
-export const polylinesOf = (isolines: IsolinesAnswer["isolines"]): Vec3[][] =>
-  isolines.flatMap((isoline) => isoline.lines.map((line) => (line.points ?? []) as Vec3[]));
+/** Returns whether isolines are exact polylines. The graphics card draws others from values. */
+export const hasExactIsolines = (bench: Bench, live: boolean): boolean =>
+  !live && bench.surface!.faceCount <= EXACT_FACES;
+
+/** Returns files of a field: the mesh with its distances, the distances, the exact isolines. */
+export function fieldFiles(bench: Bench, id: string, isolines: number): FileOffer[] {
+  const path = `${bench.surface!.path}/fields/${id}`;
+  const values = ["ply", "glb", "csv", "npy"].map((format) => {
+    const request = { method: "GET", path: `${path}/values`, query: { format } } as const;
+    return daemonFile(bench, `Field ${format.toUpperCase()}`, format, request);
+  });
+  if (isolines === 0) return values;
+  const lines = ["obj", "csv", "glb", "json"].map((format) => {
+    const query = { count: String(isolines), format };
+    const request = { method: "GET", path: `${path}/isolines`, query } as const;
+    return daemonFile(bench, `Lines ${format.toUpperCase()}`, `isolines.${format}`, request);
+  });
+  return [...values, ...lines];
+}
 
 export class FieldMode extends Mode {
   readonly id = "field";
   readonly title = "Distance field";
-  readonly hint = "The distance from one point to all of the surface. Click to put it elsewhere, or drag it.";
-  readonly groups = [{ id: "source", label: "Source", least: 1, most: 1, colour: INK.first }];
+  readonly hint = "The distance from one point to everywhere. Click another point, or drag it.";
+  readonly groups = [
+    { id: "source", label: "Source", letter: "A", least: 1, most: 1, colour: INK.first },
+  ];
   override settings = new Settings({
     isolines: range("Lines of equal distance", 20, 0, 60, 1),
-    farthest: check("The farthest point, and the way to it", false),
+    farthest: check("The farthest point, and a path to it", false),
   });
+  private field: Field | undefined;
 
   override get followsDrag(): boolean {
     return this.bench.surface!.faceCount <= LIVE_FACES;
@@ -46,49 +79,61 @@ export class FieldMode extends Mode {
     const { bench, settings } = this;
     const source = bench.points.of("source")[0]!;
     const set = { points: [pointOf(source)] };
-    const field = await bench.postLong<Field>("fields", { set });
-    const values = await valuesOf(bench, field.id!);
+    const field = await bench.postLong<Field>("fields", { set }, { live });
+    const values = bench.surface!.isPreview ? null : await valuesOf(bench, field.id!);
     if (bench.aborted) return;
-    this.show(field, values);
+    this.field = field;
+    this.show(field, live);
+    if (values) bench.scene.skin!.showValues(bench.surface!.spread(values), field.max!);
+    this.showFastIsolines();
     const fine = live ? null : await bench.fineDistances(set);
-    if (fine) this.showFine(field, fine.values);
-    await this.showIsolines(field);
+    if (fine) bench.scene.skin!.showValues(bench.surface!.spreadSamples(fine.values), field.max!);
+    bench.scene.recolour();
+    await this.showIsolines(field, live);
     if (settings.on("farthest") && field.farthest)
       await this.showWay(source, placeOf(field.farthest, bench.surface!.isRenumbered));
-    else bench.scene.lines.remove("way");
+    else this.clearLines();
   }
 
-  private show(field: Field, values: Float64Array): void {
-    const { scene, units, display, legend, answer } = this.bench;
-    const max = field.max ?? values.reduce((most, value) => (value > most ? value : most), 0);
-    scene.skin!.showValues(values, max);
-    scene.redraw();
-    legend.showRamp(`Distance, ${units.name}`, display.ramp, max, (value) => units.bare(value, 3));
+  private show(field: Field, live: boolean): void {
+    const { units, colours, legend, answer } = this.bench;
+    const max = field.max!;
+    const format = (value: number): string => units.bare(value, 3);
+    legend.showRamp({ title: `Distance, ${units.name}`, max, format }, colours);
     const count = this.settings.number("isolines");
     answer.show([
       { label: "Farthest", value: units.length(max, 9), main: true, title: String(max) },
-      { label: "Between two lines", value: count > 0 ? units.length(max / (count + 1)) : "no lines" },
+      {
+        label: "Between two lines",
+        value: count > 0 ? units.length(max / (count + 1)) : "no lines",
+      },
       { label: "Wedges", value: whole(field.wedges!) },
       {
         label: "Computed in",
         value: milliseconds(field.build_ms!),
-        title: "When it was computed; it is kept since then",
+        title: "By the daemon, which keeps the field",
       },
-      this.time,
+      { ...this.time, label: live ? "Update" : "Time" },
     ]);
   }
 
-  private showFine(field: Field, values: Float64Array): void {
+  private showFastIsolines(): void {
     const { scene } = this.bench;
-    scene.skin!.showFineValues(values, field.max!);
-    scene.redraw();
+    if (!scene.fixedLines.isEmpty) {
+      scene.fixedLines.clear();
+      scene.redraw();
+    }
+    scene.skin!.setIsolines(this.settings.number("isolines"));
   }
 
-  /** On large meshes there are many of their points; colours are seen before. */
-  private async showIsolines(field: Field): Promise<void> {
+  private async showIsolines(field: Field, live: boolean): Promise<void> {
+    const { bench } = this;
     const count = this.settings.number("isolines");
-    const isolines = count > 0 ? await isolinesOf(this.bench, field.id!, count) : [];
-    if (!this.bench.aborted) this.isolines(polylinesOf(isolines));
+    if (count === 0 || !hasExactIsolines(bench, live)) return;
+    const lines = await isolinesOf(bench, field.id!, count);
+    if (bench.aborted) return;
+    bench.scene.skin!.setIsolines(0);
+    this.isolines(lines);
   }
 
   private async showWay(from: Place, to: Place): Promise<void> {
@@ -97,6 +142,21 @@ export class FieldMode extends Mode {
       { from: pointOf(from), to: pointOf(to) },
       XYZ,
     );
-    this.lines("way", found.path ? [found.path.points] : [], INK.path, 4);
+    this.lines("way", found.path ? [pointsOf(found.path)] : [], INK.path, 4);
+  }
+
+  override async valueAt(place: Place, signal: AbortSignal): Promise<number | null> {
+    return this.field ? distanceAt(this.bench, this.field.id!, place, signal) : null;
+  }
+
+  override files(): FileOffer[] {
+    return this.field
+      ? fieldFiles(this.bench, this.field.id!, this.settings.number("isolines"))
+      : [];
+  }
+
+  override clear(): void {
+    this.field = undefined;
+    super.clear();
   }
 }

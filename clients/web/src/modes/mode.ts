@@ -1,9 +1,11 @@
-// What a mode is: which points it takes, what it asks, and how it shows the answer.
+// A mode: its groups of points, its query, and the display of the answer.
 
 import type { Path } from "../../../js/types.d.ts";
 import type { Bench } from "../bench.ts";
 import type { Fact } from "../answer.ts";
 import { button, make } from "../dom.ts";
+import { type FileOffer, lineFiles } from "../files.ts";
+import type { Place } from "../place.ts";
 import type { Group } from "../points.ts";
 import { Settings } from "../settings.ts";
 import type { Kind } from "../surface.ts";
@@ -14,74 +16,122 @@ export const INK = {
   path: "#e4572e",
   first: "#0b7a75",
   second: "#b5179e",
-  third: "#c77700",
+  third: "#a85f00",
   isoline: "#10202a",
   cage: "#5b6b75",
 };
 
-/** Of modes between two points. */
+/** The groups of modes that need a start and an end. */
 export const ENDS: Group[] = [
-  { id: "from", label: "Start", least: 1, most: 1, colour: INK.first },
-  { id: "to", label: "End", least: 1, most: 1, colour: INK.second },
+  { id: "from", label: "Start", letter: "A", least: 1, most: 1, colour: INK.first },
+  { id: "to", label: "End", letter: "B", least: 1, most: 1, colour: INK.second },
 ];
 
-/** What a mode does on demand: a button below its settings. */
+/** Returns a row with a button, for below the settings of a mode. */
 export const doing = (label: string, act: () => void, kind = ""): HTMLElement =>
   make("div", { class: "row extra" }, button(label, act, { class: kind }));
 
+/** A path that the user can keep. */
+export interface Line {
+  length: number;
+  points: Vec3[];
+}
+
 export abstract class Mode {
-  /** In the URL. */
+  /** The value of `mode` in the address. */
   abstract readonly id: string;
   abstract readonly title: string;
-  /** What to do, in a sentence. */
+  /** A sentence that says what the user can do next. */
   abstract readonly hint: string;
   abstract readonly groups: Group[];
   readonly kind: Kind = "meshes";
   settings = new Settings({});
+  /** The path of the answer, if it has exactly one. */
+  path: Line | null = null;
+  private readonly shown = new Map<string, Vec3[][]>();
 
   constructor(protected readonly bench: Bench) {}
 
   /**
-   * Asks about the points that are there (as many as the groups want at least) and shows the answer. While something is
-   * dragged it is `live`.
+   * Sends the query and shows the answer. Each group has at least `least` points. `live`: a point
+   * is being dragged.
    */
   abstract ask(live: boolean): Promise<void>;
 
-  /** Whether it may ask while something is dragged. */
+  /** Whether the mode sends queries while a point is dragged. */
   get followsDrag(): boolean {
     return true;
   }
 
-  /** Whether points can be seen and moved now. */
+  /** Whether points are visible and can be moved now. */
   get showsPoints(): boolean {
     return true;
   }
 
-  /** Controls of its own beside the settings. */
+  /** Returns controls that the mode has besides its settings. */
   extras(): Node[] {
     return [];
   }
 
-  /** Called when a surface is there or has changed. */
+  /** Called when the mode begins, and when another surface is shown. */
   enter(): void {}
 
-  /** Takes away what it shows. */
+  /** Returns the value that the colour at a place stands for; null if there is none. */
+  valueAt(_place: Place, _signal: AbortSignal): Promise<number | null> {
+    return Promise.resolve(null);
+  }
+
+  /** Returns the files of the current answer. */
+  files(): FileOffer[] {
+    return lineFiles(
+      this.bench,
+      [...this.shown.values()].flat().filter((line) => line.length > 1),
+    );
+  }
+
+  /** Removes everything that the mode shows. */
   clear(): void {
-    this.bench.scene.lines.clear();
+    this.path = null;
+    this.clearLines();
     this.bench.scene.fixedLines.clear();
     this.bench.scene.props.clear();
     this.bench.scene.skin?.clear();
+    this.bench.scene.skin?.setIsolines(0);
     this.bench.legend.hide();
     this.bench.scene.redraw();
   }
 
-  protected lines(name: string, polylines: Vec3[][], colour: string, width: number, hidden?: number): void {
+  protected clearLines(): void {
+    this.shown.clear();
+    this.bench.scene.lines.clear();
+  }
+
+  /** Shows polylines of the answer under a name. The files of the answer include them. */
+  protected lines(
+    name: string,
+    polylines: Vec3[][],
+    colour: string,
+    width: number,
+    hidden?: number,
+  ): void {
+    this.shown.set(name, polylines);
+    this.decorate(name, polylines, colour, width, hidden);
+  }
+
+  /** Shows polylines that are not part of the answer. */
+  protected decorate(
+    name: string,
+    polylines: Vec3[][],
+    colour: string,
+    width: number,
+    hidden?: number,
+  ): void {
     const view = polylines.map((line) => this.bench.scene.toView(line));
     this.bench.scene.lines.set(name, view, { colour, width, hidden });
     this.bench.scene.draw();
   }
 
-  /** Lines of equal distance: many points, which stay until the next answer. */
+  /** Shows exact isolines. They have many points and stay until the next answer. */
   protected isolines(polylines: Vec3[][]): void {
     const { scene } = this.bench;
     const view = polylines.map((line) => scene.toView(line));
@@ -93,12 +143,13 @@ export abstract class Mode {
     return {
       label: "Time",
       value: milliseconds(this.bench.elapsed),
-      title: "From the request to the answer, as the page measures it",
+      title: "From the request to the answer, measured by the page",
     };
   }
 }
 
-/** The points of a path that was asked for with `geometry=xyz`. */
-export const pointsOf = (path: Pick<Path, "points"> | null | undefined): Vec3[] => (path?.points ?? []) as Vec3[];
+/** Returns the points of a path that was requested with `geometry=xyz`. */
+export const pointsOf = (path: Pick<Path, "points"> | null | undefined): Vec3[] =>
+  (path?.points ?? []) as Vec3[];
 
 export const XYZ = { geometry: "xyz" };

@@ -1,8 +1,7 @@
-// A NURBS surface: its shortest paths between points and curves, and the same in the domain.
+// A NURBS surface: shortest paths between points and curves, and their images in the domain.
 
 import type {
   DomainCurve,
-  EvaluateAnswer,
   FootAnswer,
   GeodesicAnswer,
   Nurbs,
@@ -15,11 +14,12 @@ import { check, choice, only, range, Settings } from "../settings.ts";
 import type { Kind } from "../surface.ts";
 import { number } from "../units.ts";
 import type { Vec3 } from "../vector.ts";
+import { evaluated } from "../grids.ts";
 import { ENDS, INK, Mode } from "./mode.ts";
 
-const NET = 12; /* parts of the net of parameter lines */
-const STEPS = 48; /* of a parameter line */
-const SAMPLES = 200; /* of a path */
+const NET = 12; /* cells of the net of parameter lines along each axis */
+const STEPS = 48; /* segments of a parameter line */
+const SAMPLES = 200; /* points on a path */
 
 const WARNINGS: Record<string, string> = {
   not_converged: "the tolerance was not met",
@@ -35,7 +35,8 @@ export class NurbsMode extends Mode {
   readonly id = "nurbs";
   readonly title = "NURBS";
   override readonly kind: Kind = "nurbs";
-  readonly hint = "A smooth parametric surface. Click two points, or ask for the way to a curve, or between two.";
+  readonly hint =
+    "A smooth parametric surface. Click two points, or ask for the way to a curve, or between two.";
   readonly groups = ENDS;
   override settings = new Settings({
     what: choice("The shortest path", "points", [
@@ -71,26 +72,26 @@ export class NurbsMode extends Mode {
     });
   }
 
-  /** Places of a parameter line; axis 0: u stays the same. */
+  /** Returns points of a parameter line in the domain. Axis 0: u is constant. */
   private line(axis: 0 | 1, part: number): Uv[] {
     const { u, v } = this.nurbs.domain;
     const at = ([low, high]: [number, number], t: number): number => low + t * (high - low);
     return Array.from({ length: STEPS + 1 }, (_, i) =>
-      axis === 0 ? [at(u.range, part), at(v.range, i / STEPS)] : [at(u.range, i / STEPS), at(v.range, part)],
+      axis === 0
+        ? [at(u.range, part), at(v.range, i / STEPS)]
+        : [at(u.range, i / STEPS), at(v.range, part)],
     );
   }
 
-  /** The same polylines on the surface. */
+  /** Maps polylines from the domain to the surface. */
   private async evaluate(lines: Uv[][]): Promise<Vec3[][]> {
     if (lines.length === 0) return [];
-    const path = `${this.bench.surface!.path}/evaluate`;
-    const request = { method: "POST", path, query: { select: "points,xyz" }, json: { uv: lines.flat() } } as const;
-    const points = (await this.bench.api.json<EvaluateAnswer>(request)).points!.map((point) => point.xyz!);
+    const points = await evaluated(this.bench.api, this.bench.surface!.path, lines.flat());
     return lines.map((line) => points.splice(0, line.length));
   }
 
   private showNet(): void {
-    this.lines("net", this.settings.on("net") ? this.net : [], INK.cage, 1, 0);
+    this.decorate("net", this.settings.on("net") ? this.net : [], INK.cage, 1, 0);
   }
 
   private async locate(place: Place): Promise<Uv> {
@@ -106,11 +107,18 @@ export class NurbsMode extends Mode {
     const { bench, settings } = this;
     const options = { samples: SAMPLES, ...(settings.on("minima") && { all_minima: true }) };
     const what = settings.text("what");
-    const curves = what === "points" ? [] : what === "curves" ? [this.curve("a"), this.curve("b")] : [this.curve("b")];
+    const curves =
+      what === "points"
+        ? []
+        : what === "curves"
+          ? [this.curve("a"), this.curve("b")]
+          : [this.curve("b")];
     const found = await this.search(what, options);
     const drawn = await this.evaluate(curves.map(({ line }) => line));
     if (bench.aborted) return;
-    drawn.forEach((line, i) => this.lines(`curve${i}`, [line], i + 2 === drawn.length ? INK.first : INK.second, 3.5));
+    drawn.forEach((line, i) =>
+      this.lines(`curve${i}`, [line], i + 2 === drawn.length ? INK.first : INK.second, 3.5),
+    );
     this.show(
       found,
       curves.map(({ line }) => line),
@@ -123,10 +131,18 @@ export class NurbsMode extends Mode {
     bench.scene.lines.remove("curve0");
     bench.scene.lines.remove("curve1");
     if (what === "curves")
-      return bench.post("curve-distance", { a: this.curve("a").curve, b: this.curve("b").curve, ...options });
+      return bench.post("curve-distance", {
+        a: this.curve("a").curve,
+        b: this.curve("b").curve,
+        ...options,
+      });
     const start = await this.locate(from);
     if (what === "point-curve")
-      return bench.post("point-curve-distance", { point: start, curve: this.curve("b").curve, ...options });
+      return bench.post("point-curve-distance", {
+        point: start,
+        curve: this.curve("b").curve,
+        ...options,
+      });
     return bench.post("path", { from: start, to: await this.locate(to), ...options });
   }
 
@@ -142,29 +158,45 @@ export class NurbsMode extends Mode {
       2,
       0.3,
     );
-    this.lines("path", [places(found).map(({ xyz }) => xyz)], INK.path, 4);
+    const points = places(found).map(({ xyz }) => xyz);
+    this.lines("path", [points], INK.path, 4);
+    this.path = { length: found.length!, points };
     this.showNet();
     const drawing = domainDrawing(this.nurbs, [
       ...curves.map((points, i) => ({ points, style: i + 2 === curves.length ? "a" : "b" })),
       { points: found.control_points ?? [], style: "polygon" },
-      ...longer.map((minimum) => ({ points: places(minimum).map(({ uv }) => uv), style: "longer" })),
+      ...longer.map((minimum) => ({
+        points: places(minimum).map(({ uv }) => uv),
+        style: "longer",
+      })),
       { points: places(found).map(({ uv }) => uv), style: "path" },
     ]);
     answer.show(
       [
-        { label: "Length", value: units.length(found.length!, 10), main: true, title: String(found.length) },
+        {
+          label: "Length",
+          value: units.length(found.length!, 10),
+          main: true,
+          title: String(found.length),
+        },
         { label: "Error, estimated", value: units.length(found.error_estimate!, 2) },
         { label: "A local minimum", value: found.is_minimum ? "proved" : "not proved" },
         ...(found.minima
           ? [
               {
                 label: "Longer minima",
-                value: longer.map((minimum) => units.length(minimum.length!, 6)).join(", ") || "none",
+                value:
+                  longer.map((minimum) => units.length(minimum.length!, 6)).join(", ") || "none",
               },
             ]
           : []),
         ...(found.warnings?.length
-          ? [{ label: "Mind", value: found.warnings.map((warning) => WARNINGS[warning]).join("; ") }]
+          ? [
+              {
+                label: "Mind",
+                value: found.warnings.map((warning) => WARNINGS[warning]).join("; "),
+              },
+            ]
           : []),
         this.time,
       ],
@@ -172,7 +204,11 @@ export class NurbsMode extends Mode {
         "figure",
         {},
         drawing,
-        make("figcaption", { class: "faint" }, "The domain: the path, and its control polygon dashed"),
+        make(
+          "figcaption",
+          { class: "faint" },
+          "The domain: the path, and its control polygon dashed",
+        ),
       ),
     );
   }

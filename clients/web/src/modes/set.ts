@@ -1,33 +1,48 @@
-// Many points, each with what is nearest to it: Voronoi cells, exact lines between them, distances to the set; and
+// A set of points: Voronoi cells with exact boundaries, distances to the set, and sampling of
 // points that cover the surface evenly.
 
-import type { Field, Point, PointAnswer, SamplingAnswer, VoronoiAnswer } from "../../../js/types.d.ts";
+import type {
+  Field,
+  Point,
+  PointAnswer,
+  SamplingAnswer,
+  VoronoiAnswer,
+} from "../../../js/types.d.ts";
 import { hexOf, memberColour, type Rgb } from "../colours.ts";
+import type { FileOffer } from "../files.ts";
 import { type Place, placeOf, pointOf } from "../place.ts";
 import { check, choice, range, Settings } from "../settings.ts";
 import { whole } from "../units.ts";
 import type { Vec3 } from "../vector.ts";
-import { isolinesOf, polylinesOf, valuesOf } from "./field.ts";
+import {
+  distanceAt,
+  fieldFiles,
+  hasExactIsolines,
+  isolinesOf,
+  LIVE_FACES,
+  valuesOf,
+} from "./field.ts";
 import { doing, INK, Mode, XYZ } from "./mode.ts";
 
-const LIVE_FACES = 30000;
 const PLAIN: Rgb = [0.75, 0.77, 0.78];
 
 export class SetMode extends Mode {
   readonly id = "set";
   readonly title = "Set and Voronoi";
-  readonly hint =
-    "Click points. Each part of the surface has the colour of the nearest one; the lines between are exact.";
-  readonly groups = [{ id: "points", label: "Point", least: 1, first: 6, most: 200, colour: INK.first }];
+  readonly hint = "Click points. Each part of the surface has the colour of the nearest point.";
+  readonly groups = [
+    { id: "points", label: "Point", least: 1, first: 6, most: 200, colour: INK.first },
+  ];
   override settings = new Settings({
     colour: choice("Colours show", "cells", [
-      ["cells", "which point is nearest"],
-      ["distance", "how far it is"],
+      ["cells", "the nearest point"],
+      ["distance", "the distance to it"],
     ]),
     bisectors: check("Lines between cells", true),
     isolines: range("Lines of equal distance", 0, 0, 60, 1),
-    count: range("How many points to spread", 8, 2, 60, 1),
+    count: range("Points to spread", 8, 2, 60, 1),
   });
+  private field: Field | undefined;
 
   override get followsDrag(): boolean {
     return this.bench.surface!.faceCount <= LIVE_FACES;
@@ -37,7 +52,7 @@ export class SetMode extends Mode {
     return [doing("Spread points evenly", () => void this.spread())];
   }
 
-  /** Farthest-point sampling from the first point that is there. */
+  /** Adds points by farthest-point sampling, from the first point of the set. */
   private async spread(): Promise<void> {
     const { bench, settings } = this;
     const [start] = bench.points.of("points");
@@ -56,32 +71,56 @@ export class SetMode extends Mode {
     return { points: this.bench.points.of("points").map(pointOf) };
   }
 
-  async ask(): Promise<void> {
+  async ask(live: boolean): Promise<void> {
     const { bench, settings } = this;
     const places = bench.points.of("points");
-    const voronoi = await bench.postLong<VoronoiAnswer>("voronoi", { set: this.set }, XYZ);
-    const needsField = settings.text("colour") === "distance" || settings.number("isolines") > 0;
-    const field = needsField ? await bench.postLong<Field>("fields", { set: this.set }) : undefined;
-    const values = field && (await valuesOf(bench, field.id!));
+    const showsDistance = settings.text("colour") === "distance";
     const count = settings.number("isolines");
-    const isolines = field && count > 0 ? polylinesOf(await isolinesOf(bench, field.id!, count)) : [];
-    const fine = await bench.fineDistances(this.set);
+    const isQuick = live && !hasExactIsolines(bench, false);
+    const parameters = { ...XYZ, ...(isQuick && { select: "labels" }) };
+    const voronoi = await bench.postLong<VoronoiAnswer>(
+      "voronoi",
+      { set: this.set },
+      { live, parameters },
+    );
+    const needsField = showsDistance || count > 0;
+    this.field = needsField
+      ? await bench.postLong<Field>("fields", { set: this.set }, { live })
+      : undefined;
+    const { field } = this;
+    const hasValues = field && !bench.surface!.isPreview;
+    const values = hasValues ? await valuesOf(bench, field.id!) : undefined;
+    const isExact = field && count > 0 && hasExactIsolines(bench, live);
+    const isolines = isExact ? await isolinesOf(bench, field.id!, count) : [];
+    const fine = live ? null : await bench.fineDistances(this.set);
     if (bench.aborted) return;
-    this.showCells(voronoi, fine?.labels ?? voronoi.labels!, places, isolines);
-    if (field && settings.text("colour") === "distance") this.showDistance(field, values!, fine?.values);
+    this.showCells(voronoi, fine?.labels ?? voronoi.labels!, fine !== null, places);
+    this.isolines(isolines);
+    bench.scene.skin!.setIsolines(isExact ? 0 : count);
+    if (field && showsDistance) this.showDistance(field, values, fine?.values);
     bench.scene.redraw();
   }
 
-  private showCells(voronoi: VoronoiAnswer, labels: (number | null)[], places: Place[], isolines: Vec3[][]): void {
-    const { scene, legend, units, answer } = this.bench;
+  private showCells(
+    voronoi: VoronoiAnswer,
+    labels: (number | null)[],
+    areSamples: boolean,
+    places: Place[],
+  ): void {
+    const { scene, legend, units, answer, surface } = this.bench;
     const colours = places.map((_, i) => memberColour(i));
     scene.skin!.clear();
-    if (this.settings.text("colour") === "cells") scene.skin!.showLabels(labels, colours, PLAIN);
-    legend.showMembers(places.map((_, i) => ({ label: `Point ${i + 1}`, colour: hexOf(colours[i]!) })));
-    const bisectors = voronoi.bisectors!;
-    const lines = this.settings.on("bisectors") ? bisectors.map((bisector) => bisector.points as Vec3[]) : [];
+    const areShown = areSamples || !surface!.fine;
+    if (this.settings.text("colour") === "cells" && areShown)
+      scene.skin!.showLabels(surface!.spreadSamples(labels), colours, PLAIN);
+    legend.showMembers(
+      places.map((_, i) => ({ label: `Point ${i + 1}`, colour: hexOf(colours[i]!) })),
+    );
+    const bisectors = voronoi.bisectors ?? [];
+    const lines = this.settings.on("bisectors")
+      ? bisectors.map((bisector) => bisector.points as Vec3[])
+      : [];
     this.lines("bisectors", lines, INK.isoline, 2.5, 0.15);
-    this.isolines(isolines);
     const total = bisectors.reduce((sum, bisector) => sum + bisector.length, 0);
     answer.show([
       { label: "Points", value: whole(places.length), main: true },
@@ -91,12 +130,31 @@ export class SetMode extends Mode {
     ]);
   }
 
-  private showDistance(field: Field, values: Float64Array, fine: Float64Array | undefined): void {
-    const { scene, legend, display, units } = this.bench;
-    if (fine) scene.skin!.showFineValues(fine, field.max!);
-    else scene.skin!.showValues(values, field.max!);
-    legend.showRamp(`Distance to the nearest point, ${units.name}`, display.ramp, field.max!, (value) =>
-      units.bare(value, 3),
-    );
+  private showDistance(
+    field: Field,
+    values: Float64Array | undefined,
+    fine: Float64Array | undefined,
+  ): void {
+    const { scene, legend, colours, units, surface } = this.bench;
+    if (fine) scene.skin!.showValues(surface!.spreadSamples(fine), field.max!);
+    else if (values) scene.skin!.showValues(surface!.spread(values), field.max!);
+    const title = `Distance to the nearest point, ${units.name}`;
+    legend.showRamp({ title, max: field.max!, format: (value) => units.bare(value, 3) }, colours);
+  }
+
+  override async valueAt(place: Place, signal: AbortSignal): Promise<number | null> {
+    return this.field ? distanceAt(this.bench, this.field.id!, place, signal) : null;
+  }
+
+  override files(): FileOffer[] {
+    const field = this.field
+      ? fieldFiles(this.bench, this.field.id!, this.settings.number("isolines"))
+      : [];
+    return [...super.files(), ...field];
+  }
+
+  override clear(): void {
+    this.field = undefined;
+    super.clear();
   }
 }

@@ -1,4 +1,4 @@
-// A smooth curve through clicked points: a geodesic Hermite spline, with an object moving along it.
+// A geodesic Hermite spline through clicked points, with an object that moves along it.
 
 import type { SplineAnswer, SplineRequest } from "../../../js/types.d.ts";
 import { type Frame, Glider } from "../glider.ts";
@@ -8,13 +8,15 @@ import { degrees, whole } from "../units.ts";
 import type { Vec3 } from "../vector.ts";
 import { INK, Mode, pointsOf, XYZ } from "./mode.ts";
 
-const SAMPLES = 32; /* of a segment */
+const SAMPLES = 32; /* points per segment */
 
 export class SplineMode extends Mode {
   readonly id = "spline";
   readonly title = "Hermite spline";
   readonly hint = "Click points, drag them: a smooth curve on the surface goes through them.";
-  readonly groups = [{ id: "points", label: "Point", least: 2, first: 5, most: 60, colour: INK.third }];
+  readonly groups = [
+    { id: "points", label: "Point", least: 2, first: 5, most: 60, colour: INK.third },
+  ];
   private readonly glider = new Glider(this.bench.scene);
   override settings = new Settings({
     closed: check("Closed", false),
@@ -24,7 +26,10 @@ export class SplineMode extends Mode {
       ["symmetric", "symmetric"],
       ["paper", "paper: chords moved in parallel"],
     ]),
-    move: check("An object moves along it", !matchMedia("(prefers-reduced-motion: reduce)").matches),
+    move: check(
+      "An object moves along it",
+      !matchMedia("(prefers-reduced-motion: reduce)").matches,
+    ),
     control: check("Control polygons", false),
   });
 
@@ -46,6 +51,7 @@ export class SplineMode extends Mode {
     const { bench } = this;
     const found = await bench.post<SplineAnswer>("spline", this.request, XYZ);
     this.lines("curve", [pointsOf(found.path)], INK.path, 4);
+    this.path = { length: found.path!.length, points: pointsOf(found.path) };
     this.showControl(found);
     if (found.frames) this.glider.follow(found.frames as Frame[]);
     else this.glider.stop();
@@ -60,7 +66,8 @@ export class SplineMode extends Mode {
       },
       {
         label: "Segments",
-        value: whole(found.segments!.length) + (clipped ? `, ${clipped} clipped at the boundary` : ""),
+        value:
+          whole(found.segments!.length) + (clipped ? `, ${clipped} clipped at the boundary` : ""),
       },
       { label: "Largest angle at a joint", value: degrees(jump) },
       { label: "Points of the path", value: whole(found.path!.points!.length) },
@@ -68,10 +75,12 @@ export class SplineMode extends Mode {
     ]);
   }
 
-  /** Straight through space between the control points of each segment. */
+  /** Shows the control polygons, which are straight lines through space. */
   private showControl(found: SplineAnswer): void {
-    const polygons = found.segments!.map((segment) => segment.control_points.map((point) => point.xyz as Vec3));
-    this.lines("control", this.settings.on("control") ? polygons : [], INK.first, 1.5, 0.6);
+    const polygons = found.segments!.map((segment) =>
+      segment.control_points.map((point) => point.xyz as Vec3),
+    );
+    this.decorate("control", this.settings.on("control") ? polygons : [], INK.first, 1.5, 0.6);
   }
 
   override clear(): void {

@@ -1,5 +1,5 @@
-// A subdivision surface (Catmull-Clark, Loop): shortest paths and geodesics on the limit surface, under its control
-// mesh.
+// A subdivision surface (Catmull-Clark, Loop): shortest paths and geodesics on the limit surface,
+// shown with the control mesh.
 
 import type {
   LimitFootAnswer,
@@ -36,7 +36,11 @@ export class SubdivisionMode extends Mode {
       ["trace", "fan"],
       range("Length", 1.5, 0.05, 10, 0.05, (value) => this.lengthText(value)),
     ),
-    smooth: only("what", ["trace", "fan"], check("On the surface itself (else on its discretization)", true)),
+    smooth: only(
+      "what",
+      ["trace", "fan"],
+      check("On the surface itself (else on its discretization)", true),
+    ),
     cage: check("Control mesh", true),
   });
   private edges: Vec3[][] = [];
@@ -57,12 +61,14 @@ export class SubdivisionMode extends Mode {
   }
 
   private showCage(): void {
-    this.lines("cage", this.settings.on("cage") ? this.edges : [], INK.cage, 1.5, 0.35);
+    this.decorate("cage", this.settings.on("cage") ? this.edges : [], INK.cage, 1.5, 0.35);
   }
 
-  /** The place of the limit surface that a point of the picture stands for. */
+  /** Returns the place of the limit surface that is nearest to a point of the drawn mesh. */
   private async locate(place: Place): Promise<LimitPlace> {
-    const { face, corner, uv } = await this.bench.post<LimitFootAnswer>("nearest", { xyz: place.xyz });
+    const { face, corner, uv } = await this.bench.post<LimitFootAnswer>("nearest", {
+      xyz: place.xyz,
+    });
     return { face: face!, uv: uv!, ...(corner && { corner }) };
   }
 
@@ -78,6 +84,9 @@ export class SubdivisionMode extends Mode {
     const { bench } = this;
     const found = await bench.post<LimitPairAnswer>("path", { from, to }, XYZ);
     this.show(found.path ? [found.path.points as Vec3[]] : []);
+    this.path = found.path
+      ? { length: found.distance!, points: found.path.points as Vec3[] }
+      : null;
     if (found.distance == null)
       return bench.answer.show([
         { label: "Distance", value: "no path: the points lie on different components", main: true },
@@ -90,8 +99,14 @@ export class SubdivisionMode extends Mode {
         title: String(found.distance),
       },
       { label: "Error, estimated", value: bench.units.length(found.error_estimate!, 2) },
-      { label: "A geodesic of the surface", value: found.relaxed ? "yes" : "no, a path of the discretization" },
-      { label: `Exact on level ${found.level}`, value: bench.units.length(found.mesh_distance!, 10) },
+      {
+        label: "A geodesic of the surface",
+        value: found.relaxed ? "yes" : "no, a path of the discretization",
+      },
+      {
+        label: `Exact on level ${found.level}`,
+        value: bench.units.length(found.mesh_distance!, 10),
+      },
       this.time,
     ]);
   }
@@ -100,14 +115,19 @@ export class SubdivisionMode extends Mode {
     const { bench, settings } = this;
     const body: LimitTraceRequest = {
       start,
-      ...(settings.text("what") === "fan" ? { fan: settings.number("fan") } : { directions: [towards] }),
+      ...(settings.text("what") === "fan"
+        ? { fan: settings.number("fan") }
+        : { directions: [towards] }),
       length: settings.number("length") * bench.surface!.size,
       smooth: settings.on("smooth"),
     };
     const { paths } = await bench.post<LimitTraceAnswer>("trace", body, XYZ);
     this.show(paths!.map((path) => path.points as Vec3[]));
+    this.path = null;
     const total = paths!.reduce((sum, path) => sum + path.length, 0);
-    const ends = [...new Set(paths!.map((path) => path.end_reason))].join(", ").replace("step_limit", "too many steps");
+    const ends = [...new Set(paths!.map((path) => path.end_reason))]
+      .join(", ")
+      .replace("step_limit", "too many steps");
     const facts: Fact[] = [
       {
         label: paths!.length > 1 ? "Length in all" : "Length",
@@ -122,7 +142,7 @@ export class SubdivisionMode extends Mode {
   }
 
   private show(paths: Vec3[][]): void {
-    this.bench.scene.lines.clear();
+    this.clearLines();
     paths.forEach((path, i) =>
       this.lines(
         `path${i}`,

@@ -1,4 +1,4 @@
-// Straightest geodesics from a point: one in the direction of a second one, and fans.
+// Straightest geodesics from a point: one that starts towards a second point, or a fan.
 
 import type { TraceAnswer, TraceRequest } from "../../../js/types.d.ts";
 import { hexOf, memberColour } from "../colours.ts";
@@ -9,7 +9,7 @@ import { subtract } from "../vector.ts";
 import { INK, Mode, pointsOf, XYZ } from "./mode.ts";
 
 const REASONS: Record<string, string> = {
-  length: "at its length",
+  length: "at the chosen length",
   boundary: "at the boundary",
   self_intersection: "where it meets itself",
   step_limit: "after too many edges",
@@ -18,10 +18,11 @@ const REASONS: Record<string, string> = {
 export class TraceMode extends Mode {
   readonly id = "trace";
   readonly title = "Straightest lines";
-  readonly hint = "Click a start, then where to. The line goes straight on over edges and vertices; drag either point.";
+  readonly hint =
+    "Click a start and a direction. The line goes straight on over edges and vertices.";
   readonly groups = [
-    { id: "start", label: "Start", least: 1, most: 1, colour: INK.first },
-    { id: "towards", label: "Direction", least: 1, most: 1, colour: INK.third },
+    { id: "start", label: "Start", letter: "A", least: 1, most: 1, colour: INK.first },
+    { id: "towards", label: "Direction", letter: "B", least: 1, most: 1, colour: INK.third },
   ];
   override settings = new Settings({
     length: range("Length", 2, 0.05, 20, 0.05, (value) => this.lengthText(value)),
@@ -56,9 +57,14 @@ export class TraceMode extends Mode {
   async ask(): Promise<void> {
     const { bench } = this;
     const paths = (await bench.post<TraceAnswer>("trace", this.request, XYZ)).paths!;
-    bench.scene.lines.clear();
+    this.clearLines();
+    this.path =
+      paths.length === 1 ? { length: paths[0]!.length, points: pointsOf(paths[0]) } : null;
     if (paths.length === 1) this.lines("line", [pointsOf(paths[0])], INK.path, 4);
-    else paths.forEach((path, i) => this.lines(`line${i}`, [pointsOf(path)], hexOf(memberColour(i, 0.6)), 2.5));
+    else
+      paths.forEach((path, i) =>
+        this.lines(`line${i}`, [pointsOf(path)], hexOf(memberColour(i, 0.6)), 2.5),
+      );
     const total = paths.reduce((sum, path) => sum + path.length, 0);
     const crossed = paths.reduce((sum, path) => sum + (path.points?.length ?? 0), 0);
     const reasons = [...new Set(paths.map((path) => REASONS[path.end_reason]!))];

@@ -11,7 +11,7 @@
 #define NO_SUM   "sha256:0000000000000000000000000000000000000000000000000000000000000000"
 #define NO_SUM_2 "sha256:1111111111111111111111111111111111111111111111111111111111111111"
 
-static char path[] = "credentials-XXXXXX", error[512];
+static char path[] = "credentials-XXXXXX", error[SERVER_ERROR];
 
 static int set_up(void **state)
 {
@@ -36,7 +36,7 @@ static void write_file(const char *text)
     fclose(file);
 }
 
-/* A line for a key. */
+/* Returns the file's line of a key. */
 static const char *line(const char *name, const char *key, const char *settings)
 {
     static char lines[4][256];
@@ -51,7 +51,7 @@ static struct server_credentials *load(const char *text)
 {
     write_file(text);
     error[0] = '\0';
-    return server_credentials_load(path, NULL, error, sizeof error);
+    return server_credentials_load(path, NULL, error);
 }
 
 /* --- the file --------------------------------------------------------------------------------- */
@@ -84,7 +84,7 @@ static void reads_lines(void **state)
     server_credentials_release(keys);
 }
 
-static void names_the_line_that_is_wrong(void **state)
+static void errors_name_the_line(void **state)
 {
     (void)state;
     static const struct {
@@ -98,27 +98,28 @@ static void names_the_line_that_is_wrong(void **state)
                  {".a " NO_SUM "\n", "a name has"},
                  {"a@b " NO_SUM "\n", "a name has"},
                  {"a " NO_SUM " role=admin\n", "read, write or operator"},
-                 {"a " NO_SUM " expires=tomorrow\n", "is no time"},
-                 {"a " NO_SUM " expires=2027-02-31\n", "is no time"},
-                 {"a " NO_SUM " expires=1960-01-01\n", "is no time"},
+                 {"a " NO_SUM " expires=tomorrow\n", "is not a time"},
+                 {"a " NO_SUM " expires=2027-02-31\n", "is not a time"},
+                 {"a " NO_SUM " expires=1960-01-01\n", "is not a time"},
                  {"a " NO_SUM " rate=0\n", "requests a second"},
                  {"a " NO_SUM " rate=-1\n", "requests a second"},
                  {"a " NO_SUM " rate=1000001\n", "requests a second"},
                  {"a " NO_SUM " concurrent=9999999999\n", "at once"},
                  {"a " NO_SUM " colour=red\n", "no setting 'colour'"},
-                 {"a " NO_SUM " write\n", "'write' is no setting"},
+                 {"a " NO_SUM " write\n", "'write' is not a setting"},
                  {"a " NO_SUM "\na " NO_SUM_2 "\n", ":2: the name 'a' stands twice"},
                  {"a " NO_SUM "\nb " NO_SUM "\n", "are the same key"}};
     for (size_t i = 0; i < COUNT(cases); i++) {
         assert_null(load(cases[i].text));
         assert_non_null(strstr(error, cases[i].hint));
-        assert_null(strstr(error, "gdk_secret")); /* it might be a key, in the wrong place */
+        /* messages don't repeat it: it might be a misplaced key */
+        assert_null(strstr(error, "gdk_secret"));
     }
-    assert_null(server_credentials_load("no such file", NULL, error, sizeof error));
+    assert_null(server_credentials_load("no such file", NULL, error));
     assert_non_null(strstr(error, "No such file"));
 }
 
-static void a_line_has_an_end(void **state)
+static void long_lines_are_refused(void **state)
 {
     (void)state;
     char text[2048] = "a " NO_SUM;
@@ -145,7 +146,7 @@ static bool generate(int argc, char *argv[], char key[64], char entry[512])
     return ok;
 }
 
-static void what_keygen_prints_is_what_the_file_takes(void **state)
+static void output_of_keygen_is_a_valid_file(void **state)
 {
     (void)state;
     char *plain[] = {"ci"}, *full[] = {"ci",     "--role", "write",        "--expires", "90d",
@@ -167,7 +168,7 @@ static void what_keygen_prints_is_what_the_file_takes(void **state)
     server_credentials_release(keys);
 }
 
-static void keygen_refuses_what_makes_no_sense(void **state)
+static void keygen_refuses_wrong_arguments(void **state)
 {
     (void)state;
     char *cases[][3] = {{"a b"},
@@ -191,12 +192,12 @@ static void keygen_refuses_what_makes_no_sense(void **state)
 static struct server_access *open_access(const char *text)
 {
     write_file(text);
-    struct server_access *access = server_access_create(path, error, sizeof error);
+    struct server_access *access = server_access_create(path, error);
     assert_non_null(access);
     return access;
 }
 
-/* The code of the problem; PROTO_PROBLEM_NONE: admitted. The grant is ended unless `kept`. */
+/* Returns the code of the problem; PROTO_PROBLEM_NONE: admitted. Ends the grant unless `kept`. */
 static enum proto_problem_code admit(struct server_access *access, const char *authorization,
                                      enum proto_access needed, struct server_grant *kept)
 {
@@ -218,7 +219,7 @@ static enum proto_problem_code admit(struct server_access *access, const char *a
 #define READ(authorization)  admit(access, authorization, PROTO_ACCESS_READ, NULL)
 #define WRITE(authorization) admit(access, authorization, PROTO_ACCESS_WRITE, NULL)
 
-static void a_key_admits(void **state)
+static void keys_admit_by_role(void **state)
 {
     (void)state;
     char text[1024];
@@ -250,7 +251,7 @@ static void a_key_admits(void **state)
     server_access_destroy(access);
 }
 
-static void a_key_twice_is_none(void **state)
+static void two_authorization_headers_are_refused(void **state)
 {
     (void)state;
     struct server_access *access = open_access(line("a", A_KEY, ""));
@@ -274,11 +275,11 @@ static void limits_hold_until_a_grant_ends(void **state)
                      PROTO_PROBLEM_RATE_LIMITED);
     assert_string_equal(server_grant_name(&refused), "a");
     server_grant_end(&refused);
-    /* who was refused gives nothing back */
+    /* a refused request returns no token */
     assert_int_equal(READ("Bearer " A_KEY), PROTO_PROBLEM_RATE_LIMITED);
     server_grant_pass(&one, &job);
     server_grant_end(&one);
-    /* a job goes on in the request's stead */
+    /* a job continues the request */
     assert_int_equal(READ("Bearer " A_KEY), PROTO_PROBLEM_RATE_LIMITED);
     assert_string_equal(server_grant_name(&job), "a");
     server_grant_end(&job);
@@ -287,14 +288,14 @@ static void limits_hold_until_a_grant_ends(void **state)
     server_access_destroy(access);
 }
 
-static void a_reload_keeps_what_was_used(void **state)
+static void a_reload_keeps_quotas(void **state)
 {
     (void)state;
     struct server_access *access = open_access(line("a", A_KEY, "concurrent=1"));
     struct server_grant held;
     assert_int_equal(admit(access, "Bearer " A_KEY, PROTO_ACCESS_READ, &held), PROTO_PROBLEM_NONE);
-    write_file(line("a", B_KEY, "concurrent=1")); /* another key under the name */
-    assert_true(server_access_reload(access, error, sizeof error));
+    write_file(line("a", B_KEY, "concurrent=1")); /* another key with the same name */
+    assert_true(server_access_reload(access, error));
     assert_int_equal(READ("Bearer " A_KEY), PROTO_PROBLEM_UNAUTHORIZED);
     assert_int_equal(READ("Bearer " B_KEY), PROTO_PROBLEM_RATE_LIMITED);
     server_grant_end(&held);
@@ -302,12 +303,12 @@ static void a_reload_keeps_what_was_used(void **state)
     server_access_destroy(access);
 }
 
-static void a_bad_file_changes_nothing(void **state)
+static void a_malformed_file_changes_nothing(void **state)
 {
     (void)state;
     struct server_access *access = open_access(line("a", A_KEY, ""));
     write_file("rubbish\n");
-    assert_false(server_access_reload(access, error, sizeof error));
+    assert_false(server_access_reload(access, error));
     assert_non_null(strstr(error, ":1: "));
     assert_int_equal(READ("Bearer " A_KEY), PROTO_PROBLEM_NONE);
     server_access_destroy(access);
@@ -317,16 +318,15 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(reads_lines, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(names_the_line_that_is_wrong, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_line_has_an_end, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(what_keygen_prints_is_what_the_file_takes, set_up,
-                                        tear_down),
-        cmocka_unit_test(keygen_refuses_what_makes_no_sense),
-        cmocka_unit_test_setup_teardown(a_key_admits, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_key_twice_is_none, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(errors_name_the_line, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(long_lines_are_refused, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(output_of_keygen_is_a_valid_file, set_up, tear_down),
+        cmocka_unit_test(keygen_refuses_wrong_arguments),
+        cmocka_unit_test_setup_teardown(keys_admit_by_role, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(two_authorization_headers_are_refused, set_up, tear_down),
         cmocka_unit_test_setup_teardown(limits_hold_until_a_grant_ends, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_reload_keeps_what_was_used, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_bad_file_changes_nothing, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_reload_keeps_quotas, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_malformed_file_changes_nothing, set_up, tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

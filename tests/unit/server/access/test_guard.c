@@ -9,7 +9,7 @@ static bool admit(const struct server_guard_request *request)
     return server_guard_admit(&config, request, &problem);
 }
 
-/* The same of a daemon with keys, and of pages of a listed origin. */
+/* As ADMIT, for a daemon with keys and a listed origin. */
 static bool admit_with(const char *keys, const char *host,
                        const struct server_guard_request *request)
 {
@@ -25,7 +25,7 @@ static bool admit_with(const char *keys, const char *host,
 
 #define ADMIT(...) admit(&(struct server_guard_request){__VA_ARGS__})
 
-static void knows_its_hosts(void **state)
+static void accepts_hosts_of_this_machine(void **state)
 {
     (void)state;
     static const char *const own[] = {"localhost",          "LocalHost:80",  "127.0.0.1:8080",
@@ -51,7 +51,7 @@ static void knows_its_hosts(void **state)
     for (size_t i = 0; i < COUNT(foreign); i++) assert_false(ADMIT(.host = foreign[i]));
 }
 
-static void an_over_long_host_is_foreign(void **state)
+static void a_too_long_host_is_refused(void **state)
 {
     (void)state;
     char host[4096];
@@ -60,7 +60,7 @@ static void an_over_long_host_is_foreign(void **state)
     assert_false(ADMIT(.host = host));
 }
 
-static void only_old_clients_may_leave_the_host_out(void **state)
+static void only_http_1_0_may_omit_the_host(void **state)
 {
     (void)state;
     assert_false(ADMIT(.host = NULL));
@@ -68,7 +68,7 @@ static void only_old_clients_may_leave_the_host_out(void **state)
     assert_false(ADMIT(.host = "evil.example", .is_http10 = true));
 }
 
-static void a_page_has_to_be_its_own(void **state)
+static void pages_of_other_origins_are_refused(void **state)
 {
     (void)state;
     assert_true(ADMIT(.host = "localhost:8080", .origin = "http://localhost:8080"));
@@ -89,7 +89,7 @@ static void a_cross_site_request_is_refused(void **state)
     assert_true(ADMIT(.host = "localhost", .fetch_site = "none"));
 }
 
-static void with_keys_any_name_will_do_unless_some_are_listed(void **state)
+static void with_keys_any_host_is_accepted_unless_some_are_listed(void **state)
 {
     (void)state;
     assert_true(ADMIT_WITH("keys", NULL, .host = "meshes.example"));
@@ -106,7 +106,7 @@ static void with_keys_any_name_will_do_unless_some_are_listed(void **state)
     assert_false(ADMIT_WITH("", NULL, .host = "meshes.example"));
 }
 
-static void a_listed_page_may_be_foreign(void **state)
+static void listed_origins_are_accepted(void **state)
 {
     (void)state;
     assert_true(ADMIT_WITH("", NULL, .host = "localhost", .origin = "https://maps.example"));
@@ -126,13 +126,13 @@ static void a_listed_page_may_be_foreign(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(knows_its_hosts),
-        cmocka_unit_test(an_over_long_host_is_foreign),
-        cmocka_unit_test(only_old_clients_may_leave_the_host_out),
-        cmocka_unit_test(a_page_has_to_be_its_own),
+        cmocka_unit_test(accepts_hosts_of_this_machine),
+        cmocka_unit_test(a_too_long_host_is_refused),
+        cmocka_unit_test(only_http_1_0_may_omit_the_host),
+        cmocka_unit_test(pages_of_other_origins_are_refused),
         cmocka_unit_test(a_cross_site_request_is_refused),
-        cmocka_unit_test(with_keys_any_name_will_do_unless_some_are_listed),
-        cmocka_unit_test(a_listed_page_may_be_foreign),
+        cmocka_unit_test(with_keys_any_host_is_accepted_unless_some_are_listed),
+        cmocka_unit_test(listed_origins_are_accepted),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

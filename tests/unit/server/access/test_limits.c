@@ -22,8 +22,8 @@ static int tear_down(void **state)
     return 0;
 }
 
-/* How many of `count` requests, `interval` apart from `*now` on, are let in, each leaving at
- * once. */
+/* Returns how many of `count` requests, one every `interval` from `*now` on, are admitted. Each one
+ * leaves at once. */
 static int let_in(const struct server_limits *limits, int count, uint64_t interval, uint64_t *now)
 {
     int entered = 0;
@@ -44,12 +44,12 @@ static void a_burst_is_as_large_as_the_rate(void **state)
         const struct server_limits limits = {.rate = rates[i]};
         uint64_t now = SECOND * 1000 * (i + 1);
         assert_int_equal(let_in(&limits, (int)rates[i] + 10, 0, &now), rates[i]);
-        now += SECOND; /* full again */
+        now += SECOND; /* the bucket is full again */
         assert_int_equal(let_in(&limits, (int)rates[i] + 10, 0, &now), rates[i]);
     }
 }
 
-static void in_the_long_run_the_rate_is_kept(void **state)
+static void the_average_rate_is_kept(void **state)
 {
     (void)state;
     const struct server_limits limits = {.rate = 50};
@@ -59,7 +59,7 @@ static void in_the_long_run_the_rate_is_kept(void **state)
     assert_in_range(entered, 50 * 10, 50 * 11);
 }
 
-static void who_waits_as_long_as_told_gets_in(void **state)
+static void a_client_that_waits_as_told_is_admitted(void **state)
 {
     (void)state;
     const struct server_limits limits = {.rate = 3};
@@ -74,7 +74,7 @@ static void who_waits_as_long_as_told_gets_in(void **state)
                      SERVER_QUOTA_ENTERED);
 }
 
-static void so_many_are_in_at_once(void **state)
+static void concurrent_requests_are_limited(void **state)
 {
     (void)state;
     const struct server_limits limits = {.concurrent = 2};
@@ -89,7 +89,7 @@ static void so_many_are_in_at_once(void **state)
     assert_int_equal(quota->refusals[SERVER_QUOTA_CONCURRENT], 1);
 }
 
-static void who_finds_no_place_uses_no_token_and_who_finds_no_token_keeps_no_place(void **state)
+static void refusals_use_neither_token_nor_place(void **state)
 {
     (void)state;
     const struct server_limits limits = {.rate = 2, .concurrent = 1};
@@ -122,8 +122,8 @@ static void *contend(void *user)
     return NULL;
 }
 
-/* At one moment exactly a second's tokens are there, whoever takes them. */
-static void threads_share_what_there_is(void **state)
+/* At a fixed time there are tokens for exactly one second, whatever the number of threads. */
+static void threads_share_one_bucket(void **state)
 {
     (void)state;
     pthread_t threads[THREADS];
@@ -142,13 +142,11 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(a_burst_is_as_large_as_the_rate, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(in_the_long_run_the_rate_is_kept, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(who_waits_as_long_as_told_gets_in, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(so_many_are_in_at_once, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(
-            who_finds_no_place_uses_no_token_and_who_finds_no_token_keeps_no_place, set_up,
-            tear_down),
-        cmocka_unit_test_setup_teardown(threads_share_what_there_is, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(the_average_rate_is_kept, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_client_that_waits_as_told_is_admitted, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(concurrent_requests_are_limited, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(refusals_use_neither_token_nor_place, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(threads_share_one_bucket, set_up, tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

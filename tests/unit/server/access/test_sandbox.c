@@ -1,4 +1,5 @@
-/* What a daemon in its sandbox can and can't do, tried by a child that enters it. */
+/* Tests what a daemon in its sandbox can and can't do; a child process enters the sandbox and tries
+ * it. */
 #include "tests/unit/server/child.h"
 #include "tests/unit/server/folder.h"
 
@@ -29,7 +30,7 @@
 struct fixture {
     char folder[FOLDER_PATH], outside[FOLDER_PATH];
     struct server_config config;
-    int priority;  /* of the test itself */
+    int priority;  /* priority of the test itself */
     int listening; /* a socket of another program */
     struct sockaddr_in address;
 };
@@ -49,8 +50,8 @@ static int set_up(void **state)
     assert_int_equal(getsockname(fixture->listening, (struct sockaddr *)&fixture->address, &size),
                      0);
     assert_int_equal(listen(fixture->listening, 1), 0);
-    char error[256];
-    assert_true(server_address_parse("127.0.0.1:0", &fixture->config.listen, error, sizeof error));
+    char error[SERVER_ERROR];
+    assert_true(server_address_parse("127.0.0.1:0", &fixture->config.listen, error));
     *state = fixture;
     return 0;
 }
@@ -65,7 +66,7 @@ static int tear_down(void **state)
     return 0;
 }
 
-/* How a child that does that in the sandbox ends. */
+/* Returns how a child that calls the function in the sandbox ends. */
 static int end_of(struct fixture *fixture, void (*in_child)(struct fixture *fixture))
 {
     int status;
@@ -87,7 +88,7 @@ static void assert_fine(struct fixture *fixture, void (*in_child)(struct fixture
     assert_int_equal(WEXITSTATUS(status), FINE);
 }
 
-/* The first step, of a daemon with that configuration. */
+/* The first step, for a daemon with that configuration. */
 static struct server_sandbox enter_whatever_is_there(const struct fixture *fixture)
 {
     const struct server_config *config = &fixture->config;
@@ -144,12 +145,12 @@ static void use_files(struct fixture *fixture)
     INSIST(REFUSED(execl("/bin/true", "true", NULL), EACCES));
 }
 
-static void the_data_folder_is_all_there_is(void **state)
+static void only_the_data_folder_is_accessible(void **state)
 {
     assert_fine(*state, use_files);
 }
 
-/* The folder of the keys and the one that their link leads to can be read, and only read. */
+/* The folder of the keys, and the folder of their link's target, can be read but not written. */
 static void read_keys(struct fixture *fixture)
 {
     char keys[SERVER_DISK_PATH];
@@ -164,7 +165,7 @@ static void read_keys(struct fixture *fixture)
     INSIST(REFUSED(unlink(keys), EACCES));
 }
 
-static void keys_can_be_read_again(void **state)
+static void key_files_can_be_read_again(void **state)
 {
     assert_fine(*state, read_keys);
 }
@@ -183,7 +184,7 @@ static void reach_out(struct fixture *fixture)
     INSIST(REFUSED(bind(listening, (struct sockaddr *)&own, sizeof own), EACCES));
 }
 
-static void it_connects_to_nobody(void **state)
+static void connections_are_forbidden(void **state)
 {
     assert_fine(*state, reach_out);
 }
@@ -196,7 +197,7 @@ static void *try_sockets(void *user)
     return REFUSED(socket(AF_INET, SOCK_STREAM, 0), ENOSYS) ? user : NULL;
 }
 
-/* Of all threads, also those that were there before. */
+/* The filter applies to all threads, including earlier ones. */
 static void call_what_is_no_more(struct fixture *fixture)
 {
     int pipes[2];
@@ -224,7 +225,7 @@ static void call_what_is_no_more(struct fixture *fixture)
     free(malloc((size_t)64 << 20));
 }
 
-static void what_is_not_needed_is_no_more(void **state)
+static void unneeded_system_calls_fail(void **state)
 {
     assert_fine(*state, call_what_is_no_more);
 }
@@ -241,7 +242,7 @@ struct attempt {
 #define AT       AT_FDCWD
 #define TEXT(at) ((long)(intptr_t)(at))
 
-/* All have arguments that would do harm, or would at least not fail, outside the sandbox. */
+/* Outside the sandbox none of these calls fails, and some do harm. */
 static void insist_on_refusals(const char *outside, const char *inside, int descriptor, pid_t other)
 {
     static const char hidden[] = "/etc/shadow";
@@ -354,7 +355,8 @@ static void insist_on_refusals(const char *outside, const char *inside, int desc
     }
 }
 
-/* The same of a daemon with a database, which makes sockets: of the families that it needs. */
+/* As above; `connects`: for a daemon with a database, which may create sockets of certain
+ * families. */
 static void reach_beyond(struct fixture *fixture, bool connects)
 {
     char outside[SERVER_DISK_PATH], inside[SERVER_DISK_PATH];
@@ -371,7 +373,7 @@ static void reach_beyond(struct fixture *fixture, bool connects)
     if (sandbox.seccomp) _exit(SKIPPED);
     insist_on_refusals(outside, inside, descriptor, getppid());
     INSIST(stat(inside, &facts) == 0 && (facts.st_mode & 07777) == 0600);
-    INSIST(setpriority(PRIO_PROCESS, 0, 19) == 0); /* what the daemon does to its own threads */
+    INSIST(setpriority(PRIO_PROCESS, 0, 19) == 0); /* the daemon does this to its own threads */
     INSIST(getrlimit(RLIMIT_NOFILE, &limit) == 0);
     INSIST(fcntl(descriptor, F_SETLK, &(struct flock){.l_type = F_WRLCK}) == 0);
     INSIST(prctl(PR_SET_NAME, "x") == 0);
@@ -407,7 +409,7 @@ static void assert_that_others_are_as_they_were(struct fixture *fixture)
     assert_int_equal(sched_getscheduler(0), SCHED_OTHER);
 }
 
-static void other_files_and_processes_are_out_of_reach(void **state)
+static void files_and_processes_of_others_are_protected(void **state)
 {
     struct fixture *fixture = *state;
     assert_int_equal(make_file(fixture->outside, "file"), 0);
@@ -437,7 +439,7 @@ static void look_at_capabilities(struct fixture *fixture)
     INSIST(!could_come_first || setpriority(PRIO_PROCESS, 0, SERVER_HTTP_NICE) == 0);
 }
 
-static void there_are_no_capabilities(void **state)
+static void all_capabilities_are_dropped(void **state)
 {
     assert_fine(*state, look_at_capabilities);
 }
@@ -498,7 +500,7 @@ static void handle_faults(struct fixture *fixture)
     syscall(SYS_userfaultfd, 0);
 }
 
-static void an_intruder_ends_the_process(void **state)
+static void calls_of_attackers_end_the_process(void **state)
 {
     void (*const attempts[])(struct fixture *) = {
         run_a_program, read_another_process, write_another_process,
@@ -522,7 +524,7 @@ static void stay_free(struct fixture *fixture)
     INSIST(socket(AF_INET, SOCK_STREAM, 0) >= 0);
 }
 
-static void it_can_be_left_out(void **state)
+static void the_sandbox_can_be_switched_off(void **state)
 {
     assert_fine(*state, stay_free);
 }
@@ -531,13 +533,13 @@ static void it_can_be_left_out(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {TEST(the_data_folder_is_all_there_is),
-                                       TEST(keys_can_be_read_again),
-                                       TEST(it_connects_to_nobody),
-                                       TEST(what_is_not_needed_is_no_more),
-                                       TEST(other_files_and_processes_are_out_of_reach),
-                                       TEST(there_are_no_capabilities),
-                                       TEST(an_intruder_ends_the_process),
-                                       TEST(it_can_be_left_out)};
+    const struct CMUnitTest tests[] = {TEST(only_the_data_folder_is_accessible),
+                                       TEST(key_files_can_be_read_again),
+                                       TEST(connections_are_forbidden),
+                                       TEST(unneeded_system_calls_fail),
+                                       TEST(files_and_processes_of_others_are_protected),
+                                       TEST(all_capabilities_are_dropped),
+                                       TEST(calls_of_attackers_end_the_process),
+                                       TEST(the_sandbox_can_be_switched_off)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -12,7 +12,7 @@ static int set_up(void **state)
     return 0;
 }
 
-/* The limit before; from now on no file can be opened. */
+/* Forbids opening files. Returns the old limit. */
 static struct rlimit use_up_descriptors(void)
 {
     struct rlimit limit, none;
@@ -67,7 +67,7 @@ static void files_are_written_whole(void **state)
     assert_text(folder, "a", "second");
 }
 
-static void a_file_that_cant_be_written_leaves_nothing(void **state)
+static void a_failed_write_leaves_no_file(void **state)
 {
     const char *folder = *state;
     char path[SERVER_DISK_PATH];
@@ -79,7 +79,7 @@ static void a_file_that_cant_be_written_leaves_nothing(void **state)
     assert_int_equal(write_text("/nowhere/at/all", "a", "x"), SERVER_STORE_REFUSED);
 }
 
-static void what_is_absent_is_told(void **state)
+static void missing_files_are_absent(void **state)
 {
     const char *folder = *state;
     char path[SERVER_DISK_PATH];
@@ -90,7 +90,7 @@ static void what_is_absent_is_told(void **state)
     assert_int_equal(server_disk_remove(path), SERVER_STORE_ABSENT);
     assert_int_equal(server_disk_sync_folder(path), SERVER_STORE_ABSENT);
     assert_int_equal(server_disk_link(path, "/nowhere"), SERVER_STORE_ABSENT);
-    /* a folder is no file */
+    /* a folder is not a file */
     assert_int_equal(server_disk_read(folder, &bytes, &size), SERVER_STORE_REFUSED);
 }
 
@@ -107,7 +107,7 @@ static void links_are_second_names(void **state)
     assert_text(folder, "b", "text");
 }
 
-/* Adds up the bytes of the pieces, until there are more than 600,000. */
+/* Sums the bytes of the pieces, until there are more than 600,000. */
 static bool add_up(void *user, const void *bytes, size_t size)
 {
     struct scanned {
@@ -156,7 +156,7 @@ static void add_and_remove(void *user, const char *path, const char *name)
     assert_int_equal(remove(path), 0);
 }
 
-static void a_folder_is_walked_while_it_is_emptied(void **state)
+static void a_folder_can_be_emptied_while_it_is_listed(void **state)
 {
     const char *folder = *state;
     char names[64] = "", path[SERVER_DISK_PATH];
@@ -171,7 +171,7 @@ static void a_folder_is_walked_while_it_is_emptied(void **state)
     assert_false(folder_each(path, add_and_remove, names));
 }
 
-/* What is changed has to be made durable, for which a descriptor is needed. */
+/* Without a descriptor a change can't be made durable, so nothing changes. */
 static void without_descriptors_nothing_changes(void **state)
 {
     const char *folder = *state;
@@ -198,11 +198,11 @@ int main(void)
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
     const struct CMUnitTest tests[] = {
         TEST(files_are_written_whole),
-        TEST(a_file_that_cant_be_written_leaves_nothing),
-        TEST(what_is_absent_is_told),
+        TEST(a_failed_write_leaves_no_file),
+        TEST(missing_files_are_absent),
         TEST(links_are_second_names),
         TEST(large_files_are_read_piece_by_piece),
-        TEST(a_folder_is_walked_while_it_is_emptied),
+        TEST(a_folder_can_be_emptied_while_it_is_listed),
         TEST(without_descriptors_nothing_changes),
     };
 #undef TEST

@@ -11,7 +11,7 @@
 
 #include "server/base/log.h"
 
-/* The line as it stands, closed but not written, read back as JSON. */
+/* Parses the line, closed but not written, as JSON. */
 static json_t *parse(struct server_log_line *line)
 {
     json_error_t error;
@@ -23,7 +23,7 @@ static json_t *parse(struct server_log_line *line)
     return document;
 }
 
-static void is_json_whatever_is_in_it(void **state)
+static void any_text_is_valid_json(void **state)
 {
     (void)state;
     struct server_log_line line;
@@ -42,7 +42,7 @@ static void is_json_whatever_is_in_it(void **state)
     json_decref(document);
 }
 
-static void is_json_however_long(void **state)
+static void long_lines_are_valid_json(void **state)
 {
     (void)state;
     static const char fill[] = "\"\\\x01x";
@@ -62,7 +62,7 @@ static void is_json_however_long(void **state)
     }
 }
 
-static void knows_its_level(void **state)
+static void lines_below_the_level_are_omitted(void **state)
 {
     (void)state;
     struct server_log_line line;
@@ -97,7 +97,7 @@ static int end_capture(void **state)
     return fclose(capture->file);
 }
 
-/* The events of the lines that are written soon, in their order, as "a b ". */
+/* Returns the events of the written lines, in order, as "a b ". */
 static void assert_written(const struct capture *capture, const char *events)
 {
     const struct timespec moment = {.tv_nsec = 5000000};
@@ -141,7 +141,7 @@ static void keeps_the_order_of_lines(void **state)
     assert_written(*state, "a b c d e ");
 }
 
-static void writes_soon_what_it_gathers(void **state)
+static void gathered_lines_are_written_soon(void **state)
 {
     server_log_start();
     say("a", server_log_end_soon);
@@ -149,7 +149,7 @@ static void writes_soon_what_it_gathers(void **state)
     server_log_stop();
 }
 
-static void loses_nothing_when_full(void **state)
+static void a_full_buffer_loses_no_line(void **state)
 {
     struct capture *capture = *state;
     struct stat status;
@@ -166,7 +166,7 @@ static void loses_nothing_when_full(void **state)
 
 enum { THREADS = 4, LINES = 2000 };
 
-/* Now and then a line is written at once. */
+/* Writes many lines, some of them at once. */
 static void *say_many(void *number)
 {
     for (int i = 0; i < LINES; i++) {
@@ -179,7 +179,7 @@ static void *say_many(void *number)
     return NULL;
 }
 
-/* Lines may gather no more, and again, while threads have some. */
+/* Stops and restarts gathering while threads write lines. */
 static void keeps_the_order_of_each_thread(void **state)
 {
     struct capture *capture = *state;
@@ -237,8 +237,8 @@ static void say_numbered(int number)
     (number % 97 ? server_log_end_soon : server_log_end)(&line);
 }
 
-/* Reads lines until one has that number: each follows the one before, or a line that tells how many
- * are missing. */
+/* Reads lines up to that number. Each has the next number, or follows a line with the number of
+ * missing lines. */
 static void read_up_to(FILE *file, int last)
 {
     char text[SERVER_LOG_LINE];
@@ -255,7 +255,7 @@ static void read_up_to(FILE *file, int last)
     assert_int_equal(next, last + 1);
 }
 
-static void never_waits_and_tells_what_it_dropped(void **state)
+static void never_blocks_and_counts_dropped_lines(void **state)
 {
     FILE *file = fdopen(dup(((const int *)*state)[0]), "r");
     uint64_t before = server_log_dropped();
@@ -266,8 +266,8 @@ static void never_waits_and_tells_what_it_dropped(void **state)
     fclose(file);
 }
 
-/* In a process of its own: the thread that waits for the reader is left behind. */
-static void stops_although_nobody_reads(void **state)
+/* Runs in a child process, since the thread that waits for the reader is abandoned. */
+static void stops_without_a_reader(void **state)
 {
     (void)state;
     int ends[2], status;
@@ -286,7 +286,7 @@ static void stops_although_nobody_reads(void **state)
     close(ends[1]);
 }
 
-/* The lines before a crash are written, and the crash is what it was. */
+/* The lines before a crash are written, and the process ends by the same signal. */
 static void a_crash_loses_no_line(void **state)
 {
     (void)state;
@@ -297,7 +297,7 @@ static void a_crash_loses_no_line(void **state)
         pid_t child = fork();
         if (child == 0) {
             if (dup2(ends[1], STDERR_FILENO) < 0 || !server_log_start()) _exit(1);
-            signal(numbers[i], SIG_DFL); /* not cmocka's, nor a sanitizer's */
+            signal(numbers[i], SIG_DFL); /* replaces the handlers of cmocka or of a sanitizer */
             server_log_flush_at_crash();
             for (int line = 0; line < 100; line++) say_numbered(line);
             raise(numbers[i]);
@@ -316,16 +316,17 @@ int main(void)
 {
     signal(SIGPIPE, SIG_IGN); /* as the daemon does */
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(is_json_whatever_is_in_it),
-        cmocka_unit_test(is_json_however_long),
-        cmocka_unit_test(knows_its_level),
+        cmocka_unit_test(any_text_is_valid_json),
+        cmocka_unit_test(long_lines_are_valid_json),
+        cmocka_unit_test(lines_below_the_level_are_omitted),
         cmocka_unit_test_setup_teardown(keeps_the_order_of_lines, begin_capture, end_capture),
-        cmocka_unit_test_setup_teardown(writes_soon_what_it_gathers, begin_capture, end_capture),
-        cmocka_unit_test_setup_teardown(loses_nothing_when_full, begin_capture, end_capture),
+        cmocka_unit_test_setup_teardown(gathered_lines_are_written_soon, begin_capture,
+                                        end_capture),
+        cmocka_unit_test_setup_teardown(a_full_buffer_loses_no_line, begin_capture, end_capture),
         cmocka_unit_test_setup_teardown(keeps_the_order_of_each_thread, begin_capture, end_capture),
-        cmocka_unit_test_setup_teardown(never_waits_and_tells_what_it_dropped, begin_stuck,
+        cmocka_unit_test_setup_teardown(never_blocks_and_counts_dropped_lines, begin_stuck,
                                         end_stuck),
-        cmocka_unit_test(stops_although_nobody_reads),
+        cmocka_unit_test(stops_without_a_reader),
         cmocka_unit_test(a_crash_loses_no_line),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -4,7 +4,7 @@
 
 #include "server/base/names.h"
 
-static void an_empty_set_has_nothing(void **state)
+static void an_empty_set_has_no_names(void **state)
 {
     (void)state;
     struct server_names names = {0};
@@ -12,7 +12,7 @@ static void an_empty_set_has_nothing(void **state)
     server_names_free(&names);
 }
 
-static void what_was_added_is_there_and_nothing_else(void **state)
+static void a_set_has_the_added_names_only(void **state)
 {
     (void)state;
     struct server_names names = {0};
@@ -49,8 +49,8 @@ static void a_name_may_be_added_twice(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(an_empty_set_has_nothing),
-        cmocka_unit_test(what_was_added_is_there_and_nothing_else),
+        cmocka_unit_test(an_empty_set_has_no_names),
+        cmocka_unit_test(a_set_has_the_added_names_only),
         cmocka_unit_test(a_name_may_be_added_twice),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

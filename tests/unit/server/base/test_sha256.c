@@ -2,7 +2,7 @@
 
 #include "server/base/sha256.h"
 
-/* FIPS 180-2, appendix B; of "" as well. */
+/* Checks the sums of FIPS 180-2, appendix B, and that of "". */
 static void known_sums(void **state)
 {
     static const struct {
@@ -19,7 +19,7 @@ static void known_sums(void **state)
     }
 }
 
-static void pieces_are_as_good_as_the_whole(void **state)
+static void pieces_give_the_same_sum(void **state)
 {
     static const char text[] =
         "one after the other, and in the end they are the same as all at once";
@@ -40,6 +40,6 @@ static void pieces_are_as_good_as_the_whole(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(known_sums),
-                                       cmocka_unit_test(pieces_are_as_good_as_the_whole)};
+                                       cmocka_unit_test(pieces_give_the_same_sum)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -47,16 +47,16 @@ start(struct fixture *fixture, bool (*rest)(struct server_thread *thread, uint64
     return thread;
 }
 
-static void a_wake_at_work_ends_the_next_pause(void **state)
+static void a_wake_during_work_ends_the_next_pause(void **state)
 {
     struct fixture *fixture = *state;
     struct server_thread *thread = start(fixture, server_thread_pause, SERVER_THREAD_FOREVER);
-    server_thread_wake(thread); /* it may not even run yet */
+    server_thread_wake(thread); /* the thread may not have started yet */
     sem_wait(&fixture->done);
     for (int i = 0; i < 100; i++) {
         sem_post(&fixture->go);
         sem_wait(&fixture->done);
-        server_thread_wake(thread); /* at work, or pausing */
+        server_thread_wake(thread); /* the thread works or pauses */
     }
     sem_post(&fixture->go);
     sem_wait(&fixture->done);
@@ -91,7 +91,7 @@ static void a_wake_does_not_end_a_sleep(void **state)
     server_thread_stop(thread);
 }
 
-static void a_stop_ends_whatever_it_is(void **state)
+static void a_stop_ends_pauses_and_sleeps(void **state)
 {
     struct fixture *fixture = *state;
     struct server_thread *thread = start(fixture, server_thread_pause, SERVER_THREAD_FOREVER);
@@ -105,7 +105,7 @@ static void a_stop_ends_whatever_it_is(void **state)
     server_thread_stop(NULL);
 }
 
-/* Outlive the test, as the thread may. */
+/* Static, because the thread may outlive the test. */
 static sem_t late_go, late_done;
 
 static void run_late(void *user, struct server_thread *thread)
@@ -115,7 +115,7 @@ static void run_late(void *user, struct server_thread *thread)
     sem_post(&late_done);
 }
 
-static void a_stop_may_leave_a_thread_behind(void **state)
+static void a_stop_can_abandon_a_thread(void **state)
 {
     (void)state;
     uint64_t begun = gd_now_ns();
@@ -132,11 +132,11 @@ int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
     const struct CMUnitTest tests[] = {
-        TEST(a_wake_at_work_ends_the_next_pause),
+        TEST(a_wake_during_work_ends_the_next_pause),
         TEST(a_pause_ends_by_itself),
         TEST(a_wake_does_not_end_a_sleep),
-        TEST(a_stop_ends_whatever_it_is),
-        cmocka_unit_test(a_stop_may_leave_a_thread_behind),
+        TEST(a_stop_ends_pauses_and_sleeps),
+        cmocka_unit_test(a_stop_can_abandon_a_thread),
     };
 #undef TEST
     return cmocka_run_group_tests(tests, NULL, NULL);

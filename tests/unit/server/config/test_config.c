@@ -15,7 +15,7 @@ static void forget(void)
     said = complained = NULL;
 }
 
-/* Loads from the arguments up to NULL, keeping what is printed. */
+/* Loads from the arguments up to NULL, and captures the output. */
 static enum server_config_outcome load(const char *first, ...)
 {
     char *argv[16] = {"geodesicd"};
@@ -102,7 +102,7 @@ static void names_the_nearest_flag(void **state)
     assert_int_equal(LOAD(name), SERVER_CONFIG_WRONG);
 }
 
-static void refuses_what_makes_no_sense(void **state)
+static void refuses_wrong_values(void **state)
 {
     (void)state;
     assert_wrong(LOAD("--workers"), "a value is missing");
@@ -147,7 +147,7 @@ static void listens_anywhere_with_keys(void **state)
                  "refusing to listen");
 }
 
-static void origins_have_a_scheme_and_a_host_and_nothing_else(void **state)
+static void origins_have_only_a_scheme_and_a_host(void **state)
 {
     (void)state;
     static const char *const wrong[] = {"*",
@@ -159,12 +159,23 @@ static void origins_have_a_scheme_and_a_host_and_nothing_else(void **state)
                                         "https://maps.example/",
                                         "https://user@maps.example"};
     for (size_t i = 0; i < COUNT(wrong); i++)
-        assert_wrong(LOAD("--cors-origin", wrong[i]), "is no origin");
+        assert_wrong(LOAD("--cors-origin", wrong[i]), "is not an origin");
     assert_int_equal(LOAD("--cors-origin", "https://a.example,http://localhost:3000",
                           "--cors-origin", "http://[::1]:80"),
                      SERVER_CONFIG_RUN);
     assert_int_equal(config.cors_origins.count, 3);
     assert_string_equal(config.cors_origins.name[1], "http://localhost:3000");
+}
+
+static void lists_two_frame_ancestors(void **state)
+{
+    (void)state;
+    assert_int_equal(LOAD("--frame-ancestors", "https://a.example,https://b.example"),
+                     SERVER_CONFIG_RUN);
+    assert_string_equal(config.frame_ancestors.name[1], "https://b.example");
+    assert_wrong(LOAD("--frame-ancestors", "https://a.example; script-src *"), "not an origin");
+    assert_wrong(LOAD("--frame-ancestors", "https://a.example,https://b.example,https://c.example"),
+                 "at most two");
 }
 
 static void prints_help_and_version(void **state)
@@ -201,7 +212,7 @@ static void flags_win_over_environment_over_file(void **state)
     assert_string_equal(config.allowed_hosts.name[1], "b.example");
 }
 
-static void a_file_is_complained_of_by_line(void **state)
+static void errors_of_a_file_name_the_line(void **state)
 {
     (void)state;
     char path[] = "geodesicd-test-XXXXXX";
@@ -223,13 +234,14 @@ int main(void)
         cmocka_unit_test(reads_flags_in_both_forms),
         cmocka_unit_test(reads_sizes),
         cmocka_unit_test(names_the_nearest_flag),
-        cmocka_unit_test(refuses_what_makes_no_sense),
+        cmocka_unit_test(refuses_wrong_values),
         cmocka_unit_test(listens_on_loopback_only),
         cmocka_unit_test(listens_anywhere_with_keys),
-        cmocka_unit_test(origins_have_a_scheme_and_a_host_and_nothing_else),
+        cmocka_unit_test(origins_have_only_a_scheme_and_a_host),
+        cmocka_unit_test(lists_two_frame_ancestors),
         cmocka_unit_test(prints_help_and_version),
         cmocka_unit_test(flags_win_over_environment_over_file),
-        cmocka_unit_test(a_file_is_complained_of_by_line),
+        cmocka_unit_test(errors_of_a_file_name_the_line),
     };
     int failures = cmocka_run_group_tests(tests, NULL, NULL);
     forget();

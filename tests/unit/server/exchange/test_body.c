@@ -2,7 +2,7 @@
 
 #include <zlib.h>
 
-#include "server/exchange/body.h"
+#include "server/exchange/exchange.h"
 #include "server/base/gzip.h"
 
 #define LIMIT 10000
@@ -27,7 +27,7 @@ static void append_all(size_t size)
     }
 }
 
-static void collects_what_arrives(void **state)
+static void collects_pieces(void **state)
 {
     (void)state;
     static const uint64_t declared[] = {9000, SERVER_BODY_CHUNKED};
@@ -38,14 +38,14 @@ static void collects_what_arrives(void **state)
         assert_int_equal(body.size, 9000);
         assert_int_equal(body.bytes[8999], 89);
         assert_int_equal(budget.total, body.capacity);
-        /* no more than was declared */
+        /* not more than declared */
         if (declared[i] == 9000) assert_int_equal(body.capacity, 9000);
         server_body_drop(&body);
         assert_int_equal(budget.total, 0);
     }
 }
 
-static void holds_memory_for_what_arrived_only(void **state)
+static void takes_memory_for_received_bytes_only(void **state)
 {
     (void)state;
     assert_true(prepare(1 << 20, LIMIT));
@@ -73,7 +73,7 @@ static size_t walk(void *user)
     return 0;
 }
 
-static void a_length_that_finds_room_is_cheap_to_accept(void **state)
+static void accepting_a_small_length_walks_no_meshes(void **state)
 {
     (void)state;
     server_budget_init(&budget, LIMIT);
@@ -109,7 +109,7 @@ static void remembers_that_chunks_passed_the_budget(void **state)
 
 /* --- packed bodies ---------------------------------------------------------------------------- */
 
-/* `size` bytes of one value, packed, for the caller to free. */
+/* Returns `size` equal bytes, compressed, for the caller to free. */
 static unsigned char *pack(size_t size, size_t *packed_size)
 {
     z_stream stream = {0};
@@ -127,8 +127,8 @@ static unsigned char *pack(size_t size, size_t *packed_size)
     return packed;
 }
 
-/* Sends a body of that size packed, in pieces; `cut` bytes of its end are left out. True: it was
- * taken. */
+/* Sends a compressed body of that size in pieces, without the last `cut` bytes. Returns whether it
+ * was accepted. */
 static bool send_packed(uint64_t limit, size_t size, size_t piece, size_t cut)
 {
     size_t packed_size;
@@ -145,7 +145,7 @@ static bool send_packed(uint64_t limit, size_t size, size_t piece, size_t cut)
     return server_body_check(&body, &problem);
 }
 
-static void unpacks_what_comes_packed(void **state)
+static void decompresses_gzip(void **state)
 {
     (void)state;
     static const size_t sizes[] = {0, 1, 16383, 16384, 16385, 32768, 1 << 20},
@@ -162,15 +162,15 @@ static void unpacks_what_comes_packed(void **state)
     }
 }
 
-static void refuses_what_unpacks_badly(void **state)
+static void refuses_damaged_gzip_and_bombs(void **state)
 {
     (void)state;
     assert_false(send_packed(1000, 1001, 100, 0));
     assert_int_equal(problem.code, PROTO_PROBLEM_TOO_LARGE);
     assert_int_equal(problem.limit, 1000);
-    assert_false(send_packed(1 << 30, 10 << 20, 100, 0)); /* a thousand times its size */
+    assert_false(send_packed(1 << 30, 10 << 20, 100, 0)); /* unpacks to a thousand times its size */
     assert_int_equal(problem.code, PROTO_PROBLEM_TOO_LARGE);
-    assert_non_null(strstr(problem.detail, "attack"));
+    assert_non_null(strstr(problem.detail, "100 times"));
     for (size_t cut = 1; cut < 20; cut++) {
         assert_false(send_packed(1000, 100, 100, cut));
         assert_int_equal(problem.code, PROTO_PROBLEM_INVALID_REQUEST);
@@ -179,7 +179,7 @@ static void refuses_what_unpacks_badly(void **state)
     assert_int_equal(budget.total, 0);
 }
 
-static void refuses_what_is_not_packed(void **state)
+static void refuses_bodies_that_are_not_gzip(void **state)
 {
     (void)state;
     static const char plain[] = "v 0 0 0";
@@ -191,8 +191,8 @@ static void refuses_what_is_not_packed(void **state)
     assert_int_equal(problem.code, PROTO_PROBLEM_INVALID_REQUEST);
 }
 
-/* Members one after the other are one body; rubbish behind them is none. */
-static void unpacks_several_members(void **state)
+/* Several members are one body; other bytes after them are refused. */
+static void decompresses_several_members(void **state)
 {
     (void)state;
     size_t size;
@@ -209,7 +209,7 @@ static void unpacks_several_members(void **state)
     free(packed);
 }
 
-static void finds_no_memory_to_unpack(void **state)
+static void decompression_needs_memory(void **state)
 {
     (void)state;
     assert_true(prepare(SERVER_INFLATE_BYTES - 1, SERVER_BODY_CHUNKED));
@@ -220,17 +220,17 @@ static void finds_no_memory_to_unpack(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(collects_what_arrives),
-        cmocka_unit_test(holds_memory_for_what_arrived_only),
+        cmocka_unit_test(collects_pieces),
+        cmocka_unit_test(takes_memory_for_received_bytes_only),
         cmocka_unit_test(refuses_a_length_before_it_is_sent),
-        cmocka_unit_test(a_length_that_finds_room_is_cheap_to_accept),
+        cmocka_unit_test(accepting_a_small_length_walks_no_meshes),
         cmocka_unit_test(remembers_that_chunks_passed_the_limit),
         cmocka_unit_test(remembers_that_chunks_passed_the_budget),
-        cmocka_unit_test(unpacks_what_comes_packed),
-        cmocka_unit_test(refuses_what_unpacks_badly),
-        cmocka_unit_test(refuses_what_is_not_packed),
-        cmocka_unit_test(unpacks_several_members),
-        cmocka_unit_test(finds_no_memory_to_unpack),
+        cmocka_unit_test(decompresses_gzip),
+        cmocka_unit_test(refuses_damaged_gzip_and_bombs),
+        cmocka_unit_test(refuses_bodies_that_are_not_gzip),
+        cmocka_unit_test(decompresses_several_members),
+        cmocka_unit_test(decompression_needs_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

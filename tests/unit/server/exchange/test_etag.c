@@ -17,7 +17,7 @@ static void if_match(void **state)
     assert_true(holds("\"x\", \"a\"", NULL, "a"));
     assert_true(holds("*", NULL, "a"));
     assert_false(holds("\"b\"", NULL, "a"));
-    assert_false(holds("a", NULL, "a")); /* a tag has quotes */
+    assert_false(holds("a", NULL, "a")); /* a tag must have quotes */
     assert_false(holds("\"aa\"", NULL, "a"));
     assert_false(holds("*", NULL, NULL));
     assert_false(holds("\"a\"", NULL, NULL));
@@ -40,7 +40,7 @@ static void weak_tags(void **state)
     assert_true(holds("W/\"a\", \"a\"", NULL, "a"));
     assert_false(holds(NULL, "W/\"a\"", "a"));
     assert_false(holds(NULL, "\"b\" ,W/\"a\"", "a"));
-    assert_true(holds(NULL, "w/\"a\"", "a")); /* the W is a capital */
+    assert_true(holds(NULL, "w/\"a\"", "a")); /* the W must be a capital */
 }
 
 static enum server_etag_form known(const char *list)
@@ -111,7 +111,7 @@ static void tags_of_forms(void **state)
     assert_string_equal(own, "a");
 }
 
-/* If-None-Match of a GET names one representation. */
+/* If-None-Match of a GET compares the tag of one representation. */
 static void a_form_is_known_by_its_own_tag(void **state)
 {
     (void)state;
@@ -124,7 +124,7 @@ static void a_form_is_known_by_its_own_tag(void **state)
         assert_int_equal(known_as(others[i], "a-csv.1"), SERVER_ETAG_NONE);
 }
 
-/* If-Match, and If-None-Match of changes, name the resource by any of its tags. */
+/* If-Match, and If-None-Match of changes, accept any tag of the resource. */
 static void every_form_names_the_resource(void **state)
 {
     (void)state;
@@ -136,7 +136,7 @@ static void every_form_names_the_resource(void **state)
                                          "\"-json.1\"",  "\"a-json.1.1\""};
     for (size_t i = 0; i < COUNT(names); i++) {
         assert_true(holds(names[i], NULL, "a"));
-        assert_true(holds(names[i], NULL, "a-csv.1")); /* the base of the tag counts */
+        assert_true(holds(names[i], NULL, "a-csv.1")); /* only the base of the tag counts */
         assert_false(holds(NULL, names[i], "a"));
     }
     for (size_t i = 0; i < COUNT(others); i++) {

@@ -5,7 +5,7 @@
 
 #define SECOND UINT64_C(1000000000)
 
-/* A source that counts, and a reader that remembers what was asked of it. */
+/* A source with a counter, and a reader that records its calls. */
 static struct {
     uint64_t version;
     bool is_last, is_content;
@@ -30,7 +30,7 @@ static bool tell(void *user, struct proto_writer *writer)
     return !source.is_last;
 }
 
-/* Content: "news N" for each version that was not read; in the end, as a relay. */
+/* Content of a source: "news N" for each unread version; at the end, as a relay. */
 static ptrdiff_t read_content(void *user, char *bytes, size_t size)
 {
     (void)user;
@@ -84,7 +84,7 @@ static int tear_down(void **state)
 static struct server_stream *open_stream(void)
 {
     const struct server_event_source told = {.version = version,
-                                             .tell = tell,
+                                             .write = tell,
                                              .read = source.is_content ? read_content : NULL,
                                              .release = release,
                                              .user = &source};
@@ -116,7 +116,7 @@ static void assert_ended(struct server_stream *stream)
     assert_int_equal(server_stream_read(stream, &byte, 1), -1);
 }
 
-static void tells_how_things_stand_and_then_waits(void **state)
+static void sends_the_present_state_and_then_waits(void **state)
 {
     (void)state;
     struct server_stream *stream = open_stream();
@@ -140,7 +140,7 @@ static void a_message_is_read_in_pieces_of_any_size(void **state)
     server_stream_close(stream);
 }
 
-static void what_is_woken_is_told_at_once_and_others_are_left_alone(void **state)
+static void a_wake_resumes_only_its_own_streams(void **state)
 {
     (void)state;
     struct server_stream *stream = open_stream();
@@ -156,7 +156,7 @@ static void what_is_woken_is_told_at_once_and_others_are_left_alone(void **state
     server_stream_close(stream);
 }
 
-static void progress_is_told_ten_times_a_second_at_most(void **state)
+static void progress_is_sent_at_most_ten_times_a_second(void **state)
 {
     (void)state;
     struct server_stream *stream = open_stream();
@@ -170,7 +170,7 @@ static void progress_is_told_ten_times_a_second_at_most(void **state)
     server_stream_close(stream);
 }
 
-static void silence_is_broken(void **state)
+static void heartbeats_break_the_silence(void **state)
 {
     (void)state;
     struct server_stream *stream = open_stream();
@@ -208,7 +208,7 @@ static void a_client_that_hung_up_ends_its_stream(void **state)
     server_stream_close(stream);
 }
 
-static void all_end(void **state)
+static void the_end_ends_all_streams(void **state)
 {
     (void)state;
     struct server_stream *paused = open_stream();
@@ -224,7 +224,7 @@ static void all_end(void **state)
     server_stream_close(late);
 }
 
-static void content_is_told_at_once_and_nothing_else(void **state)
+static void content_is_sent_only_when_woken(void **state)
 {
     (void)state;
     source.is_content = true;
@@ -245,7 +245,7 @@ static void content_is_told_at_once_and_nothing_else(void **state)
     server_stream_close(stream);
 }
 
-static void content_that_is_cut_says_so(void **state)
+static void cut_content_ends_with_an_error(void **state)
 {
     (void)state;
     char byte;
@@ -259,7 +259,7 @@ static void content_that_is_cut_says_so(void **state)
     server_stream_close(stream);
 }
 
-static void many_come_and_go(void **state)
+static void many_streams_open_and_close(void **state)
 {
     (void)state;
     struct server_stream *streams[5];
@@ -267,7 +267,7 @@ static void many_come_and_go(void **state)
     static const int order[] = {2, 0, 4, 1, 3};
     for (int i = 0; i < 5; i++) {
         server_stream_close(streams[order[i]]);
-        server_events_wake(events, &source); /* walks over those that are left */
+        server_events_wake(events, &source); /* visits the remaining streams */
     }
     assert_int_equal(source.released, 5);
 }
@@ -276,17 +276,17 @@ int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
     const struct CMUnitTest tests[] = {
-        TEST(tells_how_things_stand_and_then_waits),
+        TEST(sends_the_present_state_and_then_waits),
         TEST(a_message_is_read_in_pieces_of_any_size),
-        TEST(what_is_woken_is_told_at_once_and_others_are_left_alone),
-        TEST(progress_is_told_ten_times_a_second_at_most),
-        TEST(silence_is_broken),
+        TEST(a_wake_resumes_only_its_own_streams),
+        TEST(progress_is_sent_at_most_ten_times_a_second),
+        TEST(heartbeats_break_the_silence),
         TEST(the_last_message_ends_the_stream),
         TEST(a_client_that_hung_up_ends_its_stream),
-        TEST(all_end),
-        TEST(content_is_told_at_once_and_nothing_else),
-        TEST(content_that_is_cut_says_so),
-        TEST(many_come_and_go),
+        TEST(the_end_ends_all_streams),
+        TEST(content_is_sent_only_when_woken),
+        TEST(cut_content_ends_with_an_error),
+        TEST(many_streams_open_and_close),
     };
 #undef TEST
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -13,7 +13,7 @@ static bool prefers(const char *first, const char *second)
     return is_preferred;
 }
 
-static void finds_it_in_any_list(void **state)
+static void finds_the_preference_in_any_list(void **state)
 {
     (void)state;
     static const char *const lists[] = {"respond-async",
@@ -32,7 +32,7 @@ static void finds_it_in_any_list(void **state)
     }
 }
 
-static void finds_nothing_else(void **state)
+static void ignores_other_preferences(void **state)
 {
     (void)state;
     static const char *const lists[] = {"",
@@ -53,8 +53,8 @@ static void finds_nothing_else(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(finds_it_in_any_list),
-        cmocka_unit_test(finds_nothing_else),
+        cmocka_unit_test(finds_the_preference_in_any_list),
+        cmocka_unit_test(ignores_other_preferences),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

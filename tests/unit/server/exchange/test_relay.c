@@ -50,7 +50,7 @@ static void write_blocks(char byte, size_t count)
     for (size_t i = 0; i < count; i++) server_relay_write(relay, block, sizeof block);
 }
 
-/* Reads that many bytes, all of them the same. */
+/* Reads `size` bytes; asserts that all are `expected`. */
 static void assert_reads(char expected, size_t size)
 {
     char bytes[4096];
@@ -69,7 +69,7 @@ static void assert_ends(ptrdiff_t how)
     assert_int_equal(server_stream_read(stream, &byte, 1), how);
 }
 
-static void brings_all_in_order_and_ends(void **state)
+static void passes_all_bytes_in_order_and_ends(void **state)
 {
     (void)state;
     write_blocks('a', 3);
@@ -81,7 +81,7 @@ static void brings_all_in_order_and_ends(void **state)
     assert_ends(SERVER_STREAM_END);
 }
 
-static void tells_of_a_cut(void **state)
+static void reports_a_cut(void **state)
 {
     (void)state;
     write_blocks('a', 1);
@@ -110,7 +110,7 @@ static void a_writer_that_is_far_ahead_waits_until_half_is_read(void **state)
     assert_ends(SERVER_STREAM_END);
 }
 
-static void who_waits_is_told_that_the_client_has_left(void **state)
+static void a_parked_writer_resumes_when_the_client_leaves(void **state)
 {
     (void)state;
     struct test_job job;
@@ -123,11 +123,11 @@ static void who_waits_is_told_that_the_client_has_left(void **state)
     sem_wait(&job.done);
     assert_true(server_relay_is_over(relay));
     assert_false(server_relay_wait(relay, &job.job));
-    write_blocks('a', 1); /* into nothing */
+    write_blocks('a', 1); /* no reader is left */
     server_relay_end(relay, true);
 }
 
-static void at_the_daemons_end_nobody_waits(void **state)
+static void no_writer_waits_when_the_daemon_ends(void **state)
 {
     (void)state;
     struct test_job job;
@@ -207,11 +207,11 @@ int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
     const struct CMUnitTest tests[] = {
-        TEST(brings_all_in_order_and_ends),
-        TEST(tells_of_a_cut),
+        TEST(passes_all_bytes_in_order_and_ends),
+        TEST(reports_a_cut),
         TEST(a_writer_that_is_far_ahead_waits_until_half_is_read),
-        TEST(who_waits_is_told_that_the_client_has_left),
-        TEST(at_the_daemons_end_nobody_waits),
+        TEST(a_parked_writer_resumes_when_the_client_leaves),
+        TEST(no_writer_waits_when_the_daemon_ends),
         TEST(a_writer_blocks_until_its_client_reads),
         TEST(a_blocked_writer_ends_when_its_client_leaves),
         TEST(a_blocked_writer_ends_with_the_daemon),

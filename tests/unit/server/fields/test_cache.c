@@ -14,7 +14,7 @@ static struct server_pending_build *enter(struct fixture *fixture, uint32_t vert
     return build;
 }
 
-/* Builds the field of a vertex and lands it; returns its pin. */
+/* Builds and publishes the field of a vertex; returns it pinned. */
 static const struct server_cached *land(struct fixture *fixture, struct server_pending_build *build,
                                         uint32_t vertex)
 {
@@ -32,20 +32,20 @@ static void add(struct fixture *fixture, uint32_t vertex)
     server_cache_unpin(land(fixture, enter(fixture, vertex), vertex));
 }
 
-#define DEAR 1e15 /* nanoseconds that no field here takes: priorities may only grow */
+/* build time, in nanoseconds, above that of all fields here: priorities may only grow */
+#define DEAR 1e15
 
-/* What a field took to build is the clock's word, and the machine's. Fields that are added by this
- * took the same. */
+/* Adds a field with a fixed build time, since real times vary. */
 static void add_dear(struct fixture *fixture, uint32_t vertex)
 {
     const struct server_cached *cached = land(fixture, enter(fixture, vertex), vertex);
     ((struct server_cached *)cached)->cost = DEAR;
     server_cache_unpin(cached);
-    /* its place in the order is that of a dear one from this use on */
+    /* from this use on it has the priority of an expensive field */
     server_cache_unpin(find(fixture, vertex));
 }
 
-static void finds_what_has_landed(void **state)
+static void finds_published_fields(void **state)
 {
     struct fixture *fixture = *state;
     for (uint32_t vertex = 0; vertex < 40; vertex++) {
@@ -65,7 +65,7 @@ static void finds_what_has_landed(void **state)
     assert_int_equal(server_cache_statistics(fixture->cache).misses, 40);
 }
 
-static void shelves_do_not_share(void **state)
+static void mesh_caches_do_not_share_fields(void **state)
 {
     struct fixture *fixture = *state;
     struct server_mesh_cache *other = server_mesh_cache_open(fixture->cache);
@@ -77,7 +77,7 @@ static void shelves_do_not_share(void **state)
     assert_true(has(fixture, 3));
 }
 
-static void one_builds_and_the_others_wait(void **state)
+static void one_job_builds_and_the_others_wait(void **state)
 {
     struct fixture *fixture = *state;
     struct gd_point source = vertex_point(fixture->mesh, 7);
@@ -100,7 +100,7 @@ static void one_builds_and_the_others_wait(void **state)
     assert_int_equal(server_cache_statistics(fixture->cache).waits, 3);
 }
 
-static void few_questions_are_not_worth_a_field(void **state)
+static void a_field_is_built_after_enough_queries(void **state)
 {
     struct fixture *fixture = *state;
     struct gd_point source = vertex_point(fixture->mesh, 7);
@@ -118,13 +118,47 @@ static void few_questions_are_not_worth_a_field(void **state)
     assert_int_equal(server_cache_enter(fixture->fields, &source, &job.job, &build),
                      SERVER_CACHE_BUILD);
     server_cache_unpin(land(fixture, build, 7));
-    reclaim(fixture, AMPLE); /* an evicted field has to be earned again */
+    reclaim(fixture, AMPLE); /* an evicted field needs new queries before a build */
     assert_int_equal(server_cache_enter(fixture->fields, &source, &job.job, &build),
                      SERVER_CACHE_SEARCH);
     assert_int_equal(server_cache_statistics(fixture->cache).builds, 2);
 }
 
-static void what_came_meanwhile_is_looked_at_again(void **state)
+/* Returns how many queries of vertex 7 are searched before one of them builds the field. */
+static int count_searches(struct fixture *fixture, struct server_pending_build **build)
+{
+    struct gd_point source = vertex_point(fixture->mesh, 7);
+    struct test_job job;
+    test_job_init(&job, NULL);
+    for (int count = 0;; count++) {
+        enum server_cache_turn turn = server_cache_enter(fixture->fields, &source, &job.job, build);
+        if (turn == SERVER_CACHE_BUILD) return count;
+        assert_int_equal(turn, SERVER_CACHE_SEARCH);
+        server_cache_note(fixture->fields, &source);
+    }
+}
+
+static void an_abandoned_build_doubles_the_searches(void **state)
+{
+    struct fixture *fixture = *state;
+    struct server_pending_build *build = NULL;
+    for (int expected = SERVER_CACHE_SEARCHES; expected <= 8 * SERVER_CACHE_SEARCHES;
+         expected *= 2) {
+        assert_int_equal(count_searches(fixture, &build), expected);
+        server_cache_abandon(build);
+    }
+    assert_int_equal(count_searches(fixture, &build), 16 * SERVER_CACHE_SEARCHES);
+    server_cache_unpin(land(fixture, build, 7));
+    reclaim(fixture, AMPLE);
+    assert_int_equal(count_searches(fixture, &build), SERVER_CACHE_SEARCHES);
+    server_cache_fail(build, GD_BUDGET);
+    assert_int_equal(count_searches(fixture, &build), 2 * SERVER_CACHE_SEARCHES);
+    server_cache_fail(build, GD_CANCELLED);
+    assert_int_equal(count_searches(fixture, &build), 0);
+    server_cache_fail(build, GD_CANCELLED);
+}
+
+static void a_field_published_meanwhile_is_found(void **state)
 {
     struct fixture *fixture = *state;
     struct gd_point source = vertex_point(fixture->mesh, 7);
@@ -137,7 +171,7 @@ static void what_came_meanwhile_is_looked_at_again(void **state)
     assert_null(build);
 }
 
-/* Enters as one who has to wait. */
+/* Enters as a request that must wait. */
 static void wait_for(struct fixture *fixture, const struct gd_point *source, struct test_job *job)
 {
     struct server_pending_build *none = NULL;
@@ -145,7 +179,7 @@ static void wait_for(struct fixture *fixture, const struct gd_point *source, str
                      SERVER_CACHE_WAIT);
 }
 
-static void who_waits_for_one_that_gave_up_looks_again(void **state)
+static void jobs_retry_after_a_cancelled_build(void **state)
 {
     struct fixture *fixture = *state;
     struct gd_point source = vertex_point(fixture->mesh, 7);
@@ -161,7 +195,7 @@ static void who_waits_for_one_that_gave_up_looks_again(void **state)
     server_cache_unpin(land(fixture, build, 7));
 }
 
-static void who_waits_for_one_that_failed_does_without(void **state)
+static void jobs_search_after_a_failed_build(void **state)
 {
     struct fixture *fixture = *state;
     struct gd_point source = vertex_point(fixture->mesh, 7);
@@ -176,7 +210,7 @@ static void who_waits_for_one_that_failed_does_without(void **state)
                      SERVER_CACHE_SEARCH);
 }
 
-static void who_waits_has_a_deadline(void **state)
+static void waiting_jobs_have_deadlines(void **state)
 {
     struct fixture *fixture = *state;
     struct gd_point source = vertex_point(fixture->mesh, 7);
@@ -196,7 +230,7 @@ static void who_waits_has_a_deadline(void **state)
     assert_int_equal(late.runs, 1);
 }
 
-static void closing_ends_the_fields_but_not_the_pins(void **state)
+static void closing_removes_fields_but_keeps_pins(void **state)
 {
     struct fixture *fixture = *state;
     add(fixture, 1);
@@ -208,19 +242,19 @@ static void closing_ends_the_fields_but_not_the_pins(void **state)
     assert_int_equal(server_mesh_cache_count(fixture->fields), 0);
     assert_in_range(fixture->budget.used[SERVER_BUDGET_FIELDS], gd_field_memsize(pinned->field),
                     gd_field_memsize(pinned->field) + 512);
-    server_cache_unpin(land(fixture, build, 3)); /* lands, and is gone with its pin */
+    server_cache_unpin(land(fixture, build, 3)); /* published, and freed with its pin */
     assert_false(has(fixture, 3));
     server_cache_unpin(pinned);
     assert_int_equal(fixture->budget.used[SERVER_BUDGET_FIELDS], 0);
 }
 
-/* Shrinks the budget to what is held now, so that one more byte has to be reclaimed. */
+/* Shrinks the budget to the bytes held now, so that one more byte must be reclaimed. */
 static void fill_up(struct fixture *fixture)
 {
     fixture->budget.limit = fixture->budget.total;
 }
 
-static void evicts_what_is_least_used(void **state)
+static void evicts_the_least_used_field(void **state)
 {
     struct fixture *fixture = *state;
     for (uint32_t vertex = 0; vertex < 8; vertex++) add_dear(fixture, vertex);
@@ -234,14 +268,14 @@ static void evicts_what_is_least_used(void **state)
     assert_false(has(fixture, 5));
 }
 
-static void what_was_used_long_ago_goes_too(void **state)
+static void evicts_fields_used_long_ago(void **state)
 {
     struct fixture *fixture = *state;
     add_dear(fixture, 0);
     for (int use = 0; use < 20; use++) assert_true(has(fixture, 0));
     for (uint32_t vertex = 1; vertex < 160; vertex++) {
         add_dear(fixture, vertex);
-        fill_up(fixture); /* room for one only */
+        fill_up(fixture); /* room for one field only */
         assert_true(server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, 1));
         server_budget_give(&fixture->budget, SERVER_BUDGET_FLIGHT, 1);
         fixture->budget.limit = AMPLE;
@@ -250,7 +284,7 @@ static void what_was_used_long_ago_goes_too(void **state)
     assert_false(has(fixture, 0));
 }
 
-static void what_is_pinned_stays(void **state)
+static void pinned_fields_are_not_evicted(void **state)
 {
     struct fixture *fixture = *state;
     add(fixture, 0);
@@ -269,7 +303,7 @@ static void what_is_pinned_stays(void **state)
 
 /* --- fields of sets --------------------------------------------------------------------------- */
 
-static void sets_are_told_apart(void **state)
+static void fields_of_different_sets_differ(void **state)
 {
     struct fixture *fixture = *state;
     struct set plain, moved, turned;
@@ -292,7 +326,7 @@ static void sets_are_told_apart(void **state)
     assert_true(has_set(fixture, &plain.request));
 }
 
-static void the_field_of_one_point_is_that_of_pairs(void **state)
+static void pairs_share_the_field_of_a_single_point(void **state)
 {
     struct fixture *fixture = *state;
     struct set set;
@@ -305,15 +339,15 @@ static void the_field_of_one_point_is_that_of_pairs(void **state)
     near.seeds[0] = near.seeds[1];
     publish_set(fixture, claim(fixture, &near.request), &near.request);
     assert_true(has_set(fixture, &near.request));
-    assert_false(has(fixture, 8)); /* pairs want the whole */
+    assert_false(has(fixture, 8)); /* pairs need the whole field */
     const struct server_cached **points = server_mesh_cache_pin_points(fixture->fields, &count);
-    assert_int_equal(count, 1); /* without the one that is not whole */
+    assert_int_equal(count, 1); /* without the incomplete field */
     assert_false(isfinite(gd_field_reach(points[0]->field)));
     server_cache_unpin(points[0]);
     free(points);
 }
 
-static void who_claims_what_has_just_failed_is_told(void **state)
+static void a_claim_after_a_failure_returns_its_error(void **state)
 {
     struct fixture *fixture = *state;
     struct set set, other;
@@ -330,7 +364,8 @@ static void who_claims_what_has_just_failed_is_told(void **state)
                      SERVER_CACHE_SEARCH);
     assert_int_equal(why, GD_BUDGET);
     build = claim(fixture, make_set(fixture, &other, 1, 0));
-    server_cache_fail(build, GD_DEADLINE); /* its builder's own: the next one may do better */
+    /* the builder's own deadline: the next builder may succeed */
+    server_cache_fail(build, GD_DEADLINE);
     publish_set(fixture, claim(fixture, &other.request), &other.request);
 }
 
@@ -339,7 +374,7 @@ struct reader {
     uint32_t seed;
 };
 
-/* Asks for random sources, builds what is missing, takes memory away meanwhile. */
+/* Queries random sources, builds missing fields, and takes memory meanwhile. */
 static void *read_and_build(void *user)
 {
     struct reader *reader = user;
@@ -387,21 +422,22 @@ int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
     const struct CMUnitTest tests[] = {
-        TEST(finds_what_has_landed),
-        TEST(shelves_do_not_share),
-        TEST(one_builds_and_the_others_wait),
-        TEST(what_came_meanwhile_is_looked_at_again),
-        TEST(few_questions_are_not_worth_a_field),
-        TEST(who_waits_for_one_that_gave_up_looks_again),
-        TEST(who_waits_for_one_that_failed_does_without),
-        TEST(who_waits_has_a_deadline),
-        TEST(closing_ends_the_fields_but_not_the_pins),
-        TEST(evicts_what_is_least_used),
-        TEST(what_was_used_long_ago_goes_too),
-        TEST(what_is_pinned_stays),
-        TEST(sets_are_told_apart),
-        TEST(the_field_of_one_point_is_that_of_pairs),
-        TEST(who_claims_what_has_just_failed_is_told),
+        TEST(finds_published_fields),
+        TEST(mesh_caches_do_not_share_fields),
+        TEST(one_job_builds_and_the_others_wait),
+        TEST(an_abandoned_build_doubles_the_searches),
+        TEST(a_field_published_meanwhile_is_found),
+        TEST(a_field_is_built_after_enough_queries),
+        TEST(jobs_retry_after_a_cancelled_build),
+        TEST(jobs_search_after_a_failed_build),
+        TEST(waiting_jobs_have_deadlines),
+        TEST(closing_removes_fields_but_keeps_pins),
+        TEST(evicts_the_least_used_field),
+        TEST(evicts_fields_used_long_ago),
+        TEST(pinned_fields_are_not_evicted),
+        TEST(fields_of_different_sets_differ),
+        TEST(pairs_share_the_field_of_a_single_point),
+        TEST(a_claim_after_a_failure_returns_its_error),
         TEST(many_threads_at_once),
     };
 #undef TEST

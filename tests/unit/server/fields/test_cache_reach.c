@@ -1,5 +1,5 @@
-/* Fields of the same seeds and different reaches in the cache: which answers, which waits, which
- * takes whose place. */
+/* Fields of equal seeds and different reaches in the cache: which field answers, which request
+ * waits, and which field replaces another. */
 #include "tests/unit/server/cached_fields.h"
 
 #include <math.h>
@@ -21,7 +21,7 @@ static void land_radius(struct fixture *fixture, double radius)
     publish_set(fixture, claim(fixture, &set.request), &set.request);
 }
 
-static void the_farthest_answers_for_the_nearer(void **state)
+static void the_field_of_largest_reach_answers_all(void **state)
 {
     struct fixture *fixture = *state;
     land_radius(fixture, 0.5);
@@ -39,7 +39,7 @@ static void the_farthest_answers_for_the_nearer(void **state)
     assert_int_equal(server_cache_statistics(fixture->cache).fields, 1);
 }
 
-static void a_pinned_one_outlives_its_successor(void **state)
+static void a_pinned_field_outlives_its_successor(void **state)
 {
     struct fixture *fixture = *state;
     struct set set;
@@ -56,7 +56,7 @@ static void a_pinned_one_outlives_its_successor(void **state)
     assert_int_equal(fixture->budget.used[SERVER_BUDGET_FIELDS], 0);
 }
 
-static void a_flight_finds_what_it_can_be_resumed_from(void **state)
+static void a_build_finds_a_field_to_resume_from(void **state)
 {
     struct fixture *fixture = *state;
     struct set set;
@@ -77,9 +77,9 @@ static void a_flight_finds_what_it_can_be_resumed_from(void **state)
     assert_int_equal(server_cache_statistics(fixture->cache).builds, 2);
 }
 
-/* Who wants more waits for what is on its way; who wants less does not; what lands late and is no
- * news is not kept. */
-static void flights_of_the_same_seeds(void **state)
+/* A request of larger reach waits for the pending build; one of smaller reach does not. A field
+ * that is published late and reaches no farther than the cached one is dropped. */
+static void builds_of_the_same_seeds(void **state)
 {
     struct fixture *fixture = *state;
     struct set near, middle, far;
@@ -108,8 +108,8 @@ static void flights_of_the_same_seeds(void **state)
     server_cache_fail(resumed, GD_CANCELLED);
 }
 
-/* What failed for a radius fails for a greater one, but need not for a smaller one. */
-static void failures_are_of_a_reach(void **state)
+/* A failure for a radius also holds for larger radii, but not for smaller ones. */
+static void failures_hold_for_larger_reaches(void **state)
 {
     struct fixture *fixture = *state;
     struct set near, middle, far, whole;
@@ -128,7 +128,7 @@ static void failures_are_of_a_reach(void **state)
     publish_set(fixture, claim(fixture, make_set(fixture, &near, 0, 0.25)), &near.request);
 }
 
-static void what_is_dropped_is_what_was_asked_for(void **state)
+static void drop_removes_exactly_this_reach(void **state)
 {
     struct fixture *fixture = *state;
     struct set set;
@@ -139,8 +139,8 @@ static void what_is_dropped_is_what_was_asked_for(void **state)
     assert_true(reach_found(fixture, 0.5) == 0);
 }
 
-/* A field that is no whole one does not use up what was counted for pairs. */
-static void a_near_field_leaves_the_count_of_questions(void **state)
+/* A field with a radius does not reset the count of queries for pairs. */
+static void a_near_field_keeps_the_count_of_queries(void **state)
 {
     struct fixture *fixture = *state;
     struct gd_point source = vertex_point(fixture->mesh, 3);
@@ -160,13 +160,10 @@ int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
     const struct CMUnitTest tests[] = {
-        TEST(the_farthest_answers_for_the_nearer),
-        TEST(a_pinned_one_outlives_its_successor),
-        TEST(a_flight_finds_what_it_can_be_resumed_from),
-        TEST(flights_of_the_same_seeds),
-        TEST(failures_are_of_a_reach),
-        TEST(what_is_dropped_is_what_was_asked_for),
-        TEST(a_near_field_leaves_the_count_of_questions),
+        TEST(the_field_of_largest_reach_answers_all),  TEST(a_pinned_field_outlives_its_successor),
+        TEST(a_build_finds_a_field_to_resume_from),    TEST(builds_of_the_same_seeds),
+        TEST(failures_hold_for_larger_reaches),        TEST(drop_removes_exactly_this_reach),
+        TEST(a_near_field_keeps_the_count_of_queries),
     };
 #undef TEST
     return cmocka_run_group_tests(tests, NULL, NULL);

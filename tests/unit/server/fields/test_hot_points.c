@@ -2,7 +2,7 @@
 
 #include "server/fields/hot_points.h"
 
-static void counts_what_comes_again(void **state)
+static void counts_repeated_points(void **state)
 {
     (void)state;
     struct server_hot_points hot_points = {0};
@@ -19,8 +19,8 @@ static void counts_what_comes_again(void **state)
     assert_int_equal(server_hot_points_count(&hot_points, 8), 13);
 }
 
-/* A hash of 0 is one like any other. */
-static void zero_is_no_special_hash(void **state)
+/* A hash of 0 is valid. */
+static void a_hash_of_zero_is_valid(void **state)
 {
     (void)state;
     struct server_hot_points hot_points = {0};
@@ -29,7 +29,7 @@ static void zero_is_no_special_hash(void **state)
     assert_int_equal(server_hot_points_count(&hot_points, 0), 1);
 }
 
-static void a_crowd_leaves_nothing_behind(void **state)
+static void distinct_points_get_no_counters(void **state)
 {
     (void)state;
     struct server_hot_points hot_points = {0};
@@ -39,8 +39,8 @@ static void a_crowd_leaves_nothing_behind(void **state)
     }
 }
 
-/* One question in ten is about the same point, the others come from everywhere. */
-static void finds_the_one_in_a_crowd(void **state)
+/* One query in ten is of the same point, the others are of random points. */
+static void finds_a_frequent_point_among_many(void **state)
 {
     (void)state;
     struct server_hot_points hot_points = {0};
@@ -49,8 +49,8 @@ static void finds_the_one_in_a_crowd(void **state)
                     200 - 2000 / (SERVER_HOT_POINTS + 1), 200);
 }
 
-/* What was asked for long ago makes room for what is asked for now. */
-static void forgets_in_the_end(void **state)
+/* Old points make room for new ones. */
+static void forgets_old_points(void **state)
 {
     (void)state;
     struct server_hot_points hot_points = {0};
@@ -63,11 +63,11 @@ static void forgets_in_the_end(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(counts_what_comes_again),
-        cmocka_unit_test(zero_is_no_special_hash),
-        cmocka_unit_test(a_crowd_leaves_nothing_behind),
-        cmocka_unit_test(finds_the_one_in_a_crowd),
-        cmocka_unit_test(forgets_in_the_end),
+        cmocka_unit_test(counts_repeated_points),
+        cmocka_unit_test(a_hash_of_zero_is_valid),
+        cmocka_unit_test(distinct_points_get_no_counters),
+        cmocka_unit_test(finds_a_frequent_point_among_many),
+        cmocka_unit_test(forgets_old_points),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

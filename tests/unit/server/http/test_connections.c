@@ -13,7 +13,7 @@
 
 static struct server_connections *connections;
 static struct server_connection *connection;
-static int ends[2]; /* ours, the client's */
+static int ends[2]; /* the daemon's end, the client's end */
 
 static int set_up(void **state)
 {
@@ -21,6 +21,8 @@ static int set_up(void **state)
     connections = server_connections_create(NULL);
     if (!connections || socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, ends) != 0) return -1;
     connection = server_connection_open(connections, ends[0], NULL);
+    /* The first connection wakes the watching thread, which then sleeps for a second. */
+    usleep(20000);
     return connection ? 0 : -1;
 }
 
@@ -35,7 +37,8 @@ static int tear_down(void **state)
     return 0;
 }
 
-/* Was the connection cut by now, or will it be after so many seconds? It is not cut twice. */
+/* Advances the clock, and returns whether the connection was cut by then. Asserts that it is cut
+ * only once. */
 static bool is_cut_after(uint64_t seconds)
 {
     uint64_t before = server_connections_statistics(connections).cut;
@@ -43,7 +46,7 @@ static bool is_cut_after(uint64_t seconds)
     return server_connections_statistics(connections).cut > before;
 }
 
-/* Is the connection closed by now, or will it be after so many seconds? */
+/* Advances the clock, and returns whether the connection was closed by then. */
 static bool is_closed_after(uint64_t seconds)
 {
     char byte;
@@ -51,7 +54,7 @@ static bool is_closed_after(uint64_t seconds)
     return recvfrom(ends[1], &byte, 1, MSG_PEEK | MSG_DONTWAIT, NULL, NULL) == 0;
 }
 
-/* Reads as the library does: "" at the end, or while nothing has come. */
+/* Reads as the library does; returns "" at the end, or if there is no data. */
 static const char *receive(void)
 {
     static char bytes[256];
@@ -63,16 +66,16 @@ static const char *receive(void)
 
 /* --- ends ------------------------------------------------------------------------------------- */
 
-/* Is there news of the socket since it was asked last, as the library asks? */
+/* Returns whether epoll reports an event since the last call. */
 static bool has_news(int epoll)
 {
     struct epoll_event event;
     return epoll_wait(epoll, &event, 1, 0) == 1;
 }
 
-/* The library reads until less comes than it has room for, and waits for the next event: an end
- * that had come by then is not one. */
-static void an_end_that_came_with_the_last_bytes_is_told_again(void **state)
+/* The library reads until a read is short, and then waits for the next event. An end that has
+ * arrived by then causes no new event. */
+static void an_end_with_the_last_bytes_is_detected(void **state)
 {
     (void)state;
     int epoll = epoll_create1(0);
@@ -83,7 +86,7 @@ static void an_end_that_came_with_the_last_bytes_is_told_again(void **state)
     server_connections_check(connections, gd_now_ns());
     assert_true(has_news(epoll));
     assert_string_equal(receive(), "GET /");
-    server_connections_check(connections, gd_now_ns()); /* the client is still there */
+    server_connections_check(connections, gd_now_ns()); /* the client is still connected */
     assert_false(has_news(epoll));
     assert_int_equal(send(ends[1], " HT", 3, 0), 3);
     shutdown(ends[1], SHUT_WR);
@@ -92,7 +95,7 @@ static void an_end_that_came_with_the_last_bytes_is_told_again(void **state)
     assert_false(has_news(epoll));
     server_connections_check(connections, gd_now_ns());
     assert_true(has_news(epoll));
-    assert_int_equal(send(ends[0], "answer", 6, MSG_NOSIGNAL), 6); /* the other way is open */
+    assert_int_equal(send(ends[0], "answer", 6, MSG_NOSIGNAL), 6); /* the other direction is open */
     assert_string_equal(receive(), "");
     assert_int_equal(errno, 0);
     close(epoll);
@@ -100,12 +103,13 @@ static void an_end_that_came_with_the_last_bytes_is_told_again(void **state)
 
 /* --- deadlines -------------------------------------------------------------------------------- */
 
-static void a_first_head_has_its_time(void **state)
+static void a_first_head_has_a_deadline(void **state)
 {
     (void)state;
     assert_false(is_cut_after(29));
     server_connection_ask(connection,
-                          gd_now_ns() + 20 * SECOND); /* its request line is no new beginning */
+                          /* the request line does not restart the deadline */
+                          gd_now_ns() + 20 * SECOND);
     assert_true(is_cut_after(31));
     assert_int_equal(send(ends[1], "x", 1, MSG_NOSIGNAL), -1);
     assert_false(is_cut_after(100));
@@ -124,7 +128,7 @@ static void a_request_is_under_way_until_its_answer_has_ended(void **state)
     assert_int_equal(server_connections_active(connections), 0);
 }
 
-static void a_later_head_has_its_time_from_its_request_line_on(void **state)
+static void a_later_head_has_a_deadline_from_its_request_line(void **state)
 {
     (void)state;
     server_connection_head(connection, false, gd_now_ns());
@@ -137,7 +141,7 @@ static void a_later_head_has_its_time_from_its_request_line_on(void **state)
     assert_true(is_cut_after(51));
 }
 
-static void a_body_has_time_for_what_has_come(void **state)
+static void a_steady_body_extends_its_deadline(void **state)
 {
     uint64_t now_ns = gd_now_ns();
     (void)state;
@@ -150,7 +154,7 @@ static void a_body_has_time_for_what_has_come(void **state)
     assert_true(is_cut_after(60)); /* 30 s without a byte, though it was fast before */
 }
 
-static void a_body_that_trickles_is_cut(void **state)
+static void a_slow_body_is_cut(void **state)
 {
     uint64_t now_ns = gd_now_ns();
     (void)state;
@@ -160,7 +164,7 @@ static void a_body_that_trickles_is_cut(void **state)
     assert_true(is_cut_after(31));
 }
 
-static void work_has_no_deadline_here(void **state)
+static void work_has_no_deadline(void **state)
 {
     (void)state;
     server_connection_head(connection, true, gd_now_ns());
@@ -178,11 +182,11 @@ static void idle_connections_are_closed(void **state)
         server_connection_end(connection);
         assert_false(is_closed_after(29));
     }
-    assert_false(is_cut_after(31)); /* no incident */
+    assert_false(is_cut_after(31)); /* not counted as a cut */
     assert_true(is_closed_after(31));
 }
 
-static void an_answer_has_time_for_its_size(void **state)
+static void a_large_answer_has_more_time(void **state)
 {
     (void)state;
     server_connection_head(connection, false, gd_now_ns());
@@ -191,7 +195,7 @@ static void an_answer_has_time_for_its_size(void **state)
     assert_true(is_cut_after(131));
 }
 
-static void a_stream_has_no_end(void **state)
+static void a_stream_has_no_deadline(void **state)
 {
     (void)state;
     server_connection_head(connection, false, gd_now_ns());
@@ -234,7 +238,7 @@ static void leave(struct tcp *tcp)
     close(tcp->client);
 }
 
-/* As the library does, writes what there is room for. */
+/* Writes as much as fits, as the library does. */
 static void fill(struct tcp *tcp)
 {
     static const char zeros[65536];
@@ -242,7 +246,7 @@ static void fill(struct tcp *tcp)
         tcp->sent += (size_t)sent;
 }
 
-/* The client reads so many bytes, and the library writes more of them. */
+/* The client reads `bytes` bytes, and the library writes more. */
 static void take(struct tcp *tcp, size_t bytes)
 {
     static char room[16384];
@@ -254,8 +258,8 @@ static void take(struct tcp *tcp, size_t bytes)
     }
 }
 
-/* Looks every second, of which each is `rate` bytes long for the client. After how many was the
- * connection cut? `most`: not until then. */
+/* Checks the connection every second; meanwhile the client reads `rate` bytes a second. Returns
+ * after how many seconds the connection was cut, or `most`. */
 static unsigned seconds_until_cut(struct tcp *tcp, size_t rate, unsigned most)
 {
     uint64_t begun = gd_now_ns(), before = server_connections_statistics(connections).cut;
@@ -272,7 +276,8 @@ static void a_steady_slow_reader_is_not_cut(void **state)
     const size_t rates[] = {16384 + 1000, 24000, 50000};
     (void)state;
     server_connection_head(connection, false,
-                           gd_now_ns()); /* the other one: it is not looked at here */
+                           /* the fixture's connection, which this test does not use */
+                           gd_now_ns());
     for (size_t i = 0; i < sizeof rates / sizeof *rates; i++) {
         struct tcp tcp = join_by_tcp();
         server_connection_head(tcp.connection, false, gd_now_ns());
@@ -283,7 +288,7 @@ static void a_steady_slow_reader_is_not_cut(void **state)
     }
 }
 
-static void who_takes_nothing_is_cut(void **state)
+static void a_client_that_reads_nothing_is_cut(void **state)
 {
     (void)state;
     server_connection_head(connection, false, gd_now_ns());
@@ -303,7 +308,7 @@ static void who_takes_nothing_is_cut(void **state)
     }
 }
 
-static void a_stream_that_is_silent_goes_on(void **state)
+static void a_silent_stream_is_not_cut(void **state)
 {
     (void)state;
     struct tcp tcp = join_by_tcp();
@@ -317,8 +322,8 @@ static void a_stream_that_is_silent_goes_on(void **state)
     leave(&tcp);
 }
 
-/* What the kernel has is not yet the client's, though the answer has ended. */
-static void a_connection_is_not_idle_while_the_client_takes(void **state)
+/* Bytes in the kernel have not reached the client, although the answer has ended. */
+static void a_connection_is_not_idle_while_the_client_reads(void **state)
 {
     (void)state;
     struct tcp tcp = join_by_tcp();
@@ -334,7 +339,8 @@ static void a_connection_is_not_idle_while_the_client_takes(void **state)
     }
     assert_int_equal(send(tcp.client, "GET", 3, MSG_NOSIGNAL), 3);
     char bytes[4];
-    assert_int_equal(recv(tcp.ours, bytes, sizeof bytes, 0), 3); /* it was not shut down */
+    /* the connection was not shut down */
+    assert_int_equal(recv(tcp.ours, bytes, sizeof bytes, 0), 3);
     leave(&tcp);
 }
 
@@ -347,7 +353,7 @@ struct crowd {
     int ends[MANY][2];
 };
 
-/* The first `heavy` of one address, the others of another. */
+/* Opens a crowd: the first `heavy` connections from one address, the others from another. */
 static void crowd_in(struct crowd *crowd, int heavy)
 {
     struct sockaddr_in client = {.sin_family = AF_INET};
@@ -360,7 +366,7 @@ static void crowd_in(struct crowd *crowd, int heavy)
     }
 }
 
-/* By now, or after so many seconds. */
+/* Relieves the connections after `seconds`. */
 static void relieve_after(unsigned seconds)
 {
     server_connections_relieve(connections, gd_now_ns() + seconds * SECOND);
@@ -381,7 +387,7 @@ static void crowd_out(struct crowd *crowd)
     }
 }
 
-/* 16 of 17 places are the crowd's: 3 are the reserve, and half of it more goes. */
+/* The crowd has 16 of 17 places. The reserve is 3; half as many are cut in addition. */
 static void the_oldest_heads_go_first(void **state)
 {
     struct crowd crowd;
@@ -389,7 +395,7 @@ static void the_oldest_heads_go_first(void **state)
     crowd_in(&crowd, MANY);
     server_connection_head(connection, false, gd_now_ns());
     for (int i = 0; i < MANY; i += 2)
-        server_connection_head(crowd.all[i], false, gd_now_ns()); /* busy: they stay */
+        server_connection_head(crowd.all[i], false, gd_now_ns()); /* busy connections stay */
     server_connections_limit(connections, 17);
     relieve_after(2);
     for (int i = 0; i < MANY; i++) assert_int_equal(is_shut(&crowd, i), i % 2 && i < 8);
@@ -397,7 +403,7 @@ static void the_oldest_heads_go_first(void **state)
     crowd_out(&crowd);
 }
 
-static void after_all_heads_the_idle_go(void **state)
+static void idle_connections_are_cut_after_heads(void **state)
 {
     struct crowd crowd;
     (void)state;
@@ -405,7 +411,7 @@ static void after_all_heads_the_idle_go(void **state)
     server_connection_head(connection, false, gd_now_ns());
     for (int i = 0; i < MANY; i++) server_connection_head(crowd.all[i], false, gd_now_ns());
     uint64_t now = gd_now_ns();
-    for (int i = MANY; i--;) { /* the last one is idle for longest */
+    for (int i = MANY; i--;) { /* the last one has been idle longest */
         if (i == 7) continue;
         server_connection_answer(crowd.all[i], 10, false, now - (uint64_t)(i + 1) * SECOND);
         server_connection_end(crowd.all[i]);
@@ -413,11 +419,11 @@ static void after_all_heads_the_idle_go(void **state)
     server_connections_limit(connections, 17);
     server_connections_relieve(connections, now);
     for (int i = 0; i < MANY; i++) assert_int_equal(is_shut(&crowd, i), i >= MANY - 4);
-    assert_int_equal(server_connections_statistics(connections).cut, 0); /* no incident */
+    assert_int_equal(server_connections_statistics(connections).cut, 0); /* not counted as a cut */
     crowd_out(&crowd);
 }
 
-static void addresses_with_few_connections_keep_them(void **state)
+static void addresses_with_few_connections_are_spared(void **state)
 {
     struct crowd crowd;
     (void)state;
@@ -434,8 +440,8 @@ static void addresses_with_few_connections_keep_them(void **state)
     crowd_out(&crowd);
 }
 
-/* The reserve is for those that have just come: they are cut only when it is nearly used up. */
-static void heads_that_have_just_begun_stay(void **state)
+/* The reserve is for new connections: they are cut only when it is nearly used up. */
+static void young_heads_are_spared(void **state)
 {
     struct crowd crowd;
     (void)state;
@@ -449,7 +455,7 @@ static void heads_that_have_just_begun_stay(void **state)
     crowd_out(&crowd);
 }
 
-static void while_enough_are_free_all_stay(void **state)
+static void nothing_is_cut_while_the_reserve_is_free(void **state)
 {
     struct crowd crowd;
     (void)state;
@@ -463,30 +469,30 @@ static void while_enough_are_free_all_stay(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(an_end_that_came_with_the_last_bytes_is_told_again, set_up,
-                                        tear_down),
-        cmocka_unit_test_setup_teardown(a_first_head_has_its_time, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(an_end_with_the_last_bytes_is_detected, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_first_head_has_a_deadline, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_request_is_under_way_until_its_answer_has_ended, set_up,
                                         tear_down),
-        cmocka_unit_test_setup_teardown(a_later_head_has_its_time_from_its_request_line_on, set_up,
+        cmocka_unit_test_setup_teardown(a_later_head_has_a_deadline_from_its_request_line, set_up,
                                         tear_down),
         cmocka_unit_test_setup_teardown(idle_connections_are_closed, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_body_has_time_for_what_has_come, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_body_that_trickles_is_cut, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(work_has_no_deadline_here, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(an_answer_has_time_for_its_size, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_stream_has_no_end, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_steady_body_extends_its_deadline, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_slow_body_is_cut, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(work_has_no_deadline, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_large_answer_has_more_time, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_stream_has_no_deadline, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_steady_slow_reader_is_not_cut, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(who_takes_nothing_is_cut, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_stream_that_is_silent_goes_on, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_connection_is_not_idle_while_the_client_takes, set_up,
+        cmocka_unit_test_setup_teardown(a_client_that_reads_nothing_is_cut, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_silent_stream_is_not_cut, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_connection_is_not_idle_while_the_client_reads, set_up,
                                         tear_down),
         cmocka_unit_test_setup_teardown(the_oldest_heads_go_first, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(after_all_heads_the_idle_go, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(addresses_with_few_connections_keep_them, set_up,
+        cmocka_unit_test_setup_teardown(idle_connections_are_cut_after_heads, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(addresses_with_few_connections_are_spared, set_up,
                                         tear_down),
-        cmocka_unit_test_setup_teardown(heads_that_have_just_begun_stay, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(while_enough_are_free_all_stay, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(young_heads_are_spared, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(nothing_is_cut_while_the_reserve_is_free, set_up,
+                                        tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

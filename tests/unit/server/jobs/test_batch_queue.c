@@ -14,9 +14,9 @@
 
 static int set_up_local(void **state)
 {
-    char error[256] = "";
+    char error[SERVER_ERROR] = "";
     struct server_store_sql *sql =
-        server_store_sql_local_open(":memory:", server_batch_queue_tables, error, sizeof error);
+        server_store_sql_local_open(":memory:", server_batch_queue_tables, error);
     if (!sql) fail_msg("%s", error);
     *state = sql;
     return 0;
@@ -25,11 +25,11 @@ static int set_up_local(void **state)
 static int set_up_shared(void **state)
 {
     const char *url = getenv("GEODESICD_TEST_STORE");
-    char error[512] = "";
+    char error[SERVER_ERROR] = "";
     *state = NULL;
     if (!url) return 0;
-    /* makes the tables */
-    struct server_store *store = server_store_postgres_open(url, error, sizeof error);
+    /* opening the store makes the tables */
+    struct server_store *store = server_store_postgres_open(url, error);
     if (!store) fail_msg("%s", error);
     store->close(store);
     struct server_store_sql *sql = server_store_sql_postgres_open(url);
@@ -57,7 +57,7 @@ static void add(struct server_store_sql *sql, const char *id, const char *tenant
     struct server_batch batch = {.items = items, .created = 1763730000};
     snprintf(batch.id, sizeof batch.id, "%s", id);
     const struct server_batch_order order = {&batch, tenant, "{\"a\":\0}", 7, "tag"};
-    for (int i = 0; i < 2; i++) /* as if the answer of the first had been lost */
+    for (int i = 0; i < 2; i++) /* twice, as after a lost answer */
         assert_int_equal(server_batch_queue_add(sql, &order), SERVER_STORE_DONE);
 }
 
@@ -227,7 +227,7 @@ static bool on_number(void *user, const struct server_sql_value *row)
     return true;
 }
 
-/* Reads on from the last number that it saw, while all write. */
+/* Reads on from the last number that it has seen, while all threads write. */
 static void no_number_appears_behind_a_reader(void **state)
 {
     struct server_store_sql *sql = sql_of(state);
@@ -248,13 +248,13 @@ static void no_number_appears_behind_a_reader(void **state)
 /* A file of the release before: its tables have no numbers, and its version is 0. */
 static void batches_of_an_older_file_are_numbered(void **state)
 {
-    char folder[FOLDER_PATH], path[SERVER_DISK_PATH], error[256], text[128] = "";
+    char folder[FOLDER_PATH], path[SERVER_DISK_PATH], error[SERVER_ERROR], text[128] = "";
     const char *older[5] = {0};
     (void)state;
     folder_make(folder);
     snprintf(path, sizeof path, "%s/batches.db", folder);
     memcpy(older, server_batch_queue_tables, 4 * sizeof *older);
-    struct server_store_sql *sql = server_store_sql_local_open(path, older, error, sizeof error);
+    struct server_store_sql *sql = server_store_sql_local_open(path, older, error);
     assert_non_null(sql);
     add(sql, ID_A, "", 4);
     assert_int_equal(
@@ -262,7 +262,7 @@ static void batches_of_an_older_file_are_numbered(void **state)
         SERVER_STORE_DONE);
     assert_int_equal(sql->run(sql, SERVER_SQL("PRAGMA user_version = 0")), SERVER_STORE_DONE);
     sql->close(sql);
-    sql = server_store_sql_local_open(path, server_batch_queue_tables, error, sizeof error);
+    sql = server_store_sql_local_open(path, server_batch_queue_tables, error);
     assert_non_null(sql);
     answer(sql, ID_A, 0, 200, "b");
     const struct server_batch_place begin = {ID_A, 0, true};
@@ -270,7 +270,7 @@ static void batches_of_an_older_file_are_numbered(void **state)
     assert_string_equal(text, "2:200:a:1 3:200:a:2 0:200:b:3 ");
     assert_int_equal(sql->run(sql, SERVER_SQL("PRAGMA user_version = 99")), SERVER_STORE_DONE);
     sql->close(sql);
-    assert_null(server_store_sql_local_open(path, server_batch_queue_tables, error, sizeof error));
+    assert_null(server_store_sql_local_open(path, server_batch_queue_tables, error));
     folder_remove(folder);
 }
 
@@ -281,7 +281,7 @@ static void a_lease_is_renewed_by_who_has_it_and_given_back(void **state)
     struct server_batch_claim taken = claim(sql, "x");
     assert_int_equal(server_batch_queue_renew(sql, &taken, "x"), SERVER_STORE_DONE);
     assert_int_equal(server_batch_queue_renew(sql, &taken, "y"), SERVER_STORE_ABSENT);
-    /* not his */
+    /* the item belongs to another daemon */
     assert_int_equal(server_batch_queue_return(sql, &taken, "y", false, 0), SERVER_STORE_DONE);
     assert_int_equal(claim(sql, "y").item, -1);
     assert_int_equal(server_batch_queue_return(sql, &taken, "x", false, 0), SERVER_STORE_DONE);
@@ -290,7 +290,7 @@ static void a_lease_is_renewed_by_who_has_it_and_given_back(void **state)
     assert_int_equal(taken.attempts, 1);
     assert_int_equal(server_batch_queue_renew(sql, &taken, "x"), SERVER_STORE_ABSENT);
     assert_int_equal(server_batch_queue_return(sql, &taken, "y", true, 60000), SERVER_STORE_DONE);
-    assert_int_equal(claim(sql, "x").item, -1); /* in a minute */
+    assert_int_equal(claim(sql, "x").item, -1); /* returned for one minute */
     assert_int_equal(server_batch_queue_return_all(sql), SERVER_STORE_DONE);
     assert_int_equal(claim(sql, "x").attempts, 2);
 }
@@ -324,16 +324,16 @@ static void what_is_no_statement_is_refused(void **state)
     assert_int_equal(sql->run(sql, SERVER_SQL("SELECT 1")), SERVER_STORE_DONE);
 }
 
-/* More than SQLite keeps in memory, so that pages are read again. */
+/* Adds more than SQLite keeps in memory, so that pages are read again. */
 static void a_database_that_is_damaged_while_it_is_used_is_set_aside(void **state)
 {
-    char folder[FOLDER_PATH], path[SERVER_DISK_PATH], error[256];
+    char folder[FOLDER_PATH], path[SERVER_DISK_PATH], error[SERVER_ERROR];
     static const char rubbish[1 << 20];
     (void)state;
     folder_make(folder);
     snprintf(path, sizeof path, "%s/batches.db", folder);
     struct server_store_sql *sql =
-        server_store_sql_local_open(path, server_batch_queue_tables, error, sizeof error);
+        server_store_sql_local_open(path, server_batch_queue_tables, error);
     assert_non_null(sql);
     add(sql, ID_A, "", 200000);
     int file = open(path, O_WRONLY);
@@ -342,7 +342,7 @@ static void a_database_that_is_damaged_while_it_is_used_is_set_aside(void **stat
     close(file);
     assert_int_equal(sql->run(sql, SERVER_SQL("SELECT sum(item) FROM items")),
                      SERVER_STORE_READ_ONLY);
-    add(sql, ID_B, "", 2); /* a new one */
+    add(sql, ID_B, "", 2); /* the new database works */
     assert_int_equal(claim(sql, "x").item, 0);
     sql->close(sql);
     uint32_t aside = 0;

@@ -1,5 +1,5 @@
-/* Jobs carry exchanges through handlers and workers without a network; the handlers here are the
- * test's own. */
+/* Jobs carry exchanges through handlers and workers without a network; the test defines the
+ * handlers. */
 #include "tests/unit/server/support.h"
 
 #include <stdio.h>
@@ -14,7 +14,7 @@
 #define SECOND UINT64_C(1000000000)
 
 static struct server server;
-static sem_t begun, hold; /* of work that waits */
+static sem_t begun, hold; /* posted and awaited by work that waits */
 static size_t answer_size;
 static atomic_int works;
 
@@ -62,7 +62,7 @@ static int set_up_short_lived(void **state)
 static int tear_down(void **state)
 {
     (void)state;
-    for (int i = 0; i < 100; i++) sem_post(&hold); /* for a test that failed meanwhile */
+    for (int i = 0; i < 100; i++) sem_post(&hold); /* releases the work of a failed test */
     server_workers_cancel(server.host.workers);
     while (atomic_load(&server.host.deferred)) usleep(1000);
     server_thread_stop(server.deadlines);
@@ -107,7 +107,7 @@ static void wait_in_a_worker(struct server_exchange *exchange)
     server_exchange_defer(exchange, wait_and_reply, NULL);
 }
 
-/* As the engine does: reports as long as it may. */
+/* Reports progress, as the engine does, until it is stopped. */
 static bool report_until_stopped(struct server_exchange *exchange)
 {
     struct server_monitor monitor = {.exchange = exchange};
@@ -123,7 +123,7 @@ static void go_on(struct server_exchange *exchange)
     server_exchange_defer(exchange, report_until_stopped, NULL);
 }
 
-/* In two halves, the second of which begins anew. */
+/* Reports progress in two halves; the second one starts at 0 again. */
 static bool report_in_parts(struct server_exchange *exchange)
 {
     struct server_monitor halves[] = {{.exchange = exchange, .share = 0.5},
@@ -146,7 +146,7 @@ static void report(struct server_exchange *exchange)
     server_exchange_defer(exchange, report_in_parts, NULL);
 }
 
-/* In the thread that starts the job. */
+/* Runs in the thread that starts the job. */
 static void look_at_the_request(struct server_exchange *exchange)
 {
     assert_string_equal(exchange->method, "POST");
@@ -165,7 +165,7 @@ static void look_at_the_request(struct server_exchange *exchange)
 
 /* --- requests --------------------------------------------------------------------------------- */
 
-static const char *tenant = ""; /* who asks */
+static const char *tenant = ""; /* tenant of the next request */
 
 static struct server_exchange *request(const struct proto_route *route)
 {
@@ -181,7 +181,7 @@ static struct server_deferred_job *start_or_refuse(void (*handle)(struct server_
                                                    struct proto_problem *problem)
 {
     const struct proto_route route = {.path = "/v1/meshes/{name}/x", .handle = handle};
-    static struct proto_route routes[16]; /* outlive the exchanges */
+    static struct proto_route routes[16]; /* static, because they must outlive the exchanges */
     static int next;
     struct proto_route *kept = &routes[next++ % 16];
     *kept = route;
@@ -235,14 +235,14 @@ static void an_answer_is_kept_until_it_is_removed(void **state)
     assert_string_equal(told.request, "POST /v1/meshes/cow/x");
     assert_int_equal(told.answer->status, 200);
     assert_int_equal(told.answer->size, 100);
-    assert_int_equal(told.answer->header_count, 1); /* not Vary */
+    assert_int_equal(told.answer->header_count, 1); /* Vary is not saved */
     assert_string_equal(told.answer->headers[0].value, "\"tag\"");
     assert_int_equal(counted(), 100);
     assert_true(is_there(told.id));
     server_job_table_cancel(server.api.jobs, job);
     assert_false(is_there(told.id));
     assert_int_equal(server_deferred_job_describe(job).answer->size,
-                     100); /* as long as somebody looks at it */
+                     100); /* counted as long as a reference exists */
     assert_int_equal(counted(), 100);
     server_deferred_job_release(job);
     assert_int_equal(counted(), 0);
@@ -321,10 +321,10 @@ static void what_waits_is_cancelled_without_a_worker(void **state)
     server_job_table_cancel(server.api.jobs, second);
     assert_int_equal(state_of(second), PROTO_JOB_CANCELLED);
     for (int i = 0; i < 5000 && atomic_load(&server.host.deferred) > 1; i++) usleep(1000);
-    assert_int_equal(atomic_load(&server.host.deferred), 1);        /* its exchange is gone, */
-    assert_true(is_there(server_deferred_job_describe(second).id)); /* not so the job, */
+    assert_int_equal(atomic_load(&server.host.deferred), 1); /* its exchange has ended, … */
+    assert_true(is_there(server_deferred_job_describe(second).id)); /* … but the job is there … */
     server_job_table_cancel(server.api.jobs, second);
-    assert_false(is_there(server_deferred_job_describe(second).id)); /* until it is removed */
+    assert_false(is_there(server_deferred_job_describe(second).id)); /* … until it is removed */
     sem_post(&hold);
     wait_for(first, PROTO_JOB_DONE);
     assert_int_equal(works, 1);
@@ -417,7 +417,8 @@ static bool is_there_for(const char *who, struct server_deferred_job *job)
     return found;
 }
 
-/* Of four places: the tenant with the most makes way, whether it is the newcomer or not. */
+/* A table of four jobs: the tenant with the most jobs loses one, whether it is the newcomer or
+ * not. */
 static void the_tenant_with_the_most_makes_way(void **state)
 {
     (void)state;
@@ -433,8 +434,8 @@ static void the_tenant_with_the_most_makes_way(void **state)
     server_deferred_job_release(more);
 }
 
-/* Of 1 MiB for answers: a job with an answer of so many bytes, whose id is written; false: it
- * failed. */
+/* Runs a job whose answer has `bytes` bytes, of 1 MiB for all answers, and writes its id. Returns
+ * false if it failed. */
 static bool keep(const char *who, size_t bytes, char id[SERVER_JOB_ID])
 {
     answer_size = bytes;
@@ -461,7 +462,7 @@ static void large_answers_make_way_for_their_own_tenant(void **state)
     for (int i = 0; i < 3; i++) assert_true(keep("ann", 400 << 10, ann[i]));
     assert_true(is_kept_for("bob", bob) && !is_kept_for("ann", ann[0]));
     assert_true(is_kept_for("ann", ann[1]) && is_kept_for("ann", ann[2]));
-    assert_false(keep("bob", 1000 << 10, refused)); /* with it bob has the most */
+    assert_false(keep("bob", 1000 << 10, refused)); /* with this answer bob has the most */
     assert_true(is_kept_for("ann", ann[1]) && is_kept_for("ann", ann[2]));
 }
 
@@ -469,11 +470,11 @@ static void answers_have_a_share_of_the_budget(void **state)
 {
     (void)state;
     struct server_deferred_job *jobs[3];
-    answer_size = 600 << 10; /* of 1 MiB */
+    answer_size = 600 << 10; /* of the 1 MiB for all answers */
     for (int i = 0; i < 2; i++) {
         jobs[i] = start(answer);
         assert_int_equal(state_of(jobs[i]), PROTO_JOB_DONE);
-        server_deferred_job_release(jobs[i]); /* the first is gone when the second has come */
+        server_deferred_job_release(jobs[i]); /* the first is dropped when the second has ended */
         assert_int_equal(counted(), answer_size);
     }
     answer_size = 2 << 20;
@@ -493,8 +494,7 @@ static void are_listed_by_age(void **state)
     assert_int_equal(server_job_table_list(server.api.jobs, "", NULL, 3, listed), 3);
     for (int i = 0; i < 3; i++) assert_ptr_equal(listed[i], jobs[i]);
     for (int i = 0; i < 3; i++) server_deferred_job_release(listed[i]);
-    server_job_table_cancel(server.api.jobs,
-                            jobs[1]); /* a page may begin behind one that is gone */
+    server_job_table_cancel(server.api.jobs, jobs[1]); /* a page may begin after a removed job */
     assert_int_equal(server_job_table_list(server.api.jobs, "",
                                            server_deferred_job_describe(jobs[1]).id, 4, listed),
                      2);

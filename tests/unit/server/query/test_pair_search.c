@@ -10,13 +10,13 @@ static struct gd_pair_answer leg(const struct gd_mesh *mesh, uint32_t from, uint
     struct gd_point a = vertex_point(mesh, from), b = vertex_point(mesh, to);
     struct gd_pair_answer answer;
     assert_int_equal(
-        gd_pair_solve(mesh, &(struct gd_pair_request){.from = &a, .to = &b, .wish = want_path},
+        gd_pair_solve(mesh, &(struct gd_pair_request){.from = &a, .to = &b, .output = want_path},
                       NULL, &answer, NULL),
         GD_OK);
     return answer;
 }
 
-/* Consecutive points are never the same: each joint is there once. */
+/* Asserts that consecutive points differ, so each point between two legs occurs once. */
 static void assert_polyline(const struct gd_mesh *mesh, const struct gd_path *path)
 {
     double length = 0;

@@ -1,5 +1,5 @@
-/* Meshes that the daemon makes itself: by a handler of the test's own, which makes up to three of
- * them, each with its vertices' numbers as an attachment. */
+/* Derived meshes: a handler of the test makes up to three of them, each with its vertices' numbers
+ * as an attachment. */
 #include "tests/unit/server/daemon.h"
 #include "tests/unit/server/folder.h"
 
@@ -8,12 +8,12 @@
 #include "server/query/request.h"
 #include "server/store/store.h"
 
-/* What the next request makes. */
+/* The meshes that the next request makes. */
 static struct {
     const char *names[3];
     uint32_t count;
-    bool is_flat;        /* a triangle that is none */
-    bool has_attachment; /* of one byte a vertex */
+    bool is_flat;        /* makes a degenerate triangle */
+    bool has_attachment; /* attaches one byte for each vertex */
 } order;
 
 static const double irrational[3][3] = {
@@ -40,7 +40,7 @@ static bool add_all(struct server_derived_meshes *making, struct proto_problem *
         if (!server_derived_meshes_add(making, order.names[i], &polygons,
                                        order.has_attachment ? &attachment : NULL, problem))
             return false;
-        positions[0][2] += 1; /* the next one is another */
+        positions[0][2] += 1; /* makes the next mesh different */
     }
     return true;
 }
@@ -82,7 +82,7 @@ static void handle_make(struct server_exchange *exchange)
     server_exchange_defer(exchange, compute, NULL);
 }
 
-/* The attachment of a mesh, which is loaded for it; "none". */
+/* Replies with the attachment of a mesh, which is loaded for this; "none". */
 static void handle_attachment(struct server_exchange *exchange)
 {
     struct server_surface *surface = server_request_surface(exchange);
@@ -127,7 +127,7 @@ static char folder[FOLDER_PATH];
 static enum server_store_outcome (*put)(struct server_store *store,
                                         const struct server_record *record,
                                         const struct server_content *content, uint64_t *version);
-static int puts_left; /* before one fails */
+static int puts_left; /* writes before one fails */
 
 static enum server_store_outcome put_or_fail(struct server_store *store,
                                              const struct server_record *record,
@@ -139,8 +139,8 @@ static enum server_store_outcome put_or_fail(struct server_store *store,
 
 static void start(void)
 {
-    char error[512] = "";
-    struct server_store *local = server_store_local_open(folder, error, sizeof error);
+    char error[SERVER_ERROR] = "";
+    struct server_store *local = server_store_local_open(folder, error);
     if (!local) fail_msg("%s", error);
     put = local->put;
     local->put = put_or_fail;
@@ -194,9 +194,9 @@ static void made_meshes_outlive_the_daemon_to_the_last_bit(void **state)
     char *before = strdup(GET("/v1/meshes/b"));
     daemon_stop();
     start();
-    assert_string_equal(GET("/v1/meshes/b"), before); /* as it is remembered */
+    assert_string_equal(GET("/v1/meshes/b"), before); /* the stored description */
     assert_string_equal(GET("/v1/meshes/b/attachment"), "200 [7,0,9]");
-    assert_string_equal(GET("/v1/meshes/b"), before); /* as it is */
+    assert_string_equal(GET("/v1/meshes/b"), before); /* the description of the loaded mesh */
     free(before);
     const struct server_key key = mesh_key("a");
     struct server_listed listed;
@@ -217,7 +217,7 @@ static void the_same_again_changes_nothing(void **state)
     assert_true(begins(MAKE(.names = {"a"}, .count = 1, .has_attachment = true), "200"));
     assert_string_equal(GET("/v1/meshes/a"), before);
     assert_int_equal(stored("objects"), 2);
-    /* without its attachment it is another */
+    /* without its attachment it is another surface */
     assert_true(begins(MAKE(.names = {"a"}, .count = 1), "200"));
     assert_string_not_equal(GET("/v1/meshes/a"), before);
     assert_string_equal(GET("/v1/meshes/a/attachment"), "200 []");

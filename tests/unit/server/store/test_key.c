@@ -24,7 +24,7 @@ static void texts_are_read_back(void **state)
                       "acme@nurbs+sail-2.x");
 }
 
-static void what_is_no_key_is_refused(void **state)
+static void malformed_keys_are_refused(void **state)
 {
     static const char *const texts[] = {"",          "@a",  "a@",    "+a",        "subdivision+",
                                         "unheard+a", "a b", "a@b@c", "nurbs+a+b", "a/b"};
@@ -41,7 +41,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(texts_are_read_back),
-        cmocka_unit_test(what_is_no_key_is_refused),
+        cmocka_unit_test(malformed_keys_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -6,7 +6,7 @@
 #include <malloc.h>
 #include <stdio.h>
 
-static bool has_no_memory; /* for strndup, which this takes the place of */
+static bool has_no_memory; /* makes the replaced strndup fail */
 
 char *strndup(const char *text, size_t size)
 {
@@ -16,7 +16,7 @@ char *strndup(const char *text, size_t size)
     return memcpy(copy, text, size);
 }
 
-static void comes_back_as_it_was(void **state)
+static void a_record_is_read_as_written(void **state)
 {
     (void)state;
     const struct server_key key = {.tenant = "acme", .kind = &server_kind_mesh, .name = "bunny.1"};
@@ -45,8 +45,8 @@ static void comes_back_as_it_was(void **state)
     free(text);
 }
 
-/* Reads a query string as an upload's, and back from the record that it leads to. */
-static void options_come_back_as_they_were(void **state)
+/* Reads a query string as an upload's, and reads it back from the resulting record. */
+static void options_are_read_as_written(void **state)
 {
     (void)state;
     static const struct {
@@ -67,8 +67,7 @@ static void options_come_back_as_they_were(void **state)
         struct proto_problem problem;
         size_t size;
         assert_true(server_options_split(options[i].asked, &asked));
-        const struct proto_parameters parameters = server_options_parameters(&asked);
-        assert_true(server_kind_mesh.read_options(&parameters, NULL, kept, &problem));
+        assert_true(server_kind_mesh.read_options(&asked.parameters, NULL, kept, &problem));
         assert_string_equal(kept, options[i].kept);
         struct server_record *record = new_record_of(mesh_key("a"), kept, "1", NULL);
         char *text = server_record_write(record, &size);
@@ -100,7 +99,8 @@ static void tags_differ_by_bytes_and_options(void **state)
     assert_false(server_record_equal(a, e));
     assert_false(server_record_equal(a, f));
     assert_string_not_equal(a->etag, e->etag);
-    assert_string_not_equal(a->etag, f->etag); /* so what is kept by tag is each tenant's own */
+    /* tags differ, so caches by tag are separate for each tenant */
+    assert_string_not_equal(a->etag, f->etag);
     assert_true(server_record_equal(a, a));
     server_record_release(a);
     server_record_release(b);
@@ -110,7 +110,7 @@ static void tags_differ_by_bytes_and_options(void **state)
     server_record_release(f);
 }
 
-static void every_change_of_a_byte_is_seen(void **state)
+static void every_changed_byte_is_detected(void **state)
 {
     (void)state;
     struct server_record *record = new_record("a", "1"), *again;
@@ -129,7 +129,7 @@ static void every_change_of_a_byte_is_seen(void **state)
     free(text);
 }
 
-/* What the text says, with a checksum that is right. */
+/* Reads the text with a correct checksum. */
 static enum server_record_reading read_signed(const char *body)
 {
     char text[1024], checksum[SERVER_SHA256_HEX];
@@ -148,7 +148,7 @@ static enum server_record_reading read_signed(const char *body)
 #define TIMES "created 1\nmemory 2\n"
 #define TAIL  "attachment \n" TIMES "options format=obj&triangulate=true\ndescription {}\n"
 
-static void only_whole_records_are_read(void **state)
+static void only_complete_records_are_read(void **state)
 {
     (void)state;
     static const char *const wrong[] = {
@@ -168,7 +168,7 @@ static void only_whole_records_are_read(void **state)
              "options format=obj&triangulate=true\ndescription {}\n",
         HEAD "size 1\nattachment \n" TIMES "options format=png&triangulate=true\ndescription {}\n",
         HEAD "size 1\nattachment \n" TIMES "options format=any&triangulate=true\ndescription {}\n",
-        /* not as written */
+        /* not in the canonical form */
         HEAD "size 1\nattachment \n" TIMES "options triangulate=true&format=obj\ndescription {}\n",
         HEAD "size 1\nattachment \n" TIMES "options format\ndescription {}\n",
         HEAD "size 1\nattachment \n" TIMES
@@ -178,13 +178,13 @@ static void only_whole_records_are_read(void **state)
     assert_int_equal(read_signed(HEAD "size 1\n" TAIL), SERVER_RECORD_READ);
     for (size_t i = 0; i < COUNT(wrong); i++)
         assert_int_equal(read_signed(wrong[i]), SERVER_RECORD_DAMAGED);
-    assert_int_equal(read_signed("geodesicd record 3\nname a\nwhatever\n"), SERVER_RECORD_NEWER);
+    assert_int_equal(read_signed("geodesicd record 4\nname a\nwhatever\n"), SERVER_RECORD_NEWER);
     assert_int_equal(read_signed(TITLE "kind dodecahedron\ntenant \nwhatever\n"),
                      SERVER_RECORD_NEWER);
 }
 
-/* As it was before there were kinds. */
-static void version_1_is_a_mesh_of_nobody(void **state)
+/* A record of version 1, without kinds. */
+static void version_1_is_a_mesh_without_tenant(void **state)
 {
     (void)state;
     static const char body[] =
@@ -202,7 +202,7 @@ static void version_1_is_a_mesh_of_nobody(void **state)
     server_record_release(record);
 }
 
-static void nothing_is_left_without_memory(void **state)
+static void nothing_leaks_without_memory(void **state)
 {
     (void)state;
     struct server_record *record = new_record("a", "1"), *again = NULL;
@@ -213,7 +213,7 @@ static void nothing_is_left_without_memory(void **state)
     enum server_record_reading reading = server_record_read(NULL, text, size, &again);
     has_no_memory = false;
     assert_int_equal(reading, SERVER_RECORD_NO_MEMORY);
-    assert_int_equal(mallinfo2().uordblks, before); /* under a sanitizer its own check of leaks */
+    assert_int_equal(mallinfo2().uordblks, before); /* a sanitizer checks leaks itself */
     assert_null(again);
     server_record_release(record);
     free(text);
@@ -233,7 +233,7 @@ static void is_counted_once_until_it_is_released(void **state)
     server_record_count(record, &budget);
     assert_int_equal(budget.used[SERVER_BUDGET_RECORDS], bytes);
     assert_false(server_record_take(other, &budget));
-    server_record_count(other, &budget); /* it is there, so it counts */
+    server_record_count(other, &budget); /* it exists, so it is counted */
     assert_int_equal(budget.used[SERVER_BUDGET_RECORDS], 2 * bytes);
     assert_non_null(server_record_catalogue(record));
     assert_true(budget.used[SERVER_BUDGET_RECORDS] > 2 * bytes);
@@ -268,13 +268,13 @@ static void a_long_description_is_shortened_when_it_is_read(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(comes_back_as_it_was),
-        cmocka_unit_test(options_come_back_as_they_were),
+        cmocka_unit_test(a_record_is_read_as_written),
+        cmocka_unit_test(options_are_read_as_written),
         cmocka_unit_test(tags_differ_by_bytes_and_options),
-        cmocka_unit_test(every_change_of_a_byte_is_seen),
-        cmocka_unit_test(only_whole_records_are_read),
-        cmocka_unit_test(version_1_is_a_mesh_of_nobody),
-        cmocka_unit_test(nothing_is_left_without_memory),
+        cmocka_unit_test(every_changed_byte_is_detected),
+        cmocka_unit_test(only_complete_records_are_read),
+        cmocka_unit_test(version_1_is_a_mesh_without_tenant),
+        cmocka_unit_test(nothing_leaks_without_memory),
         cmocka_unit_test(is_counted_once_until_it_is_released),
         cmocka_unit_test(a_long_description_is_shortened_when_it_is_read),
     };

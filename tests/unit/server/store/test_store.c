@@ -1,6 +1,6 @@
-/* What every store that keeps bytes promises, over each implementation: the local one in a folder,
- * and PostgreSQL's where GEODESICD_TEST_STORE names a database, which is emptied
- * (tests/cluster/test_suites.py does so). */
+/* The promises of every store that stores bytes, tested for each back-end: the local one in a
+ * folder, and PostgreSQL if GEODESICD_TEST_STORE names a database, which is emptied
+ * (tests/cluster/test_suites.py sets it). */
 #include "tests/unit/server/folder.h"
 
 #include "server/store/store.h"
@@ -15,9 +15,9 @@ struct fixture {
 
 static void open_store(struct fixture *fixture)
 {
-    char error[512] = "";
-    fixture->store = fixture->url ? server_store_postgres_open(fixture->url, error, sizeof error)
-                                  : server_store_local_open(fixture->folder, error, sizeof error);
+    char error[SERVER_ERROR] = "";
+    fixture->store = fixture->url ? server_store_postgres_open(fixture->url, error)
+                                  : server_store_local_open(fixture->folder, error);
     if (!fixture->store) fail_msg("%s", error);
 }
 
@@ -96,7 +96,7 @@ static int tear_down(void **state)
 
 /* --- what is done ----------------------------------------------------------------------------- */
 
-/* Puts a surface; `*version`: what its key has. */
+/* Stores a surface; `*version`: the known version of its key. */
 static enum server_store_outcome put(struct server_store *store, const struct server_record *record,
                                      const char *bytes, const char *attachment, uint64_t *version)
 {
@@ -113,7 +113,7 @@ static void assert_part(struct server_store *store, const struct server_record *
                         enum server_part part, const char *bytes)
 {
     void *found = NULL;
-    assert_int_equal(store->fetch(store, record, part, &found), SERVER_STORE_DONE);
+    assert_int_equal(store->fetch(store, &record->objects[part], &found), SERVER_STORE_DONE);
     assert_memory_equal(found, bytes, strlen(bytes));
     free(found);
 }
@@ -121,7 +121,8 @@ static void assert_part(struct server_store *store, const struct server_record *
 static void assert_gone(struct server_store *store, const struct server_record *record)
 {
     void *found = NULL;
-    assert_int_equal(store->fetch(store, record, SERVER_PART_FILE, &found), SERVER_STORE_ABSENT);
+    assert_int_equal(store->fetch(store, &record->objects[SERVER_PART_FILE], &found),
+                     SERVER_STORE_ABSENT);
 }
 
 static void assert_holds(struct fixture *fixture, const char *expected)
@@ -142,7 +143,7 @@ static struct fixture *fixture_of(void **state)
 
 /* --- what is promised ------------------------------------------------------------------------- */
 
-static void what_is_put_is_there_after_a_restart(void **state)
+static void surfaces_survive_a_restart(void **state)
 {
     struct fixture *fixture = fixture_of(state);
     struct server_record *record = new_record("a", "some bytes");
@@ -153,7 +154,7 @@ static void what_is_put_is_there_after_a_restart(void **state)
     server_record_release(record);
 }
 
-static void an_attachment_comes_and_goes_with_its_surface(void **state)
+static void an_attachment_lives_as_long_as_its_surface(void **state)
 {
     struct fixture *fixture = fixture_of(state);
     struct server_record *record = new_record_of(mesh_key("a"), MESH_OPTIONS, "bytes", "attached");
@@ -167,7 +168,7 @@ static void an_attachment_comes_and_goes_with_its_surface(void **state)
     server_record_release(record);
 }
 
-static void what_replaces_takes_the_old_bytes_away(void **state)
+static void replacing_deletes_the_old_objects(void **state)
 {
     struct fixture *fixture = fixture_of(state);
     struct server_record *old = new_record("a", "old"), *new = new_record("a", "new");
@@ -181,7 +182,7 @@ static void what_replaces_takes_the_old_bytes_away(void **state)
     server_record_release(new);
 }
 
-static void bytes_stay_as_long_as_one_surface_has_them(void **state)
+static void objects_stay_while_a_surface_has_them(void **state)
 {
     struct fixture *fixture = fixture_of(state);
     struct server_record *one = new_record("one", "same"), *two = new_record("two", "same");
@@ -196,7 +197,7 @@ static void bytes_stay_as_long_as_one_surface_has_them(void **state)
     server_record_release(two);
 }
 
-static void tenants_and_kinds_have_names_of_their_own(void **state)
+static void tenants_and_kinds_have_their_own_names(void **state)
 {
     struct fixture *fixture = fixture_of(state);
     struct server_record *records[] = {
@@ -235,7 +236,7 @@ static void large_bytes_are_verified_piece_by_piece(void **state)
     assert_int_equal(put(fixture->store, record, bytes, NULL, &version), SERVER_STORE_DONE);
     assert_part(fixture->store, record, SERVER_PART_FILE, bytes);
     assert_int_equal(
-        fixture->store->verify(fixture->store, record, SERVER_PART_FILE, go_on, &looked),
+        fixture->store->verify(fixture->store, &record->objects[SERVER_PART_FILE], go_on, &looked),
         SERVER_STORE_DONE);
     assert_int_equal(looked, size);
     server_record_release(record);
@@ -244,7 +245,7 @@ static void large_bytes_are_verified_piece_by_piece(void **state)
 
 /* --- and what only a shared one does ---------------------------------------------------------- */
 
-static void a_change_that_rests_on_another_is_stale(void **state)
+static void a_change_of_an_old_version_is_stale(void **state)
 {
     struct fixture *fixture = fixture_of(state);
     struct server_record *old = new_record("a", "old"), *new = new_record("a", "new");
@@ -278,13 +279,13 @@ static bool on_change(void *user, const struct server_stored *change)
     return true;
 }
 
-static void others_follow_in_the_order_of_versions(void **state)
+static void other_daemons_follow_in_the_order_of_versions(void **state)
 {
     struct fixture *fixture = fixture_of(state);
-    char error[512];
+    char error[SERVER_ERROR];
     struct names names = {.text = ""};
     struct changes changes = {"", 0};
-    struct server_store *other = server_store_postgres_open(fixture->url, error, sizeof error);
+    struct server_store *other = server_store_postgres_open(fixture->url, error);
     assert_non_null(other);
     assert_int_equal(other->each(other, on_stored, &names), SERVER_STORE_DONE);
     assert_int_equal(other->follow(other, on_change, &changes), SERVER_STORE_DONE);
@@ -306,12 +307,12 @@ static void others_follow_in_the_order_of_versions(void **state)
     server_record_release(c);
 }
 
-static void what_does_not_answer_is_told(void **state)
+static void a_database_that_does_not_answer_is_reported(void **state)
 {
-    char error[512] = "";
+    char error[SERVER_ERROR] = "";
     (void)fixture_of(state);
     assert_null(server_store_postgres_open(
-        "postgresql://nobody:secret@127.0.0.1:1/nothing?connect_timeout=1", error, sizeof error));
+        "postgresql://nobody:secret@127.0.0.1:1/nothing?connect_timeout=1", error));
     assert_non_null(strstr(error, "can't be reached"));
     assert_null(strstr(error, "secret"));
 }
@@ -321,14 +322,14 @@ static void what_does_not_answer_is_told(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {EACH(what_is_put_is_there_after_a_restart),
-                                       EACH(an_attachment_comes_and_goes_with_its_surface),
-                                       EACH(what_replaces_takes_the_old_bytes_away),
-                                       EACH(bytes_stay_as_long_as_one_surface_has_them),
-                                       EACH(tenants_and_kinds_have_names_of_their_own),
+    const struct CMUnitTest tests[] = {EACH(surfaces_survive_a_restart),
+                                       EACH(an_attachment_lives_as_long_as_its_surface),
+                                       EACH(replacing_deletes_the_old_objects),
+                                       EACH(objects_stay_while_a_surface_has_them),
+                                       EACH(tenants_and_kinds_have_their_own_names),
                                        EACH(large_bytes_are_verified_piece_by_piece),
-                                       SHARED(a_change_that_rests_on_another_is_stale),
-                                       SHARED(others_follow_in_the_order_of_versions),
-                                       SHARED(what_does_not_answer_is_told)};
+                                       SHARED(a_change_of_an_old_version_is_stale),
+                                       SHARED(other_daemons_follow_in_the_order_of_versions),
+                                       SHARED(a_database_that_does_not_answer_is_reported)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,5 +1,5 @@
-/* Building surfaces within a byte budget, above all those that repair cuts into more pieces than
- * the mesh had room for. */
+/* Builds surfaces within a byte budget, above all meshes that repair splits into more vertices than
+ * expected. */
 #include "tests/unit/server/folder.h"
 
 #include <math.h>
@@ -22,7 +22,7 @@ static int tear_down(void **state)
 {
     (void)state;
     server_cache_destroy(cache);
-    assert_int_equal(budget.total, 0); /* whatever a test did, every byte has come back */
+    assert_int_equal(budget.total, 0); /* every byte of the budget was returned */
     return 0;
 }
 
@@ -64,7 +64,7 @@ static void assert_mended(const char *file, const char *options, uint32_t faces,
     server_surface_release(surface);
 }
 
-static void smallest_ones_that_are_cut(void **state)
+static void smallest_meshes_that_repair_splits(void **state)
 {
     (void)state;
     static const char bow_tie[] =
@@ -75,8 +75,8 @@ static void smallest_ones_that_are_cut(void **state)
     assert_mended(three_on_an_edge, split, 3, 3);
 }
 
-/* `pages` triangles around one edge, oriented alike along it, so that no two of them go
- * together. */
+/* Returns an OBJ file of `pages` triangles around one edge, all with the same direction along it,
+ * so that no two of them can be joined. */
 static char *new_book(uint32_t pages)
 {
     size_t capacity = 64 + 96 * (size_t)pages, size = 0;
@@ -99,7 +99,7 @@ static void books_of_any_number_of_pages(void **state)
     }
 }
 
-/* Triangles that all have a position in common, and some two. */
+/* Returns an OBJ file of triangles that all share one position; some share two. */
 static char *new_soup(uint32_t triangles)
 {
     size_t capacity = 128 * (size_t)triangles, size = 0;
@@ -111,7 +111,7 @@ static char *new_soup(uint32_t triangles)
     return file;
 }
 
-static void a_soup_that_is_welded_and_cut(void **state)
+static void a_soup_that_is_welded_and_split(void **state)
 {
     (void)state;
     char *soup = new_soup(9000);
@@ -119,7 +119,7 @@ static void a_soup_that_is_welded_and_cut(void **state)
     free(soup);
 }
 
-static void a_mesh_whose_copies_find_no_room_is_refused_with_the_numbers(void **state)
+static void a_refusal_for_memory_names_the_numbers(void **state)
 {
     (void)state;
     char *book = new_book(4096);
@@ -147,7 +147,7 @@ static bool on_progress(void *user, double fraction)
     return fraction < watch->end_at;
 }
 
-static void progress_is_of_reading_and_building_together(void **state)
+static void progress_covers_reading_and_building(void **state)
 {
     (void)state;
     char *soup = new_soup(9000);
@@ -160,7 +160,7 @@ static void progress_is_of_reading_and_building_together(void **state)
     free(soup);
 }
 
-static void either_can_be_ended(void **state)
+static void reading_and_building_can_be_cancelled(void **state)
 {
     (void)state;
     char *soup = new_soup(9000);
@@ -183,12 +183,9 @@ int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
     const struct CMUnitTest tests[] = {
-        TEST(smallest_ones_that_are_cut),
-        TEST(books_of_any_number_of_pages),
-        TEST(a_soup_that_is_welded_and_cut),
-        TEST(a_mesh_whose_copies_find_no_room_is_refused_with_the_numbers),
-        TEST(progress_is_of_reading_and_building_together),
-        TEST(either_can_be_ended),
+        TEST(smallest_meshes_that_repair_splits),   TEST(books_of_any_number_of_pages),
+        TEST(a_soup_that_is_welded_and_split),      TEST(a_refusal_for_memory_names_the_numbers),
+        TEST(progress_covers_reading_and_building), TEST(reading_and_building_can_be_cancelled),
     };
 #undef TEST
     return cmocka_run_group_tests(tests, NULL, NULL);

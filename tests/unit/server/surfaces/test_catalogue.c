@@ -23,7 +23,7 @@ static int tear_down(void **state)
     (void)state;
     server_catalogue_destroy(catalogue);
     gd_mesh_release(mesh);
-    assert_int_equal(budget.total, 0); /* whatever a test did, every byte has come back */
+    assert_int_equal(budget.total, 0); /* every byte of the budget was returned */
     return 0;
 }
 
@@ -36,13 +36,13 @@ static struct proto_located_set *new_set(const char *members)
     json_t *document = proto_decode_document(text, strlen(text), &problem);
     assert_true(document && proto_set_decode(document, "", &set, &problem));
     struct proto_located_set *located;
-    assert_int_equal(proto_set_locate(mesh, &set, NULL, NULL, &located, &problem), GD_OK);
+    assert_int_equal(proto_set_locate(mesh, &set, NULL, &located, &problem), GD_OK);
     proto_set_free(&set);
     json_decref(document);
     return located;
 }
 
-/* Lists a field of that id for a key; true if it is new. */
+/* Adds a field with that id for a key; returns whether it is new. */
 static bool add_for(const char *key, const char *id)
 {
     const struct proto_field_description description = {.wedges = 7, .max_distance = 0.5};
@@ -69,7 +69,7 @@ static enum server_catalogue_finding find(const char *id)
     return finding;
 }
 
-static void what_is_listed_is_found_until_it_is_removed(void **state)
+static void resources_are_found_until_they_are_removed(void **state)
 {
     (void)state;
     struct server_resource *resource;
@@ -82,7 +82,7 @@ static void what_is_listed_is_found_until_it_is_removed(void **state)
     server_resource_release(server_catalogue_remove(catalogue, "b"));
     assert_null(server_catalogue_remove(catalogue, "b"));
     assert_int_equal(find("b"), SERVER_CATALOGUE_ABSENT);
-    assert_int_equal(resource->description.wedges, 7); /* who has it keeps it */
+    assert_int_equal(resource->description.wedges, 7); /* a reference keeps the resource */
     server_resource_release(resource);
     assert_int_equal(budget.total, 0);
 }
@@ -100,13 +100,13 @@ static void lists_in_order(void **state)
     assert_string_equal(page[2]->id, "m");
     assert_string_equal(page[3]->id, "z");
     for (int i = 0; i < 4; i++) server_resource_release(page[i]);
-    /* after one that is gone */
+    /* after a removed resource */
     assert_int_equal(server_catalogue_list(catalogue, "d", 1, page), 1);
     assert_string_equal(page[0]->id, "m");
     server_resource_release(page[0]);
 }
 
-static void the_one_that_was_not_used_for_longest_is_forgotten(void **state)
+static void the_least_recently_used_is_forgotten(void **state)
 {
     (void)state;
     char id[PROTO_FIELD_ID + 1];
@@ -125,7 +125,7 @@ static void the_one_that_was_not_used_for_longest_is_forgotten(void **state)
     assert_int_equal(find("00000001"), SERVER_CATALOGUE_ABSENT); /* removed, not forgotten */
 }
 
-static void a_key_forgets_its_own_only(void **state)
+static void a_key_forgets_only_its_own(void **state)
 {
     (void)state;
     char id[PROTO_FIELD_ID + 1];
@@ -142,7 +142,7 @@ static void a_key_forgets_its_own_only(void **state)
     assert_int_equal(find("00000011"), SERVER_CATALOGUE_FOUND);
 }
 
-static void without_room_there_is_no_resource(void **state)
+static void without_memory_there_is_no_resource(void **state)
 {
     (void)state;
     const struct proto_field_description description = {.wedges = 7};
@@ -152,7 +152,7 @@ static void without_room_there_is_no_resource(void **state)
     free(set);
 }
 
-static void ids_tell_fields_apart(void **state)
+static void ids_of_different_fields_differ(void **state)
 {
     (void)state;
     static const char *const sets[] = {
@@ -213,12 +213,12 @@ int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
     const struct CMUnitTest tests[] = {
-        TEST(what_is_listed_is_found_until_it_is_removed),
+        TEST(resources_are_found_until_they_are_removed),
         TEST(lists_in_order),
-        TEST(the_one_that_was_not_used_for_longest_is_forgotten),
-        TEST(a_key_forgets_its_own_only),
-        TEST(without_room_there_is_no_resource),
-        TEST(ids_tell_fields_apart),
+        TEST(the_least_recently_used_is_forgotten),
+        TEST(a_key_forgets_only_its_own),
+        TEST(without_memory_there_is_no_resource),
+        TEST(ids_of_different_fields_differ),
         TEST(many_threads_at_once),
     };
 #undef TEST

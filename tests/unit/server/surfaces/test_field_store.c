@@ -30,7 +30,7 @@ static struct server_surface *new_surface(struct fixture *fixture)
     return surface;
 }
 
-/* Puts the field about that vertex on the surface's mesh cache. */
+/* Adds the field of that vertex to the surface's mesh cache. */
 static void compute(struct fixture *fixture, struct server_surface *surface, uint32_t vertex)
 {
     struct gd_point source = vertex_point(surface->mesh, vertex);
@@ -40,7 +40,7 @@ static void compute(struct fixture *fixture, struct server_surface *surface, uin
     server_cache_restore(surface->fields, field);
 }
 
-/* FIELDS fields are stored, and a surface has none of them. */
+/* Stores FIELDS fields, and creates a surface without any of them. */
 static int set_up(void **state)
 {
     struct fixture *fixture = calloc(1, sizeof *fixture);
@@ -94,7 +94,7 @@ static void on_folder(void *user, const char *path, const char *name)
     assert_true(folder_each(path, on_file, user));
 }
 
-/* Does something (NULL: nothing) to each stored file; how many there are. */
+/* Calls `act` (NULL: none) for each stored file; returns their number. */
 static uint32_t each_file(const struct fixture *fixture, void (*act)(const char *path))
 {
     struct files files = {.act = act};
@@ -114,7 +114,7 @@ static uint32_t restored(const struct fixture *fixture)
     return server_mesh_cache_count(fixture->surface->fields);
 }
 
-static void fields_come_back(void **state)
+static void fields_are_restored(void **state)
 {
     struct fixture *fixture = *state;
     assert_int_equal(each_file(fixture, NULL), FIELDS);
@@ -128,7 +128,7 @@ static void cut_off(const char *path)
     assert_int_equal(truncate(path, 0), 0);
 }
 
-static void what_becomes_of_the_files_later_does_no_harm(void **state)
+static void later_changes_of_files_do_no_harm(void **state)
 {
     struct fixture *fixture = *state;
     uint32_t count;
@@ -167,13 +167,13 @@ static void a_damaged_file_is_deleted(void **state)
     assert_int_equal(each_file(fixture, NULL), 0);
 }
 
-static void a_file_that_cant_be_opened_stays(void **state)
+static void an_unreadable_file_is_kept(void **state)
 {
     struct fixture *fixture = *state;
     struct rlimit before, none;
     assert_int_equal(getrlimit(RLIMIT_NOFILE, &before), 0);
     none = before;
-    int next = dup(0); /* the folder gets this descriptor, and the files none */
+    int next = dup(0); /* the folder gets this descriptor, and no descriptor is left for files */
     close(next);
     none.rlim_cur = (rlim_t)next + 1;
     assert_int_equal(setrlimit(RLIMIT_NOFILE, &none), 0);
@@ -198,7 +198,7 @@ static void assert_never_read(const char *path)
     assert_int_equal(facts.st_atim.tv_sec, 1);
 }
 
-static void without_room_no_file_is_read(void **state)
+static void without_memory_no_file_is_read(void **state)
 {
     struct fixture *fixture = *state;
     each_file(fixture, change_the_access_time);
@@ -216,7 +216,7 @@ static bool cancel(void *user, double fraction)
     return (*left)-- > 0;
 }
 
-static void the_control_ends_it(void **state)
+static void the_control_ends_restoring(void **state)
 {
     struct fixture *fixture = *state;
     int files = 1;
@@ -231,12 +231,12 @@ int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
     const struct CMUnitTest tests[] = {
-        TEST(fields_come_back),
-        TEST(what_becomes_of_the_files_later_does_no_harm),
+        TEST(fields_are_restored),
+        TEST(later_changes_of_files_do_no_harm),
         TEST(a_damaged_file_is_deleted),
-        TEST(a_file_that_cant_be_opened_stays),
-        TEST(without_room_no_file_is_read),
-        TEST(the_control_ends_it),
+        TEST(an_unreadable_file_is_kept),
+        TEST(without_memory_no_file_is_read),
+        TEST(the_control_ends_restoring),
     };
 #undef TEST
     return cmocka_run_group_tests(tests, NULL, NULL);

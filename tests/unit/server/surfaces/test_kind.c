@@ -1,6 +1,5 @@
-/* A kind of the test's own, a toy: that all that knows of kinds knows no more of them than their
- * hooks and their routes. Both tables, of kinds and of routes, take the place of the daemon's
- * here. */
+/* A kind of surface that exists only in this test, the toy, shows that the daemon knows only the
+ * functions and routes of a kind. This file's tables of kinds and routes replace the daemon's. */
 #include "tests/unit/server/daemon.h"
 #include "tests/unit/server/folder.h"
 
@@ -74,7 +73,7 @@ static const struct server_kind toy_kind = {.word = "toy",
 
 const struct server_kind *const server_kinds[] = {&server_kind_mesh, &toy_kind, NULL};
 
-/* What only toys have. */
+/* A query that only toys have. */
 static void handle_double(struct server_exchange *exchange)
 {
     struct server_surface *surface = server_request_surface(exchange);
@@ -132,8 +131,8 @@ static char folder[FOLDER_PATH];
 
 static void start(void)
 {
-    char error[512] = "";
-    struct server_store *store = server_store_local_open(folder, error, sizeof error);
+    char error[SERVER_ERROR] = "";
+    struct server_store *store = server_store_local_open(folder, error);
     if (!store) fail_msg("%s", error);
     daemon_start(store);
 }
@@ -175,7 +174,7 @@ static const char absent[] =
 
 /* --- tests ------------------------------------------------------------------------------------ */
 
-static void toys_are_put_listed_and_deleted_as_meshes_are(void **state)
+static void toys_are_put_listed_and_deleted_like_meshes(void **state)
 {
     (void)state;
     assert_int_equal(PUT("/v1/toys/b", "42"), 201);
@@ -200,17 +199,17 @@ static void toys_are_put_listed_and_deleted_as_meshes_are(void **state)
         daemon_status((struct daemon_request){.method = "HEAD", .target = "/v1/toys/b"}), 404);
 }
 
-static void what_is_no_toy_is_refused(void **state)
+static void other_files_are_refused(void **state)
 {
     (void)state;
     assert_int_equal(PUT("/v1/toys/a", "forty-two"), 422);
     assert_int_equal(PUT("/v1/toys/a?unit=mile", "42"), 400);
-    assert_int_equal(PUT("/v1/toys/a?weld=1", "42"), 400); /* meshes have that */
+    assert_int_equal(PUT("/v1/toys/a?weld=1", "42"), 400); /* only meshes have this option */
     assert_int_equal(PUT("/v1/toys/.a", "42"), 400);
     assert_non_null(strstr(GET("/v1/toys/a"), absent));
 }
 
-static void names_of_each_kind_are_its_own(void **state)
+static void each_kind_has_its_own_names(void **state)
 {
     (void)state;
     assert_int_equal(PUT("/v1/toys/same", "1"), 201);
@@ -278,15 +277,15 @@ static bool check_is_fine(void)
     return is_fine;
 }
 
-static void toys_are_there_after_a_restart(void **state)
+static void toys_survive_a_restart(void **state)
 {
     (void)state;
     PUT("/v1/toys/a?unit=cm", "21");
     PUT("/v1/meshes/z", triangle);
-    restart(); /* the texts of the keys, z and toy+a, have another order than the keys */
+    restart(); /* the keys' texts, z and toy+a, sort differently than the keys */
     assert_string_equal(GET("/v1/toys/a"),
                         "200 {\"name\":\"a\",\"number\":21,\"options\":\"unit=cm\"}");
-    assert_int_equal(living, 0); /* a description needs no load */
+    assert_int_equal(living, 0); /* a description needs no loaded toy */
     assert_string_equal(GET("/v1/toys/a/double"), "200 42");
     assert_int_equal(living, 1);
     assert_int_equal(PUT("/v1/toys/a?unit=cm", "21"), 200);
@@ -323,8 +322,8 @@ static void a_lost_database_or_manifest_is_made_again(void **state)
     start();
 }
 
-/* What one tenant has, another can't tell from what nobody has. */
-static void tenants_know_nothing_of_each_other(void **state)
+/* A tenant can't distinguish a surface of another tenant from one that does not exist. */
+static void tenants_can_not_see_each_other(void **state)
 {
     (void)state;
     const struct daemon_request put = {
@@ -344,7 +343,7 @@ static void tenants_know_nothing_of_each_other(void **state)
     assert_int_equal(daemon_status((struct daemon_request){
                          .tenant = "b", .method = "DELETE", .target = "/v1/toys/it"}),
                      404);
-    assert_int_equal(daemon_status(of_b), 201); /* not 200 */
+    assert_int_equal(daemon_status(of_b), 201); /* created, not replaced */
     restart();
     get = (struct daemon_request){.tenant = "a", .method = "GET", .target = "/v1/toys/it/double"};
     assert_string_equal(daemon_answer(get), "200 2");
@@ -399,14 +398,14 @@ int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
     const struct CMUnitTest tests[] = {
-        TEST(toys_are_put_listed_and_deleted_as_meshes_are),
-        TEST(what_is_no_toy_is_refused),
-        TEST(names_of_each_kind_are_its_own),
+        TEST(toys_are_put_listed_and_deleted_like_meshes),
+        TEST(other_files_are_refused),
+        TEST(each_kind_has_its_own_names),
         TEST(a_name_can_be_made_from_the_content),
         TEST(conditions_hold_for_toys),
-        TEST(toys_are_there_after_a_restart),
+        TEST(toys_survive_a_restart),
         TEST(a_lost_database_or_manifest_is_made_again),
-        TEST(tenants_know_nothing_of_each_other),
+        TEST(tenants_can_not_see_each_other),
         cmocka_unit_test(texts_of_keys),
         cmocka_unit_test(keys_are_sorted_by_tenant_kind_and_name),
     };

@@ -1,4 +1,4 @@
-/* The life of a surface's landmarks: how they come, are stored, and go. */
+/* The landmarks of a surface: how they are built, stored and evicted. */
 #include "tests/unit/server/folder.h"
 
 #include <glob.h>
@@ -30,7 +30,7 @@ static enum server_store_outcome remove_sphere(uint32_t level)
     return server_registry_remove(server.api.registry, &key, &(struct server_precondition){0});
 }
 
-/* A surface that the registry has, under its level as a name. */
+/* Adds a surface to the registry, with its level as name. */
 static struct server_surface *put_sphere(uint32_t level)
 {
     char name[2] = {(char)('0' + level), '\0'};
@@ -75,16 +75,21 @@ static int set_up(void **state)
     return 0;
 }
 
+static bool is_building(void)
+{
+    return server_landmarks_statistics(server.api.landmarks).is_building;
+}
+
 static void wait_for_background(void)
 {
-    while (server_workers_load(server.host.workers).background) sched_yield();
+    while (is_building()) sched_yield();
 }
 
 static int tear_down(void **state)
 {
     (void)state;
     server_workers_cancel(server.host.workers);
-    wait_for_background();
+    server_landmarks_stop(server.api.landmarks);
     server_surface_release(surface);
     server_registry_destroy(server.api.registry);
     server_landmarks_destroy(server.api.landmarks);
@@ -94,7 +99,7 @@ static int tear_down(void **state)
     server_workspaces_destroy(server.host.workspaces);
     server_metrics_destroy(server.host.metrics);
     folder_remove(folder);
-    assert_int_equal(server.budget.total, 0); /* whatever a test did, every byte has come back */
+    assert_int_equal(server.budget.total, 0); /* every byte of the budget was returned */
     return 0;
 }
 
@@ -110,7 +115,7 @@ static bool has_landmarks(struct server_surface *of)
     return set != NULL;
 }
 
-/* Asks until they are there. */
+/* Queries until the landmarks exist. */
 static struct server_landmark_set *await(struct server_surface *of)
 {
     struct server_landmark_set *set;
@@ -133,7 +138,7 @@ static void reclaim(size_t bytes)
     reclaimer->reclaim(reclaimer->user, bytes);
 }
 
-/* Takes all memory that can be had, and gives it back. */
+/* Takes all available memory, and returns it. */
 static void press(void)
 {
     size_t bytes = server_budget_available(&server.budget);
@@ -141,7 +146,7 @@ static void press(void)
     server_budget_give(&server.budget, SERVER_BUDGET_FLIGHT, bytes);
 }
 
-/* The one stored file of landmarks; "": there is none. */
+/* Returns the only stored file of landmarks; "": there is none. */
 static const char *stored_file(void)
 {
     static char path[SERVER_DISK_PATH];
@@ -159,7 +164,7 @@ static const char *stored_file(void)
 
 /* --- in memory -------------------------------------------------------------------------------- */
 
-static void they_come_in_the_background_and_are_counted(void **state)
+static void landmarks_are_built_in_the_background_and_counted(void **state)
 {
     (void)state;
     assert_null(server_landmarks_find(server.api.landmarks, surface));
@@ -172,11 +177,11 @@ static void they_come_in_the_background_and_are_counted(void **state)
     server_surface_retire(surface);
     assert_false(has_landmarks(surface));
     assert_true(counted(SERVER_BUDGET_LANDMARKS) > 0);
-    server_landmark_set_release(set); /* the last who used them */
+    server_landmark_set_release(set); /* the last user of the evicted set */
     assert_int_equal(counted(SERVER_BUDGET_LANDMARKS), 0);
 }
 
-static void small_meshes_do_without(void **state)
+static void small_meshes_get_none(void **state)
 {
     (void)state;
     struct server_surface *small = put_sphere(3);
@@ -188,13 +193,13 @@ static void small_meshes_do_without(void **state)
     server_surface_release(small);
 }
 
-static void pressure_drops_the_coldest_first(void **state)
+static void short_memory_evicts_the_least_recently_used_first(void **state)
 {
     (void)state;
     struct server_surface *other = put_sphere(5);
     server_landmark_set_release(await(surface));
     server_landmark_set_release(await(other));
-    assert_true(has_landmarks(surface)); /* so the other is the colder one */
+    assert_true(has_landmarks(surface)); /* a use, so the other set is the least recently used */
     reclaim(1);
     assert_true(has_landmarks(surface));
     assert_false(has_landmarks(other));
@@ -202,73 +207,72 @@ static void pressure_drops_the_coldest_first(void **state)
     press();
     assert_false(has_landmarks(surface));
     assert_int_equal(counted(SERVER_BUDGET_LANDMARKS), 0);
-    server_landmark_set_release(await(surface)); /* after a while they come back, from the disk */
+    server_landmark_set_release(await(surface)); /* after the pause they are read from the disk */
     assert_statistics(2, 1, 2);
     server_surface_release(other);
 }
 
-/* Holds the only worker until `hold` is posted. */
-static void hold_worker(struct test_job *job, sem_t *hold)
+/* Makes the thread build the landmarks of a large surface, which takes longer than a test. */
+static struct server_surface *occupy_thread(void)
 {
-    sem_init(hold, 0, 0);
-    test_job_init(job, hold);
-    assert_true(server_workers_submit(server.host.workers, &job->job));
-    sem_wait(&job->began);
+    struct server_surface *large = put_sphere(6);
+    assert_false(has_landmarks(large));
+    while (atomic_load(&large->references) < 3) sched_yield(); /* waits until the build has begun */
+    return large;
 }
 
-static void pressure_ends_those_that_wait(void **state)
+static void short_memory_ends_the_running_build(void **state)
 {
     (void)state;
-    struct test_job job;
-    sem_t hold;
-    hold_worker(&job, &hold);
+    struct server_surface *large = occupy_thread();
     assert_false(has_landmarks(surface));
-    assert_int_equal(surface->references, 3);
+    assert_true(is_building());
+    assert_int_equal(surface->references, 2); /* the mesh could be unloaded while it waits */
     reclaim(1);
-    assert_int_equal(surface->references, 2); /* the mesh could be unloaded */
-    sem_post(&hold);
-    sem_wait(&job.done);
-    assert_false(has_landmarks(surface));
-    assert_statistics(0, 0, 0);
+    server_landmark_set_release(await(surface)); /* the next build */
+    assert_false(has_landmarks(large));
+    assert_statistics(1, 0, 0);
+    server_surface_release(large);
 }
 
-static void what_is_retired_meanwhile_gets_none(void **state)
+static void retired_surfaces_get_none(void **state)
 {
     (void)state;
-    struct test_job job;
-    sem_t hold;
-    hold_worker(&job, &hold);
+    struct server_surface *large = occupy_thread();
     assert_false(has_landmarks(surface));
+    assert_true(is_building());
     assert_int_equal(remove_sphere(4), SERVER_STORE_DONE);
-    assert_int_equal(surface->references, 1); /* at once: nothing that waits holds it */
-    sem_post(&hold);
-    sem_wait(&job.done);
+    assert_int_equal(surface->references, 1); /* immediately: a queued slot holds no reference */
+    assert_int_equal(remove_sphere(6), SERVER_STORE_DONE);
+    wait_for_background();
+    assert_int_equal(large->references, 1); /* the build under way was ended, too */
     assert_false(has_landmarks(surface));
     assert_int_equal(counted(SERVER_BUDGET_LANDMARKS), 0);
     assert_string_equal(stored_file(), "");
+    server_surface_release(large);
 }
 
-static void without_room_they_wait_for_it(void **state)
+static void a_build_waits_for_free_memory(void **state)
 {
     (void)state;
     size_t taken = server.budget.limit - server.budget.total - 1000;
     assert_true(server_budget_take(&server.budget, SERVER_BUDGET_FLIGHT, taken));
     assert_false(has_landmarks(surface));
-    while (atomic_load(&surface->references) > 2) sched_yield(); /* the job has ended */
+    wait_for_background();
     assert_statistics(0, 0, 0);
     server_budget_give(&server.budget, SERVER_BUDGET_FLIGHT, taken);
     server_landmark_set_release(await(surface));
     assert_statistics(1, 0, 0);
 }
 
-static void a_build_that_would_take_too_much_is_not_begun(void **state)
+static void a_too_expensive_build_is_not_begun(void **state)
 {
     (void)state;
     struct server_landmark_slot *slot = &surface->landmarks;
     size_t limit = server.budget.limit;
     server.budget.limit = server.budget.total + (4 << 20); /* a build of this mesh takes 2.7 MB */
     assert_false(has_landmarks(surface));
-    while (atomic_load(&surface->references) > 2) sched_yield();
+    wait_for_background();
     assert_int_equal(slot->not_before_ns, UINT64_MAX);
     assert_statistics(0, 0, 0);
     server.budget.limit = limit;
@@ -276,7 +280,7 @@ static void a_build_that_would_take_too_much_is_not_begun(void **state)
 
 /* --- on the disk ------------------------------------------------------------------------------ */
 
-/* The same surface, loaded again. */
+/* Loads the surface again. */
 static void reload(void)
 {
     server_surface_release(surface);
@@ -284,7 +288,7 @@ static void reload(void)
     surface = put_sphere(4);
 }
 
-/* Keeps the stored file over a reload, which deletes it with the mesh. */
+/* Keeps the stored file during a reload, which deletes it with the mesh. */
 static void reload_with_file(void)
 {
     char path[SERVER_DISK_PATH], kept[SERVER_DISK_PATH], parent[SERVER_DISK_PATH];
@@ -297,7 +301,7 @@ static void reload_with_file(void)
     assert_int_equal(rename(kept, path), 0);
 }
 
-static void stored_ones_are_read(void **state)
+static void stored_landmarks_are_read(void **state)
 {
     (void)state;
     server_landmark_set_release(await(surface));
@@ -309,7 +313,7 @@ static void stored_ones_are_read(void **state)
     assert_statistics(1, 1, 0);
 }
 
-static void damaged_ones_are_built_again(void **state)
+static void damaged_landmarks_are_built_again(void **state)
 {
     (void)state;
     server_landmark_set_release(await(surface));
@@ -323,12 +327,12 @@ static void damaged_ones_are_built_again(void **state)
     fclose(file);
     server_landmark_set_release(await(surface));
     assert_statistics(2, 0, 0);
-    reload_with_file(); /* the new file is whole */
+    reload_with_file(); /* the new file is complete */
     server_landmark_set_release(await(surface));
     assert_statistics(2, 1, 0);
 }
 
-static void others_than_are_asked_for_are_built_again(void **state)
+static void another_number_of_landmarks_is_built_again(void **state)
 {
     (void)state;
     server_landmark_set_release(await(surface));
@@ -339,7 +343,7 @@ static void others_than_are_asked_for_are_built_again(void **state)
     assert_int_equal(gd_landmarks_count(set->landmarks), 2);
     server_landmark_set_release(set);
     assert_statistics(1, 0, 0);
-    assert_string_not_equal(stored_file(), ""); /* one only */
+    assert_string_not_equal(stored_file(), ""); /* only one file */
 }
 
 static void the_file_goes_with_the_mesh(void **state)
@@ -378,16 +382,16 @@ int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
     const struct CMUnitTest tests[] = {
-        TEST(they_come_in_the_background_and_are_counted),
-        TEST(small_meshes_do_without),
-        TEST(pressure_drops_the_coldest_first),
-        TEST(pressure_ends_those_that_wait),
-        TEST(what_is_retired_meanwhile_gets_none),
-        TEST(without_room_they_wait_for_it),
-        TEST(a_build_that_would_take_too_much_is_not_begun),
-        TEST(stored_ones_are_read),
-        TEST(damaged_ones_are_built_again),
-        TEST(others_than_are_asked_for_are_built_again),
+        TEST(landmarks_are_built_in_the_background_and_counted),
+        TEST(small_meshes_get_none),
+        TEST(short_memory_evicts_the_least_recently_used_first),
+        TEST(short_memory_ends_the_running_build),
+        TEST(retired_surfaces_get_none),
+        TEST(a_build_waits_for_free_memory),
+        TEST(a_too_expensive_build_is_not_begun),
+        TEST(stored_landmarks_are_read),
+        TEST(damaged_landmarks_are_built_again),
+        TEST(another_number_of_landmarks_is_built_again),
         TEST(the_file_goes_with_the_mesh),
         TEST(many_threads_at_once),
     };

@@ -1,9 +1,9 @@
-/* Loads of one surface at the same time. */
+/* Simultaneous loads of one surface. */
 #include "tests/unit/server/folder.h"
 
 #include "server/surfaces/loader.h"
 
-/* A store whose fetches wait until they are told their outcome. */
+/* A store whose fetches wait until the test sets their outcome. */
 struct slow_store {
     struct server_store store; /* first */
     struct server_record *records[2];
@@ -21,11 +21,10 @@ static enum server_store_outcome each(struct server_store *base,
 }
 
 static enum server_store_outcome fetch(struct server_store *base,
-                                       const struct server_record *record, enum server_part part,
-                                       void **bytes)
+                                       const struct server_object *object, void **bytes)
 {
     struct slow_store *slow = (struct slow_store *)base;
-    (void)record, (void)part, (void)bytes;
+    (void)object, (void)bytes;
     sem_post(&slow->began);
     sem_wait(&slow->may_end);
     return slow->outcome;
@@ -96,7 +95,7 @@ static void *load(void *user)
     return NULL;
 }
 
-/* Has a thread load a record, and waits until it fetches. */
+/* Makes a thread load a record, and waits until it fetches. */
 static void begin_load(struct fixture *fixture, int i)
 {
     struct loading *loading = malloc(sizeof *loading);
@@ -142,7 +141,7 @@ static void other_surfaces_are_loaded_meanwhile(void **state)
     assert_int_equal(fixture->job.runs + fixture->job.refusals, 0);
 }
 
-static void want_of_memory_refuses_all(void **state)
+static void short_memory_refuses_all_jobs(void **state)
 {
     struct fixture *fixture = *state;
     begin_load(fixture, 0);
@@ -173,7 +172,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         TEST(a_second_job_waits_and_is_resumed),
         TEST(other_surfaces_are_loaded_meanwhile),
-        TEST(want_of_memory_refuses_all),
+        TEST(short_memory_refuses_all_jobs),
         TEST(a_waiting_job_has_a_deadline),
     };
 #undef TEST

@@ -65,7 +65,7 @@ static enum server_store_outcome drop(struct fixture *fixture, const char *name)
     return drop_if(fixture, name, &none);
 }
 
-/* Meshes whose names follow `after`. */
+/* Lists meshes with names after `after`. */
 static uint32_t list(struct fixture *fixture, const char *after, uint32_t most,
                      struct server_listed *out)
 {
@@ -73,7 +73,7 @@ static uint32_t list(struct fixture *fixture, const char *after, uint32_t most,
     return server_registry_list(fixture->registry, &key, NULL, most, out);
 }
 
-/* The surface of that name, which is in memory, retained; or NULL. */
+/* Returns the surface of that name if it is in memory, retained; or NULL. */
 static struct server_surface *get(struct fixture *fixture, const char *name)
 {
     struct server_listed listed;
@@ -120,7 +120,7 @@ static void keeps_by_name(void **state)
     assert_null(get(fixture, "a"));
 }
 
-static void what_is_held_outlives_its_name(void **state)
+static void a_retained_surface_outlives_its_name(void **state)
 {
     struct fixture *fixture = *state;
     put(fixture, "a", "1");
@@ -149,7 +149,7 @@ static void lists_in_order(void **state)
     assert_string_equal(listed[0].record->name, "bb");
     server_listed_release(&listed[0]);
     server_listed_release(&listed[1]);
-    assert_int_equal(list(fixture, "c", 1, listed), 1); /* a name that is not there */
+    assert_int_equal(list(fixture, "c", 1, listed), 1); /* a name that does not exist */
     assert_string_equal(listed[0].record->name, "m");
     server_listed_release(&listed[0]);
     assert_int_equal(list(fixture, "z", 10, listed), 0);
@@ -199,7 +199,7 @@ static void preconditions_decide(void **state)
                                      right_tag = {.if_match = {right}};
     assert_int_equal(drop_if(fixture, "a", &wrong_tag), SERVER_STORE_PRECONDITION);
     assert_int_equal(put_if(fixture, "a", "2", right_tag), SERVER_STORE_REPLACED);
-    /* it is another one now */
+    /* the name has another surface now */
     assert_int_equal(drop_if(fixture, "a", &right_tag), SERVER_STORE_PRECONDITION);
     assert_int_equal(count(fixture), 1);
 }
@@ -233,7 +233,7 @@ static void note_gone(void *user, const struct server_record *record)
     strcat(names, record->name);
 }
 
-static void tells_what_is_gone_with_its_last_name(void **state)
+static void the_watcher_is_called_with_the_last_name(void **state)
 {
     struct fixture *fixture = *state;
     char names[16] = "";
@@ -242,7 +242,7 @@ static void tells_what_is_gone_with_its_last_name(void **state)
     put(fixture, "b", "1");
     put(fixture, "c", "2");
     put(fixture, "a", "1");
-    put(fixture, "a", "2"); /* "b" has it still */
+    put(fixture, "a", "2"); /* "b" still has this ETag */
     assert_string_equal(names, "");
     put(fixture, "b", "2");
     assert_string_equal(names, "b");
@@ -255,7 +255,7 @@ static void tells_what_is_gone_with_its_last_name(void **state)
 
 /* --- with a store that can give back what it was given ---------------------------------------- */
 
-static enum server_store_outcome answer; /* of the next writes */
+static enum server_store_outcome answer; /* outcome of the next writes */
 
 static enum server_store_outcome answer_put(struct server_store *store,
                                             const struct server_record *record,
@@ -281,11 +281,10 @@ answer_remove(struct server_store *store, const struct server_record *record, ui
 }
 
 static enum server_store_outcome give_back(struct server_store *store,
-                                           const struct server_record *record,
-                                           enum server_part part, void **bytes)
+                                           const struct server_object *object, void **bytes)
 {
-    (void)store, (void)record, (void)part, (void)bytes;
-    return SERVER_STORE_ABSENT; /* nobody asks: that it could is enough */
+    (void)store, (void)object, (void)bytes;
+    return SERVER_STORE_ABSENT; /* not called */
 }
 
 static int set_up_stored(void **state)
@@ -310,7 +309,7 @@ static bool is_loaded(struct fixture *fixture, const char *name)
     return surface != NULL;
 }
 
-static void what_the_store_refuses_changes_nothing(void **state)
+static void a_refusal_of_the_store_changes_nothing(void **state)
 {
     static const enum server_store_outcome refusals[] = {
         SERVER_STORE_FULL, SERVER_STORE_READ_ONLY, SERVER_STORE_REFUSED, SERVER_STORE_NO_MEMORY};
@@ -330,7 +329,7 @@ static void what_the_store_refuses_changes_nothing(void **state)
     server_surface_release(after);
 }
 
-static void unused_ones_make_room_the_coldest_first(void **state)
+static void unused_surfaces_are_unloaded_least_recently_used_first(void **state)
 {
     struct fixture *fixture = *state;
     struct server_surface *used;
@@ -343,7 +342,7 @@ static void unused_ones_make_room_the_coldest_first(void **state)
     struct server_surface *held = get(fixture, "b");
     size_t bytes = held->bytes;
     fixture->budget.limit = fixture->budget.total;
-    /* all but the one that is in use */
+    /* everything except the mesh in use */
     assert_int_equal(server_budget_available(&fixture->budget), 2 * bytes);
     assert_true(server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, bytes));
     assert_true(is_loaded(fixture, "a"));
@@ -377,8 +376,8 @@ static void the_same_record_again_is_kept_in_memory(void **state)
     server_listed_release(&listed);
 }
 
-static struct fixture *tidied; /* by look_while_tidying */
-static char seen[SERVER_ETAG]; /* the ETag of "a" then; empty: it was not there */
+static struct fixture *tidied; /* used by look_while_tidying */
+static char seen[SERVER_ETAG]; /* the ETag of "a" at that time; empty: there was no "a" */
 static unsigned tidy_count;
 
 static void look_while_tidying(struct server_store *store)
@@ -392,8 +391,8 @@ static void look_while_tidying(struct server_store *store)
     server_listed_release(&listed);
 }
 
-/* So nobody is told of bytes that are about to go. */
-static void the_store_tidies_once_all_is_known(void **state)
+/* The order matters: no client may get a surface whose bytes are about to be deleted. */
+static void the_store_tidies_after_the_slots_change(void **state)
 {
     struct fixture *fixture = *state;
     char before[SERVER_ETAG];
@@ -414,7 +413,7 @@ static void the_store_tidies_once_all_is_known(void **state)
     assert_int_equal(tidy_count, 3);
 }
 
-static void what_is_stored_is_confirmed(void **state)
+static void stored_surfaces_are_confirmed(void **state)
 {
     struct fixture *fixture = *state;
     struct server_listed before;
@@ -463,18 +462,18 @@ int main(void)
 #define STORED(name) cmocka_unit_test_setup_teardown(name, set_up_stored, tear_down)
     const struct CMUnitTest tests[] = {
         TEST(keeps_by_name),
-        TEST(what_is_held_outlives_its_name),
+        TEST(a_retained_surface_outlives_its_name),
         TEST(lists_in_order),
         TEST(lists_by_prefix),
         TEST(preconditions_decide),
         TEST(replacing_ends_the_fields),
-        TEST(tells_what_is_gone_with_its_last_name),
-        TEST(the_store_tidies_once_all_is_known),
+        TEST(the_watcher_is_called_with_the_last_name),
+        TEST(the_store_tidies_after_the_slots_change),
         TEST(many_threads_at_once),
-        STORED(what_the_store_refuses_changes_nothing),
-        STORED(unused_ones_make_room_the_coldest_first),
+        STORED(a_refusal_of_the_store_changes_nothing),
+        STORED(unused_surfaces_are_unloaded_least_recently_used_first),
         STORED(the_same_record_again_is_kept_in_memory),
-        STORED(what_is_stored_is_confirmed),
+        STORED(stored_surfaces_are_confirmed),
     };
 #undef STORED
 #undef TEST

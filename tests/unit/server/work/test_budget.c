@@ -36,13 +36,14 @@ static void adjusts_to_what_is_held(void **state)
     assert_true(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, 80));
     server_budget_adjust(&budget, SERVER_BUDGET_FLIGHT, 80, 30);
     assert_int_equal(budget.total, 30);
-    server_budget_adjust(&budget, SERVER_BUDGET_FLIGHT, 30, 120); /* it is there, so it counts */
+    /* the memory exists, so it is counted */
+    server_budget_adjust(&budget, SERVER_BUDGET_FLIGHT, 30, 120);
     assert_int_equal(budget.total, 120);
     assert_int_equal(server_budget_available(&budget), 0);
     assert_false(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, 1));
 }
 
-static void idle_workspaces_can_be_had_and_spare_memory_can_not(void **state)
+static void idle_workspaces_are_available_and_spare_memory_is_not(void **state)
 {
     (void)state;
     struct server_budget budget;
@@ -58,7 +59,7 @@ static size_t count_walks(void *user)
     return 40;
 }
 
-static void looks_at_what_could_go_only_when_room_is_short(void **state)
+static void walks_the_meshes_only_when_memory_is_short(void **state)
 {
     (void)state;
     struct server_budget budget;
@@ -118,7 +119,7 @@ static void workspaces_go_before_fields(void **state)
     assert_int_equal(budget.used[SERVER_BUDGET_FIELDS], 20);
 }
 
-static void does_not_evict_for_what_can_not_be_had(void **state)
+static void does_not_evict_in_vain(void **state)
 {
     (void)state;
     struct server_budget budget;
@@ -133,18 +134,18 @@ static void does_not_evict_for_what_can_not_be_had(void **state)
 
 #define KIB ((size_t)1 << 10)
 
-static void answers_leave_a_part_to_others(void **state)
+static void answers_leave_a_part_to_other_classes(void **state)
 {
     (void)state;
     struct server_budget budget;
     server_budget_init(&budget, 1024 * KIB);
     assert_int_equal(budget.largest_answer, 512 * KIB);
     assert_true(server_budget_take_answer(&budget, 500 * KIB));
-    /* half of the budget is for all of them */
+    /* all answers together may take half of the budget */
     assert_false(server_budget_take_answer(&budget, 100 * KIB));
-    assert_true(server_budget_take_answer(&budget, 60 * KIB)); /* small ones may have more, */
+    assert_true(server_budget_take_answer(&budget, 60 * KIB)); /* small answers may take more, … */
     for (int i = 0; i < 3; i++) assert_true(server_budget_take_answer(&budget, 64 * KIB));
-    assert_false(server_budget_take_answer(&budget, 64 * KIB)); /* but not all */
+    assert_false(server_budget_take_answer(&budget, 64 * KIB)); /* … but not everything */
     assert_true(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, 200 * KIB));
     assert_int_equal(server_budget_available(&budget), 1024 * KIB - budget.total);
     server_budget_give(&budget, SERVER_BUDGET_ANSWERS, budget.used[SERVER_BUDGET_ANSWERS]);
@@ -156,7 +157,7 @@ static void give_fields(void *user, size_t bytes)
     server_budget_give(user, SERVER_BUDGET_FIELDS, bytes);
 }
 
-static void answers_may_take_what_fields_hold(void **state)
+static void answers_can_evict_fields(void **state)
 {
     (void)state;
     struct server_budget budget;
@@ -186,13 +187,13 @@ int main(void)
         cmocka_unit_test(counts_by_class),
         cmocka_unit_test(sums_do_not_overflow),
         cmocka_unit_test(adjusts_to_what_is_held),
-        cmocka_unit_test(idle_workspaces_can_be_had_and_spare_memory_can_not),
-        cmocka_unit_test(looks_at_what_could_go_only_when_room_is_short),
+        cmocka_unit_test(idle_workspaces_are_available_and_spare_memory_is_not),
+        cmocka_unit_test(walks_the_meshes_only_when_memory_is_short),
         cmocka_unit_test(reclaims_what_is_missing),
         cmocka_unit_test(workspaces_go_before_fields),
-        cmocka_unit_test(does_not_evict_for_what_can_not_be_had),
-        cmocka_unit_test(answers_leave_a_part_to_others),
-        cmocka_unit_test(answers_may_take_what_fields_hold),
+        cmocka_unit_test(does_not_evict_in_vain),
+        cmocka_unit_test(answers_leave_a_part_to_other_classes),
+        cmocka_unit_test(answers_can_evict_fields),
         cmocka_unit_test(texts_take_from_the_answers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

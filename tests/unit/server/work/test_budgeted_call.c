@@ -1,5 +1,5 @@
-/* Calls of the engine within the memory budget: their grants, what is counted afterwards, and the
- * workspaces that they reuse. */
+/* Calls of the engine within the memory budget: their grants, the bytes that are counted
+ * afterwards, and the workspaces that they reuse. */
 #include "tests/unit/server/support.h"
 
 #include "server/work/budgeted_call.h"
@@ -147,7 +147,7 @@ static void *hold_all(void *user)
     return NULL;
 }
 
-/* The rival may end when the waiting call looks at its control. */
+/* Lets the rival end when the waiting call checks its control. */
 static bool end_rival(void *user, double fraction)
 {
     (void)fraction;
@@ -201,7 +201,7 @@ static void a_waiting_call_can_be_cancelled(void **state)
 struct building {
     uint32_t vertex, inner;
     void (*within)(const struct building *building);
-    const struct gd_workspace *workspace; /* that it was given */
+    const struct gd_workspace *workspace; /* the workspace that the call received */
     size_t before, after;                 /* bytes of the workspace */
 };
 

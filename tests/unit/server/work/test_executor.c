@@ -7,7 +7,7 @@ struct run {
     struct test_job job; /* first */
     struct server_workers *workers;
     uint32_t count;
-    atomic_uint *done; /* per task: how often */
+    atomic_uint *done; /* for each task: how often it ran */
     atomic_uint at_work, most_at_work;
     sem_t *wait_for; /* every task waits for it; NULL: none does */
     sem_t *start;    /* the run waits for it; NULL: it does not */
@@ -84,7 +84,7 @@ static void idle_workers_help(void **state)
     sem_init(&gate, 0, 0);
     struct run run;
     start(&run, workers, 9, &gate);
-    while (atomic_load(&run.at_work) < 3) continue; /* all three are at a task */
+    while (atomic_load(&run.at_work) < 3) continue; /* all three threads run a task */
     for (int i = 0; i < 9; i++) sem_post(&gate);
     finish(&run);
     assert_int_equal(atomic_load(&run.most_at_work), 3);
@@ -92,8 +92,8 @@ static void idle_workers_help(void **state)
     sem_destroy(&gate);
 }
 
-/* As many runs as threads: nobody is there to help, and none waits for the other. */
-static void runs_of_all_workers_at_once_end(void **state)
+/* As many runs as threads: there are no helpers, and no run waits for another. */
+static void runs_on_all_workers_end(void **state)
 {
     (void)state;
     struct server_workers *workers = server_workers_create(2, 100);
@@ -103,9 +103,9 @@ static void runs_of_all_workers_at_once_end(void **state)
     server_workers_destroy(workers);
 }
 
-/* A helper queues up behind what came meanwhile. Tasks may go on one at a time: of many, the run's
- * own thread could take all before the helper wakes. */
-static void others_get_their_turn_between_tasks(void **state)
+/* A helper queues itself behind jobs that arrived meanwhile. Tasks continue one at a time;
+ * otherwise the run's own thread could take all of them before the helper wakes. */
+static void other_jobs_run_between_tasks(void **state)
 {
     (void)state;
     const struct timespec moment = {.tv_nsec = 1000000};
@@ -120,7 +120,7 @@ static void others_get_their_turn_between_tasks(void **state)
     while (atomic_load(&run.at_work) < 2) continue;
     assert_true(server_workers_submit(workers, &other.job));
     while (sem_trywait(&other.done) != 0) {
-        assert_true(gone_on++ < run.count - 2); /* of the last two, one is each thread's */
+        assert_true(gone_on++ < run.count - 2); /* each thread runs one of the last two tasks */
         sem_post(&gate);
         nanosleep(&moment, NULL);
     }
@@ -131,8 +131,8 @@ static void others_get_their_turn_between_tasks(void **state)
     sem_destroy(&gate);
 }
 
-/* No room for helpers: the thread does it all itself. */
-static void a_full_queue_does_not_matter(void **state)
+/* No room for helpers: the thread runs all tasks. */
+static void a_full_queue_leaves_all_tasks_to_the_thread(void **state)
 {
     (void)state;
     struct server_workers *workers = server_workers_create(2, 1);
@@ -161,9 +161,9 @@ static void a_full_queue_does_not_matter(void **state)
     sem_destroy(&begin);
 }
 
-/* What is refused by a drain is done by the thread itself; the caller's tasks see to it that they
- * end early. */
-static void helpers_may_be_refused(void **state)
+/* The thread itself runs the tasks of helpers that a drain refuses. The caller's tasks end early by
+ * themselves. */
+static void refused_helpers_leave_all_tasks_to_the_thread(void **state)
 {
     (void)state;
     struct server_workers *workers = server_workers_create(2, 100);
@@ -179,15 +179,14 @@ static void helpers_may_be_refused(void **state)
     sem_destroy(&gate);
 }
 
-/* Runs of two tasks, as a field build has them. Each task computes its sum from the other's sum of
- * the run before, so a task that is skipped, repeated or mixed with another run changes the
- * sums. */
+/* Runs of two tasks, as in a field build. Each task computes its sum from the other's sum of the
+ * preceding run, so a skipped, repeated or misplaced task changes the sums. */
 enum { RUNS = 2000 };
 
 struct sums {
     uint64_t before[2], after[2];
     pthread_t thread[2];
-    uint32_t other_thread; /* runs whose tasks were done by two threads */
+    uint32_t other_thread; /* runs whose tasks two threads executed */
 };
 
 static void add(void *context, uint32_t index)
@@ -213,8 +212,8 @@ static void check_runs(const struct gd_executor *executor, struct sums *sums)
     assert_memory_equal(sums->after, expected, sizeof expected);
 }
 
-/* Runs until the helper has taken part, which on a busy machine may take a while: workers come
- * after all others. */
+/* Runs until the helper has taken part. That may take long on a busy machine, since workers have a
+ * low priority. */
 static void check_runs_of_two(const struct gd_executor *executor, struct sums *sums)
 {
     uint64_t end = gd_now_ns() + UINT64_C(20000000000);
@@ -233,7 +232,7 @@ static void one_executor_serves_many_runs(void **state)
     check_runs_of_two(executor, &sums);
     print_message("# %u of %d runs by two threads\n", sums.other_thread, RUNS);
     const struct timespec pause = {.tv_nsec = 2000000};
-    nanosleep(&pause, NULL); /* the helper sleeps by now */
+    nanosleep(&pause, NULL); /* long enough for the helper to fall asleep */
     check_runs_of_two(executor, &sums);
     server_executor_stop(executor);
     server_workers_destroy(workers);
@@ -288,10 +287,10 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_task_runs_once),
         cmocka_unit_test(idle_workers_help),
-        cmocka_unit_test(runs_of_all_workers_at_once_end),
-        cmocka_unit_test(others_get_their_turn_between_tasks),
-        cmocka_unit_test(a_full_queue_does_not_matter),
-        cmocka_unit_test(helpers_may_be_refused),
+        cmocka_unit_test(runs_on_all_workers_end),
+        cmocka_unit_test(other_jobs_run_between_tasks),
+        cmocka_unit_test(a_full_queue_leaves_all_tasks_to_the_thread),
+        cmocka_unit_test(refused_helpers_leave_all_tasks_to_the_thread),
         cmocka_unit_test(one_executor_serves_many_runs),
         cmocka_unit_test(one_thread_needs_no_executor),
         cmocka_unit_test(helpers_leave_for_a_job_and_come_back),

@@ -25,7 +25,7 @@ static bool push(int job, const char *tenant, bool is_patient)
     return server_lanes_push(&lanes, server_lanes_of(&lanes, tenant), &jobs[job], false);
 }
 
-/* The number of the job that was taken; -1: none. */
+/* Takes a job and returns its number; -1: none. */
 static int take(bool is_spare)
 {
     const struct server_job *job = server_lanes_take(&lanes, is_spare);
@@ -73,9 +73,9 @@ static void tenants_take_turns(void **state)
     take_all();
 }
 
-/* Of a tenant with long jobs and one with short ones each gets half of the time, and in between
- * neither more than a job. */
-static void turns_are_of_time(void **state)
+/* A tenant with long jobs and one with short jobs get half of the time each, and at any time
+ * neither is ahead by more than a job. */
+static void tenants_share_time_equally(void **state)
 {
     (void)state;
     uint64_t used[2] = {0};
@@ -90,7 +90,7 @@ static void turns_are_of_time(void **state)
     take_all();
 }
 
-static void who_was_idle_saves_nothing_up(void **state)
+static void idle_tenants_gain_no_credit(void **state)
 {
     (void)state;
     for (int i = 0; i < 50; i++) assert_true(push(i, "early", false));
@@ -134,7 +134,7 @@ static void urgent_jobs_go_first_but_patient_ones_do_not_starve(void **state)
     take_all();
 }
 
-/* Whatever one tenant sends, there is a place for each of some others, of either kind. */
+/* Whatever one tenant sends, some other tenants find free places, for jobs of both kinds. */
 static void a_tenant_leaves_places_free(void **state)
 {
     (void)state;
@@ -151,7 +151,7 @@ static void a_tenant_leaves_places_free(void **state)
     take_all();
 }
 
-static void alone_it_has_all_places(void **state)
+static void a_single_tenant_has_all_places(void **state)
 {
     (void)state;
     int queued = 0;
@@ -161,7 +161,7 @@ static void alone_it_has_all_places(void **state)
     take_all();
 }
 
-static void a_spare_worker_keeps_promises_only(void **state)
+static void spare_workers_take_permitted_jobs_only(void **state)
 {
     (void)state;
     for (int i = 0; i < 5; i++) assert_true(push(i, "flood", false));
@@ -179,7 +179,7 @@ static void a_spare_worker_keeps_promises_only(void **state)
     take_all();
 }
 
-static void late_jobs_are_taken_out_of_all_lanes(void **state)
+static void late_jobs_leave_all_lanes(void **state)
 {
     (void)state;
     int late = 0;
@@ -239,14 +239,14 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup(a_lane_keeps_the_order, set_up),
         cmocka_unit_test_setup(tenants_take_turns, set_up),
-        cmocka_unit_test_setup(turns_are_of_time, set_up),
-        cmocka_unit_test_setup(who_was_idle_saves_nothing_up, set_up),
+        cmocka_unit_test_setup(tenants_share_time_equally, set_up),
+        cmocka_unit_test_setup(idle_tenants_gain_no_credit, set_up),
         cmocka_unit_test_setup(the_tenant_with_fewest_running_is_next, set_up),
         cmocka_unit_test_setup(urgent_jobs_go_first_but_patient_ones_do_not_starve, set_up),
         cmocka_unit_test_setup(a_tenant_leaves_places_free, set_up),
-        cmocka_unit_test_setup(alone_it_has_all_places, set_up),
-        cmocka_unit_test_setup(a_spare_worker_keeps_promises_only, set_up),
-        cmocka_unit_test_setup(late_jobs_are_taken_out_of_all_lanes, set_up),
+        cmocka_unit_test_setup(a_single_tenant_has_all_places, set_up),
+        cmocka_unit_test_setup(spare_workers_take_permitted_jobs_only, set_up),
+        cmocka_unit_test_setup(late_jobs_leave_all_lanes, set_up),
         cmocka_unit_test(expire_takes_the_late_jobs),
         cmocka_unit_test(an_unwanted_job_is_late),
     };

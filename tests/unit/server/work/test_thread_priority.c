@@ -1,4 +1,5 @@
-/* What becomes of a worker's thread, with the right to come back and without: tried by children. */
+/* The priority of a worker's thread, with and without the right to leave idle priority, tested in
+ * child processes. */
 #include "tests/unit/server/child.h"
 #include "tests/unit/server/support.h"
 
@@ -41,7 +42,7 @@ static void stays_where_it_could_not_come_back(void)
     INSIST(sched_getscheduler(0) == SCHED_OTHER);
 }
 
-/* A thread that is no worker: nothing is known of its rights. */
+/* A thread that is not a worker: its rights are unknown. */
 static void others_stay(void)
 {
     server_worker_set_idle(true);
@@ -62,19 +63,19 @@ static void try_in_child(void (*try)(void))
     assert_true(WIFEXITED(status) && WEXITSTATUS(status) == FINE);
 }
 
-static void with_the_right(void **state)
+static void with_the_right_a_worker_returns(void **state)
 {
     (void)state;
     try_in_child(goes_and_comes_back);
 }
 
-static void without_the_right(void **state)
+static void without_the_right_a_worker_stays(void **state)
 {
     (void)state;
     try_in_child(stays_where_it_could_not_come_back);
 }
 
-static void no_worker(void **state)
+static void other_threads_are_unchanged(void **state)
 {
     (void)state;
     try_in_child(others_stay);
@@ -84,8 +85,8 @@ static void no_worker(void **state)
 
 #define MS UINT64_C(1000000)
 
-/* A job's looks, each millisecond from `from` to `to`, of a thread that gets one part in `part` of
- * the time; how often it is behind. */
+/* Updates a job every millisecond from `from` to `to`, for a thread that gets 1/`part` of the time.
+ * Returns how often it has idle priority. */
 static uint32_t look(struct server_priority *priority, uint64_t from, uint64_t to, uint64_t part)
 {
     uint32_t behind = 0;
@@ -94,7 +95,7 @@ static uint32_t look(struct server_priority *priority, uint64_t from, uint64_t t
     return behind;
 }
 
-static void long_work_goes_behind(void **state)
+static void long_work_gets_idle_priority(void **state)
 {
     (void)state;
     struct server_priority priority;
@@ -106,9 +107,9 @@ static void long_work_goes_behind(void **state)
     assert_int_equal(look(&priority, 9050, 9100, 1), 50);
 }
 
-/* Half of the time is enough, a twentieth is not: then it is back for a second after the first
- * tenth of one, for two after the next. */
-static void nothing_starves(void **state)
+/* Half of the time is enough, a twentieth is not. Then the job returns for one second after the
+ * first 0.1 s, and for two after the next. */
+static void starving_work_returns_to_normal(void **state)
 {
     (void)state;
     struct server_priority priority;
@@ -122,8 +123,8 @@ static void nothing_starves(void **state)
     assert_int_equal(look(&priority, 6250, 6350, 20), 100);
 }
 
-/* A thread that did not run for a while sees it at its next look. */
-static void a_long_pause_is_seen(void **state)
+/* A thread that did not run for a while detects it at its next update. */
+static void a_long_pause_is_detected(void **state)
 {
     (void)state;
     struct server_priority priority;
@@ -136,9 +137,11 @@ static void a_long_pause_is_seen(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(with_the_right),  cmocka_unit_test(without_the_right),
-        cmocka_unit_test(no_worker),       cmocka_unit_test(long_work_goes_behind),
-        cmocka_unit_test(nothing_starves), cmocka_unit_test(a_long_pause_is_seen)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(with_the_right_a_worker_returns),
+                                       cmocka_unit_test(without_the_right_a_worker_stays),
+                                       cmocka_unit_test(other_threads_are_unchanged),
+                                       cmocka_unit_test(long_work_gets_idle_priority),
+                                       cmocka_unit_test(starving_work_returns_to_normal),
+                                       cmocka_unit_test(a_long_pause_is_detected)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

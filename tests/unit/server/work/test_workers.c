@@ -22,7 +22,7 @@ static void runs_what_is_submitted(void **state)
     }
 }
 
-/* A pool of one thread that is busy until `hold` is posted. */
+/* Creates a pool of one thread that is busy until `hold` is posted. */
 static struct server_workers *busy_workers(struct test_job *first, sem_t *hold,
                                            uint32_t queue_length)
 {
@@ -30,11 +30,12 @@ static struct server_workers *busy_workers(struct test_job *first, sem_t *hold,
     sem_init(hold, 0, 0);
     test_job_init(first, hold);
     assert_true(server_workers_submit(workers, &first->job));
-    sem_wait(&first->began); /* it counts as running before, but could still be refused */
+    /* waits for the start: the job counts as running earlier, but could still be refused */
+    sem_wait(&first->began);
     return workers;
 }
 
-static void a_full_queue_takes_no_more_but_those_that_come_back(void **state)
+static void a_full_queue_accepts_resumed_jobs_only(void **state)
 {
     (void)state;
     sem_t hold;
@@ -57,7 +58,7 @@ static void a_full_queue_takes_no_more_but_those_that_come_back(void **state)
     assert_int_equal(refused.runs + refused.refusals, 0);
 }
 
-static void a_deadline_is_kept_in_the_queue(void **state)
+static void queued_jobs_have_deadlines(void **state)
 {
     (void)state;
     sem_t hold;
@@ -95,7 +96,7 @@ static void a_job_whose_deadline_has_passed_is_not_begun(void **state)
     assert_int_equal(job.why, SERVER_REFUSAL_DEADLINE);
 }
 
-static void a_cancel_refuses_all_that_is_not_running(void **state)
+static void a_cancel_refuses_all_waiting_jobs(void **state)
 {
     (void)state;
     sem_t hold;
@@ -115,161 +116,23 @@ static void a_cancel_refuses_all_that_is_not_running(void **state)
     assert_int_equal(queued.why, SERVER_REFUSAL_DRAINING);
     assert_int_equal(first.runs, 0);
     sem_post(&hold);
-    server_workers_destroy(workers); /* waits for the running one */
+    server_workers_destroy(workers); /* waits for the running job */
     assert_int_equal(first.runs, 1);
 }
 
-static void the_background_waits_for_an_empty_queue(void **state)
+static void a_guest_makes_the_workers_busy(void **state)
 {
     (void)state;
-    sem_t hold;
-    struct test_job first, queued, background[2];
-    struct server_workers *workers = busy_workers(&first, &hold, 10);
-    for (int i = 0; i < 2; i++) {
-        test_job_init(&background[i], NULL);
-        server_workers_submit_background(workers, &background[i].job);
-    }
-    test_job_init(&queued, &hold);
-    assert_true(server_workers_submit(workers, &queued.job));
-    assert_int_equal(server_workers_load(workers).queued, 1);
-    sem_post(&hold);
-    sem_wait(&first.done);
-    while (server_workers_load(workers).queued) continue;
-    assert_int_equal(background[0].runs + background[1].runs, 0);
-    sem_post(&hold);
-    for (int i = 0; i < 2; i++) sem_wait(&background[i].done);
-    assert_int_equal(queued.runs, 1);
+    struct server_workers *workers = server_workers_create(1, 10);
+    while (server_workers_are_busy(workers)) continue;
+    server_workers_begin_guest(workers);
+    assert_true(server_workers_are_busy(workers));
+    assert_int_equal(server_workers_load(workers).running, 0);
+    assert_true(server_workers_go_on(workers));
+    server_workers_end_guest(workers);
+    assert_false(server_workers_are_busy(workers));
+    assert_int_equal(sched_getscheduler(0), SCHED_OTHER);
     server_workers_destroy(workers);
-}
-
-struct patient_job {       /* yields until it is told to end */
-    struct server_job job; /* first */
-    struct server_workers *workers;
-    atomic_bool ends;
-    sem_t done;
-};
-
-static void run_patiently(struct server_job *job)
-{
-    struct patient_job *patient = (struct patient_job *)job;
-    while (!atomic_load(&patient->ends)) server_workers_yield(patient->workers);
-    sem_post(&patient->done);
-}
-
-static void the_background_runs_what_no_other_thread_is_free_for(void **state)
-{
-    (void)state;
-    struct test_job jobs[8];
-    struct patient_job patient = {
-        .job = {.run = run_patiently, .refuse = test_job_refuse, .deadline_ns = UINT64_MAX}};
-    sem_init(&patient.done, 0, 0);
-    for (uint32_t threads = 1; threads <= 2; threads++) {
-        patient.workers = server_workers_create(threads, 100);
-        atomic_store(&patient.ends, false);
-        server_workers_submit_background(patient.workers, &patient.job);
-        while (!server_workers_load(patient.workers).background) continue;
-        for (size_t i = 0; i < COUNT(jobs); i++) {
-            test_job_init(&jobs[i], NULL);
-            assert_true(server_workers_submit(patient.workers, &jobs[i].job));
-        }
-        for (size_t i = 0; i < COUNT(jobs); i++) sem_wait(&jobs[i].done);
-        atomic_store(&patient.ends, true);
-        sem_wait(&patient.done);
-        server_workers_destroy(patient.workers);
-        for (size_t i = 0; i < COUNT(jobs); i++) assert_int_equal(jobs[i].runs, 1);
-    }
-}
-
-/* Works for long enough to go behind, lets a queued job run in between, and sees what policy either
- * has. */
-struct long_job {
-    struct server_job job; /* first */
-    struct server_workers *workers;
-    int before, within, after;
-    sem_t is_behind, is_queued, done;
-};
-
-static void note_policy(struct server_job *job)
-{
-    ((struct long_job *)job)->within = sched_getscheduler(0);
-}
-
-static void work_for_long(struct server_job *job)
-{
-    struct long_job *work = (struct long_job *)job;
-    for (uint64_t begin = gd_now_ns(); gd_now_ns() < begin + 80000000;)
-        (void)server_workers_go_on(work->workers);
-    work->before = sched_getscheduler(0);
-    sem_post(&work->is_behind);
-    sem_wait(&work->is_queued);
-    server_workers_yield(work->workers);
-    work->after = sched_getscheduler(0);
-    sem_post(&work->done);
-}
-
-static void short_work_within_long_work_is_not_behind(void **state)
-{
-    (void)state;
-    struct long_job within = {
-        .job = {.run = note_policy, .refuse = test_job_refuse, .deadline_ns = UINT64_MAX}};
-    struct long_job work = {
-        .job = {.run = work_for_long, .refuse = test_job_refuse, .deadline_ns = UINT64_MAX}};
-    sem_init(&work.is_behind, 0, 0);
-    sem_init(&work.is_queued, 0, 0);
-    sem_init(&work.done, 0, 0);
-    work.workers = server_workers_create(1, 10);
-    server_workers_submit_background(work.workers, &work.job);
-    sem_wait(&work.is_behind);
-    assert_true(server_workers_submit(work.workers, &within.job));
-    sem_post(&work.is_queued);
-    sem_wait(&work.done);
-    server_workers_destroy(work.workers);
-    assert_int_equal(within.within, SCHED_OTHER);
-    assert_int_equal(work.after, work.before);
-    /* it may not come back, so it did not go; or others took its time */
-    if (work.before != SCHED_IDLE) skip();
-}
-
-static void the_background_can_be_refused(void **state)
-{
-    (void)state;
-    sem_t hold;
-    struct test_job first, waiting, cancelled, late;
-    struct server_workers *workers = busy_workers(&first, &hold, 10);
-    test_job_init(&waiting, NULL);
-    test_job_init(&cancelled, NULL);
-    test_job_init(&late, NULL);
-    server_workers_submit_background(workers, &waiting.job);
-    server_workers_refuse_background(workers, SERVER_REFUSAL_MEMORY);
-    assert_int_equal(waiting.refusals, 1);
-    assert_int_equal(waiting.why, SERVER_REFUSAL_MEMORY);
-    server_workers_submit_background(workers, &cancelled.job);
-    server_workers_cancel(workers);
-    server_workers_submit_background(workers, &late.job);
-    assert_int_equal(cancelled.refusals + late.refusals, 2);
-    sem_post(&hold);
-    server_workers_destroy(workers);
-}
-
-/* A background job that was not begun can be had back, once. */
-static void the_background_can_be_withdrawn(void **state)
-{
-    (void)state;
-    sem_t hold;
-    struct test_job first, background[2];
-    struct server_workers *workers = busy_workers(&first, &hold, 10);
-    for (int i = 0; i < 2; i++) {
-        test_job_init(&background[i], NULL);
-        server_workers_submit_background(workers, &background[i].job);
-    }
-    assert_true(server_workers_withdraw(workers, &background[0].job));
-    assert_false(server_workers_withdraw(workers, &background[0].job));
-    assert_false(server_workers_withdraw(workers, &first.job));
-    sem_post(&hold);
-    sem_wait(&background[1].done);
-    server_workers_destroy(workers);
-    assert_int_equal(background[0].runs + background[0].refusals, 0);
-    assert_int_equal(background[1].runs, 1);
 }
 
 static void a_parked_job_is_queued_again_or_refused(void **state)
@@ -324,7 +187,8 @@ static void of_tenant(struct test_job *job, const char *tenant, bool is_patient)
     job->job.is_patient = is_patient;
 }
 
-/* Two workers with two spare threads, and two jobs of a tenant that run until `hold` is posted. */
+/* Creates two workers with two spare threads, and two jobs of a tenant that run until `hold` is
+ * posted. */
 static struct server_workers *flooded_workers(struct test_job first[2], sem_t *hold,
                                               bool is_patient)
 {
@@ -385,7 +249,7 @@ static void a_spare_thread_runs_an_urgent_job_beside_patient_ones(void **state)
     end_flooded(workers, &hold, 3);
 }
 
-/* A job that submits another one, as executors do: it is of the same tenant and kind. */
+/* A job that submits another one, as executors do. The other job has the same tenant and kind. */
 struct submitting {
     struct server_job job; /* first */
     struct server_workers *workers;
@@ -400,7 +264,7 @@ static void submit_other(struct server_job *job)
     sem_post(&submitting->done);
 }
 
-static void what_a_job_submits_is_of_its_tenant(void **state)
+static void submitted_jobs_belong_to_the_tenant(void **state)
 {
     (void)state;
     struct test_job other;
@@ -424,19 +288,15 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(runs_what_is_submitted),
-        cmocka_unit_test(a_full_queue_takes_no_more_but_those_that_come_back),
-        cmocka_unit_test(a_deadline_is_kept_in_the_queue),
+        cmocka_unit_test(a_full_queue_accepts_resumed_jobs_only),
+        cmocka_unit_test(queued_jobs_have_deadlines),
         cmocka_unit_test(a_job_whose_deadline_has_passed_is_not_begun),
-        cmocka_unit_test(a_cancel_refuses_all_that_is_not_running),
-        cmocka_unit_test(the_background_waits_for_an_empty_queue),
-        cmocka_unit_test(the_background_runs_what_no_other_thread_is_free_for),
-        cmocka_unit_test(short_work_within_long_work_is_not_behind),
-        cmocka_unit_test(the_background_can_be_refused),
-        cmocka_unit_test(the_background_can_be_withdrawn),
+        cmocka_unit_test(a_cancel_refuses_all_waiting_jobs),
+        cmocka_unit_test(a_guest_makes_the_workers_busy),
         cmocka_unit_test(a_parked_job_is_queued_again_or_refused),
         cmocka_unit_test(a_spare_thread_runs_a_job_of_another_tenant),
         cmocka_unit_test(a_spare_thread_runs_an_urgent_job_beside_patient_ones),
-        cmocka_unit_test(what_a_job_submits_is_of_its_tenant),
+        cmocka_unit_test(submitted_jobs_belong_to_the_tenant),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

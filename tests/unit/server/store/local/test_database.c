@@ -67,7 +67,7 @@ static void brings_an_older_one_up_and_keeps_a_copy(void **state)
                      SERVER_STORE_DONE);
     assert_int_equal(server_sqlite_migrate(fixture->database, steps, 1, fixture->copy),
                      SERVER_STORE_DONE);
-    assert_int_not_equal(access(fixture->copy, F_OK), 0); /* nothing was to be done */
+    assert_int_not_equal(access(fixture->copy, F_OK), 0); /* nothing had to be migrated */
     assert_int_equal(server_sqlite_migrate(fixture->database, steps, 3, fixture->copy),
                      SERVER_STORE_DONE);
     assert_int_equal(number(fixture->database, "SELECT b FROM t"), 8);

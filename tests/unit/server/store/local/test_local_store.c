@@ -2,7 +2,7 @@
 
 #include "server/store/local/local.h"
 
-static uint64_t version; /* of a store that is not shared: 0 */
+static uint64_t version; /* always 0: the store is not shared */
 
 struct fixture {
     char folder[FOLDER_PATH];
@@ -11,8 +11,8 @@ struct fixture {
 
 static void open_store(struct fixture *fixture)
 {
-    char error[512] = "";
-    fixture->store = server_store_local_open(fixture->folder, error, sizeof error);
+    char error[SERVER_ERROR] = "";
+    fixture->store = server_store_local_open(fixture->folder, error);
     if (!fixture->store) fail_msg("%s", error);
 }
 
@@ -49,7 +49,7 @@ static struct server_content content_of(const char *bytes, const char *attachmen
         .parts = {[SERVER_PART_FILE] = bytes, [SERVER_PART_ATTACHMENT] = attachment}};
 }
 
-/* Puts a surface of any key, with an attachment if there is one. */
+/* Stores a surface with any key, and an attachment if there is one. */
 static enum server_store_outcome put_of(struct fixture *fixture, struct server_key key,
                                         const char *bytes, const char *attachment)
 {
@@ -82,7 +82,7 @@ static enum server_store_outcome drop(struct fixture *fixture, const char *name,
     return drop_of(fixture, mesh_key(name), bytes, NULL);
 }
 
-/* Fetches a part of that tenant's, by its bytes. */
+/* Fetches an object of that tenant, given its bytes. */
 static enum server_store_outcome fetch_of(struct fixture *fixture, const char *tenant,
                                           enum server_part part, const char *bytes)
 {
@@ -91,7 +91,8 @@ static enum server_store_outcome fetch_of(struct fixture *fixture, const char *t
     struct server_record *record =
         new_record_of(key, MESH_OPTIONS, bytes, part == SERVER_PART_ATTACHMENT ? bytes : NULL);
     void *found = NULL;
-    enum server_store_outcome outcome = fixture->store->fetch(fixture->store, record, part, &found);
+    enum server_store_outcome outcome =
+        fixture->store->fetch(fixture->store, &record->objects[part], &found);
     if (!outcome) assert_memory_equal(found, bytes, strlen(bytes));
     free(found);
     server_record_release(record);
@@ -116,7 +117,7 @@ static bool on_record(void *user, const struct server_stored *stored)
     return true;
 }
 
-/* Closes, opens, and tells what is there. */
+/* Reopens the store and asserts its contents. */
 static void assert_holds(struct fixture *fixture, const char *expected)
 {
     struct listing listing = {""};
@@ -169,7 +170,7 @@ static void put_two_and_close(struct fixture *fixture)
     close_store(fixture);
 }
 
-static void keeps_in_order(void **state)
+static void lists_in_the_order_of_keys(void **state)
 {
     struct fixture *fixture = *state;
     assert_holds(fixture, "");
@@ -185,7 +186,7 @@ static void keeps_in_order(void **state)
     assert_int_equal(fetch(fixture, "m"), SERVER_STORE_ABSENT);
 }
 
-static void shares_bytes(void **state)
+static void surfaces_share_objects(void **state)
 {
     struct fixture *fixture = *state;
     put(fixture, "a", "same");
@@ -196,9 +197,9 @@ static void shares_bytes(void **state)
     assert_int_equal(fetch(fixture, "same"), SERVER_STORE_ABSENT);
 }
 
-/* Who was told of a surface before it went can still fetch its bytes until everybody is told
- * otherwise. */
-static void bytes_go_when_all_is_tidy(void **state)
+/* A request that found a surface before its removal can still fetch its bytes until the removal is
+ * published. */
+static void objects_are_deleted_by_tidy(void **state)
 {
     struct fixture *fixture = *state;
     struct server_record *two = new_record("a", "2");
@@ -230,7 +231,7 @@ static void remembers_uses(void **state)
     server_record_release(b);
 }
 
-static void finds_damaged_bytes_and_takes_them_again(void **state)
+static void damaged_objects_are_found_and_replaced(void **state)
 {
     struct fixture *fixture = *state;
     char path[SERVER_DISK_PATH];
@@ -252,8 +253,8 @@ static void finds_damaged_bytes_and_takes_them_again(void **state)
 /* --- verification ----------------------------------------------------------------------------- */
 
 struct pacing {
-    size_t bytes, most;      /* read, and after how many it ends */
-    struct fixture *fixture; /* NULL, or who writes `written` again meanwhile */
+    size_t bytes, most;      /* bytes: read so far; most: after which the visit ends */
+    struct fixture *fixture; /* the store that rewrites `written` meanwhile; NULL: none */
     struct server_record *written;
 };
 
@@ -274,13 +275,13 @@ static enum server_store_outcome verify(struct fixture *fixture, const char *byt
                                         struct pacing pacing)
 {
     struct server_record *record = new_record("a", bytes);
-    enum server_store_outcome outcome =
-        fixture->store->verify(fixture->store, record, SERVER_PART_FILE, on_piece, &pacing);
+    enum server_store_outcome outcome = fixture->store->verify(
+        fixture->store, &record->objects[SERVER_PART_FILE], on_piece, &pacing);
     server_record_release(record);
     return outcome;
 }
 
-static void what_was_found_damaged_is_not_read_again(void **state)
+static void objects_in_quarantine_are_not_read(void **state)
 {
     struct fixture *fixture = *state;
     const struct pacing all = {.most = SIZE_MAX};
@@ -294,7 +295,7 @@ static void what_was_found_damaged_is_not_read_again(void **state)
     write_over(path, "x");
     assert_int_equal(verify(fixture, "some bytes", all), SERVER_STORE_DAMAGED);
     assert_int_equal(fixture->store->damaged(fixture->store), 1);
-    write_over(path, "s"); /* mended behind the store's back */
+    write_over(path, "s"); /* repaired without the store's knowledge */
     assert_int_equal(fetch(fixture, "some bytes"), SERVER_STORE_DAMAGED);
     assert_int_equal(verify(fixture, "some bytes", all), SERVER_STORE_DONE);
     assert_int_equal(fetch(fixture, "some bytes"), SERVER_STORE_DONE);
@@ -305,7 +306,7 @@ static void what_was_found_damaged_is_not_read_again(void **state)
     assert_int_equal(fixture->store->damaged(fixture->store), 0);
 }
 
-static void what_is_written_meanwhile_is_not_condemned(void **state)
+static void objects_rewritten_meanwhile_stay_out_of_quarantine(void **state)
 {
     struct fixture *fixture = *state;
     struct pacing pacing = {
@@ -320,13 +321,13 @@ static void what_is_written_meanwhile_is_not_condemned(void **state)
     server_record_release(pacing.written);
 }
 
-static void one_process_a_folder(void **state)
+static void only_one_process_uses_a_folder(void **state)
 {
     struct fixture *fixture = *state;
-    char error[512] = "";
-    assert_null(server_store_local_open(fixture->folder, error, sizeof error));
+    char error[SERVER_ERROR] = "";
+    assert_null(server_store_local_open(fixture->folder, error));
     assert_non_null(strstr(error, "in use by another geodesicd"));
-    assert_null(server_store_local_open("/dev/null/data", error, sizeof error));
+    assert_null(server_store_local_open("/dev/null/data", error));
     assert_non_null(strstr(error, "/dev/null/data"));
 }
 
@@ -350,7 +351,7 @@ static void count_aside(void *user, const char *path, const char *name)
     *count += strstr(name, SERVER_DISK_ASIDE) && !strstr(name, "-wal") && !strstr(name, "-shm");
 }
 
-static void what_was_put_aside_stays(void **state)
+static void damaged_files_are_kept_under_another_name(void **state)
 {
     struct fixture *fixture = *state;
     char manifests[SERVER_DISK_PATH];
@@ -383,20 +384,20 @@ static void a_manifest_is_made_again_from_its_row(void **state)
     assert_holds(fixture, "a=0 b=0 ");
 }
 
-static void without_row_and_manifest_a_name_is_lost_and_no_other(void **state)
+static void only_a_surface_without_row_and_manifest_is_lost(void **state)
 {
     struct fixture *fixture = *state;
     put_two_and_close(fixture);
     spoil(fixture, "manifests/a.manifest");
     lose(fixture, "geodesicd.db");
     assert_holds(fixture, "b=0 ");
-    assert_int_equal(fetch(fixture, "1"), SERVER_STORE_DONE); /* its bytes are kept */
+    assert_int_equal(fetch(fixture, "1"), SERVER_STORE_DONE); /* the object's bytes are kept */
     assert_holds(fixture, "b=0 ");
 }
 
 /* --- tenants and attachments ------------------------------------------------------------------ */
 
-static void names_are_each_tenants_own(void **state)
+static void each_tenant_has_its_own_names(void **state)
 {
     struct fixture *fixture = *state;
     const struct server_key acme = {.tenant = "acme", .kind = &server_kind_mesh, .name = "a"};
@@ -404,7 +405,7 @@ static void names_are_each_tenants_own(void **state)
     assert_int_equal(put_of(fixture, acme, "1", NULL), SERVER_STORE_DONE);
     assert_holds(fixture, "a=0 acme@a=0 ");
     assert_int_equal(drop(fixture, "a", "1"), SERVER_STORE_DONE);
-    /* the same bytes are not the same object */
+    /* tenants do not share objects of equal bytes */
     assert_int_equal(fetch(fixture, "1"), SERVER_STORE_ABSENT);
     assert_int_equal(fetch_of(fixture, "acme", SERVER_PART_FILE, "1"), SERVER_STORE_DONE);
     close_store(fixture);
@@ -416,7 +417,7 @@ static void names_are_each_tenants_own(void **state)
     assert_holds(fixture, "acme@a=0 ");
 }
 
-static void an_attachment_comes_and_goes_with_its_surface(void **state)
+static void an_attachment_lives_as_long_as_its_surface(void **state)
 {
     struct fixture *fixture = *state;
     const struct server_key key = mesh_key("a");
@@ -427,17 +428,17 @@ static void an_attachment_comes_and_goes_with_its_surface(void **state)
     assert_holds(fixture, "a=0 b=0 c=0 ");
     assert_int_equal(fetch_of(fixture, "", SERVER_PART_ATTACHMENT, "attachment"),
                      SERVER_STORE_DONE);
-    /* without it, it is another surface */
+    /* without the attachment it is another surface */
     assert_int_equal(put(fixture, "a", "file"), SERVER_STORE_DONE);
     assert_int_equal(drop(fixture, "c", "attachment"), SERVER_STORE_DONE);
-    assert_int_equal(fetch(fixture, "attachment"), SERVER_STORE_DONE); /* of b */
+    assert_int_equal(fetch(fixture, "attachment"), SERVER_STORE_DONE); /* used by b */
     assert_int_equal(drop_of(fixture, mesh_key("b"), "other", "attachment"), SERVER_STORE_DONE);
     assert_int_equal(fetch(fixture, "attachment"), SERVER_STORE_ABSENT);
     assert_int_equal(fetch(fixture, "other"), SERVER_STORE_ABSENT);
     assert_int_equal(fetch(fixture, "file"), SERVER_STORE_DONE);
 }
 
-static void a_damaged_attachment_is_found_and_taken_again(void **state)
+static void a_damaged_attachment_is_found_and_replaced(void **state)
 {
     struct fixture *fixture = *state;
     char path[SERVER_DISK_PATH];
@@ -454,7 +455,7 @@ static void a_damaged_attachment_is_found_and_taken_again(void **state)
     server_record_release(record);
 }
 
-static void what_nothing_refers_to_is_collected(void **state)
+static void unused_objects_are_deleted(void **state)
 {
     struct fixture *fixture = *state;
     char from[SERVER_DISK_PATH], to[SERVER_DISK_PATH];
@@ -474,22 +475,22 @@ int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
     const struct CMUnitTest tests[] = {
-        TEST(keeps_in_order),
-        TEST(shares_bytes),
-        TEST(bytes_go_when_all_is_tidy),
+        TEST(lists_in_the_order_of_keys),
+        TEST(surfaces_share_objects),
+        TEST(objects_are_deleted_by_tidy),
         TEST(remembers_uses),
-        TEST(finds_damaged_bytes_and_takes_them_again),
-        TEST(what_was_found_damaged_is_not_read_again),
-        TEST(what_is_written_meanwhile_is_not_condemned),
-        TEST(one_process_a_folder),
+        TEST(damaged_objects_are_found_and_replaced),
+        TEST(objects_in_quarantine_are_not_read),
+        TEST(objects_rewritten_meanwhile_stay_out_of_quarantine),
+        TEST(only_one_process_uses_a_folder),
         TEST(a_damaged_database_is_made_again),
-        TEST(what_was_put_aside_stays),
+        TEST(damaged_files_are_kept_under_another_name),
         TEST(a_manifest_is_made_again_from_its_row),
-        TEST(without_row_and_manifest_a_name_is_lost_and_no_other),
-        TEST(names_are_each_tenants_own),
-        TEST(an_attachment_comes_and_goes_with_its_surface),
-        TEST(a_damaged_attachment_is_found_and_taken_again),
-        TEST(what_nothing_refers_to_is_collected),
+        TEST(only_a_surface_without_row_and_manifest_is_lost),
+        TEST(each_tenant_has_its_own_names),
+        TEST(an_attachment_lives_as_long_as_its_surface),
+        TEST(a_damaged_attachment_is_found_and_replaced),
+        TEST(unused_objects_are_deleted),
     };
 #undef TEST
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,119 @@
+// Edits the mesh: simplifies it, or keeps its largest component. The result is a new mesh on the
+// daemon. A slider splits the picture: the original on the left, the result on the right.
+
+import type { DeriveRequest, Mesh } from "../../js/types.d.ts";
+import type { App } from "./app.ts";
+import { ask } from "./api.ts";
+import { button, byId, make } from "./dom.ts";
+import { runJob } from "./jobs.ts";
+import { loadSurface } from "./load.ts";
+import { choice, only, range, Settings } from "./settings.ts";
+import { whole } from "./units.ts";
+import { freeName } from "./uploads.ts";
+
+export class Derive {
+  private readonly settings = new Settings({
+    edit: choice("Edit", "simplify", [
+      ["simplify", "simplify"],
+      ["components", "keep the largest component"],
+    ]),
+    part: only(
+      "edit",
+      ["simplify"],
+      range(
+        "Faces to keep",
+        20,
+        1,
+        100,
+        1,
+        (percent) => `${percent} %, ${whole(this.faces(percent))}`,
+      ),
+    ),
+  });
+  private readonly result = make("div");
+  private shownFor = "";
+
+  constructor(private readonly app: App) {
+    byId("derive").append(
+      make("div", {}),
+      button("Make a new mesh", () => void this.run()),
+      this.result,
+    );
+    app.watchers.push(() => this.watch());
+  }
+
+  private faces(percent: number): number {
+    return Math.max(4, Math.round((percent / 100) * (this.app.bench.surface?.faceCount ?? 0)));
+  }
+
+  /** Shows the controls of the open surface. */
+  private watch(): void {
+    const { surface } = this.app.bench;
+    byId("derive").hidden = surface?.kind !== "meshes";
+    if (!surface || surface.path === this.shownFor) return;
+    this.shownFor = surface.path;
+    byId("derive")
+      .querySelector("div")!
+      .replaceChildren(...this.settings.elements());
+    this.result.replaceChildren();
+  }
+
+  private get operations(): DeriveRequest["operations"] {
+    if (this.settings.text("edit") === "components") return [{ operation: "components", keep: 1 }];
+    return [{ operation: "simplify", faces: this.faces(this.settings.number("part")) }];
+  }
+
+  private async run(): Promise<void> {
+    const { api, answer, bench } = this.app;
+    const surface = bench.surface!;
+    const running = new AbortController();
+    const json = { operations: this.operations, mesh: freeName(surface.name, [...bench.taken]) };
+    const request = { method: "POST", path: `${surface.path}/derive`, json } as const;
+    const onProgress = (part: number): void =>
+      answer.showProgress("Editing", part, () => running.abort());
+    await bench.beside(async () => {
+      const response = await ask(await runJob(api, request, onProgress, running.signal));
+      const mesh = (await response.json()) as Mesh;
+      await this.compare(mesh);
+    });
+    answer.hideProgress();
+    bench.onMeshes();
+  }
+
+  private async compare(mesh: Mesh): Promise<void> {
+    const { app } = this;
+    const calls = () => {};
+    const derived = await loadSurface(app.api, "meshes", mesh.name, calls);
+    app.scene.compare(derived);
+    const slider = make("input", {
+      type: "range",
+      min: 0,
+      max: 1,
+      step: 0.01,
+      value: 0.5,
+      "aria-label": "Before and after",
+    });
+    slider.addEventListener("input", () => app.scene.split(Number(slider.value)));
+    const distance = mesh.derived_from?.largest_distance;
+    const off = distance == null ? "" : `, at most ${app.units.length(distance, 3)} off`;
+    this.result.replaceChildren(
+      make(
+        "p",
+        { class: "faint" },
+        `${mesh.name}: ${whole(mesh.faces)} faces${off}. Left: before. Right: after.`,
+      ),
+      slider,
+      make(
+        "div",
+        { class: "row" },
+        button(`Open ${mesh.name}`, () => void app.open("meshes", mesh.name)),
+        button("Close", () => this.close()),
+      ),
+    );
+  }
+
+  private close(): void {
+    this.app.scene.compare(undefined);
+    this.result.replaceChildren();
+  }
+}

@@ -1,0 +1,246 @@
+/* OpenMesh's decimater with a module of our own. The module uses the quadrics of Garland and
+ * Heckbert (1997) and rejects collapses that would spoil a face. */
+#include "edit/edit_mesh.hpp"
+
+#include <cmath>
+#include <vector>
+
+#include <OpenMesh/Core/Geometry/QuadricT.hh>
+#include <OpenMesh/Tools/Decimater/DecimaterT.hh>
+#include <OpenMesh/Tools/Decimater/ModBaseT.hh>
+
+#include "base/tolerance.h"
+#include "edit/decimate.h"
+
+namespace gd_edit
+{
+
+typedef OpenMesh::Vec3d Vec3;
+typedef OpenMesh::FaceHandle Face;
+typedef OpenMesh::Geometry::Quadricd Quadric;
+
+/* --- quadrics --------------------------------------------------------------------------------- */
+
+/* Returns the quadric of a plane: the squared distance from it, times a weight. */
+static Quadric plane_quadric(const Vec3 &unit_normal, const Vec3 &p, double weight)
+{
+    Quadric plane(unit_normal[0], unit_normal[1], unit_normal[2], -(p | unit_normal));
+    plane *= weight;
+    return plane;
+}
+
+/* Returns the sum of the weights of a quadric's planes: each plane's normal has length 1. */
+static double weight_of(const Quadric &q)
+{
+    return q.a() + q.e() + q.h();
+}
+
+/* Returns the quadric of a face's plane, weighted by the face's area; zero for a face without
+ * area. */
+static Quadric face_quadric(const EditMesh &mesh, Face face)
+{
+    Vec3 p[3];
+    int k = 0;
+    for (auto vertex : mesh.fv_range(face)) p[k++] = mesh.point(vertex);
+    const Vec3 normal = (p[1] - p[0]) % (p[2] - p[0]);
+    const double length = normal.norm();
+    return length > 0 ? plane_quadric(normal / length, p[0], 0.5 * length) : Quadric(0.0);
+}
+
+/* Returns the quadric of the plane through a boundary edge and perpendicular to its face. It keeps
+ * the boundary in place. */
+static Quadric wall_quadric(const EditMesh &mesh, OpenMesh::HalfedgeHandle boundary)
+{
+    const auto inside = mesh.opposite_halfedge_handle(boundary);
+    const auto apex = mesh.to_vertex_handle(mesh.next_halfedge_handle(inside));
+    const Vec3 p = mesh.point(mesh.from_vertex_handle(inside));
+    const Vec3 along = mesh.point(mesh.to_vertex_handle(inside)) - p;
+    const Vec3 normal = along % ((mesh.point(apex) - p) % along);
+    const double length = normal.norm();
+    return length > 0 ? plane_quadric(normal / length, p, along.sqrnorm()) : Quadric(0.0);
+}
+
+/* --- faces that a collapse changes ------------------------------------------------------------ */
+
+/* Returns the height over the longest edge, relative to that edge. */
+static double flatness_of(const Vec3 &normal, const Vec3 &p, const Vec3 &a, const Vec3 &b)
+{
+    return normal.norm() / std::max({(a - p).sqrnorm(), (b - p).sqrnorm(), (b - a).sqrnorm()});
+}
+
+/* Returns true if the collapse would turn a remaining face around v0 by 90 degrees or more, or make
+ * it too flat. */
+static bool spoils_a_face(const OpenMesh::Decimater::CollapseInfoT<EditMesh> &collapse)
+{
+    const EditMesh &mesh = collapse.mesh;
+    for (auto half : mesh.voh_range(collapse.v0)) {
+        const auto face = mesh.face_handle(half);
+        if (!face.is_valid() || face == collapse.fl || face == collapse.fr) continue;
+        const auto across = mesh.next_halfedge_handle(half);
+        const Vec3 a = mesh.point(mesh.to_vertex_handle(half));
+        const Vec3 b = mesh.point(mesh.to_vertex_handle(across));
+        const Vec3 before = (a - collapse.p0) % (b - collapse.p0);
+        const Vec3 after = (a - collapse.p1) % (b - collapse.p1);
+        if (!((before | after) > 0)) return true;
+        const double flatness = flatness_of(after, collapse.p1, a, b);
+        if (flatness < GD_TOL_EDIT_FLAT && flatness < flatness_of(before, collapse.p0, a, b))
+            return true;
+    }
+    return false;
+}
+
+/* --- the module ------------------------------------------------------------------------------- */
+
+template <class MeshT> class QuadricsT : public OpenMesh::Decimater::ModBaseT<MeshT>
+{
+  public:
+    DECIMATING_MODULE(QuadricsT, MeshT, Quadrics);
+
+    explicit QuadricsT(MeshT &mesh) : Base(mesh, false)
+    {
+    }
+
+    Watch *watch = nullptr;
+    double most_error = INFINITY; /* mean squared distance from the planes, in the unit box */
+
+    void initialize() override
+    {
+        MeshT &mesh = Base::mesh();
+        quadrics_.assign(mesh.n_vertices(), Quadric(0.0));
+        valences_.resize(mesh.n_vertices());
+        add_faces();
+        add_walls();
+        for (auto vertex : mesh.vertices()) {
+            count_neighbours(vertex);
+            watch->step();
+        }
+        for (auto vertex : mesh.vertices()) lock_hub(vertex);
+    }
+
+    float collapse_priority(const CollapseInfo &collapse) override
+    {
+        watch->step();
+        Quadric sum = quadric(collapse.v0);
+        sum += quadric(collapse.v1);
+        const double error = std::max(sum(collapse.p1), 0.0);
+        if (error > most_error * weight_of(sum) ||
+            valence(collapse.v0) + valence(collapse.v1) > GD_EDIT_VALENCE_MOST + 4 ||
+            spoils_a_face(collapse))
+            return Base::ILLEGAL_COLLAPSE;
+        return (float)error;
+    }
+
+    void postprocess_collapse(const CollapseInfo &collapse) override
+    {
+        quadric(collapse.v1) += quadric(collapse.v0);
+        for (auto vertex : {collapse.v1, collapse.vl, collapse.vr}) {
+            if (vertex.is_valid()) count_neighbours(vertex);
+        }
+    }
+
+  private:
+    Quadric &quadric(OpenMesh::VertexHandle vertex)
+    {
+        return quadrics_[(size_t)vertex.idx()];
+    }
+
+    uint32_t valence(OpenMesh::VertexHandle vertex) const
+    {
+        return valences_[(size_t)vertex.idx()];
+    }
+
+    void count_neighbours(OpenMesh::VertexHandle vertex)
+    {
+        valences_[(size_t)vertex.idx()] = (uint32_t)Base::mesh().valence(vertex);
+    }
+
+    void add_faces()
+    {
+        for (auto face : Base::mesh().faces()) {
+            const Quadric plane = face_quadric(Base::mesh(), face);
+            for (auto vertex : Base::mesh().fv_range(face)) quadric(vertex) += plane;
+            watch->step();
+        }
+    }
+
+    void add_walls()
+    {
+        const MeshT &mesh = Base::mesh();
+        for (auto half : mesh.halfedges()) {
+            watch->step();
+            if (!mesh.is_boundary(half)) continue;
+            const Quadric wall = wall_quadric(mesh, half);
+            quadric(mesh.from_vertex_handle(half)) += wall;
+            quadric(mesh.to_vertex_handle(half)) += wall;
+        }
+    }
+
+    /* Locks a vertex of high valence and its neighbours. Each collapse beside such a vertex would
+     * visit all its neighbours, so the total time would be quadratic. */
+    void lock_hub(OpenMesh::VertexHandle vertex)
+    {
+        MeshT &mesh = Base::mesh();
+        watch->step();
+        if (valence(vertex) <= GD_EDIT_VALENCE_MOST) return;
+        mesh.status(vertex).set_locked(true);
+        for (auto neighbour : mesh.vv_range(vertex)) mesh.status(neighbour).set_locked(true);
+    }
+
+    std::vector<Quadric> quadrics_;
+    std::vector<uint32_t> valences_;
+};
+
+typedef QuadricsT<EditMesh> Quadrics;
+typedef OpenMesh::Decimater::DecimaterT<EditMesh> Decimater;
+
+/* Adds the module. The decimater owns it, unless adding it to the decimater's list fails. */
+static Quadrics &add_module(Decimater &decimater)
+{
+    Quadrics::Handle handle;
+    try {
+        decimater.add(handle);
+    } catch (...) {
+        if (handle.is_valid()) delete &decimater.module(handle);
+        throw;
+    }
+    return decimater.module(handle);
+}
+
+static void lock_boundary(EditMesh &edited)
+{
+    for (auto vertex : edited.vertices()) {
+        if (edited.is_boundary(vertex)) edited.status(vertex).set_locked(true);
+    }
+}
+
+/* Calls of the module per collapse: the collapse has about 6 neighbours, each with 6 of its own. */
+static const double CALLS_A_COLLAPSE = 40;
+
+static enum gd_status decimate(const struct gd_mesh *mesh,
+                               const struct gd_simplify_options &options, double most_distance,
+                               const struct gd_control *control, struct gd_edited *out)
+{
+    EditMesh edited;
+    const double faces = gd__edit_counts(mesh).faces;
+    const double collapses = std::max(0.0, (faces - options.faces) / 2);
+    Watch watch(control, 9 * faces + CALLS_A_COLLAPSE * collapses);
+    copy_mesh(mesh, watch, edited);
+    if (options.keep_boundary) lock_boundary(edited);
+    Decimater decimater(edited);
+    Quadrics &quadrics = add_module(decimater);
+    quadrics.watch = &watch;
+    quadrics.most_error = most_distance * most_distance;
+    if (!decimater.initialize()) return GD_INTERNAL;
+    decimater.decimate_to_faces(0, options.faces);
+    return keep_rest(mesh, edited, out);
+}
+
+} // namespace gd_edit
+
+enum gd_status gd__decimate(const struct gd_mesh *mesh, const struct gd_simplify_options *options,
+                            double most_distance, const struct gd_control *control,
+                            struct gd_edited *out)
+{
+    return gd_edit::guarded(
+        [&] { return gd_edit::decimate(mesh, *options, most_distance, control, out); });
+}

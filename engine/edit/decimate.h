@@ -1,0 +1,24 @@
+/* Runs OpenMesh's decimater once. */
+#ifndef GD_EDIT_DECIMATE_H
+#define GD_EDIT_DECIMATE_H
+
+#include "gd/edit.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Collapses edges until options->faces are left or no collapse is allowed. `most_distance`, in the
+ * unit box, bounds the root of the mean squared distance from the planes of the merged faces
+ * (INFINITY: no bound). Does not set the result's distance. GD_NO_MEMORY, GD_CANCELLED,
+ * GD_DEADLINE. */
+GD_MUST_USE enum gd_status gd__decimate(const struct gd_mesh *mesh,
+                                        const struct gd_simplify_options *options,
+                                        double most_distance, const struct gd_control *control,
+                                        struct gd_edited *out);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

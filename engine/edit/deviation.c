@@ -1,0 +1,112 @@
+/* Measures the distance between two surfaces from samples. Only the largest distance is needed, so
+ * a search ends as soon as it finds a face within the largest distance so far. */
+#include "base/pace.h"
+#include "base/share.h"
+#include "edit/edited.h"
+#include "mesh/bvh.h"
+#include "mesh/closest_point.h"
+
+#define STEPS_A_SEARCH 40 /* steps of a pace: a search takes some microseconds */
+
+struct farthest {
+    struct gd__bvh_search search; /* its keys are squared distances */
+    const struct gd_mesh *mesh;
+    struct gd_vec3 q; /* all lengths here are in the mesh's normalised unit */
+    double best;      /* squared distance of q from the surface */
+    double largest;   /* squared distance of the farthest q so far */
+};
+
+static double outside(double x, double min, double max)
+{
+    return x < min ? min - x : x > max ? x - max : 0;
+}
+
+static double box_square_distance(const struct gd__bvh_search *search, const struct gd__box *box)
+{
+    struct gd_vec3 q = ((const struct farthest *)search)->q;
+    struct gd_vec3 d = {outside(q.x, box->min.x, box->max.x), outside(q.y, box->min.y, box->max.y),
+                        outside(q.z, box->min.z, box->max.z)};
+    return gd_vec3_dot(d, d);
+}
+
+static void visit_face(struct gd__bvh_search *search, uint32_t face)
+{
+    struct farthest *farthest = (struct farthest *)search;
+    double squared = gd__face_square_distance(farthest->mesh, face, farthest->q);
+    if (squared < farthest->best) farthest->best = squared;
+    search->limit = farthest->best <= farthest->largest ? -1 : farthest->best;
+}
+
+static void measure(struct farthest *farthest, struct gd_vec3 q)
+{
+    farthest->q = q;
+    farthest->best = INFINITY;
+    farthest->search.limit = INFINITY;
+    gd__bvh_run(farthest->mesh, &farthest->search);
+    farthest->largest = fmax(farthest->largest, farthest->best);
+}
+
+static struct farthest farthest_from(const struct gd_mesh *mesh, double largest)
+{
+    double inside = largest / mesh->unit;
+    return (struct farthest){.search = {INFINITY, box_square_distance, visit_face},
+                             .mesh = mesh,
+                             .largest = inside * inside};
+}
+
+static double farthest_distance(const struct farthest *farthest)
+{
+    return sqrt(farthest->largest) * farthest->mesh->unit;
+}
+
+/* Returns the largest distance from the vertices of `from` to `to`, at least `largest`. */
+static double measure_vertices(const struct gd_mesh *from, const struct gd_mesh *to, double largest,
+                               struct gd__pace *pace)
+{
+    struct farthest farthest = farthest_from(to, largest);
+    double scale = from->unit / to->unit;
+    for (uint32_t v = 0; v < from->vertex_count && gd__pace(pace, STEPS_A_SEARCH); v++)
+        measure(&farthest, gd_vec3_scale(from->position[v], scale));
+    return farthest_distance(&farthest);
+}
+
+/* Returns the largest distance from the middles of faces and edges of `from` to `to`, at least
+ * `largest`. */
+static double measure_middles(const struct gd_mesh *from, const struct gd_mesh *to, double largest,
+                              struct gd__pace *pace)
+{
+    struct farthest farthest = farthest_from(to, largest);
+    double scale = from->unit / to->unit;
+    for (uint32_t f = 0; f < from->face_count && gd__pace(pace, 3 * STEPS_A_SEARCH); f++) {
+        struct gd_vec3 sum = {0};
+        for (int k = 0; k < 3; k++) {
+            uint32_t side = from->face_side[f][k];
+            struct gd_vec3 p = from->position[from->origin[side]];
+            struct gd_vec3 q = from->position[gd__side_destination(from, side)];
+            sum = gd_vec3_add(sum, p);
+            if (side % 2 == 0 || gd__side_is_boundary(from, side ^ 1))
+                measure(&farthest, gd_vec3_scale(gd_vec3_add(p, q), scale / 2));
+        }
+        measure(&farthest, gd_vec3_scale(sum, scale / 3));
+    }
+    return farthest_distance(&farthest);
+}
+
+enum gd_status gd_edit_deviation(const struct gd_mesh *mesh, const struct gd_polygons *edited,
+                                 const struct gd_control *control, double *out,
+                                 struct gd_detail *detail)
+{
+    struct gd__share share = {.control = control, .total = 2};
+    struct gd_control part = gd__share_control(&share, 0);
+    struct gd_mesh *made;
+    enum gd_status status = gd_mesh_build(edited, NULL, &part, &made, detail);
+    if (status) return status;
+    share.done = 1;
+    struct gd__pace pace = {.control = &part, .fraction = 0};
+    double largest = measure_middles(made, mesh, 0, &pace);
+    pace.fraction = 0.3;
+    largest = measure_vertices(mesh, made, largest, &pace);
+    gd_mesh_release(made);
+    if (!pace.status) *out = largest;
+    return pace.status;
+}

@@ -1,0 +1,101 @@
+/* A mesh in OpenMesh's form. Vertices, faces and half-edges have the internal numbers of gd_mesh
+ * (mesh/topology.h): half-edge h is side h. Coordinates are in the unit box, because OpenMesh
+ * stores priorities as floats.
+ *
+ * The connectivity is copied. add_face would take quadratic time in the valence and may reject a
+ * face. */
+#ifndef GD_EDIT_EDIT_MESH_HPP
+#define GD_EDIT_EDIT_MESH_HPP
+
+/* C names structs and functions alike. gcc cannot analyse OpenMesh's Property::push_back. */
+#pragma GCC diagnostic ignored "-Wshadow"
+#ifndef __clang__
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
+
+/* OpenMesh asserts each handle that it receives, which takes half of the time. */
+#ifndef NDEBUG
+#define NDEBUG
+#endif
+
+#include <algorithm>
+#include <new>
+#include <stdexcept>
+
+#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
+
+#include "edit/edited.h"
+
+namespace gd_edit
+{
+
+struct Traits : OpenMesh::DefaultTraits {
+    typedef OpenMesh::Vec3d Point;
+    typedef OpenMesh::Vec3d Normal;
+    VertexAttributes(OpenMesh::Attributes::Status);
+    EdgeAttributes(OpenMesh::Attributes::Status);
+    FaceAttributes(OpenMesh::Attributes::Status);
+    HalfedgeAttributes(OpenMesh::Attributes::PrevHalfedge);
+};
+typedef OpenMesh::TriMesh_ArrayKernelT<Traits> EditMesh;
+
+/* Thrown to leave OpenMesh when the control stops the call. */
+struct Stopped {
+    enum gd_status status;
+};
+
+/* Checks a control at intervals; throws Stopped. */
+class Watch
+{
+  public:
+    Watch(const struct gd_control *control, double steps) : control_(control), steps_(steps)
+    {
+    }
+
+    /* Counts a step of some microseconds at most. */
+    void step()
+    {
+        if (++done_ % STEPS_A_CHECK == 0) check();
+    }
+
+  private:
+    static const uint64_t STEPS_A_CHECK = 512;
+
+    void check() const
+    {
+        const double part = std::min(1.0, (double)done_ / steps_);
+        const enum gd_status status = gd_control_check(control_, part);
+        if (status) throw Stopped{status};
+    }
+
+    const struct gd_control *control_;
+    double steps_; /* expected number of steps */
+    uint64_t done_ = 0;
+};
+
+/* Copies a mesh into an empty EditMesh. */
+void copy_mesh(const struct gd_mesh *mesh, Watch &watch, EditMesh &out);
+
+/* Writes the triangles of an edited mesh that are not deleted, in the order of their indices. All
+ * its vertices must be vertices of the input. */
+enum gd_status keep_rest(const struct gd_mesh *mesh, const EditMesh &edited, struct gd_edited *out);
+
+/* Runs a body and converts its exceptions to a status. */
+template <class Body> enum gd_status guarded(const Body &body) noexcept
+{
+    try {
+        return body();
+    } catch (const Stopped &stopped) {
+        return stopped.status;
+    } catch (const std::bad_alloc &) {
+        return GD_NO_MEMORY;
+    } catch (const std::length_error &) {
+        return GD_NO_MEMORY;
+    } catch (...) {
+        return GD_INTERNAL;
+    }
+}
+
+} // namespace gd_edit
+
+#endif

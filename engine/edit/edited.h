@@ -1,0 +1,77 @@
+/* Functions that the edits share: reading a mesh for an edit, and the arrays of a result. C++
+ * cannot include mesh/topology.h, so it reads a mesh by these functions. */
+#ifndef GD_EDIT_EDITED_H
+#define GD_EDIT_EDITED_H
+
+#include "gd/edit.h"
+#include "gd/point.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* --- reading; vertices, sides and faces have internal numbers (mesh/topology.h) --------------- */
+
+struct gd__edit_counts {
+    uint32_t vertices, edges, faces;
+    uint32_t indices, face_indices; /* number of indices of the input */
+};
+
+struct gd__edit_side {
+    uint32_t destination; /* a vertex */
+    uint32_t next;        /* next side around the face; for a boundary side, around the hole */
+    uint32_t face;        /* GD_NONE: boundary */
+};
+
+struct gd__edit_counts gd__edit_counts(const struct gd_mesh *mesh);
+struct gd__edit_side gd__edit_side(const struct gd_mesh *mesh, uint32_t side);
+
+/* Returns a side that leaves the vertex; at the boundary the side without a face. */
+uint32_t gd__edit_leaving(const struct gd_mesh *mesh, uint32_t vertex);
+
+/* Returns the side from corner 0 of a face. */
+uint32_t gd__edit_first_side(const struct gd_mesh *mesh, uint32_t face);
+
+/* Returns the vertex or face of an index of the input. GD_NONE: there is none, or another index
+ * represents the vertex. */
+uint32_t gd__edit_vertex(const struct gd_mesh *mesh, uint32_t index);
+uint32_t gd__edit_face(const struct gd_mesh *mesh, uint32_t index);
+
+/* Returns the position of a vertex in the unit box: the surface's bounding box with its least
+ * corner at the origin, scaled so that its longest side has length 1. */
+struct gd_vec3 gd__edit_place(const struct gd_mesh *mesh, uint32_t vertex);
+
+/* Returns the side of the unit box in the mesh's unit. */
+double gd__edit_box_size(const struct gd_mesh *mesh);
+
+/* --- results ---------------------------------------------------------------------------------- */
+
+/* Allocates the arrays for that many vertices and triangles. GD_NO_MEMORY: nothing is allocated. */
+GD_MUST_USE enum gd_status gd__edited_allocate(struct gd_edited *edited, uint32_t vertices,
+                                               uint32_t faces);
+
+/* Sets the position and origin of vertex `at` of the result to those of a vertex of the mesh. */
+void gd__edited_keep(struct gd_edited *edited, uint32_t at, const struct gd_mesh *mesh,
+                     uint32_t vertex);
+
+/* Writes all vertices and faces of the mesh to the beginning of the arrays, in the order of their
+ * indices. Sets `number` to the number in the result of each internal vertex. The pace may stop
+ * before the end. */
+struct gd__pace;
+void gd__edited_copy(struct gd_edited *edited, const struct gd_mesh *mesh, uint32_t *number,
+                     struct gd__pace *pace);
+
+/* Returns a point of the mesh as an origin. */
+struct gd_origin gd__origin_of(const struct gd_mesh *mesh, const struct gd_point *point);
+
+/* Computes one level of subdivision and ignores options->levels. */
+GD_MUST_USE enum gd_status gd__subdivide_once(const struct gd_mesh *mesh,
+                                              const struct gd_subdivide_options *options,
+                                              const struct gd_control *control,
+                                              struct gd_edited *out, struct gd_detail *detail);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

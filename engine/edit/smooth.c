@@ -1,0 +1,136 @@
+/* Smoothing: Jacobi steps towards the mean of the neighbours (the uniform Laplacian). A step uses
+ * the component along the tangent plane, the one along the normal, or both. OpenMesh's smoother is
+ * not used because it cannot be stopped. */
+#include <stdlib.h>
+
+#include "base/pace.h"
+#include "edit/edited.h"
+#include "mesh/topology.h"
+
+#define STEP 0.5 /* fraction of the way to the mean that a step moves; a full step may oscillate */
+
+struct smoothing {
+    const struct gd_mesh *mesh;
+    const struct gd_smooth_options *options;
+    struct gd__pace pace;
+    struct gd_vec3 *place, *next; /* per internal vertex */
+    bool *is_fixed;               /* per internal vertex */
+};
+
+static struct gd_vec3 face_normal(const struct gd_mesh *mesh, const struct gd_vec3 *place,
+                                  uint32_t face)
+{
+    struct gd_vec3 p[3];
+    for (int k = 0; k < 3; k++) p[k] = place[mesh->origin[mesh->face_side[face][k]]];
+    return gd_vec3_cross(gd_vec3_sub(p[1], p[0]), gd_vec3_sub(p[2], p[0]));
+}
+
+/* Fixes the ends of sharp edges, by the angle between their faces. */
+static void fix_vertices(struct smoothing *smoothing)
+{
+    const struct gd_mesh *mesh = smoothing->mesh;
+    double least = cos(smoothing->options->feature_angle);
+    for (uint32_t e = 0; e < mesh->edge_count && gd__pace(&smoothing->pace, 2); e++) {
+        uint32_t left = mesh->side_face[2 * e], right = mesh->side_face[2 * e + 1];
+        bool is_fixed = left == GD_NONE || right == GD_NONE;
+        if (!is_fixed) {
+            struct gd_vec3 a = face_normal(mesh, mesh->position, left);
+            struct gd_vec3 b = face_normal(mesh, mesh->position, right);
+            is_fixed = gd_vec3_dot(a, b) < least * gd_vec3_length(a) * gd_vec3_length(b);
+        }
+        for (int k = 0; k < 2 && is_fixed; k++)
+            smoothing->is_fixed[mesh->origin[2 * e + (uint32_t)k]] = true;
+    }
+}
+
+static struct gd_vec3 moved(const struct smoothing *smoothing, uint32_t vertex)
+{
+    const struct gd_mesh *mesh = smoothing->mesh;
+    struct gd_vec3 p = smoothing->place[vertex], sum = {0}, normal = {0};
+    uint32_t first = mesh->fan_first[vertex], end = mesh->fan_first[vertex + 1];
+    for (uint32_t i = first; i < end; i++) {
+        uint32_t face = mesh->side_face[mesh->fan[i].side];
+        sum = gd_vec3_add(sum, smoothing->place[mesh->fan[i].tip]);
+        normal = gd_vec3_add(normal, face_normal(mesh, smoothing->place, face));
+    }
+    struct gd_vec3 way = gd_vec3_sub(gd_vec3_scale(sum, 1.0 / (end - first)), p);
+    double square = gd_vec3_dot(normal, normal);
+    struct gd_vec3 along =
+        square > 0 ? gd_vec3_scale(normal, gd_vec3_dot(way, normal) / square) : (struct gd_vec3){0};
+    if (smoothing->options->direction == GD_SMOOTH_TANGENTIAL) way = gd_vec3_sub(way, along);
+    if (smoothing->options->direction == GD_SMOOTH_NORMAL) way = along;
+    return gd_vec3_add(p, gd_vec3_scale(way, STEP));
+}
+
+static void iterate(struct smoothing *smoothing)
+{
+    const struct gd_mesh *mesh = smoothing->mesh;
+    for (uint32_t v = 0; v < mesh->vertex_count && gd__pace(&smoothing->pace, 8); v++)
+        smoothing->next[v] = smoothing->is_fixed[v] ? smoothing->place[v] : moved(smoothing, v);
+    struct gd_vec3 *place = smoothing->place;
+    smoothing->place = smoothing->next;
+    smoothing->next = place;
+}
+
+static enum gd_status write(struct smoothing *smoothing, struct gd_edited *out)
+{
+    const struct gd_mesh *mesh = smoothing->mesh;
+    /* scratch; its content is no longer needed */
+    uint32_t *number = (uint32_t *)(void *)smoothing->next;
+    struct gd_edited made;
+    enum gd_status status = gd__edited_allocate(&made, mesh->vertex_count, mesh->face_count);
+    if (status) return status;
+    gd__edited_copy(&made, mesh, number, &smoothing->pace);
+    for (uint32_t v = 0; v < mesh->vertex_count && gd__pace(&smoothing->pace, 1); v++) {
+        struct gd_vec3 p = gd_vec3_scale(smoothing->place[v], mesh->unit);
+        if (!smoothing->is_fixed[v]) memcpy(made.polygons.positions[number[v]], &p, sizeof p);
+    }
+    if (smoothing->pace.status)
+        gd_edited_free(&made);
+    else
+        *out = made;
+    return smoothing->pace.status;
+}
+
+static enum gd_status check_options(const struct gd_smooth_options *options,
+                                    struct gd_detail *detail)
+{
+    if (options->iterations < 1 || options->iterations > GD_SMOOTH_ITERATIONS_MOST)
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "iterations = %u is not 1 to %d",
+                       options->iterations, GD_SMOOTH_ITERATIONS_MOST);
+    if (!(options->feature_angle >= 0 && options->feature_angle <= acos(-1)))
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "feature_angle = %.17g is not 0 to pi",
+                       options->feature_angle);
+    return GD_OK;
+}
+
+static enum gd_status smoothing_run(struct smoothing *smoothing, struct gd_edited *out)
+{
+    const struct gd_mesh *mesh = smoothing->mesh;
+    size_t bytes = mesh->vertex_count * sizeof *smoothing->place;
+    smoothing->place = malloc(bytes);
+    smoothing->next = malloc(bytes);
+    smoothing->is_fixed = calloc(mesh->vertex_count, sizeof *smoothing->is_fixed);
+    if (!smoothing->place || !smoothing->next || !smoothing->is_fixed) return GD_NO_MEMORY;
+    memcpy(smoothing->place, mesh->position, bytes);
+    fix_vertices(smoothing);
+    for (uint32_t i = 0; i < smoothing->options->iterations && !smoothing->pace.status; i++) {
+        smoothing->pace.fraction = i / (double)smoothing->options->iterations;
+        iterate(smoothing);
+    }
+    return smoothing->pace.status ? smoothing->pace.status : write(smoothing, out);
+}
+
+enum gd_status gd_smooth_mesh(const struct gd_mesh *mesh, const struct gd_smooth_options *options,
+                              const struct gd_control *control, struct gd_edited *out,
+                              struct gd_detail *detail)
+{
+    struct smoothing smoothing = {.mesh = mesh, .options = options, .pace = {.control = control}};
+    enum gd_status status = check_options(options, detail);
+    if (!status) status = gd_control_afford(control, gd_edit_cost(mesh->face_count));
+    if (!status) status = smoothing_run(&smoothing, out);
+    free(smoothing.place);
+    free(smoothing.next);
+    free(smoothing.is_fixed);
+    return status;
+}

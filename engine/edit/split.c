@@ -1,0 +1,160 @@
+/* Splits an edited mesh into its components. */
+#include <stdlib.h>
+
+#include "base/pace.h"
+#include "edit/edited.h"
+#include "mesh/union_find.h"
+
+struct part {
+    double area;
+    uint32_t root, first_face;
+    uint32_t vertices, faces;
+};
+
+struct split {
+    const struct gd_edited *edited;
+    struct gd__pace pace;
+    uint32_t *root;   /* per vertex: the lowest vertex of its component */
+    uint32_t *number; /* per root: its part; later, per vertex: its number in its part */
+    struct part *parts;
+    uint32_t count;
+};
+
+static int by_area(const void *a, const void *b)
+{
+    const struct part *x = a, *y = b;
+    if (x->area != y->area) return x->area < y->area ? 1 : -1;
+    return x->first_face < y->first_face ? -1 : 1;
+}
+
+static double area_of_face(const struct gd_polygons *polygons, const uint32_t *corner)
+{
+    struct gd_vec3 p[3];
+    for (int k = 0; k < 3; k++) memcpy(&p[k], polygons->positions[corner[k]], sizeof p[k]);
+    return gd_vec3_length(gd_vec3_cross(gd_vec3_sub(p[1], p[0]), gd_vec3_sub(p[2], p[0]))) / 2;
+}
+
+static void find_roots(struct split *split)
+{
+    const struct gd_polygons *polygons = &split->edited->polygons;
+    gd__union_find_init(split->root, polygons->position_count);
+    GD__PACED (&split->pace, i, polygons->polygon_count) {
+        const uint32_t *corner = &polygons->corners[3 * (size_t)i];
+        gd__union_find_join(split->root, corner[0], corner[1]);
+        gd__union_find_join(split->root, corner[0], corner[2]);
+    }
+    GD__PACED (&split->pace, v, polygons->position_count) {
+        split->root[v] = gd__union_find_root(split->root, v);
+        split->count += split->root[v] == v;
+    }
+}
+
+/* Fills `parts` in order of decreasing area. Sets the `number` of each root to its part. */
+static void rank_parts(struct split *split)
+{
+    const struct gd_polygons *polygons = &split->edited->polygons;
+    uint32_t count = 0;
+    GD__PACED (&split->pace, v, polygons->position_count) {
+        if (split->root[v] == v) {
+            split->parts[count] = (struct part){.root = v, .first_face = GD_NONE};
+            split->number[v] = count++;
+        }
+        split->parts[split->number[split->root[v]]].vertices++;
+    }
+    GD__PACED (&split->pace, i, polygons->polygon_count) {
+        const uint32_t *corner = &polygons->corners[3 * (size_t)i];
+        struct part *part = &split->parts[split->number[split->root[corner[0]]]];
+        if (!part->faces++) part->first_face = i;
+        part->area += area_of_face(polygons, corner);
+    }
+    if (split->pace.status) return;
+    qsort(split->parts, split->count, sizeof *split->parts, by_area);
+    for (uint32_t i = 0; i < split->count; i++) split->number[split->parts[i].root] = i;
+}
+
+static enum gd_status allocate_parts(const struct split *split, struct gd_edited_parts *out)
+{
+    enum gd_status status = GD_OK;
+    out->items = calloc(split->count, sizeof *out->items);
+    if (!out->items) return GD_NO_MEMORY;
+    for (; !status && out->count < split->count; out->count++) {
+        const struct part *part = &split->parts[out->count];
+        struct gd_edited *item = &out->items[out->count];
+        status = gd__edited_allocate(item, part->vertices, part->faces);
+        /* counted by fill_parts */
+        item->polygons.position_count = item->polygons.polygon_count = 0;
+        item->largest_distance = split->edited->largest_distance;
+        out->bytes += item->bytes;
+    }
+    return status;
+}
+
+/* Fills the parts; faces and vertices keep their order. A root is numbered before the other
+ * vertices of its component, because it is the lowest. */
+static void fill_parts(struct split *split, struct gd_edited_parts *out)
+{
+    const struct gd_polygons *polygons = &split->edited->polygons;
+    uint32_t *part_of = split->root;
+    GD__PACED (&split->pace, v, polygons->position_count) {
+        bool is_root = split->root[v] == v;
+        part_of[v] = is_root ? split->number[v] : part_of[split->root[v]];
+        struct gd_edited *item = &out->items[part_of[v]];
+        uint32_t at = split->number[v] = item->polygons.position_count++;
+        memcpy(item->polygons.positions[at], polygons->positions[v], sizeof(double[3]));
+        item->origins[at] = split->edited->origins[v];
+    }
+    GD__PACED (&split->pace, i, polygons->polygon_count) {
+        const uint32_t *corner = &polygons->corners[3 * (size_t)i];
+        struct gd_polygons *item = &out->items[part_of[corner[0]]].polygons;
+        uint32_t *to = &item->corners[3 * (size_t)item->polygon_count++];
+        for (int k = 0; k < 3; k++) to[k] = split->number[corner[k]];
+    }
+}
+
+static enum gd_status split_run(struct split *split, uint32_t most, struct gd_edited_parts *out,
+                                struct gd_detail *detail)
+{
+    find_roots(split);
+    if (split->pace.status) return split->pace.status;
+    if (split->count > most)
+        return gd_fail(detail, GD_TOO_LARGE,
+                       "there are %u components, and at most %u become meshes at a time",
+                       split->count, most);
+    split->parts = malloc(split->count * sizeof *split->parts);
+    if (!split->parts) return GD_NO_MEMORY;
+    rank_parts(split);
+    if (split->pace.status) return split->pace.status;
+    enum gd_status status = allocate_parts(split, out);
+    if (!status) fill_parts(split, out);
+    return status ? status : split->pace.status;
+}
+
+enum gd_status gd_edited_split(const struct gd_edited *edited, uint32_t most,
+                               const struct gd_control *control, struct gd_edited_parts *out,
+                               struct gd_detail *detail)
+{
+    size_t vertices = edited->polygons.position_count;
+    struct split split = {.edited = edited,
+                          .pace = {.control = control},
+                          .root = malloc(vertices * sizeof *split.root),
+                          .number = malloc(vertices * sizeof *split.number)};
+    struct gd_edited_parts parts = {0};
+    enum gd_status status =
+        split.root && split.number ? split_run(&split, most, &parts, detail) : GD_NO_MEMORY;
+    free(split.root);
+    free(split.number);
+    free(split.parts);
+    if (status)
+        gd_edited_parts_free(&parts);
+    else
+        *out = parts;
+    return status;
+}
+
+void gd_edited_parts_free(struct gd_edited_parts *parts)
+{
+    if (!parts) return;
+    for (uint32_t i = 0; i < parts->count; i++) gd_edited_free(&parts->items[i]);
+    free(parts->items);
+    *parts = (struct gd_edited_parts){0};
+}

@@ -1,0 +1,89 @@
+/* 3MF reading: tables of what the model parts of a package contain. 3mf_model.c fills the tables
+ * from the XML. 3mf.c reads the parts and places the objects of the build.
+ *
+ * Invariant: the XML is not trusted. Document types are rejected, so there are no entities. A path
+ * names a part of the package and nothing else. An object refers only to objects that are defined
+ * before it. */
+#ifndef GD_IO_3MF_H
+#define GD_IO_3MF_H
+
+#include "io/builder.h"
+#include "io/place.h"
+#include "io/zip.h"
+
+#define GD__3MF_PARTS   256
+#define GD__3MF_OBJECTS 65536 /* the limit for components and items is the same */
+#define GD__3MF_PATH    256   /* longest name of a part, including its NUL */
+
+/* Largest ratio of XML bytes to bytes of the package. A package that exceeds it was made to fill
+ * the memory. */
+#define GD__3MF_INFLATION 256
+/* Largest amount of memory of the XML parser. */
+#define GD__3MF_XML_BYTES ((size_t)16 << 20)
+
+/* A model part of the package. */
+struct gd__3mf_part {
+    char name[GD__3MF_PATH];
+    double unit; /* in millimetres */
+};
+
+/* A component of an object or an item of the build: a reference to an object, and where it is
+ * placed. */
+struct gd__3mf_use {
+    uint32_t part, id; /* name of the object in the file */
+    uint32_t object;   /* number of the object in `objects`, set after all parts are read */
+    struct gd__place place;
+};
+
+struct gd__3mf_object {
+    uint32_t part, id;
+    bool is_left_out; /* a support structure, or an object of type "other" */
+    uint32_t first_vertex, vertex_count;
+    uint32_t first_triangle, triangle_count;
+    uint32_t first_use, use_count; /* its components */
+    /* of the object and all its components, saturated at UINT32_MAX */
+    uint64_t vertices, triangles;
+};
+
+/* All arrays grow by a factor of 1.5. */
+struct gd__3mf {
+    struct gd_detail *detail;
+    struct gd_read_options limits; /* limits are never 0 */
+    struct gd__zip *zip;
+    size_t size;      /* bytes of the package */
+    bool is_counting; /* vertices and triangles are counted but not stored */
+    struct gd__3mf_part *parts;
+    uint32_t part_count, part_capacity;
+    struct gd__3mf_object *objects;
+    uint32_t object_count, object_capacity;
+    struct gd__3mf_use *uses;
+    uint32_t use_count, use_capacity;
+    uint32_t first_item, item_count; /* the items of the build, in `uses` */
+    double (*positions)[3];
+    uint32_t vertex_count, vertex_capacity;
+    uint32_t (*triangles)[3]; /* vertex numbers within their object */
+    uint32_t triangle_count, triangle_capacity;
+};
+
+/* --- 3mf.c ------------------------------------------------------------------------------------ */
+
+/* Returns the number of the part with that name, and adds the part if it is new. Ignores a leading
+ * '/'. GD_UNSUPPORTED (too many parts, or too long a name), GD_NO_MEMORY. */
+GD_MUST_USE enum gd_status gd__3mf_name_part(struct gd__3mf *package, const char *name,
+                                             uint32_t *out);
+
+/* Makes room for one more item of an array. Returns false if there is no memory. */
+bool gd__3mf_grow(void **array, uint32_t count, uint32_t *capacity, size_t item);
+
+/* --- 3mf_model.c ------------------------------------------------------------------------------ */
+
+/* Reads the relationships of the package and writes the name of its model part to `out`, which has
+ * GD__3MF_PATH characters. Leaves `out` unchanged if there is no model. */
+GD_MUST_USE enum gd_status gd__3mf_find_model(struct gd__3mf *package, char *out);
+
+/* Adds the contents of a model part to the tables. Reads items of the build from part 0 only.
+ * GD_SYNTAX, GD_INDEX, GD_NON_FINITE, GD_UNSUPPORTED, GD_TOO_LARGE, GD_NO_MEMORY, GD_CANCELLED,
+ * GD_DEADLINE. */
+GD_MUST_USE enum gd_status gd__3mf_read_model(struct gd__3mf *package, uint32_t part);
+
+#endif

@@ -1,0 +1,53 @@
+/* Candidate: a path between two curves that may become a result. It is one solution, or two
+ * solutions that meet in a pole. */
+#ifndef GD_NURBS_CANDIDATE_H
+#define GD_NURBS_CANDIDATE_H
+
+#include "nurbs/seeds.h"
+#include "nurbs/solve.h"
+
+#define GD__CANDIDATES_MOST 4
+
+struct gd__candidate {
+    /* 2 if the path passes through a pole, where the first solution ends and the second begins */
+    uint32_t parts;
+    bool tip; /* the path ends in a pole that a curve passes */
+    /* The path passes through or near a pole, where a coarse curve is much too long. */
+    bool by_pole;
+    struct gd__solution part[2];
+    /* Length and middle, which identify a path; before gd__candidate_finish those of the coarse
+       curve. */
+    double coarse;
+    struct gd_vec3 middle;
+};
+
+/* Computes at most GD__CANDIDATES_MOST coarse candidates along a seed. Near a pole, paths through
+ * the pole and on its other side are candidates too. If a seed ends in a pole, a path with its end
+ * fixed there is a candidate too, because a free end only approaches a pole. Errors: those of
+ * gd__newton. */
+GD_MUST_USE enum gd_status gd__candidates_of_seed(const struct gd__task *task,
+                                                  const struct gd_domain_curve *const ends[2],
+                                                  const struct gd__path_seed *seed,
+                                                  struct gd__candidate *out, uint32_t *count);
+
+/* Refines a candidate until the tolerance is met. Errors: those of gd__newton. */
+GD_MUST_USE enum gd_status gd__candidate_finish(const struct gd__task *task,
+                                                struct gd__candidate *candidate);
+
+void gd__candidate_free(struct gd__candidate *candidate);
+
+double gd__candidate_length(const struct gd__candidate *candidate);
+
+/* Returns true if Newton's method converged with a positive definite Hessian. */
+bool gd__candidate_is_minimum(const struct gd__candidate *candidate);
+
+/* Returns true if the path is a geodesic: no part is bent; the path is straight at a pole that it
+ * passes; and if it ends in a pole that a curve passes, no path to a nearby point of the curve is
+ * shorter. */
+bool gd__candidate_is_geodesic(const struct gd__task *task, const struct gd__candidate *candidate);
+
+/* Returns the point in space at half of the path's length. */
+struct gd_vec3 gd__candidate_middle(const struct gd_parametric *surface,
+                                    const struct gd__candidate *candidate);
+
+#endif

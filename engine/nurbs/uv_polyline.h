@@ -1,0 +1,57 @@
+/* UV polyline: a polyline in the parameter domain with its arc length in space, and the fit of a
+ * chain to it. */
+#ifndef GD_NURBS_UV_POLYLINE_H
+#define GD_NURBS_UV_POLYLINE_H
+
+#include "nurbs/chain.h"
+
+struct gd__uv_polyline {
+    uint32_t count, capacity; /* count is at least 2 when the polyline is measured */
+    double (*at)[2];
+    double *arc; /* per place: length of the chords in space up to it */
+};
+
+void gd__uv_polyline_free(struct gd__uv_polyline *polyline);
+
+/* Appends a place. Error: GD_NO_MEMORY. */
+GD_MUST_USE enum gd_status gd__uv_polyline_add(struct gd__uv_polyline *polyline,
+                                               const double at[2]);
+
+/* Computes `arc`. Removes places that coincide in space with their predecessors, except the last
+ * place. */
+void gd__uv_polyline_measure(const struct gd_parametric *surface, struct gd__uv_polyline *polyline);
+
+/* Computes the place at a fractional index i + f. */
+void gd__uv_polyline_at(const struct gd__uv_polyline *polyline, double position, double at[2]);
+
+/* Returns the fractional index, at least `from`, at which the arc length is `run`. */
+double gd__uv_polyline_position(const struct gd__uv_polyline *polyline, double run, uint32_t from);
+
+/* Samples a chain at the ends of its spans and between them. Error: GD_NO_MEMORY. */
+GD_MUST_USE enum gd_status gd__uv_polyline_of_chain(const struct gd__chain *chain,
+                                                    struct gd__uv_polyline *out);
+
+/* Parameters for fitting a chain. */
+struct gd__fit {
+    uint32_t degree,
+        spans; /* number of spans, distributed over the pieces by length; at least one each */
+    struct gd__joint from, to;
+    bool whole; /* one piece through all cells */
+    /* fraction of a cell's width: a path that passes a corner of cells nearer than this continues
+       directly in the opposite cell */
+    double corner;
+};
+
+/* Fits a chain to a polyline, divided where it crosses lines of the surface. Excursions of less
+ * than GD_TOL_CELL of a cell are ignored. Errors: GD_NO_MEMORY, GD_BUDGET, GD_INTERNAL (more
+ * crossings than a shortest path has). */
+GD_MUST_USE enum gd_status gd__chain_fit(const struct gd_parametric *surface,
+                                         const struct gd__uv_polyline *polyline,
+                                         const struct gd__fit *fit, struct gd__pace *pace,
+                                         struct gd__chain **out);
+
+/* Returns true if each piece stays in its cell, with a tolerance of GD_TOL_CELL of the cell's
+ * width. Ends early if the chain's pace stops. */
+bool gd__chain_is_proper(const struct gd__chain *chain);
+
+#endif

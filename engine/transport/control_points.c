@@ -1,0 +1,214 @@
+#include "transport/control_points.h"
+
+#include <stdlib.h>
+
+#include "base/tolerance.h"
+#include "line/route.h"
+
+/* --- paths ------------------------------------------------------------------------------------ */
+
+static enum gd_status control_points_refuse(const struct gd__spline_work *work, uint32_t which,
+                                            const char *sentence, uint32_t other)
+{
+    gd_fail(work->detail, GD_INVALID_ARGUMENT, sentence, other, which);
+    if (work->detail) gd_detail_add(work->detail, GD_ELEMENT_NONE, which, 0);
+    return GD_INVALID_ARGUMENT;
+}
+
+/* Rejects equal consecutive points, because no direction leads from one to the other. */
+static enum gd_status check_apart(const struct gd__spline_work *work)
+{
+    double longest = 0;
+    for (uint32_t i = 0; i < work->path_count; i++)
+        longest = fmax(longest, work->paths[i].path.length);
+    for (uint32_t i = 0; i < work->path_count; i++) {
+        if (work->paths[i].path.length > GD_TOL_SAME_POINT * longest) continue;
+        if (i + 1 == work->request->count)
+            return control_points_refuse(
+                work, i,
+                "point %u is there again as point %u; a closed spline joins its ends by itself", 0);
+        return control_points_refuse(
+            work, i + 1, "points %u and %u of the spline are the same place; leave one out", i);
+    }
+    return GD_OK;
+}
+
+static bool is_given(const struct gd_spline_request *request, uint32_t i)
+{
+    return request->tangents && (!request->is_given || request->is_given[i]);
+}
+
+static uint32_t point_before(const struct gd__spline_work *work, uint32_t i)
+{
+    return i ? i - 1 : work->path_count - 1;
+}
+
+enum gd_status gd__control_points_search(struct gd__spline_work *work)
+{
+    const struct gd_spline_request *request = work->request;
+    uint32_t paths = work->path_count, count = request->count;
+    for (uint32_t i = 0; i < paths; i++)
+        work->paths[i] = (struct gd__point_path){.from = i, .to = (i + 1) % count};
+    for (uint32_t i = request->closed ? 0 : 1; i < paths && work->total_count > paths; i++)
+        if (!is_given(request, i))
+            work->paths[paths + i] =
+                (struct gd__point_path){.from = point_before(work, i), .to = (i + 1) % count};
+    enum gd_status status = gd__point_paths_search(work->mesh, request, work->share, work->paths,
+                                                   work->total_count, work->detail);
+    return status ? status : check_apart(work);
+}
+
+/* --- vectors ---------------------------------------------------------------------------------- */
+
+/* Computes the vector of a path at its beginning, or of the reversed path at its end. */
+static enum gd_status log_of(const struct gd__spline_work *work, const struct gd_path *path,
+                             bool backwards, struct gd_vector *out)
+{
+    struct gd_path turned = *path;
+    struct gd__route copy = {0};
+    struct gd_log log;
+    enum gd_status status = GD_OK;
+    if (backwards) {
+        status = gd__route_join(&copy, path->points, path->count, 0, true, work->control);
+        turned.points = copy.points;
+    }
+    if (!status) status = gd_vector_log(work->mesh, &turned, &log, work->detail);
+    gd__route_free(&copy);
+    if (status) return status;
+    *out = log.vector;
+    gd_log_free(&log);
+    return GD_OK;
+}
+
+/* Transports the tangent at the other end of a path to the path's beginning or end. */
+static enum gd_status control_points_moved(const struct gd__spline_work *work,
+                                           const struct gd_path *path, bool to_beginning,
+                                           const struct gd_vector *vector, struct gd_vector *out)
+{
+    struct gd_path turned = *path;
+    struct gd__route copy = {0};
+    enum gd_status status = GD_OK;
+    if (to_beginning) {
+        status = gd__route_join(&copy, path->points, path->count, 0, true, work->control);
+        turned.points = copy.points;
+    }
+    struct gd_vector own = *vector;
+    if (!status) status = gd_vector_transport(work->mesh, &turned, &own, 1, work->detail);
+    if (!status) *out = own;
+    gd__route_free(&copy);
+    return status;
+}
+
+/* --- inner points ----------------------------------------------------------------------------- */
+
+/* Returns (1-c) / (u_(i+1) - u_(i-1)). */
+static double control_points_slope_at(const struct gd__spline_work *work, uint32_t i)
+{
+    const struct gd_spline_knot *knots = work->knots;
+    uint32_t last = point_before(work, i);
+    return (1 - work->request->tension) / (knots[i + 1].parameter - knots[i].parameter +
+                                           knots[last + 1].parameter - knots[last].parameter);
+}
+
+static enum gd_status symmetric_tangent(const struct gd__spline_work *work, uint32_t i,
+                                        struct gd_vector *out)
+{
+    double slope = control_points_slope_at(work, i);
+    struct gd_vector vectors[2];
+    enum gd_status status = log_of(work, &work->paths[i].path, false, &vectors[0]);
+    if (!status) status = log_of(work, &work->paths[point_before(work, i)].path, true, &vectors[1]);
+    if (!status)
+        *out = gd_vector_combine(work->mesh, &work->request->points[i], vectors,
+                                 (double[2]){slope, -slope}, 2);
+    return status;
+}
+
+static enum gd_status paper_tangent(const struct gd__spline_work *work, uint32_t i,
+                                    struct gd_vector *out)
+{
+    const struct gd_path *chord = &work->paths[work->path_count + i].path;
+    struct gd_vector vector = {0};
+    if (!chord->count) { /* both neighbours are the same point */
+        *out = gd_vector_combine(work->mesh, &work->request->points[i], NULL, NULL, 0);
+        return GD_OK;
+    }
+    enum gd_status status = log_of(work, chord, false, &vector);
+    vector.length *= control_points_slope_at(work, i);
+    return status ? status
+                  : control_points_moved(work, &work->paths[point_before(work, i)].path, false,
+                                         &vector, out);
+}
+
+/* --- ends ------------------------------------------------------------------------------------- */
+
+/* Computes the natural tangent (3/2) log / D - v / 2 at an end. log / D points along the curve: at
+ * the first point towards the second, at the last point away from the last but one. */
+static enum gd_status natural_tangent(const struct gd__spline_work *work, bool at_end,
+                                      bool is_alone, struct gd_vector *out)
+{
+    uint32_t index = at_end ? work->path_count - 1 : 0, here = index + at_end,
+             neighbour = index + !at_end;
+    const struct gd_spline_knot *knots = work->knots;
+    double slope = (at_end ? -1 : 1) / (knots[index + 1].parameter - knots[index].parameter);
+    struct gd_vector vectors[2] = {0};
+    enum gd_status status = log_of(work, &work->paths[index].path, at_end, &vectors[0]);
+    if (!status && !is_alone)
+        status = control_points_moved(work, &work->paths[index].path, !at_end,
+                                      &knots[neighbour].tangent, &vectors[1]);
+    if (status) return status;
+    *out = gd_vector_combine(work->mesh, &work->request->points[here], vectors,
+                             (double[2]){is_alone ? slope : 1.5 * slope, -0.5}, is_alone ? 1 : 2);
+    return GD_OK;
+}
+
+static enum gd_status fill_ends(const struct gd__spline_work *work)
+{
+    const struct gd_spline_request *request = work->request;
+    enum gd_status status = GD_OK;
+    uint32_t last = work->path_count;
+    bool first_is_given = is_given(request, 0), last_is_given = is_given(request, last);
+    bool is_alone = last == 1 && !first_is_given && !last_is_given;
+    if (request->end_rule == GD_END_ZERO) return GD_OK;
+    if (!first_is_given) status = natural_tangent(work, false, is_alone, &work->knots[0].tangent);
+    if (!last_is_given && !status)
+        status = natural_tangent(work, true, is_alone, &work->knots[last].tangent);
+    return status;
+}
+
+/* --- all points ------------------------------------------------------------------------------- */
+
+static void fill_parameters(const struct gd__spline_work *work)
+{
+    double parameter = 0;
+    for (uint32_t i = 0; i <= work->path_count; i++) {
+        work->knots[i].parameter = parameter;
+        if (i < work->path_count)
+            parameter += pow(work->paths[i].path.length, work->request->alpha);
+    }
+}
+
+static enum gd_status fill_inner(const struct gd__spline_work *work)
+{
+    const struct gd_spline_request *request = work->request;
+    bool is_symmetric = request->tangent_rule == GD_TANGENT_SYMMETRIC;
+    enum gd_status status = GD_OK;
+    for (uint32_t i = request->closed ? 0 : 1; i < work->path_count && !status; i++) {
+        struct gd_vector *out = &work->knots[i].tangent;
+        if (is_given(request, i)) continue;
+        status = is_symmetric ? symmetric_tangent(work, i, out) : paper_tangent(work, i, out);
+    }
+    return status;
+}
+
+enum gd_status gd__control_points_fill(const struct gd__spline_work *work)
+{
+    const struct gd_spline_request *request = work->request;
+    fill_parameters(work);
+    for (uint32_t i = 0; i < request->count; i++)
+        if (is_given(request, i)) work->knots[i].tangent = request->tangents[i];
+    enum gd_status status = fill_inner(work);
+    if (status) return status;
+    if (!request->closed) return fill_ends(work);
+    work->knots[work->path_count].tangent = work->knots[0].tangent;
+    return GD_OK;
+}

@@ -1,0 +1,30 @@
+/* Control points: the paths between the points of a spline, and the parameter and the tangent of
+ * each point. */
+#ifndef GD_TRANSPORT_CONTROL_POINTS_H
+#define GD_TRANSPORT_CONTROL_POINTS_H
+
+#include "transport/point_paths.h"
+
+/* The state of one spline under construction. */
+struct gd__spline_work {
+    const struct gd_mesh *mesh;
+    const struct gd_spline_request *request;
+    /* progress of the whole call, of which each search is one part */
+    struct gd__share *share;
+    const struct gd_control *control; /* the control of `share` */
+    struct gd_detail *detail;
+    uint32_t path_count, total_count;
+    /* total_count entries. Path i joins point i and the next point. With GD_TANGENT_PAPER, path
+       path_count + i joins the two neighbours of point i. */
+    struct gd__point_path *paths;
+    struct gd_spline_knot *knots; /* path_count + 1 entries, filled by the calls below */
+};
+
+/* Searches the paths. Errors: GD_INVALID_ARGUMENT (two points coincide), and those of
+ * gd__point_paths_search. */
+GD_MUST_USE enum gd_status gd__control_points_search(struct gd__spline_work *work);
+
+/* Computes parameters and tangents from the paths. Errors: GD_NO_MEMORY, GD_BUDGET, GD_INTERNAL. */
+GD_MUST_USE enum gd_status gd__control_points_fill(const struct gd__spline_work *work);
+
+#endif

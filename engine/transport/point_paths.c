@@ -1,0 +1,205 @@
+#include "transport/point_paths.h"
+
+#include <stdatomic.h>
+#include <stdlib.h>
+
+#include "gd/query.h"
+#include "line/route.h"
+#include "wavefront/workspace.h"
+
+/* Searches are independent, so each lane (thread) takes the next search when it has finished one.
+ * The address of a thread's own copy of `here` identifies the thread. */
+
+enum { LANES_MOST = 2 }; /* a workspace has one partner workspace */
+
+static _Thread_local char here;
+
+struct path_search {
+    const struct gd_mesh *mesh;
+    const struct gd_spline_request *request;
+    struct gd__share *share;
+    struct gd_control control; /* the caller's control */
+    const char *location;      /* identifies the caller's thread */
+    struct gd__point_path *paths;
+    const uint32_t *order;
+    uint32_t count, lanes;
+    struct gd_workspace *workspaces[LANES_MOST]; /* NULL: each search creates its own */
+    atomic_uint next, done;
+    atomic_size_t held;
+    atomic_int status; /* the first failure; it stops the other lane too */
+};
+
+void gd__point_paths_free(struct gd__point_path *paths, uint32_t count)
+{
+    for (uint32_t i = 0; i < count && paths; i++) gd_path_free(&paths[i].path);
+    free(paths);
+}
+
+/* --- one search ------------------------------------------------------------------------------- */
+
+static bool path_search_report(void *user, double fraction)
+{
+    struct path_search *search = user;
+    if (atomic_load(&search->status)) return false;
+    if (&here != search->location || !search->control.progress) return true;
+    search->share->done = atomic_load(&search->done);
+    return search->control.progress(search->control.user, fraction);
+}
+
+static struct gd_control path_search_control(struct path_search *search,
+                                             struct gd_workspace *workspace)
+{
+    struct gd_control own = search->control;
+    size_t held = atomic_load(&search->held);
+    /* 0: no limit */
+    if (own.budget_bytes) own.budget_bytes = own.budget_bytes > held ? own.budget_bytes - held : 1;
+    if (own.budget_bytes > search->lanes) own.budget_bytes /= search->lanes;
+    own.progress = path_search_report;
+    own.user = search;
+    own.workspace = workspace;
+    return own;
+}
+
+/* Searches one path. The direction of the search depends on the points' places, so that reversed
+ * points have the same path even if several are equally short. */
+static enum gd_status path_search_one(struct path_search *search, struct gd__point_path *point_path,
+                                      const struct gd_control *control)
+{
+    const struct gd_point *from = &search->request->points[point_path->from],
+                          *to = &search->request->points[point_path->to];
+    bool is_swapped = gd__point_follows(from, to);
+    struct gd_pair_answer answer;
+    enum gd_status status =
+        gd_pair_solve(search->mesh,
+                      &(struct gd_pair_request){.from = is_swapped ? to : from,
+                                                .to = is_swapped ? from : to,
+                                                .output = GD_PAIR_PATH_AND_CUT,
+                                                .landmarks = search->request->landmarks},
+                      control, &answer, NULL);
+    if (status) return status;
+    if (is_swapped) gd__points_reverse(answer.path.points, answer.path.count);
+    point_path->path = answer.path;
+    point_path->is_cut = answer.is_cut;
+    atomic_fetch_add(&search->held, answer.path.count * sizeof *answer.path.points);
+    return GD_OK;
+}
+
+/* --- all searches ----------------------------------------------------------------------------- */
+
+static void path_search_lane(void *context, uint32_t lane)
+{
+    struct path_search *search = context;
+    for (uint32_t i; !atomic_load(&search->status) &&
+                     (i = atomic_fetch_add(&search->next, 1)) < search->count;) {
+        struct gd__point_path *point_path = &search->paths[search->order[i]];
+        const struct gd_control own = path_search_control(search, search->workspaces[lane]);
+        int none = GD_OK;
+        if (point_path->path.count) continue;
+        enum gd_status status = path_search_one(search, point_path, &own);
+        if (status) atomic_compare_exchange_strong(&search->status, &none, (int)status);
+        atomic_fetch_add(&search->done, 1);
+    }
+}
+
+static enum gd_status path_search_in_lanes(struct path_search *search, uint32_t lanes)
+{
+    search->lanes = lanes;
+    search->workspaces[0] = search->control.workspace;
+    if (lanes > 1 && search->control.workspace)
+        search->workspaces[1] = gd__workspace_partner(search->control.workspace);
+    atomic_store(&search->next, 0);
+    atomic_store(&search->status, GD_OK);
+    gd_executor_run(lanes > 1 ? search->request->executor : NULL, path_search_lane, search, lanes);
+    search->share->done = atomic_load(&search->done);
+    return (enum gd_status)atomic_load(&search->status);
+}
+
+/* Runs all searches. If two at a time exceed the budget, the remaining ones run one after the
+ * other. */
+static enum gd_status path_search_all(struct path_search *search)
+{
+    const struct gd_executor *executor = search->request->executor;
+    uint32_t before = search->share->done;
+    atomic_init(&search->done, before);
+    enum gd_status status = path_search_in_lanes(
+        search, executor && executor->width > 1 && search->count > 1 ? LANES_MOST : 1);
+    if (status != GD_BUDGET || search->lanes == 1) return status;
+    if (search->workspaces[1]) gd_workspace_trim(search->workspaces[1]);
+    return path_search_in_lanes(search, 1);
+}
+
+struct span {
+    double length;
+    uint32_t point_path;
+};
+
+static int by_length(const void *a, const void *b)
+{
+    const struct span *s = a, *t = b;
+    if (s->length != t->length) return s->length < t->length ? 1 : -1;
+    return (s->point_path > t->point_path) - (s->point_path < t->point_path);
+}
+
+/* Sorts the paths to search, the longest first, because a long search at the end would leave the
+ * other lane idle. Sets *count to their number. */
+static uint32_t *sort(const struct gd_mesh *mesh, const struct gd_spline_request *request,
+                      const struct gd__point_path *paths, uint32_t *count)
+{
+    uint32_t *order = malloc(*count * sizeof *order), wanted = 0;
+    struct span *spans = malloc(*count * sizeof *spans);
+    for (uint32_t i = 0; i < *count && order && spans; i++) {
+        if (paths[i].from == paths[i].to) continue;
+        struct gd_vec3 from = gd_point_position(mesh, &request->points[paths[i].from]),
+                       to = gd_point_position(mesh, &request->points[paths[i].to]);
+        spans[wanted++] = (struct span){gd_vec3_distance(from, to), i};
+    }
+    if (order && spans) {
+        qsort(spans, wanted, sizeof *spans, by_length);
+        for (uint32_t i = 0; i < wanted; i++) order[i] = spans[i].point_path;
+        *count = wanted;
+    } else {
+        free(order);
+        order = NULL;
+    }
+    free(spans);
+    return order;
+}
+
+static enum gd_status check_joined(const struct gd_mesh *mesh,
+                                   const struct gd_spline_request *request,
+                                   const struct gd__point_path *paths, uint32_t count,
+                                   struct gd_detail *detail)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t from = paths[i].from, to = paths[i].to;
+        if (gd_point_component(mesh, &request->points[from]) ==
+            gd_point_component(mesh, &request->points[to]))
+            continue;
+        gd_fail(detail, GD_INVALID_ARGUMENT,
+                "points %u and %u of the spline lie on components that no path joins", from, to);
+        gd_detail_add(detail, GD_ELEMENT_NONE, to, 0);
+        return GD_INVALID_ARGUMENT;
+    }
+    return GD_OK;
+}
+
+enum gd_status gd__point_paths_search(const struct gd_mesh *mesh,
+                                      const struct gd_spline_request *request,
+                                      struct gd__share *share, struct gd__point_path *paths,
+                                      uint32_t count, struct gd_detail *detail)
+{
+    enum gd_status status = check_joined(mesh, request, paths, count, detail);
+    if (status) return status;
+    uint32_t *order = sort(mesh, request, paths, &count);
+    struct path_search search = {.mesh = mesh,
+                                 .request = request,
+                                 .share = share,
+                                 .control = gd__share_control(share, 0),
+                                 .location = &here,
+                                 .paths = paths,
+                                 .order = order,
+                                 .count = count};
+    status = order ? path_search_all(&search) : GD_NO_MEMORY;
+    free(order);
+    return status ? gd_fail_status(detail, status) : GD_OK;
+}

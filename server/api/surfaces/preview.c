@@ -1,0 +1,184 @@
+/* GET …/preview: a thinned mesh as a file, or the progress of making it. */
+#include "server/query/handlers.h"
+
+#include <stdlib.h>
+
+#include "gd/edit.h"
+#include "gd/io.h"
+#include "proto/http/accept.h"
+#include "server/exchange/reply.h"
+#include "server/query/api.h"
+#include "server/query/request.h"
+#include "server/surfaces/previews.h"
+
+struct preview_request {
+    struct server_surface *surface;
+    struct server_preview *preview; /* NULL: the mesh is small enough */
+    uint32_t faces;
+    enum gd_format format;
+};
+
+static void request_free(void *state)
+{
+    struct preview_request *request = state;
+    server_preview_release(request->preview);
+    server_surface_release(request->surface);
+    free(request);
+}
+
+/* Chooses the format by Accept, GLB at a tie. */
+static bool negotiate(const char *accept, enum gd_format *out, struct proto_problem *problem)
+{
+    unsigned glb = proto_accept_quality(accept, gd_format_media_type(GD_FORMAT_GLB));
+    unsigned ply = proto_accept_quality(accept, gd_format_media_type(GD_FORMAT_PLY));
+    *out = ply > glb ? GD_FORMAT_PLY : GD_FORMAT_GLB;
+    return glb || ply ||
+           proto_problem_set(problem, PROTO_PROBLEM_NOT_ACCEPTABLE,
+                             "a preview is model/gltf-binary or application/x-ply");
+}
+
+static bool parameters_read(struct server_exchange *exchange, struct preview_request *out,
+                            struct proto_problem *problem)
+{
+    struct proto_parameters parameters = server_exchange_parameters(exchange);
+    uint64_t faces = SERVER_PREVIEW_FACES;
+    unsigned format = 0;
+    if (!proto_parameters_check(&parameters, proto_get_preview_parameters, problem) ||
+        !proto_parameters_integer(&parameters, "faces", 1000, 1000000, &faces, problem) ||
+        !proto_parameters_choice(&parameters, "format", proto_preview_format_words, &format,
+                                 problem))
+        return false;
+    out->faces = (uint32_t)faces;
+    out->format = gd_format_by_name(proto_preview_format_words[format]);
+    return proto_parameters_get(&parameters, "format") ||
+           negotiate(server_exchange_header(exchange, "Accept"), &out->format, problem);
+}
+
+/* --- the file --------------------------------------------------------------------------------- */
+
+/* Returns an upper bound of the bytes of polygons and file. */
+static size_t file_cost(const struct gd_mesh *mesh, const struct server_preview *preview)
+{
+    const struct gd_mesh_summary *summary = gd_mesh_summary(mesh);
+    size_t faces = preview ? preview->polygons.polygon_count : summary->faces;
+    size_t vertices = preview ? preview->polygons.position_count : summary->index_count;
+    return vertices * 2 * sizeof(double[3]) + faces * 2 * sizeof(uint32_t[4]) + 4096;
+}
+
+static enum gd_status file_write(const struct preview_request *request, char **bytes, size_t *size,
+                                 uint32_t *faces)
+{
+    struct gd_polygons polygons = {0};
+    enum gd_status status = GD_OK;
+    if (request->preview)
+        polygons = request->preview->polygons;
+    else
+        status = gd_mesh_polygons(request->surface->mesh, &polygons);
+    if (status) return status;
+    *faces = polygons.polygon_count;
+    status = gd_write_polygons(&polygons, request->format, bytes, size);
+    if (!request->preview) gd_polygons_free(&polygons);
+    return status;
+}
+
+static void file_reply(struct server_exchange *exchange, const struct preview_request *request,
+                       char *bytes, size_t size, uint32_t faces)
+{
+    const struct server_record *record = request->surface->record;
+    const char *name = gd_format_name(request->format);
+    char form[64];
+    snprintf(form, sizeof form, "preview-%u-%s", request->faces, name);
+    server_reply_tag(exchange, record->etag, form);
+    server_reply_header(exchange, "Vary", "Accept");
+    server_reply_header(exchange, "Geodesic-Faces", "%u", faces);
+    server_reply_header(exchange, "Geodesic-Largest-Distance", "%.17g",
+                        request->preview ? request->preview->largest_distance : 0);
+    server_reply_header(exchange, "Content-Disposition", "attachment; filename=\"%s-preview.%s\"",
+                        record->name, name);
+    server_reply_bytes(exchange, 200, gd_format_media_type(request->format), bytes, size);
+}
+
+/* Sends the file; runs on a worker. */
+static bool file_send(struct server_exchange *exchange)
+{
+    const struct preview_request *request = exchange->state;
+    struct server_budget *budget = exchange->host->budget;
+    size_t cost = file_cost(request->surface->mesh, request->preview), size;
+    struct proto_problem problem;
+    uint32_t faces;
+    char *bytes;
+    if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, cost)) {
+        server_budget_refuse(budget, "the preview", cost, &problem);
+        server_reply_problem(exchange, &problem);
+        return true;
+    }
+    exchange->held = cost;
+    enum gd_status status = file_write(request, &bytes, &size, &faces);
+    if (status) {
+        proto_problem_from_status(&problem, status, NULL);
+        server_reply_problem(exchange, &problem);
+        return true;
+    }
+    server_budget_adjust(budget, SERVER_BUDGET_FLIGHT, cost, size);
+    exchange->held = size;
+    file_reply(exchange, request, bytes, size, faces);
+    return true;
+}
+
+/* --- the request ------------------------------------------------------------------------------ */
+
+static void progress_reply(struct server_exchange *exchange, double progress)
+{
+    struct proto_writer writer;
+    server_reply_writer(exchange, &writer);
+    proto_write_object_begin(&writer);
+    proto_member_number(&writer, "progress", progress);
+    proto_write_object_end(&writer);
+    server_reply_header(exchange, "Retry-After", "1");
+    server_reply_json(exchange, 202, &writer);
+}
+
+/* Finds the preview. Returns false if a problem or the progress is replied. */
+static bool find(struct server_exchange *exchange, struct preview_request *request)
+{
+    struct server_previews *previews = exchange->host->api->previews;
+    struct proto_problem problem;
+    double progress = 0;
+    if (gd_mesh_summary(request->surface->mesh)->faces <= request->faces) return true;
+    enum gd_status status = server_previews_find(previews, request->surface, request->faces,
+                                                 &request->preview, &progress);
+    if (status == GD_BUDGET) {
+        server_budget_refuse(exchange->host->budget, "the preview",
+                             gd_edit_cost(gd_mesh_summary(request->surface->mesh)->faces),
+                             &problem);
+        server_reply_problem(exchange, &problem);
+    } else if (status) {
+        proto_problem_from_status(&problem, status, NULL);
+        server_reply_problem(exchange, &problem);
+    } else if (!request->preview) {
+        progress_reply(exchange, progress);
+    }
+    return request->preview != NULL;
+}
+
+void server_handle_get_preview(struct server_exchange *exchange)
+{
+    struct preview_request wanted = {0};
+    struct proto_problem problem;
+    if (!parameters_read(exchange, &wanted, &problem)) {
+        server_reply_problem(exchange, &problem);
+        return;
+    }
+    wanted.surface = server_request_surface(exchange);
+    if (!wanted.surface) return;
+    struct preview_request *request = malloc(sizeof *request);
+    if (!request || !find(exchange, &wanted)) {
+        if (!request) server_request_fail(exchange, SERVER_STORE_NO_MEMORY);
+        server_surface_release(wanted.surface);
+        free(request);
+        return;
+    }
+    *request = wanted;
+    server_exchange_keep(exchange, request, request_free);
+    server_exchange_defer(exchange, file_send, NULL);
+}

@@ -1,0 +1,73 @@
+/* Discretizations: cached meshes of subdivision surfaces, one for each level, for traces and paths.
+ *
+ *     status = server_discretizations_get(discretizations, &wanted, &fine);
+ *     ... fine->mesh ...
+ *     server_discretization_release(fine);
+ *
+ * DESIGN. A surface has a *slot* with a place for each level. The first request that finds a level
+ * missing builds it. Other requests wait in their workers and check their deadlines every few
+ * milliseconds; if the builder fails, one of them becomes the builder. A cached mesh counts as
+ * SERVER_BUDGET_DISCRETIZATIONS until the last request that uses it has ended. When memory is
+ * short, the least recently used are evicted first, before any mesh: a rebuild takes less than a
+ * second.
+ *
+ * One mutex guards slots and their order. All functions are thread-safe. */
+#ifndef SERVER_FIELDS_DISCRETIZATIONS_H
+#define SERVER_FIELDS_DISCRETIZATIONS_H
+
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <sys/queue.h>
+
+#include "gd/limit_mesh.h"
+#include "server/work/budgeted_call.h"
+
+struct server_discretizations;
+
+struct server_discretization {
+    atomic_uint references;
+    struct gd_limit_mesh *mesh;
+    struct server_budget *budget;
+    size_t bytes;
+    /* under the owner's lock, while it is kept: */
+    struct server_discretization_slot *slot;
+    TAILQ_ENTRY(server_discretization) by_use;
+};
+
+struct server_discretization_slot {                 /* slot of one surface; all zero: empty */
+    _Atomic(struct server_discretizations *) owner; /* NULL: never used by a request */
+    /* under the owner's lock: */
+    struct server_discretization *levels[GD_LIMIT_LEVEL_MOST + 1]; /* NULL: not kept */
+    bool is_building[GD_LIMIT_LEVEL_MOST + 1];
+};
+
+/* Meshes have at most `max_faces` faces. Becomes a reclaimer of the workspaces' budget. Borrows
+ * both. NULL: out of memory. */
+struct server_discretizations *server_discretizations_create(struct server_workspaces *workspaces,
+                                                             uint32_t max_faces);
+
+/* Call it when all slots are closed. NULL is harmless. */
+void server_discretizations_destroy(struct server_discretizations *discretizations);
+
+struct server_discretization_request {       /* all borrowed for the call */
+    struct server_discretization_slot *slot; /* slot of the surface */
+    const struct gd_subdivision *surface;
+    uint32_t level;            /* <= GD_LIMIT_LEVEL_MOST */
+    struct gd_control control; /* without budget and workspace */
+    struct gd_detail *detail;
+};
+
+/* Finds or builds a discretization, which the caller releases. Call it on a worker: it may take a
+ * second. Errors: those of gd_limit_mesh_build; GD_BUDGET: all available memory was too little. */
+GD_MUST_USE enum gd_status
+server_discretizations_get(struct server_discretizations *discretizations,
+                           const struct server_discretization_request *request,
+                           struct server_discretization **out);
+/* NULL is harmless. */
+void server_discretization_release(struct server_discretization *discretization);
+
+/* Empties the slot of a surface that no request uses any more. */
+void server_discretization_slot_close(struct server_discretization_slot *slot);
+
+#endif

@@ -1,0 +1,39 @@
+/* Edits: runs the edits of a request on a surface and makes the result a derived mesh
+ * (surface_resource.h) whose attachment holds the origins of its vertices (derived.h).
+ *
+ *     struct server_edits edits = {.surface = …, .edits = …};
+ *     server_edits_run(&edits, &monitor, &problem) &&
+ *         server_edits_add(&edits, &edits.edited, &meshes, name, &problem);
+ *     server_edits_free(&edits); */
+#ifndef SERVER_QUERY_EDITS_H
+#define SERVER_QUERY_EDITS_H
+
+#include "proto/queries/derive.h"
+#include "server/query/surface_resource.h"
+
+struct server_edits {
+    const struct server_surface *surface; /* borrowed */
+    bool is_upload; /* the surface comes from an uploaded file and has no name */
+    struct proto_edits edits;
+    struct gd_edited edited;      /* the result */
+    struct server_budget *budget; /* this and the rest are set by server_edits_run */
+    size_t held;                  /* bytes of SERVER_BUDGET_FLIGHT */
+};
+
+/* Runs the edits on a worker, as `part` of the exchange's work. False with the problem. */
+bool server_edits_run(struct server_edits *edits, struct server_monitor *part,
+                      struct proto_problem *problem);
+
+/* Adds a mesh to be stored under that name: the result or a part of it. False with the problem. */
+bool server_edits_add(const struct server_edits *edits, const struct gd_edited *edited,
+                      struct server_derived_meshes *meshes, const char *name,
+                      struct proto_problem *problem);
+
+/* Adds a mesh for each component of the result, named NAME-1, NAME-2, …. False with the problem. */
+bool server_edits_add_parts(struct server_edits *edits, struct server_monitor *part,
+                            struct server_derived_meshes *meshes, const char *name,
+                            struct proto_problem *problem);
+
+void server_edits_free(struct server_edits *edits); /* accepts all zero */
+
+#endif

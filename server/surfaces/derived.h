@@ -1,0 +1,31 @@
+/* Derived: the data that is stored with a mesh that edits made from another mesh. */
+#ifndef SERVER_SURFACES_DERIVED_H
+#define SERVER_SURFACES_DERIVED_H
+
+#include <string.h>
+
+#include "proto/queries/derive.h"
+#include "server/surfaces/surface.h"
+
+/* The attachment, in the byte order of this machine. The origins of the vertices follow, four
+ * doubles each: face and barycentric coordinates. */
+struct server_derived {
+    char word[8]; /* SERVER_DERIVED_WORD, without a NUL */
+    char mesh[PROTO_MESH_NAME + 8],
+        etag[SERVER_ETAG + 7];         /* mesh and etag of the original; an upload has no name */
+    double largest_distance;           /* largest distance from the original */
+    char operations[PROTO_EDITS_TEXT]; /* as JSON; NUL-terminated */
+};
+
+#define SERVER_DERIVED_WORD "derived1"
+
+/* Returns the attachment of a mesh that edits made; NULL for other meshes. */
+static inline const struct server_derived *server_derived_of(const struct server_surface *surface)
+{
+    bool is_derived = surface->attachment &&
+                      surface->record->attachment_size > sizeof(struct server_derived) &&
+                      memcmp(surface->attachment, SERVER_DERIVED_WORD, 8) == 0;
+    return is_derived ? surface->attachment : NULL;
+}
+
+#endif

@@ -1,0 +1,29 @@
+/* A soup of polygons made from fuzzed bytes: vertices on a coarse lattice, so that ties, flat parts
+ * and folds abound; faces; and options for repair. */
+#ifndef FUZZ_SOUP_H
+#define FUZZ_SOUP_H
+
+#include "gd/mesh.h"
+
+enum {
+    SOUP_VERTICES = 24, /* all of these are maxima */
+    SOUP_FACES = 40
+};
+
+struct soup {
+    double positions[SOUP_VERTICES][3];
+    uint32_t corners[4 * SOUP_FACES], first[SOUP_FACES + 1];
+    uint32_t vertices, faces;
+    double scale; /* step of the lattice */
+    struct gd_mesh_options options;
+};
+
+/* Returns the next byte; 0 after the last one. */
+uint8_t soup_next(const uint8_t **data, size_t *size);
+
+void soup_read(const uint8_t *data, size_t size, struct soup *soup);
+
+/* Returns the mesh, or NULL. Checks that a refusal has a sentence. */
+struct gd_mesh *soup_build(struct soup *soup);
+
+#endif

@@ -1,0 +1,183 @@
+#include "edits.h"
+
+#include "gd/query.h"
+#include "tests/support/laws.h"
+
+static struct gd_edited filled(const struct gd_mesh *mesh, uint32_t max_edges)
+{
+    struct gd_edited edited;
+    struct gd_detail detail = {0};
+    check_ok(gd_fill(mesh, &(struct gd_fill_options){max_edges}, NULL, &edited, &detail), &detail);
+    return edited;
+}
+
+/* Checks that the faces of the mesh come first and are unchanged. */
+static void check_old_faces(const struct gd_mesh *mesh, const struct gd_edited *edited)
+{
+    struct gd_polygons before;
+    check_ok(gd_mesh_polygons(mesh, &before), NULL);
+    for (uint32_t i = 0; i < 3 * before.polygon_count; i++)
+        assert_memory_equal(edited->polygons.positions[edited->polygons.corners[i]],
+                            before.positions[before.corners[i]], sizeof(double[3]));
+    gd_polygons_free(&before);
+}
+
+static void a_tube_becomes_closed(void **state)
+{
+    (void)state;
+    struct gd_mesh *mesh = test_sample("cylinder", (double[SAMPLE_PARAMETERS]){1, 2, 40, 10}, NULL);
+    struct gd_edited edited = filled(mesh, GD_FILL_EDGES);
+    struct gd_mesh *made = test_mesh(&edited.polygons);
+    const struct gd_mesh_summary *before = gd_mesh_summary(mesh), *after = gd_mesh_summary(made);
+    assert_int_equal(after->boundaries, 0);
+    assert_int_equal(after->euler_characteristic, 2);
+    assert_int_equal(after->flipped_faces, 0);
+    assert_int_equal(after->degenerate_faces, 0);
+    /* two regular polygons of 40 corners */
+    check_close(after->area, before->area + 2 * 20 * sin(acos(-1) / 20), 1e-9);
+    assert_true(after->vertices > before->vertices);
+    check_old_faces(mesh, &edited);
+    assert_true(farthest_origin(mesh, &edited) < 1.01);
+    gd_mesh_release(made);
+    gd_edited_free(&edited);
+    gd_mesh_release(mesh);
+}
+
+static void long_loops_stay_open(void **state)
+{
+    (void)state;
+    struct gd_mesh *mesh = test_sample("cylinder", (double[SAMPLE_PARAMETERS]){1, 2, 40, 10}, NULL);
+    struct gd_edited edited = filled(mesh, 39);
+    assert_int_equal(edited.polygons.polygon_count, gd_mesh_summary(mesh)->faces);
+    gd_edited_free(&edited);
+    gd_mesh_release(mesh);
+}
+
+/* A tetrahedron without one face: filling adds a single triangle. */
+static void the_smallest_hole(void **state)
+{
+    (void)state;
+    double positions[][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    uint32_t corners[] = {0, 2, 1, 0, 1, 3, 0, 3, 2};
+    const struct gd_polygons polygons = {positions, 4, 3, corners, NULL};
+    struct gd_mesh *mesh = test_mesh(&polygons);
+    struct gd_edited edited = filled(mesh, 3);
+    struct gd_mesh *made = test_mesh(&edited.polygons);
+    assert_int_equal(gd_mesh_summary(made)->boundaries, 0);
+    gd_mesh_release(made);
+    gd_edited_free(&edited);
+    gd_mesh_release(mesh);
+}
+
+/* Returns whether an edge passes through the inside of a face with which it shares no corner. */
+static bool crosses(const struct gd_polygons *p, const uint32_t *edge, const uint32_t *face)
+{
+    for (int i = 0; i < 2; i++) {
+        for (int k = 0; k < 3; k++) {
+            if (edge[i] == face[k]) return false;
+        }
+    }
+    struct gd_vec3 a = position_at(p, edge[0]), way = gd_vec3_sub(position_at(p, edge[1]), a);
+    struct gd_vec3 c[3], normal;
+    for (int k = 0; k < 3; k++) c[k] = position_at(p, face[k]);
+    normal = gd_vec3_cross(gd_vec3_sub(c[1], c[0]), gd_vec3_sub(c[2], c[0]));
+    double slope = gd_vec3_dot(way, normal);
+    double t = gd_vec3_dot(gd_vec3_sub(c[0], a), normal) / slope;
+    if (slope == 0 || !(t > 1e-9 && t < 1 - 1e-9)) return false;
+    struct gd_vec3 hit = gd_vec3_add(a, gd_vec3_scale(way, t));
+    for (int k = 0; k < 3; k++) {
+        struct gd_vec3 side = gd_vec3_sub(c[(k + 1) % 3], c[k]);
+        if (gd_vec3_dot(gd_vec3_cross(side, gd_vec3_sub(hit, c[k])), normal) <= 0) return false;
+    }
+    return true;
+}
+
+static void check_no_overlap(const struct gd_polygons *p, uint32_t first_new)
+{
+    for (uint32_t f = first_new; f < p->polygon_count; f++) {
+        for (uint32_t g = first_new; g < p->polygon_count; g++) {
+            for (uint32_t k = 0; k < 3; k++) {
+                const uint32_t edge[2] = {p->corners[3 * f + k], p->corners[3 * f + (k + 1) % 3]};
+                assert_false(f != g && crosses(p, edge, &p->corners[3 * g]));
+            }
+        }
+    }
+}
+
+/* Fills the bunny's holes. */
+static void the_holes_of_a_scan(void **state)
+{
+    (void)state;
+    struct gd_mesh *mesh = test_shared_mesh("stanford-bunny");
+    const struct gd_mesh_summary *before = gd_mesh_summary(mesh);
+    struct gd_edited edited = filled(mesh, GD_FILL_EDGES);
+    struct gd_mesh *made = test_mesh(&edited.polygons);
+    const struct gd_mesh_summary *after = gd_mesh_summary(made);
+    assert_true(before->boundaries > 0);
+    assert_int_equal(after->boundaries, 0);
+    assert_int_equal(after->components, before->components);
+    assert_int_equal(after->flipped_faces, 0);
+    check_no_overlap(&edited.polygons, before->faces);
+    /* between corners of two new faces the distance is finite */
+    for (uint32_t f = before->faces; f + 7 < after->faces;
+         f += (after->faces - before->faces) / 5) {
+        struct gd_point from = test_vertex(made, edited.polygons.corners[3 * f]);
+        struct gd_point to = test_vertex(made, edited.polygons.corners[3 * (f + 7)]);
+        assert_true(isfinite(law_distance(made, from, to)));
+    }
+    gd_mesh_release(made);
+    gd_edited_free(&edited);
+    gd_mesh_release(mesh);
+}
+
+/* A boundary of a single face is not filled: the filling would be the same face again. */
+static void lone_faces_stay(void **state)
+{
+    (void)state;
+    double positions[][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 0, 0},
+                             {6, 0, 0}, {5, 1, 0}, {6, 1, 1}};
+    uint32_t corners[] = {0, 1, 2, 3, 4, 5, 5, 4, 6};
+    const struct gd_polygons polygons = {
+        .positions = positions, .position_count = 7, .corners = corners, .polygon_count = 3};
+    struct gd_mesh *mesh = test_mesh(&polygons);
+    struct gd_edited edited = filled(mesh, GD_FILL_EDGES);
+    struct gd_mesh *made = test_mesh(&edited.polygons);
+    assert_int_equal(gd_mesh_summary(made)->boundaries, 1);
+    assert_int_equal(gd_mesh_boundary(made, 0).vertices, 3);
+    gd_mesh_release(made);
+    gd_edited_free(&edited);
+    gd_mesh_release(mesh);
+}
+
+static void options_budget_and_cancel(void **state)
+{
+    (void)state;
+    struct gd_mesh *mesh = test_sample("cylinder", (double[SAMPLE_PARAMETERS]){1, 2, 200, 1}, NULL);
+    const struct gd_fill_options good = {GD_FILL_EDGES};
+    const struct gd_control small = {.budget_bytes = 1000}, late = {.deadline_ns = 1};
+    struct gd_edited edited;
+    for (uint32_t most = 2; most <= GD_FILL_EDGES_MOST + 1; most += GD_FILL_EDGES_MOST - 1)
+        assert_int_equal(gd_fill(mesh, &(struct gd_fill_options){most}, NULL, &edited, NULL),
+                         GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_fill(mesh, &good, &small, &edited, NULL), GD_BUDGET);
+    assert_int_equal(gd_fill(mesh, &good, &late, &edited, NULL), GD_DEADLINE);
+    enum gd_status status = GD_CANCELLED;
+    for (uint32_t calls = 1; status == GD_CANCELLED; calls = 2 * calls + 1) {
+        struct test_watch watch = {.most = calls};
+        const struct gd_control control = {.progress = test_watch, .user = &watch};
+        status = gd_fill(mesh, &good, &control, &edited, NULL);
+        assert_true(status == GD_OK || status == GD_CANCELLED);
+    }
+    gd_edited_free(&edited);
+    gd_mesh_release(mesh);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_tube_becomes_closed),     cmocka_unit_test(long_loops_stay_open),
+        cmocka_unit_test(the_smallest_hole),         cmocka_unit_test(the_holes_of_a_scan),
+        cmocka_unit_test(options_budget_and_cancel), cmocka_unit_test(lone_faces_stay),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,128 @@
+// Answers and their absence: incomplete points, refusals, a daemon that is busy, locked or stopped.
+
+import assert from "node:assert/strict";
+import { assertRate, read, settle, SMALL } from "./viewer.mjs";
+
+const LEAST_FIELDS = 2; /* fields a second while a source is dragged */
+
+const open = async (browser, mode = "pair") => {
+  const page = await browser.page(`/#meshes=${browser.settings.large}&mode=${mode}`);
+  await settle(page);
+  return page;
+};
+
+async function clickMiddle(page) {
+  const box = await page.locator("#canvas").boundingBox();
+  await page.mouse.click(box.x + box.width / 2, box.y + box.height / 2);
+}
+
+/** With a third click, A and B restart: the old answer no longer belongs to the points. */
+async function thirdClick(browser) {
+  const page = await open(browser);
+  await clickMiddle(page);
+  await settle(page);
+  const { from, to } = await read(page, "points");
+  assert.deepEqual([from.length, to.length], [1, 0]);
+  assert.equal(await page.locator("#answer dd.main").count(), 0);
+  assert.equal(await page.locator("#readout").textContent(), "");
+  assert.equal(await read(page, "curl"), "");
+  assert.equal(await read(page, "last"), undefined);
+}
+
+const problem = (status, code, detail) => ({
+  status,
+  contentType: "application/problem+json",
+  body: JSON.stringify({ status, code, detail }),
+});
+
+/** Answers queries of paths by a problem until the returned function is called. */
+async function refuse(page, answer) {
+  const handler = (route) => (answer ? route.fulfill(answer) : route.abort());
+  await page.route(/\/path\?/, handler);
+  return () => page.unroute(/\/path\?/, handler);
+}
+
+async function nudge(page) {
+  await page.getByRole("button", { name: "End", exact: true }).focus();
+  await page.keyboard.press("Shift+ArrowRight");
+  await settle(page);
+}
+
+/** After a refusal nothing of the old answer is left, and the refused request can be copied. */
+async function refusal(browser) {
+  const page = await open(browser);
+  page.tolerate(/status of 400/);
+  const before = await read(page, "curl");
+  await refuse(page, problem(400, "invalid_request", "the weights of the point are not numbers"));
+  await nudge(page);
+  assert.match(await page.locator("#error").textContent(), /the weights of the point are not/i);
+  assert.equal(await page.locator("#answer dd.main").count(), 0);
+  assert.equal(await read(page, "last"), undefined);
+  assert.notEqual(await read(page, "curl"), before);
+  assert.match(await read(page, "curl"), /\/path\?/);
+}
+
+const CAUSES = [
+  [problem(401, "unauthorized", "no key"), /access key/],
+  [problem(404, "not_found", "there is no mesh of this name"), /does not have this surface/],
+  [problem(503, "overloaded", "the queue is full"), /busy/],
+  [null, /does not answer/],
+];
+
+async function retries(browser) {
+  for (const [answer, sentence] of CAUSES) {
+    const page = await open(browser);
+    page.tolerate(/status of (401|404|503)|ERR_FAILED/);
+    const permit = await refuse(page, answer);
+    await nudge(page);
+    assert.match(await page.locator("#error").textContent(), sentence);
+    await permit();
+    await page.getByRole("button", { name: "Try again" }).click();
+    await settle(page);
+    assert.equal(await page.locator("#error").textContent(), "");
+    assert.ok((await read(page, "last")).distance > 0);
+  }
+}
+
+/** A field follows the drag on a mesh of this size, and no request of the drag is a job. */
+async function fieldDrag(browser) {
+  const page = await browser.page(`/#meshes=${browser.settings.large}&mode=field`, SMALL);
+  await settle(page);
+  const jobs = [];
+  let lines = 0;
+  page.on("request", (request) => request.headers()["prefer"] && jobs.push(request.url()));
+  page.on("response", (response) => (lines += /\/isolines/.test(response.url()) ? 1 : 0));
+  const check = () => {
+    assert.deepEqual(jobs, []);
+    assert.equal(lines, 0);
+  };
+  const values = { name: "Source", pattern: /\/values$/, least: LEAST_FIELDS };
+  await assertRate(browser, page, { ...values, check });
+  await browser.picture(page, "field-dragged");
+}
+
+/** A drag over the outline of a preview keeps the answer; a refusal at its end shows. */
+async function missed(browser) {
+  const page = await open(browser);
+  page.tolerate(/status of 422/);
+  const box = await page.getByRole("button", { name: "End", exact: true }).boundingBox();
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  await refuse(page, problem(422, "point_not_on_surface", "the ray does not meet the surface"));
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await page.mouse.move(x + 12, y);
+  await settle(page);
+  assert.equal(await page.locator("#error").textContent(), "");
+  assert.ok(await page.locator("#answer dd.main").isVisible());
+  await page.mouse.up();
+  await settle(page);
+  assert.match(await page.locator("#error").textContent(), /does not meet/);
+}
+
+export const tests = {
+  "a third click removes the answer": thirdClick,
+  "a refusal removes the answer": refusal,
+  "a drag beside the surface keeps the answer": missed,
+  "a retry redoes the question": retries,
+  "a field follows a drag without jobs": fieldDrag,
+};

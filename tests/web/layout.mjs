@@ -1,0 +1,126 @@
+// The page at three sizes: answers in sight, a sheet that folds, the wheel, the start card.
+
+import assert from "node:assert/strict";
+import { PHONE } from "./browser.mjs";
+import { putSample, read, settle } from "./viewer.mjs";
+
+const LAPTOP = { viewport: { width: 1366, height: 768 } };
+
+const MODES = ["pair", "field", "set", "curves", "trace", "spline", "cut", "limit", "nurbs"];
+
+const overlap = (a, b) =>
+  a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
+
+async function answersInSight(browser) {
+  await putSample(browser, "ring", "torus", "columns=60", "rows=30");
+  for (const mode of MODES) {
+    const surface = ["limit", "nurbs"].includes(mode) ? "" : "meshes=ring&";
+    const page = await browser.page(`/#${surface}mode=${mode}`, LAPTOP);
+    await settle(page);
+    const box = await page.locator("#actions").boundingBox();
+    assert.ok(
+      box.y + box.height <= LAPTOP.viewport.height,
+      `${mode}: the answer ends at ${box.y + box.height}`,
+    );
+    await browser.picture(page, `laptop-${mode}`);
+    await browser.closePages();
+  }
+  await browser.ask("DELETE", "/v1/meshes/ring");
+}
+
+async function sheet(browser) {
+  const page = await browser.page(`/#meshes=${browser.settings.large}&mode=field`, PHONE);
+  await settle(page);
+  assert.ok(!(await page.locator("#readout").isVisible()));
+  const before = await page.locator("#canvas").boundingBox();
+  await page.getByRole("button", { name: "Hide the controls" }).click();
+  await settle(page);
+  const after = await page.locator("#canvas").boundingBox();
+  assert.ok(after.height > before.height + 200, `${before.height} pixels, folded ${after.height}`);
+  const readout = await page.locator("#readout").boundingBox();
+  for (const name of ["#toolbar", "#legend"])
+    assert.ok(
+      !overlap(readout, await page.locator(name).boundingBox()),
+      `the readout covers ${name}`,
+    );
+  await browser.picture(page, "phone-folded");
+  await page.getByRole("button", { name: "Show the controls" }).click();
+}
+
+async function wheel(browser) {
+  const page = await browser.page(`/#meshes=${browser.settings.large}&mode=pair`);
+  await settle(page);
+  const { to } = await read(page, "points");
+  const seen = () => page.evaluate((xyz) => window.geodesicd.camera.project(xyz), to[0].xyz);
+  const [{ x, y }, camera] = [await seen(), (await read(page, "state")).camera];
+  await page.mouse.move(x, y); // over the handle of the point
+  await page.mouse.wheel(0, -400);
+  await page.waitForTimeout(300);
+  assert.notEqual((await read(page, "state")).camera, camera);
+  const after = await seen();
+  const moved = Math.hypot(after.x - x, after.y - y);
+  assert.ok(moved < 12, `the point under the cursor moved by ${moved} pixels`);
+}
+
+async function startCard(browser) {
+  const { meshes } = await browser.ask("GET", "/v1/meshes");
+  const page = await browser.page("/icon.svg"); // a page on which the route is installed first
+  page.tolerate(/status of 404/); // /icon.svg has no icon of its own
+  await page.route(/\/v1\/meshes\/[^/]+$/, async (route) => {
+    const response = await route.fetch();
+    await route.fulfill({ response, json: { ...(await response.json()), faces: 5e6 } });
+  });
+  await page.goto(browser.settings.url);
+  await settle(page);
+  for (const { name } of meshes.slice(0, 3))
+    assert.ok(await page.locator("#start").getByRole("button", { name, exact: true }).isVisible());
+  await browser.picture(page, "start");
+}
+
+const meshNames = async (browser) =>
+  (await browser.ask("GET", "/v1/meshes?limit=1000")).meshes.map(({ name }) => name);
+
+/** Smooth surfaces are drawn without adding a mesh to the public list. */
+async function nothingStored(browser) {
+  const page = await browser.page("/");
+  await settle(page);
+  const before = await meshNames(browser);
+  for (const [mode, number] of [["NURBS", "length"], ["Catmull-Clark", "distance"]]) {
+    await page.getByRole("radio", { name: mode, exact: true }).check({ force: true });
+    await settle(page);
+    assert.ok((await read(page, "last"))[number] > 0, mode);
+    assert.deepEqual(await meshNames(browser), before, mode);
+  }
+}
+
+const PRISM =
+  "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\n" +
+  "f 1 3 2\nf 4 5 6\nf 1 2 5 4\nf 2 3 6 5\nf 3 1 4 6\n";
+
+/** The daemon makes the mesh of a control mesh with polygons; the page deletes it. */
+async function polygonsLeaveNothing(browser) {
+  const { url } = browser.settings;
+  await fetch(`${url}/v1/subdivisions/prism`, { method: "PUT", body: PRISM });
+  const before = await meshNames(browser);
+  const page = await browser.page("/#subdivisions=prism&mode=limit");
+  await settle(page);
+  assert.ok((await read(page, "last")).distance > 0);
+  assert.deepEqual(await meshNames(browser), before);
+  await browser.ask("DELETE", "/v1/subdivisions/prism");
+}
+
+async function deleting(browser) {
+  const page = await browser.page(`/#meshes=${browser.settings.large}&mode=pair`);
+  await settle(page);
+  assert.ok(await page.getByRole("button", { name: "Delete", exact: true }).isVisible());
+}
+
+export const tests = {
+  "answers are in sight on a laptop": answersInSight,
+  "the sheet of a phone folds": sheet,
+  "the wheel zooms to the cursor": wheel,
+  "the start card lists the daemon's meshes": startCard,
+  "smooth surfaces leave no mesh": nothingStored,
+  "a control mesh with polygons leaves no mesh": polygonsLeaveNothing,
+  "delete is in sight": deleting,
+};

@@ -1,0 +1,76 @@
+// Files of the user: existing names, several files, refusals.
+
+import assert from "node:assert/strict";
+import { drop, OCTAHEDRON, settle } from "./viewer.mjs";
+
+const TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+
+const facesOf = async (browser, name) => (await browser.ask("GET", `/v1/meshes/${name}`)).faces;
+
+const shows = (page, name) =>
+  page.waitForFunction((mesh) => window.geodesicd.state.meshes === mesh, name);
+
+/** Opens a page and drops a mesh whose name is taken. */
+async function conflict(browser) {
+  const page = await browser.page("/");
+  await settle(page);
+  page.tolerate(/status of 412/);
+  await drop(page, ["twice.obj", OCTAHEDRON]);
+  await shows(page, "twice");
+  await drop(page, ["twice.obj", TETRAHEDRON]);
+  await page.getByRole("button", { name: "Replace twice" }).waitFor();
+  assert.equal(await facesOf(browser, "twice"), 8);
+  return page;
+}
+
+async function removeAll(browser, ...names) {
+  for (const name of names) await browser.ask("DELETE", `/v1/meshes/${name}`);
+}
+
+async function keepBoth(browser) {
+  const page = await conflict(browser);
+  await browser.picture(page, "upload-conflict");
+  await page.getByRole("button", { name: /Keep both/ }).click();
+  await shows(page, "twice-2");
+  assert.deepEqual([await facesOf(browser, "twice"), await facesOf(browser, "twice-2")], [8, 4]);
+  await removeAll(browser, "twice", "twice-2");
+}
+
+async function replace(browser) {
+  const page = await conflict(browser);
+  await page.getByRole("button", { name: "Replace twice" }).click();
+  await page.locator("#surface-facts").filter({ hasText: "4 faces" }).waitFor();
+  assert.equal(await facesOf(browser, "twice"), 4);
+  await removeAll(browser, "twice");
+}
+
+async function several(browser) {
+  const page = await browser.page("/");
+  await settle(page);
+  await drop(page, ["one.obj", OCTAHEDRON], ["two.obj", TETRAHEDRON]);
+  await shows(page, "two");
+  assert.deepEqual([await facesOf(browser, "one"), await facesOf(browser, "two")], [8, 4]);
+  await removeAll(browser, "one", "two");
+}
+
+/** A refused file leaves the shown answer unchanged. */
+async function refused(browser) {
+  const page = await browser.page(`/#meshes=${browser.settings.large}&mode=pair`);
+  await settle(page);
+  page.tolerate(/status of 422/);
+  const before = await page.evaluate(() => window.geodesicd.curl);
+  await drop(page, ["broken.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 7\n"]);
+  await page
+    .locator("#error")
+    .filter({ hasText: /vertex|index/ })
+    .waitFor();
+  assert.ok(await page.locator("#answer dd.main").isVisible());
+  assert.equal(await page.evaluate(() => window.geodesicd.curl), before);
+}
+
+export const tests = {
+  "a taken name: keep both": keepBoth,
+  "a taken name: replace": replace,
+  "several files at once": several,
+  "a refused file leaves the answer": refused,
+};
