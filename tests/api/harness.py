@@ -193,6 +193,11 @@ class Daemon:
         """Waits until the metric has at least that value; returns it."""
         return wait_until(lambda: (value := self.metric(name)) >= least and value)
 
+    def wait_for_flight(self, most=0):
+        """Waits until requests hold at most that many bytes: they give memory back after their last
+        byte was sent, which their client can see before."""
+        wait_until(lambda: self.metric('memory_bytes{class="flight"}') <= most)
+
     def ended(self, accepted):
         """Waits for the job of an accepted request to end, and returns it."""
         assert accepted.status == 202, accepted

@@ -285,7 +285,7 @@ class Streams(TestCase):
         row = {"query": "matrix", "sources": every, "targets": every, "select": "distances"}  # 7 MB
         connection, answer = self.begin("ball", lines_of(*[row] * 6))
         wait_until(self.is_idle)  # the work is parked and occupies no worker
-        self.assertLess(self.daemon.metric('memory_bytes{class="flight"}'), 24 << 20)
+        self.daemon.wait_for_flight(24 << 20)
         found = [json.loads(line)["status"] for line in answer]
         self.assertEqual(found, [200] * 6)
         connection.close()

@@ -304,7 +304,7 @@ class Memory(Isolines):
         answer = self.ask("sphere", field, "count=1&tolerance=1e-10")
         self.assert_problem(answer, 507, "insufficient_memory")
         self.assertEqual(self.ask("sphere", field, "count=3").status, 200)
-        self.assertLessEqual(self.daemon.metric('memory_bytes{class="flight"}'), flight)
+        self.daemon.wait_for_flight(flight)
 
     def test_levels_leave_as_they_are_written(self):
         """An answer of many levels may exceed the memory for it, because levels are sent as they
@@ -322,7 +322,7 @@ class Memory(Isolines):
         connection.request("GET", f"/v1/meshes/many/fields/{field}/isolines?count=40&tolerance=1e-7&geometry=full")
         connection.getresponse().read(1000)
         connection.close()
-        wait_until(lambda: self.daemon.metric('memory_bytes{class="flight"}') <= flight)
+        self.daemon.wait_for_flight(flight)
 
 
 if __name__ == "__main__":

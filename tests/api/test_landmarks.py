@@ -139,7 +139,7 @@ class Life(TestCase):
         self.assertEqual(self.daemon.request("DELETE", "/v1/meshes/gone").status, 204)
         self.wait_idle()
         self.assertEqual(self.daemon.metric("landmarks_built_total"), built, "they were built all the same")
-        self.assertIn('memory_bytes{class="flight"} 0\n', self.daemon.get("/metrics").body.decode())
+        self.daemon.wait_for_flight()
 
 
 class Waiting(TestCase):

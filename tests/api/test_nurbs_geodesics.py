@@ -197,13 +197,12 @@ class Time(Nurbs):
         self.assert_near(job["result"]["length"], self.ask("hills", "geodesic", {"from": [0.45, 0.5], "to": [0.55, 0.5]})["length"], 1e-15)
 
     def test_memory_is_given_back(self):
-        flight = lambda: self.daemon.get("/metrics").body.decode().split('memory_bytes{class="flight"} ')[1].split("\n")[0]
         self.ask("hills", "geodesic", {"from": [0.45, 0.5], "to": [0.55, 0.5]})
         self.post("hills", "curve-distance", self.HARD, "?timeout_ms=50")
         self.ask("hills", "nearest", {"xyz": [1, 2, 3]})
         self.ask("hills", "evaluate", {"uv": [[0.1, 0.1]] * 5000})
         self.post("hills", "tessellate", {"mesh": "hills", "resolution": [20, 20]})
-        wait_until(lambda: flight() == "0")
+        self.daemon.wait_for_flight()
 
 
 if __name__ == "__main__":
