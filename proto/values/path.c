@@ -39,7 +39,7 @@ static void encode_positions(struct proto_writer *writer, const struct gd_mesh *
                              const struct gd_point *points, uint32_t count)
 {
     double xyz[RUN][3];
-    for (uint32_t begin = 0; begin < count; begin += RUN) {
+    for (uint32_t begin = 0; begin < count && !writer->failure; begin += RUN) {
         uint32_t some = count - begin < RUN ? count - begin : RUN;
         gd_points_positions(mesh, points + begin, some, xyz);
         proto_write_triples(writer, xyz, some);

@@ -314,6 +314,7 @@ void proto_point_encode_fields(struct proto_writer *writer, const struct gd_mesh
                                const struct gd_point *point, double snap_distance, uint32_t fields)
 {
     struct gd_point_description description;
+    if (writer->failure) return; /* long lists end soon after their deadline */
     gd_point_describe(mesh, point, &description);
     fields &= fields_of(&description, snap_distance);
     proto_write_object_begin(writer);
