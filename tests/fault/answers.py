@@ -29,7 +29,7 @@ SLACK = 64 * MIB
 LISTS = 20
 LIVEZ_MS = 50
 CUT_SECONDS = 45  # the library's timer of 30 seconds, and a margin
-LONG = ("spline", "picture", "voronoi")  # kinds that take long while other tests run
+LONG = ("spline", "picture", "voronoi", "evaluate", "exp", "queries", "derived file", "preview", "limit trace")  # kinds that take long while other tests run
 JSON = {"Content-Type": "application/json"}
 FLAGS = ("--max-body", "16MiB", "--workers", "2", "--http-threads", "2", "--landmarks", "0")
 
@@ -178,6 +178,34 @@ def requests(daemon, size):
     yield get("picture", f"meshes/fine/picture.svg?source=v:0&size=800x800")
     for name in ("obj", "ply", "gltf"):
         yield get("content", f"meshes/fine/content?format={name}")
+    yield from more_requests(daemon, size, fine)
+
+
+def more_requests(daemon, size, field):
+    """Returns requests for lists of points, for arrays in binary form, and about other surfaces."""
+    many = [{"vertex": i % 1000} for i in range(min(100000, size // 100))]
+    vectors = [{"direction": {"angle": 0.1 * i}, "length": 30} for i in range(size // 40000)]
+    places = [{"face": i % 6, "uv": [0.25, i / 10000]} for i in range(min(10000, size // 400))]
+    yield post("pairs", "meshes/ring/pairs", {"from": [{"vertex": 0}], "to": many})
+    yield post("pairs", "meshes/ring/pairs?format=npz", {"from": [{"vertex": 0}], "to": many})
+    yield post("nearest-points", "meshes/ring/nearest-points", {"points": many})
+    yield post("evaluate", f"meshes/fine/fields/{field}/evaluate?geometry=full", {"points": many[: size // 20000], "gradient": True, "path": True})
+    yield post("exp", "meshes/ring/exp", {"start": {"vertex": 0}, "vectors": vectors})
+    yield post("log", "meshes/ring/log", {"from": {"vertex": 0}, "to": "all"})
+    lines = b"".join(json.dumps({"query": "path", "from": {"vertex": 0}, "to": point}).encode() + b"\n" for point in many[:1000])
+    yield mix.Request("queries", "POST", "/v1/meshes/ring/queries?geometry=full", lines, {"Content-Type": "application/x-ndjson"})
+    yield post("derived file", "meshes/fine/derive", {"format": "obj", "operations": [{"operation": "components", "keep": 1}]})
+    wait_until(lambda: daemon.get("/v1/meshes/fine/preview?faces=20000&format=ply").status == 200)
+    yield get("preview", "meshes/fine/preview?faces=20000&format=ply")
+    daemon.ask("fine", "derive", {"mesh": "derived", "operations": [{"operation": "components", "keep": 1}]})
+    yield get("origins", "meshes/derived/origins")
+    yield get("origins", "meshes/derived/origins?format=npy")
+    for surface in mix.surfaces(4, 1, 4):
+        if surface.collection != "meshes":
+            daemon.request("PUT", f"/v1/{surface.collection}/{surface.name}", surface.body)
+    yield post("limit evaluate", "subdivisions/cube/evaluate", {"points": places})
+    yield post("limit trace", "subdivisions/cube/trace", {"start": places[0], "fan": 60, "length": 100, "level": 5})
+    yield post("NURBS evaluate", "nurbs/donut/evaluate", {"uv": [[i / 10000, 0.5] for i in range(len(places))]})
 
 
 def try_answers(trial, cells):
