@@ -29,7 +29,8 @@ SLACK = 64 * MIB
 LISTS = 20
 LIVEZ_MS = 50
 CUT_SECONDS = 45  # the library's timer of 30 seconds, and a margin
-LONG = ("spline", "picture", "voronoi", "evaluate", "exp", "queries", "derived file", "preview", "limit trace")  # kinds that take long while other tests run
+# kinds that take long while other tests run
+LONG = ("spline", "picture", "voronoi", "evaluate", "exp", "queries", "derived file", "preview", "limit trace")
 JSON = {"Content-Type": "application/json"}
 FLAGS = ("--max-body", "16MiB", "--workers", "2", "--http-threads", "2", "--landmarks", "0")
 
