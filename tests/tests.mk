@@ -44,7 +44,7 @@ API_MODULES := $(sort $(basename $(notdir $(wildcard tests/api/test_*.py))))
 API_HALF    := $(shell expr $(words $(API_MODULES)) / 2)
 API_FIRST   := $(wordlist 1,$(API_HALF),$(API_MODULES))
 API_SECOND  := $(filter-out $(API_FIRST),$(API_MODULES))
-WEB_FIRST  := types,modules:,viewer:,uploads:,answers:,history:
+WEB_FIRST  := types,modules:,viewer:,surfaces:,uploads:,answers:,history:
 WEB_SECOND := layout:,picture:,derive:,embed:,modes:,docs:
 
 test: announce-test setup-test nurbs-peers contract-linter contract-generators web-peers ## set up and run all tests

@@ -9,13 +9,18 @@ export interface ViewerAnswer {
 /**
  * `<geodesic-viewer server="…" mesh="bunny" from="v:12" to="v:900">`. Attributes: `server` (the
  * origin of the daemon), `mesh`, `subdivision` or `nurbs`, `mode`, points by group (`from`, `to`,
- * `via`, …), `unit`, `ramp`, `edges`, `up`, `camera`. Fires `answer` with a `ViewerAnswer`.
+ * `via`, …), `unit`, `ramp`, `edges`, `up`, `camera`. Fires `answer` with a `ViewerAnswer`,
+ * and `error` with a message for people if a surface or an answer is refused.
  */
 export class GeodesicViewer extends HTMLElement {
   readonly server: string;
   /** The fragment of the viewer's address. */
   readonly fragment: string;
   addEventListener(type: "answer", listener: (event: CustomEvent<ViewerAnswer>) => void): void;
+  addEventListener(
+    type: "error",
+    listener: (event: CustomEvent<{ message: string }>) => void,
+  ): void;
   addEventListener(type: string, listener: EventListenerOrEventListenerObject): void;
 }
 

@@ -62,15 +62,14 @@ export class GeodesicViewer extends HTMLElementOrNone {
   }
 
   #receive({ source, origin, data }) {
-    if (
-      source !== this.#frame?.contentWindow ||
-      origin !== this.server ||
-      data?.geodesicd !== "answer"
-    )
-      return;
-    this.dispatchEvent(
-      new CustomEvent("answer", { detail: { length: data.length, state: data.state } }),
-    );
+    if (source !== this.#frame?.contentWindow || origin !== this.server) return;
+    const { geodesicd: type, length, state, message } = data ?? {};
+    if (type === "answer") this.#fire(type, { length, state });
+    if (type === "error") this.#fire(type, { message });
+  }
+
+  #fire(type, detail) {
+    this.dispatchEvent(new CustomEvent(type, { detail }));
   }
 }
 

@@ -55,7 +55,7 @@ async function refusal(browser) {
   const before = await read(page, "curl");
   await refuse(page, problem(400, "invalid_request", "the weights of the point are not numbers"));
   await nudge(page);
-  assert.match(await page.locator("#error").textContent(), /the weights of the point are not/i);
+  assert.match(await page.locator("#notice .error").textContent(), /the weights of the point are not/i);
   assert.equal(await page.locator("#answer dd.main").count(), 0);
   assert.equal(await read(page, "last"), undefined);
   assert.notEqual(await read(page, "curl"), before);
@@ -75,11 +75,11 @@ async function retries(browser) {
     page.tolerate(/status of (401|404|503)|ERR_FAILED/);
     const permit = await refuse(page, answer);
     await nudge(page);
-    assert.match(await page.locator("#error").textContent(), sentence);
+    assert.match(await page.locator("#notice .error").textContent(), sentence);
     await permit();
     await page.getByRole("button", { name: "Try again" }).click();
     await settle(page);
-    assert.equal(await page.locator("#error").textContent(), "");
+    assert.equal(await page.locator("#notice .error").textContent(), "");
     assert.ok((await read(page, "last")).distance > 0);
   }
 }
@@ -112,11 +112,11 @@ async function missed(browser) {
   await page.mouse.down();
   await page.mouse.move(x + 12, y);
   await settle(page);
-  assert.equal(await page.locator("#error").textContent(), "");
+  assert.equal(await page.locator("#notice .error").textContent(), "");
   assert.ok(await page.locator("#answer dd.main").isVisible());
   await page.mouse.up();
   await settle(page);
-  assert.match(await page.locator("#error").textContent(), /does not meet/);
+  assert.match(await page.locator("#notice .error").textContent(), /does not meet/);
 }
 
 export const tests = {

@@ -39,9 +39,11 @@ const elementPage = (url) => ({
   "index.html": `<!doctype html><html lang="en"><link rel="icon" href="data:,">
     <script type="module" src="/viewer.js"></script>
     <geodesic-viewer server="${url}" mesh="demo" from="v:0" to="v:1"></geodesic-viewer>
-    <script>window.lengths = [];
-      document.querySelector("geodesic-viewer").addEventListener("answer",
-        ({ detail }) => window.lengths.push(detail.length));</script>`,
+    <script>window.lengths = [], window.errors = [];
+      const viewer = document.querySelector("geodesic-viewer");
+      viewer.addEventListener("answer", ({ detail }) => window.lengths.push(detail.length));
+      viewer.addEventListener("error", ({ detail }) => window.errors.push(detail.message));
+    </script>`,
 });
 
 const answered = (page, length) =>
@@ -60,6 +62,25 @@ async function element(browser) {
     await page.evaluate(() => document.querySelector("geodesic-viewer").setAttribute("to", "v:2"));
     await answered(page, await length("v:2"));
     await browser.picture(page, "embedded");
+    browser.assertQuiet();
+  });
+}
+
+/** The page and its reader see that a mesh is missing, and no controls for uploads. */
+async function missing(browser) {
+  const { url, host } = browser.settings;
+  await withPage(browser, elementPage(url), async () => {
+    const page = await browser.page(`${host}/`);
+    page.tolerate(/status of 404/);
+    await page.waitForFunction(() => window.lengths.length > 0);
+    await page.evaluate(() => document.querySelector("geodesic-viewer").setAttribute("mesh", "no"));
+    await page.waitForFunction(() => window.errors.length > 0);
+    assert.match(await page.evaluate(() => window.errors[0]), /does not have this surface/);
+    const viewer = page.frames()[1];
+    assert.match(await viewer.locator("#trouble").textContent(), /does not have this surface/);
+    assert.ok(!(await viewer.locator("#start").isVisible()));
+    await page.evaluate(() => document.querySelector("geodesic-viewer").setAttribute("mesh", "demo"));
+    await viewer.waitForFunction(() => !document.getElementById("trouble").textContent);
     browser.assertQuiet();
   });
 }
@@ -118,6 +139,7 @@ async function threeExample(browser) {
 
 export const tests = {
   "an element in a page of another origin": element,
+  "an element for a missing mesh": missing,
   "no frame in a page that is not permitted": otherOrigin,
   "a path follows the mouse in three.js": threeExample,
 };

@@ -11,6 +11,7 @@ import * as layout from "./layout.mjs";
 import * as modes from "./modes.mjs";
 import * as modules from "./modules.mjs";
 import * as picture from "./picture.mjs";
+import * as surfaces from "./surfaces.mjs";
 import * as uploads from "./uploads.mjs";
 import * as viewer from "./viewer.mjs";
 
@@ -37,6 +38,7 @@ const withLong = ({ tests, longTests }) => (settings.all ? { ...tests, ...longTe
 const groups = {
   modules: modules.tests,
   viewer: withLong(viewer),
+  surfaces: surfaces.tests,
   uploads: uploads.tests,
   answers: answers.tests,
   history: history.tests,

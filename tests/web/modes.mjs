@@ -21,7 +21,7 @@ async function tryMode(browser, label) {
     await settle(page);
     await page.getByRole("radio", { name: label, exact: true }).check({ force: true });
     await settle(page);
-    assert.equal(await page.locator("#error").textContent(), "");
+    assert.equal(await page.locator("#notice .error").textContent(), "");
     assert.ok(await read(page, "last"), "there is no answer");
     assert.notEqual(await page.locator("#answer").textContent(), "");
     await browser.picture(page, `mode-${label.toLowerCase().replace(/[^a-z]+/g, "-")}-${size}`);

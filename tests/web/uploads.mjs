@@ -61,7 +61,7 @@ async function refused(browser) {
   const before = await page.evaluate(() => window.geodesicd.curl);
   await drop(page, ["broken.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 7\n"]);
   await page
-    .locator("#error")
+    .locator("#uploads .error")
     .filter({ hasText: /vertex|index/ })
     .waitFor();
   assert.ok(await page.locator("#answer dd.main").isVisible());

@@ -195,7 +195,7 @@ async function problems(browser) {
   await settle(page);
   page.tolerate(/status of 4\d\d/);
   await drop(page, ["broken.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 7\n"]);
-  await page.locator("#error").filter({ hasText: /vertex|index/ }).waitFor();
+  await page.locator("#uploads .error").filter({ hasText: /vertex|index/ }).waitFor();
   await browser.picture(page, "problem-desktop");
 }
 

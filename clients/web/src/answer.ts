@@ -2,7 +2,8 @@
 
 import type { Request } from "./api.ts";
 import { curlOf } from "./curl.ts";
-import { button, byId, make } from "./dom.ts";
+import { byId, copying, make } from "./dom.ts";
+import { messageOf, Notice } from "./notice.ts";
 
 export interface Fact {
   label: string;
@@ -14,20 +15,20 @@ export interface Fact {
 
 export class Answer {
   private readonly body = byId("answer");
-  private readonly error = byId("error");
-  private readonly remedy = byId("remedy");
-  private readonly progress = byId("progress");
+  /** Errors and progress of the query. */
+  private readonly notice = new Notice();
   private readonly request = byId("request");
   /** Shows the main number over the picture. */
   private readonly readout = byId("readout");
   private requests: Request[] = [];
-  private readonly copyButton = button("Copy as curl", () => void this.copy(), {
+  private readonly copyButton = copying("Copy as curl", () => this.curl(), {
     "aria-keyshortcuts": "c",
   });
   private readonly code = make("code");
 
   /** `hasKey` returns whether requests send an access key. */
   constructor(private readonly hasKey: () => boolean) {
+    byId("notice").append(this.notice.node);
     const details = make(
       "details",
       {},
@@ -55,14 +56,7 @@ export class Answer {
    * removes the error.
    */
   warn(error: unknown, ...remedy: Node[]): void {
-    this.error.textContent = error instanceof Error ? error.message : String(error);
-    this.remedy.replaceChildren(...remedy);
-  }
-
-  /** Shows an error instead of the answer. */
-  fail(error: unknown, ...remedy: Node[]): void {
-    this.clear();
-    this.warn(error, ...remedy);
+    this.notice.warn(messageOf(error), ...remedy);
   }
 
   clear(): void {
@@ -85,40 +79,20 @@ export class Answer {
       .join("\n");
   }
 
-  async copy(): Promise<void> {
-    if (this.requests.length === 0) return;
-    try {
-      await navigator.clipboard.writeText(this.curl());
-      this.copyButton.textContent = "Copied";
-    } catch {
-      this.request.querySelector("details")!.open =
-        true; /* the user can copy it by hand if the page may not write to the clipboard */
-      this.copyButton.textContent = "Copy it from below";
-    }
-    setTimeout(() => (this.copyButton.textContent = "Copy as curl"), 2000);
+  /** Copies the requests, as the button does. */
+  copy(): void {
+    if (this.requests.length > 0) this.copyButton.click();
   }
 
-  /**
-   * Shows a progress bar and a Cancel button until `hideProgress`. `part` is null while progress is
-   * unknown.
-   */
   showProgress(label: string, part: number | null, cancel: () => void): void {
-    if (this.progress.hidden) {
-      const bar = make("progress", { max: 1, "aria-label": "Progress" });
-      this.progress.replaceChildren(make("span"), bar, button("Cancel", cancel));
-      this.progress.hidden = false;
-    }
-    this.progress.querySelector("span")!.textContent =
-      part === null ? label : `${label}, ${Math.floor(part * 100)} %`;
-    if (part === null) this.progress.querySelector("progress")!.removeAttribute("value");
-    else this.progress.querySelector("progress")!.value = part;
+    this.notice.showProgress(label, part, cancel);
   }
 
   get showsProgress(): boolean {
-    return !this.progress.hidden;
+    return this.notice.showsProgress;
   }
 
   hideProgress(): void {
-    this.progress.hidden = true;
+    this.notice.hideProgress();
   }
 }

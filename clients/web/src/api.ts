@@ -32,6 +32,7 @@ const SENTENCES: Record<number, string> = {
   401: "The daemon needs an access key. Enter a valid one under Access key.",
   403: "This access key may not do that. Ask the operator for a key with the role write.",
   404: "The daemon does not have this surface. Choose another one, or upload it again.",
+  412: "Another client has replaced this surface since the page loaded it.",
   429: "The daemon limits how often this key may ask. Wait a few seconds, then try again.",
   503: "The daemon is busy. Wait a few seconds, then try again.",
 };
@@ -56,13 +57,27 @@ export function pathOf(request: Request): string {
 
 export class Api {
   /** The access key; forgotten when the tab closes. */
+  private own = "";
+
+  constructor() {
+    try {
+      this.own = sessionStorage.getItem("key") ?? "";
+    } catch {
+      /* the browser blocks storage in this frame */
+    }
+  }
+
   get key(): string {
-    return sessionStorage.getItem("key") ?? "";
+    return this.own;
   }
 
   set key(key: string) {
-    if (key) sessionStorage.setItem("key", key);
-    else sessionStorage.removeItem("key");
+    this.own = key;
+    try {
+      sessionStorage.setItem("key", key);
+    } catch {
+      /* the key is forgotten when the page closes */
+    }
   }
 
   private headers(request: Request, more: Record<string, string>): Headers {
@@ -108,8 +123,8 @@ export class Api {
     return (await this.send(request, signal)).json() as Promise<T>;
   }
 
-  async get<T>(path: string, query?: Record<string, string>): Promise<T> {
-    return this.json<T>({ method: "GET", path, query });
+  async get<T>(path: string, query?: Record<string, string>, signal?: AbortSignal): Promise<T> {
+    return this.json<T>({ method: "GET", path, query }, signal);
   }
 
   async bytes(request: Request, signal?: AbortSignal): Promise<ArrayBuffer> {

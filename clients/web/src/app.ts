@@ -9,19 +9,18 @@ import { Chooser } from "./chooser.ts";
 import { Display } from "./display.ts";
 import { button, byId } from "./dom.ts";
 import { Handles } from "./handles.ts";
-import { Latest } from "./latest.ts";
+import { Latest, Rate } from "./latest.ts";
 import { Legend } from "./legend.ts";
 import { loadSurface, namesOf } from "./load.ts";
 import { allModes } from "./modes/index.ts";
 import type { Mode } from "./modes/mode.ts";
 import { type Place, snapped } from "./place.ts";
-import { Points } from "./points.ts";
-import { Rate } from "./rate.ts";
+import { messageOf, Notice } from "./notice.ts";
+import { Points, spot } from "./points.ts";
 import { SAMPLES, type Sample } from "./samples.ts";
 import { type Pixel, Scene } from "./scene.ts";
-import { spot } from "./spots.ts";
 import { State } from "./state.ts";
-import type { Kind, Surface } from "./surface.ts";
+import { type Kind, type Surface, surfacePath } from "./surface.ts";
 import { Units } from "./units.ts";
 import { type Made, Uploads, type UserFile } from "./uploads.ts";
 
@@ -35,6 +34,18 @@ const RETRIED = [401, 404, 429, 503]; /* statuses after which the same request m
  * original. During a drag, the previous answer then stays.
  */
 const isMiss = (error: unknown): boolean => error instanceof ApiError && error.status === 422;
+
+/** The way to show a surface: the parameters of an address, and the mode. */
+interface View {
+  parameters?: URLSearchParams;
+  mode?: Mode;
+}
+
+interface Wanted {
+  kind: Kind;
+  name: string;
+  view: View;
+}
 
 export class App {
   readonly api = new Api();
@@ -55,6 +66,8 @@ export class App {
   mode: Mode = this.modes[0]!;
   /** Called when content that the panel shows may have changed. */
   readonly watchers: (() => void)[] = [];
+  /** Called after an error of a load or a query. */
+  onTrouble: (message: string) => void = () => {};
   readonly display: Display;
   private readonly handles = new Handles(byId("handles"), this.scene, this.points);
   private readonly state = new State(
@@ -70,6 +83,10 @@ export class App {
   private placesOf: Surface | undefined;
   /** Number of surfaces and files that are being read. */
   private loads = 0;
+  /** The load of the surface that was chosen last. */
+  private loading = new AbortController();
+  /** Errors about surfaces. */
+  private readonly troubles = new Notice();
 
   constructor() {
     this.chooser = new Chooser({
@@ -80,17 +97,19 @@ export class App {
     });
     this.uploads = new Uploads(
       this.api,
-      this.answer,
       (kind) => this.chooser.known[kind],
       (made) => this.openMade(made),
     );
+    byId("loads").append(this.troubles.node);
+    addEventListener("focus", () => void this.list(() => {})); /* others may have changed it */
     this.display = new Display(this);
     this.bench.onMeshes = () => void this.list();
+    this.bench.hasNewer = () => this.asker.hasNext;
     this.points.onChange = (live) => this.changed(live);
     this.points.onLook = () => this.showHandles();
     this.scene.onFrame = () => this.handles.place();
     this.scene.isWaiting = () => this.asker.busy || this.loads > 0 || this.uploads.busy;
-    this.scene.onCamera = () => this.state.write(false);
+    this.scene.onCamera = () => this.writeView(false);
     for (const mode of this.modes) mode.settings.onChange = (live) => this.changed(live);
   }
 
@@ -108,7 +127,8 @@ export class App {
     if (service) this.chooser.showFormats(service.capabilities.formats);
   }
 
-  private async list(): Promise<void> {
+  /** Reads the names of the daemon's surfaces. */
+  private async list(onError = (error: unknown): void => this.failList(error)): Promise<void> {
     try {
       const [meshes, subdivisions, nurbs] = await Promise.all(
         KINDS.map((kind) => namesOf(this.api, kind)),
@@ -119,27 +139,37 @@ export class App {
         this.bench.surface,
       );
     } catch (error) {
-      this.fail(error, () => this.reload());
+      onError(error);
     }
+  }
+
+  private failList(error: unknown): void {
+    this.fail(error, () => this.reload());
   }
 
   /** Loads everything again, for example with a new access key. */
   async reload(): Promise<void> {
-    this.answer.clear();
+    this.troubles.warn("");
     await this.start();
   }
 
-  /** Shows an error, with a button for `retry` if another attempt may succeed. */
-  private fail(error: unknown, retry: () => Promise<void> | void): void {
-    if (isAbort(error)) return;
-    const isRetried =
-      error instanceof NoAnswer || (error instanceof ApiError && RETRIED.includes(error.status));
-    this.answer.fail(
-      error,
-      ...(isRetried ? [button("Try again", () => void retry(), { class: "main" })] : []),
-    );
+  /** Returns buttons for the next step after an error; `retry` repeats the work. */
+  private remedies(error: unknown, retry: () => Promise<void> | void): Node[] {
+    const { surface } = this.bench;
     if (error instanceof ApiError && error.status === 401)
       byId<HTMLDetailsElement>("access").open = true;
+    if (error instanceof ApiError && error.status === 412 && surface)
+      return [button("Load it again", () => void this.loadAgain(surface), { class: "main" })];
+    const isRetried =
+      error instanceof NoAnswer || (error instanceof ApiError && RETRIED.includes(error.status));
+    return isRetried ? [button("Try again", () => void retry(), { class: "main" })] : [];
+  }
+
+  /** Shows an error about surfaces. The answer of the open surface stays valid. */
+  private fail(error: unknown, retry: () => Promise<void> | void): void {
+    if (isAbort(error)) return;
+    this.troubles.warn(messageOf(error), ...this.remedies(error, retry));
+    this.onTrouble(messageOf(error));
   }
 
   private say(text: string): void {
@@ -153,74 +183,99 @@ export class App {
     const kind = KINDS.find((name) => parameters.has(name));
     const wanted = this.modes.find((mode) => mode.id === parameters.get("mode"));
     if (kind) {
-      if (this.bench.surface) this.leaveMode();
-      this.mode = wanted?.kind === kind ? wanted : this.modes.find((mode) => mode.kind === kind)!;
-      await this.show(kind, parameters.get(kind)!, parameters);
-    } else {
-      if (wanted) this.mode = wanted;
-      await (wanted && wanted.kind !== "meshes" ? this.openKind(wanted.kind) : this.openFirst());
-    }
+      const mode = wanted?.kind === kind ? wanted : this.modes.find((one) => one.kind === kind);
+      await this.show(kind, parameters.get(kind)!, { parameters, mode });
+    } else if (wanted && wanted.kind !== "meshes") await this.openKind(wanted);
+    else await this.openFirst(wanted);
   }
 
   /** Shows a surface with the parameters of an address. Loads it unless it is open. */
-  private async show(kind: Kind, name: string, parameters: URLSearchParams): Promise<void> {
+  private async show(kind: Kind, name: string, view: View): Promise<void> {
     const { surface } = this.bench;
-    if (surface?.kind !== kind || surface.name !== name) return this.open(kind, name, parameters);
-    this.applyView(parameters);
-    this.enterMode(parameters);
+    if (surface?.kind !== kind || surface.name !== name) return this.open(kind, name, view);
+    this.leaveMode();
+    this.mode = view.mode!;
+    this.applyView(view.parameters);
+    this.enterMode(view.parameters);
   }
 
-  /** Opens the last open surface of a kind, or the daemon's first one, or a sample. */
-  private async openKind(kind: Kind): Promise<void> {
+  /** Opens the last open surface of the mode's kind, or the daemon's first one, or a sample. */
+  private async openKind(mode: Mode): Promise<void> {
+    const { kind } = mode;
     const names = this.chooser.known[kind];
     const known = names.find((name) => name === this.latest.get(kind)) ?? names[0];
-    if (known) await this.open(kind, known);
+    if (known) await this.open(kind, known, { mode });
     else await this.openSample(SAMPLES.find((sample) => sample.kind === kind)!);
   }
 
   /** Opens the daemon's first mesh. If there is none or it is very large, shows the start card. */
-  private async openFirst(): Promise<void> {
+  private async openFirst(mode?: Mode): Promise<void> {
     const first = this.chooser.known.meshes[0];
     const mesh =
       first &&
-      (await this.api
-        .get<{ faces: number }>(`/v1/meshes/${encodeURIComponent(first)}`)
-        .catch(() => null));
-    if (mesh && mesh.faces <= STARTING_FACES) return this.open("meshes", first);
+      (await this.api.get<{ faces: number }>(surfacePath("meshes", first)).catch(() => null));
+    if (mesh && mesh.faces <= STARTING_FACES) return this.open("meshes", first, { mode });
     byId("start").hidden = this.bench.surface !== undefined;
     if (!this.bench.surface) this.scene.warmUp();
     this.tell();
   }
 
-  async open(kind: Kind, name: string, parameters?: URLSearchParams): Promise<void> {
-    this.bench.abort();
+  /** Loads a surface and shows it. Aborts an earlier load that still runs. */
+  async open(kind: Kind, name: string, view: View = {}): Promise<void> {
+    this.loading.abort();
+    const { signal } = (this.loading = new AbortController());
+    this.troubles.warn("");
     this.say(`Loading ${name}`);
     this.loads++;
+    const onPart = (part: number): void => this.say(`Loading ${name}, ${Math.floor(100 * part)} %`);
     try {
-      const onLoad = (part: number): void =>
-        this.say(`Loading ${name}, ${Math.floor(100 * part)} %`);
-      const surface = await loadSurface(this.api, kind, name, onLoad);
-      this.showSurface(surface, parameters);
+      const surface = await loadSurface(this.api, kind, name, { signal, onPart });
+      if (!signal.aborted) this.showSurface(surface, view);
     } catch (error) {
-      this.fail(error, () => this.open(kind, name, parameters));
-      byId("start").hidden = this.bench.surface !== undefined;
+      if (!signal.aborted) this.failLoad(error, { kind, name, view });
     }
     this.loads--;
-    this.say("");
+    if (!signal.aborted) this.say("");
   }
 
-  private showSurface(surface: Surface, parameters?: URLSearchParams): void {
+  /** Keeps the open surface, unless the address names the other one. */
+  private failLoad(error: unknown, { kind, name, view }: Wanted): void {
+    if (view.parameters) this.close();
+    byId("start").hidden = this.bench.surface !== undefined;
+    this.chooser.show(this.chooser.known, this.bench.surface);
+    this.fail(error, () => this.open(kind, name, view));
+    this.tell();
+    if (error instanceof ApiError && error.status === 404) void this.list(() => {});
+  }
+
+  /** Shows the version of a surface that the daemon has now. Keeps points and settings. */
+  private loadAgain({ kind, name }: Surface): Promise<void> {
+    return this.open(kind, name, { parameters: new URLSearchParams(this.read()), mode: this.mode });
+  }
+
+  private showSurface(surface: Surface, { parameters, mode }: View): void {
     byId("start").hidden = true;
-    this.answer.clear();
+    this.leaveMode();
     this.bench.surface = surface;
     this.latest.set(surface.kind, surface.name);
     this.scene.show(surface);
     this.applyView(parameters);
-    if (this.mode.kind !== surface.kind)
-      this.mode = this.modes.find((mode) => mode.kind === surface.kind)!;
+    const isKept = this.mode.kind === surface.kind;
+    this.mode = mode ?? (isKept ? this.mode : this.modes.find(({ kind }) => kind === surface.kind)!);
     this.chooser.show(this.chooser.known, surface);
     this.chooser.expect(surface.kind);
     this.enterMode(parameters);
+  }
+
+  /** Shows no surface. */
+  private close(): void {
+    this.leaveMode();
+    this.bench.surface = undefined;
+    this.scene.show(undefined);
+    this.points.reset([]);
+    this.handles.update();
+    byId("start").hidden = false;
+    this.tell();
   }
 
   private applyView(parameters?: URLSearchParams): void {
@@ -260,32 +315,32 @@ export class App {
     if (!surface || !confirm(`Delete ${surface.name} from the daemon, for everybody?`)) return;
     try {
       await this.api.send({ method: "DELETE", path: surface.path });
-      this.leaveMode();
-      this.bench.surface = undefined;
-      this.scene.show(undefined);
-      this.points.reset([]);
-      this.handles.update();
-      this.state.write(false);
-      await this.list();
-      byId("start").hidden = false;
     } catch (error) {
-      this.fail(error, () => this.remove());
+      const isGone = error instanceof ApiError && error.status === 404;
+      if (!isGone) return this.fail(error, () => this.remove());
     }
+    if (this.bench.surface === surface) this.close();
+    this.state.write(false);
+    await this.list();
   }
 
   // --- modes -------------------------------------------------------------------------------------
 
   /** Changes the mode. If it needs another kind of surface, opens a surface of that kind. */
   async choose(mode: Mode): Promise<void> {
-    if (mode === this.mode && this.bench.surface?.kind === mode.kind) return;
+    const isOpen = this.bench.surface?.kind === mode.kind;
+    if (mode === this.mode && isOpen) return;
+    if (!isOpen) {
+      await this.openKind(mode);
+      return this.tell(); /* if it failed, the picker shows the former mode again */
+    }
     this.leaveMode();
     this.mode = mode;
-    if (this.bench.surface?.kind === mode.kind) this.enterMode();
-    else await this.openKind(mode.kind);
+    this.enterMode();
   }
 
   private leaveMode(): void {
-    this.bench.abort();
+    this.bench.forget();
     this.mode.clear();
     this.answer.clear();
   }
@@ -312,7 +367,7 @@ export class App {
 
   /**
    * Sets the points that the mode begins with: the points of the previous mode, then standard
-   * points of the picture (spots.ts).
+   * points of the picture (`spot`).
    */
   private setFirstPoints(before: Place[]): void {
     let next = before.length;
@@ -334,6 +389,7 @@ export class App {
    * change becomes a history entry.
    */
   changed(live: boolean, isEdit = !live): void {
+    if (!this.bench.surface) return;
     this.scene.hold(live);
     if (live) this.handles.place();
     else this.showHandles();
@@ -375,8 +431,13 @@ export class App {
 
   /** Shows an error instead of the answer. */
   private refuse(error: unknown): void {
-    if (!isAbort(error)) this.mode.clear();
-    this.fail(error, () => this.changed(false, false));
+    if (isAbort(error)) return;
+    this.mode.clear();
+    this.bench.last = undefined;
+    this.answer.clear();
+    this.answer.warn(error, ...this.remedies(error, () => this.changed(false, false)));
+    this.onTrouble(messageOf(error));
+    if (error instanceof ApiError && error.status === 404) void this.list(() => {});
   }
 
   /** Removes the answer if the present points have none. */
@@ -421,7 +482,7 @@ export class App {
 
   /** Writes a changed view to the address. */
   writeView(isEdit: boolean): void {
-    this.state.write(isEdit);
+    if (this.bench.surface) this.state.write(isEdit);
   }
 
   undo(): void {
@@ -432,10 +493,10 @@ export class App {
     this.state.redo();
   }
 
-  /** Writes the address at once and copies it. */
-  async copyLink(): Promise<void> {
+  /** Writes the address at once and returns it. */
+  link(): string {
     this.state.flush();
-    await navigator.clipboard.writeText(location.href);
+    return location.href;
   }
 
   read(): Record<string, string> {

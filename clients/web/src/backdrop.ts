@@ -3,28 +3,19 @@
 // a thousand and on a million faces. A fine drawing has smooth edges and ambient occlusion.
 
 import {
-  AlwaysDepth,
   type Camera,
   DepthTexture,
   NearestFilter,
-  NoBlending,
   type PerspectiveCamera,
   type Scene,
-  ShaderMaterial,
   Vector2,
   type WebGLRenderer,
   WebGLRenderTarget,
 } from "three";
-import { FullScreenQuad } from "three/examples/jsm/postprocessing/Pass.js";
+import type { FullScreenQuad } from "three/examples/jsm/postprocessing/Pass.js";
+import { pass } from "./passes.ts";
 
 const SAMPLES = 4; /* per pixel, for smooth edges */
-
-const VERTEX = `
-varying vec2 at;
-void main() {
-  at = uv;
-  gl_Position = vec4(position.xy, 0.0, 1.0);
-}`;
 
 const COPY = `
 uniform sampler2D colour;
@@ -104,18 +95,6 @@ void main() {
   gl_FragColor.rgb *= sum / weights;
 }`;
 
-/** Returns a pass over the whole frame that writes colour and depth. */
-export function program(fragmentShader: string, uniforms: ShaderMaterial["uniforms"]): FullScreenQuad {
-  const material = new ShaderMaterial({
-    uniforms,
-    vertexShader: VERTEX,
-    fragmentShader,
-    blending: NoBlending,
-  });
-  material.depthFunc = AlwaysDepth;
-  return new FullScreenQuad(material);
-}
-
 const flatTarget = (): WebGLRenderTarget =>
   new WebGLRenderTarget(1, 1, {
     magFilter: NearestFilter,
@@ -156,15 +135,15 @@ export class Backdrop {
   private readonly light = flatTarget();
   private readonly shaded = flatTarget();
   readonly saved: Saved = { colour: { value: null }, depth: { value: null } };
-  private readonly copy = program(COPY, { ...this.saved });
+  private readonly copy = pass(COPY, { ...this.saved });
   private readonly lens = {
     clip: { value: new Vector2() },
     tangents: { value: new Vector2() },
     pixel: { value: new Vector2() },
     light: { value: this.light.texture },
   };
-  private readonly occlusion = program(OCCLUSION, { ...this.fine.uniforms, ...this.lens });
-  private readonly shade = program(SHADE, { ...this.fine.uniforms, ...this.lens });
+  private readonly occlusion = pass(OCCLUSION, { ...this.fine.uniforms, ...this.lens });
+  private readonly shade = pass(SHADE, { ...this.fine.uniforms, ...this.lens });
   private fresh: "none" | "quick" | "fine" = "none";
 
   /** Drops the saved drawing; the next frame draws the surface again. */

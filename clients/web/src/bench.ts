@@ -25,6 +25,8 @@ export class Bench {
   last: unknown;
   /** The names of the daemon's meshes. */
   taken: ReadonlySet<string> = new Set();
+  /** Whether a newer query waits for the running one. */
+  hasNewer: () => boolean = () => false;
   /** Called when a mode has created meshes. */
   onMeshes: () => void = () => {};
   /** Requests that the query depends on, such as an upload; shown before its own requests. */
@@ -104,12 +106,32 @@ export class Bench {
     return this.running?.signal.aborted ?? false;
   }
 
-  private async timed(request: Request, send: () => Promise<Response>): Promise<Response> {
+  /** Forgets the answer and its requests. */
+  forget(): void {
+    this.abort();
+    this.last = undefined;
+    this.requests = [];
+  }
+
+  private request(query: string, more: Partial<Request>): Request {
+    return { method: "POST", path: `${this.surface!.path}/${query}`, ...more };
+  }
+
+  /**
+   * Sends a request of the query. Fails with status 412 if another client has replaced the surface.
+   */
+  private async ask(request: Request, send: Send): Promise<Response> {
     this.requests.push(request);
     const started = performance.now();
-    const response = await ask(await send());
+    const condition = { "If-Match": `"${this.surface!.description.etag}"` };
+    const response = await ask(await send({ ...request, headers: condition }));
     this.elapsed = performance.now() - started;
     return response;
+  }
+
+  private direct(request: Request): Promise<Response> {
+    const signal = this.running?.signal;
+    return this.ask(request, (sent) => this.api.fetch(sent, signal));
   }
 
   private async parsed<T>(response: Response): Promise<T> {
@@ -120,26 +142,12 @@ export class Bench {
   }
 
   /** Posts a query of the surface; `query` is the last part of its path. */
-  async post<T>(query: string, json: unknown, parameters?: Record<string, string>): Promise<T> {
-    const request: Request = {
-      method: "POST",
-      path: `${this.surface!.path}/${query}`,
-      query: parameters,
-      json,
-    };
-    return this.parsed(
-      await this.timed(request, () => this.api.fetch(request, this.running?.signal)),
-    );
+  async post<T>(path: string, json: unknown, query?: Record<string, string>): Promise<T> {
+    return this.parsed(await this.direct(this.request(path, { query, json })));
   }
 
-  async get(path: string, parameters?: Record<string, string>, accept?: string): Promise<Response> {
-    const request: Request = {
-      method: "GET",
-      path: `${this.surface!.path}/${path}`,
-      query: parameters,
-      accept,
-    };
-    return this.timed(request, () => this.api.fetch(request, this.running?.signal));
+  async get(path: string, query?: Record<string, string>, accept?: string): Promise<Response> {
+    return this.direct(this.request(path, { method: "GET", query, accept }));
   }
 
   /**
@@ -167,26 +175,23 @@ export class Bench {
 
   /** Posts a slow query; as a job if the surface has at least `faces` faces, except in a drag. */
   async postLong<T>(
-    query: string,
+    path: string,
     json: unknown,
     { live = false, faces = JOB_FACES, parameters }: Long = {},
   ): Promise<T> {
-    if (live || this.surface!.faceCount < faces) return this.post(query, json, parameters);
-    const request: Request = {
-      method: "POST",
-      path: `${this.surface!.path}/${query}`,
-      query: parameters,
-      json,
-    };
+    if (live || this.surface!.faceCount < faces) return this.post(path, json, parameters);
     this.isJob = true;
     const running = this.running!;
     const onProgress = (part: number): void =>
       this.answer.showProgress("Working", part, () => running.abort());
+    const request = this.request(path, { query: parameters, json });
     return this.parsed(
-      await this.timed(request, () => runJob(this.api, request, onProgress, running.signal)),
+      await this.ask(request, (sent) => runJob(this.api, sent, onProgress, running.signal)),
     );
   }
 }
+
+type Send = (request: Request) => Promise<Response>;
 
 interface Long {
   /** Whether the query belongs to a drag; it then never runs as a job. */

@@ -1,7 +1,7 @@
 // The choice of a surface: a surface of the daemon, a sample, or a file.
 
 import type { Mesh, Nurbs, Subdivision } from "../../js/types.d.ts";
-import { button, byId, freshId, make } from "./dom.ts";
+import { button, byId, freshId, isEmbedded, make } from "./dom.ts";
 import { SAMPLES, type Sample } from "./samples.ts";
 import type { Kind, Surface } from "./surface.ts";
 import { type Units, whole } from "./units.ts";
@@ -43,6 +43,7 @@ export class Chooser {
   private readonly facts = make("p", { class: "faint", id: "surface-facts" });
   private readonly remove: HTMLButtonElement;
   private names: Record<Kind, string[]> = { meshes: [], subdivisions: [], nurbs: [] };
+  private shown = "";
 
   constructor(private readonly calls: ChooserCalls) {
     const [selectId, howId] = [freshId(), freshId()];
@@ -61,7 +62,7 @@ export class Chooser {
       this.file.value = "";
     });
     this.build(selectId, howId);
-    this.listenForDrops();
+    if (!isEmbedded) this.listenForDrops();
   }
 
   private build(selectId: string, howId: string): void {
@@ -120,6 +121,14 @@ export class Chooser {
 
   /** Shows the surfaces of the daemon; `open` is the open surface. */
   show(names: Record<Kind, string[]>, open: Surface | undefined): void {
+    if (JSON.stringify(names) !== this.shown) this.list(names);
+    this.select.value = open ? `${open.kind}/${open.name}` : "";
+    this.remove.hidden = !open;
+  }
+
+  /** Replaces the lists of names. An open list of the browser would close. */
+  private list(names: Record<Kind, string[]>): void {
+    this.shown = JSON.stringify(names);
     this.names = names;
     const groups = KINDS.filter(([kind]) => names[kind].length > 0).map(([kind, label]) =>
       make(
@@ -128,14 +137,8 @@ export class Chooser {
         ...names[kind].map((name) => make("option", { value: `${kind}/${name}` }, name)),
       ),
     );
-    const nothing = make(
-      "option",
-      { value: "" },
-      groups.length > 0 ? "Choose a surface" : "Nothing yet",
-    );
-    this.select.replaceChildren(nothing, ...groups);
-    this.select.value = open ? `${open.kind}/${open.name}` : "";
-    this.remove.hidden = !open;
+    const hint = groups.length > 0 ? "Choose a surface" : "Nothing yet";
+    this.select.replaceChildren(make("option", { value: "" }, hint), ...groups);
     this.showStart();
   }
 

@@ -4,9 +4,12 @@
 import type { DeriveRequest, Mesh } from "../../js/types.d.ts";
 import type { App } from "./app.ts";
 import { ask } from "./api.ts";
+import { isAbort } from "./bench.ts";
 import { button, byId, make } from "./dom.ts";
 import { runJob } from "./jobs.ts";
 import { loadSurface } from "./load.ts";
+import { messageOf, Notice } from "./notice.ts";
+import type { Surface } from "./surface.ts";
 import { choice, only, range, Settings } from "./settings.ts";
 import { whole } from "./units.ts";
 import { freeName } from "./uploads.ts";
@@ -31,12 +34,14 @@ export class Derive {
     ),
   });
   private readonly result = make("div");
+  private readonly notice = new Notice();
   private shownFor = "";
 
   constructor(private readonly app: App) {
     byId("derive").append(
       make("div", {}),
       button("Make a new mesh", () => void this.run()),
+      this.notice.node,
       this.result,
     );
     app.watchers.push(() => this.watch());
@@ -56,6 +61,7 @@ export class Derive {
       .querySelector("div")!
       .replaceChildren(...this.settings.elements());
     this.result.replaceChildren();
+    this.notice.warn("");
   }
 
   private get operations(): DeriveRequest["operations"] {
@@ -64,26 +70,30 @@ export class Derive {
   }
 
   private async run(): Promise<void> {
-    const { api, answer, bench } = this.app;
+    const { api, bench } = this.app;
+    const { notice } = this;
     const surface = bench.surface!;
     const running = new AbortController();
-    const json = { operations: this.operations, mesh: freeName(surface.name, [...bench.taken]) };
+    const json = { operations: this.operations, mesh: freeName(surface.name, 2, bench.taken) };
     const request = { method: "POST", path: `${surface.path}/derive`, json } as const;
-    const onProgress = (part: number): void =>
-      answer.showProgress("Editing", part, () => running.abort());
-    await bench.beside(async () => {
-      const response = await ask(await runJob(api, request, onProgress, running.signal));
-      const mesh = (await response.json()) as Mesh;
-      await this.compare(mesh);
-    });
-    answer.hideProgress();
+    const onPart = (part: number): void =>
+      notice.showProgress("Editing", part, () => running.abort());
+    notice.warn("");
+    try {
+      const response = await ask(await runJob(api, request, onPart, running.signal));
+      await this.compare(surface, (await response.json()) as Mesh);
+    } catch (error) {
+      if (!isAbort(error)) notice.warn(messageOf(error));
+    }
+    notice.hideProgress();
     bench.onMeshes();
   }
 
-  private async compare(mesh: Mesh): Promise<void> {
+  /** Compares the result with the original, unless another surface has been opened. */
+  private async compare(original: Surface, mesh: Mesh): Promise<void> {
     const { app } = this;
-    const calls = () => {};
-    const derived = await loadSurface(app.api, "meshes", mesh.name, calls);
+    const derived = await loadSurface(app.api, "meshes", mesh.name, { onPart: () => {} });
+    if (app.bench.surface !== original) return;
     app.scene.compare(derived);
     const slider = make("input", {
       type: "range",

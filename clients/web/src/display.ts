@@ -2,11 +2,11 @@
 
 import type { Bench } from "./bench.ts";
 import { RAMP_NAMES } from "./colours.ts";
-import { button, byId } from "./dom.ts";
+import { button, byId, store } from "./dom.ts";
 import type { Scene } from "./scene.ts";
 import { check, choice, range, Settings } from "./settings.ts";
 import { SHADINGS, type Shading } from "./skin.ts";
-import { isDark } from "./theme.ts";
+import { isDark } from "./panel.ts";
 import { UNITS, type Units } from "./units.ts";
 
 const pairs = (values: readonly string[]): [string, string][] =>
@@ -84,7 +84,7 @@ export class Display {
   private change(live: boolean): void {
     const { surface } = this.app.bench;
     if (surface)
-      localStorage.setItem(unitKey(surface.description.sha256), this.settings.text("unit"));
+      store.set(unitKey(surface.description.sha256), this.settings.text("unit"));
     this.apply();
     this.app.bench.legend.recolour(this.app.bench.colours);
     if (!live) this.app.reshow();
@@ -103,7 +103,7 @@ export class Display {
   restore(parameters: URLSearchParams | undefined): void {
     const { surface } = this.app.bench;
     if (parameters) this.settings.restore(parameters);
-    const unit = surface && localStorage.getItem(unitKey(surface.description.sha256));
+    const unit = surface && store.get(unitKey(surface.description.sha256));
     if (!parameters?.has("unit"))
       this.settings.set("unit", unit && UNITS.includes(unit) ? unit : "units");
     this.apply();

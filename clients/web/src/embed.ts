@@ -3,6 +3,7 @@
 // parent's side.
 
 import type { App } from "./app.ts";
+import { byId, isEmbedded, make } from "./dom.ts";
 
 export interface EmbedMessage {
   /** The fragment of the address to show. */
@@ -10,11 +11,26 @@ export interface EmbedMessage {
   fragment: string;
 }
 
+/** Shows an error over the picture until the next answer. */
+function showTroubles(app: App): void {
+  const node = make("p", { id: "trouble", role: "alert" });
+  byId("stage").append(node);
+  app.onTrouble = (message) => {
+    node.textContent = message;
+    parent.postMessage({ geodesicd: "error", message }, "*");
+  };
+  app.watchers.push(() => {
+    if (app.bench.last !== undefined) node.textContent = "";
+  });
+}
+
 export function embed(app: App): void {
-  if (!new URLSearchParams(location.search).has("embed")) return;
+  if (!isEmbedded) return;
   document.body.classList.add("embedded");
+  showTroubles(app);
   if (parent === window) return;
   app.watchers.push(() => {
+    if (app.bench.last === undefined) return;
     const { path } = app.mode;
     parent.postMessage(
       { geodesicd: "answer", state: app.read(), length: path?.length ?? null },

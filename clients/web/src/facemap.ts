@@ -18,7 +18,8 @@ import {
   WebGLRenderTarget,
 } from "three";
 import type { FullScreenQuad } from "three/examples/jsm/postprocessing/Pass.js";
-import { program, type Saved } from "./backdrop.ts";
+import type { Saved } from "./backdrop.ts";
+import { pass } from "./passes.ts";
 import { RAMP_COLOUR, RAMP_UNIFORMS, type Skin } from "./skin.ts";
 import { studioLight } from "./studio.ts";
 
@@ -99,7 +100,7 @@ export class FaceMap {
     const rows = Math.ceil(skin.mesh.geometry.index!.count / 3 / ROW);
     this.values = new DataTexture(new Float32Array(4 * ROW * rows), ROW, rows);
     this.values.type = FloatType;
-    this.quad = program(RECOLOUR, {
+    this.quad = pass(RECOLOUR, {
       ...saved,
       ...skin.uniforms,
       places: { value: this.target.texture },

@@ -9,7 +9,7 @@ import {
   BoxGeometry,
   Vector3,
 } from "three";
-import { encode } from "./encode.ts";
+import { encode } from "./passes.ts";
 import type { Scene } from "./scene.ts";
 import type { Vec3 } from "./vector.ts";
 

@@ -3,7 +3,7 @@
 
 import type { App } from "./app.ts";
 import { hexOf, memberColour } from "./colours.ts";
-import { button, byId, make } from "./dom.ts";
+import { button, byId, copying, make } from "./dom.ts";
 import { save } from "./files.ts";
 import type { Line } from "./modes/mode.ts";
 
@@ -26,20 +26,25 @@ export class Kept {
   private readonly keepButton = button("Keep path", () => this.keep(), {
     "aria-keyshortcuts": "k",
   });
+  private readonly linkButton = copying("Copy link", () => this.app.link(), {
+    "aria-keyshortcuts": "l",
+    title: "A link to this view (L)",
+  });
   private count = 0;
   private shownFor = "";
 
   constructor(private readonly app: App) {
     byId("kept").append(this.body, make("div", { class: "row" }, this.csv));
     byId("actions").append(
-      button("Copy link", () => void app.copyLink(), {
-        "aria-keyshortcuts": "l",
-        title: "A link to this view (L)",
-      }),
+      this.linkButton,
       this.keepButton,
     );
     app.watchers.push(() => this.watch());
     this.show();
+  }
+
+  copyLink(): void {
+    this.linkButton.click();
   }
 
   private get paths(): KeptPath[] {

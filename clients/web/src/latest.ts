@@ -1,5 +1,6 @@
-// Runs one task at a time. The next task takes the newest input; older inputs are dropped.
+// Runs one task at a time, and measures the answers per second during a drag.
 
+/** The next task takes the newest input; older inputs are dropped. */
 export class Latest<T> {
   private next: T | undefined;
   private running = false;
@@ -8,6 +9,11 @@ export class Latest<T> {
 
   get busy(): boolean {
     return this.running;
+  }
+
+  /** Whether a newer input waits for the running task. */
+  get hasNext(): boolean {
+    return this.next !== undefined;
   }
 
   put(input: T): void {
@@ -23,5 +29,24 @@ export class Latest<T> {
       await this.work(input);
     }
     this.running = false;
+  }
+}
+
+const SPAN = 2000; /* milliseconds before the last answer that count */
+
+export class Rate {
+  private times: number[] = [];
+
+  count(): void {
+    const now = performance.now();
+    this.times.push(now);
+    this.times = this.times.filter((time) => time > now - SPAN);
+  }
+
+  /** Answers per second in the last SPAN before the last answer. */
+  get perSecond(): number {
+    const { times } = this;
+    if (times.length < 2) return 0;
+    return ((times.length - 1) * 1000) / (times.at(-1)! - times[0]!);
   }
 }

@@ -10,7 +10,7 @@ import {
   ReplaceStencilOp,
   type ColorRepresentation,
 } from "three";
-import { encode } from "./encode.ts";
+import { encode } from "./passes.ts";
 import type { Vec3 } from "./vector.ts";
 
 /**

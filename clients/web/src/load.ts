@@ -1,31 +1,72 @@
-// Loads surfaces from the daemon: their description, and the triangles to draw.
+// Loads surfaces from the daemon: their description, and the triangles to draw. A worker prepares
+// the triangles (prepare.ts).
 
 import type { DiscretizeRequest, Mesh, Nurbs, Subdivision } from "../../js/types.d.ts";
 import { type Api, ask, type Request } from "./api.ts";
 import { cellsOf, limitGrid, nurbsGrid } from "./grids.ts";
 import type { Triangles } from "./ply.ts";
-import { prepared } from "./preparer.ts";
-import { type Kind, Surface } from "./surface.ts";
+import type { Prepared } from "./prepare.ts";
+import { type Kind, Surface, surfacePath } from "./surface.ts";
 
-const pathOf = (kind: Kind, name: string): string => `/v1/${kind}/${encodeURIComponent(name)}`;
+interface Reply {
+  id: number;
+  prepared?: Prepared;
+  error?: string;
+}
+
+const waiting = new Map<
+  number,
+  { resolve: (prepared: Prepared) => void; reject: (error: Error) => void }
+>();
+/** The worker. It starts with the page, so that it is ready when the first mesh arrives. */
+const worker = new Worker("/worker.js", { type: "module" });
+worker.onmessage = receive;
+let count = 0;
+
+function receive({ data: { id, prepared, error } }: MessageEvent<Reply>): void {
+  const { resolve, reject } = waiting.get(id)!;
+  waiting.delete(id);
+  if (prepared) resolve(prepared);
+  else reject(new Error(error));
+}
+
+/** Prepares a mesh in the worker. Transfers the buffers of `source` to the worker. */
+export function prepared(source: ArrayBuffer | Triangles): Promise<Prepared> {
+  const buffers =
+    source instanceof ArrayBuffer ? [source] : [source.positions.buffer, source.faces.buffer];
+  const id = count++;
+  worker.postMessage({ id, source }, buffers as ArrayBuffer[]);
+  return new Promise((resolve, reject) => waiting.set(id, { resolve, reject }));
+}
 
 const PREVIEWED_FACES = 300000; /* larger meshes are drawn as a preview */
 const PREVIEW_FACES = 100000;
 
-/** Receives the progress of a step, 0 to 1. */
-export type OnLoad = (part: number) => void;
+/** A load of a surface, which the signal aborts. */
+export interface Load {
+  signal?: AbortSignal;
+  /** Receives the progress of a step, 0 to 1. */
+  onPart: (part: number) => void;
+}
 
-async function contentOf(api: Api, name: string, onLoad: OnLoad): Promise<ArrayBuffer> {
+/** `headers`: conditions on the version of the mesh. */
+async function contentOf(
+  api: Api,
+  name: string,
+  load: Load,
+  headers?: Record<string, string>,
+): Promise<ArrayBuffer> {
   const request: Request = {
     method: "GET",
-    path: `${pathOf("meshes", name)}/content`,
+    path: `${surfacePath("meshes", name)}/content`,
     query: { format: "ply" },
+    headers,
   };
-  return received(await api.send(request), onLoad);
+  return received(await api.send(request, load.signal), load);
 }
 
 /** Reads a response. Reports progress if the length of the response is known. */
-async function received(response: Response, onLoad: OnLoad): Promise<ArrayBuffer> {
+async function received(response: Response, { onPart }: Load): Promise<ArrayBuffer> {
   const total = Number(response.headers.get("Content-Length"));
   if (!total || response.headers.has("Content-Encoding")) return response.arrayBuffer();
   const bytes = new Uint8Array(total);
@@ -34,7 +75,7 @@ async function received(response: Response, onLoad: OnLoad): Promise<ArrayBuffer
   for (let read = await reader.read(); !read.done; read = await reader.read()) {
     bytes.set(read.value, at);
     at += read.value.length;
-    onLoad(at / total);
+    onPart(at / total);
   }
   return bytes.buffer;
 }
@@ -49,18 +90,18 @@ interface Preview {
  * Returns the simplified mesh that the page draws for a large one. Waits until the daemon has built
  * it. Returns null if the daemon does not build previews.
  */
-async function previewOf(api: Api, name: string, onLoad: OnLoad): Promise<Preview | null> {
+async function previewOf(api: Api, name: string, load: Load): Promise<Preview | null> {
   const query = { faces: String(PREVIEW_FACES), format: "ply" };
-  const request: Request = { method: "GET", path: `${pathOf("meshes", name)}/preview`, query };
+  const request: Request = { method: "GET", path: `${surfacePath("meshes", name)}/preview`, query };
   for (;;) {
-    const response = await api.fetch(request);
+    const response = await api.fetch(request, load.signal);
     if (response.status === 404) return null;
     await ask(response);
     if (response.status !== 202) {
       const deviation = Number(response.headers.get("Geodesic-Largest-Distance"));
-      return { file: await received(response, onLoad), deviation };
+      return { file: await received(response, load), deviation };
     }
-    onLoad(((await response.json()) as { progress: number }).progress);
+    load.onPart(((await response.json()) as { progress: number }).progress);
     await new Promise((resume) =>
       setTimeout(resume, 1000 * Number(response.headers.get("Retry-After") ?? 1)),
     );
@@ -72,16 +113,16 @@ async function previewOf(api: Api, name: string, onLoad: OnLoad): Promise<Previe
  * corners of such control meshes. So the daemon stores a mesh of the surface under a random name;
  * the page reads this mesh and deletes it.
  */
-async function limitContent(api: Api, surface: Subdivision, onLoad: OnLoad): Promise<ArrayBuffer> {
-  const mesh = `${surface.name}-${Math.random().toString(36).slice(2)}`;
+async function limitContent(api: Api, surface: Subdivision, load: Load): Promise<ArrayBuffer> {
+  const mesh = `${surface.name.slice(0, 100)}-${Math.random().toString(36).slice(2)}`;
   const level = Math.max(surface.least_level, Math.log2(cellsOf(surface)));
-  const path = `${pathOf("subdivisions", surface.name)}/tessellate`;
+  const path = `${surfacePath("subdivisions", surface.name)}/tessellate`;
   const json: DiscretizeRequest = { mesh, level };
   await api.send({ method: "POST", path, json });
   try {
-    return await contentOf(api, mesh, onLoad);
+    return await contentOf(api, mesh, load);
   } finally {
-    await api.send({ method: "DELETE", path: pathOf("meshes", mesh) });
+    await api.send({ method: "DELETE", path: surfacePath("meshes", mesh) });
   }
 }
 
@@ -89,29 +130,31 @@ async function limitContent(api: Api, surface: Subdivision, onLoad: OnLoad): Pro
 async function drawnOf(
   api: Api,
   description: Mesh | Subdivision | Nurbs,
-  { kind, onLoad }: { kind: Kind; onLoad: OnLoad },
+  { kind, load }: { kind: Kind; load: Load },
 ): Promise<{ file: ArrayBuffer | Triangles; deviation?: number }> {
-  const path = pathOf(kind, description.name);
+  const path = surfacePath(kind, description.name);
   if (kind === "nurbs") return { file: await nurbsGrid(api, path, description as Nurbs) };
   if (kind === "subdivisions") {
     const surface = description as Subdivision;
     const hasPolygons = surface.least_level > 0;
-    if (hasPolygons) return { file: await limitContent(api, surface, onLoad) };
+    if (hasPolygons) return { file: await limitContent(api, surface, load) };
     return { file: await limitGrid(api, path, surface) };
   }
   const isLarge = (description as Mesh).faces > PREVIEWED_FACES;
-  const preview = isLarge ? await previewOf(api, description.name, onLoad) : null;
-  return preview ?? { file: await contentOf(api, description.name, onLoad) };
+  const preview = isLarge ? await previewOf(api, description.name, load) : null;
+  const condition = { "If-Match": `"${description.etag}"` };
+  return preview ?? { file: await contentOf(api, description.name, load, condition) };
 }
 
 export async function loadSurface(
   api: Api,
   kind: Kind,
   name: string,
-  onLoad: OnLoad,
+  load: Load,
 ): Promise<Surface> {
-  const description = await api.get<Mesh | Subdivision | Nurbs>(pathOf(kind, name));
-  const { file, deviation } = await drawnOf(api, description, { kind, onLoad });
+  const path = surfacePath(kind, name);
+  const description = await api.get<Mesh | Subdivision | Nurbs>(path, undefined, load.signal);
+  const { file, deviation } = await drawnOf(api, description, { kind, load });
   return new Surface(kind, name, description, await prepared(file), deviation);
 }
 

@@ -1,22 +1,29 @@
 // Starts the viewer, and publishes its state as `window.geodesicd`.
 
-import { buildAccess } from "./access.ts";
 import { App } from "./app.ts";
 import { button, byId } from "./dom.ts";
 import { Derive } from "./derive.ts";
 import { Downloads } from "./download.ts";
 import { embed } from "./embed.ts";
-import { buildFold } from "./fold.ts";
 import { Help } from "./help.ts";
 import { Hover } from "./hover.ts";
 import { Kept } from "./kept.ts";
 import { ModePicker } from "./modepicker.ts";
+import { buildAccess, buildFold, themeSwitch } from "./panel.ts";
 import { PointList } from "./pointlist.ts";
 import { ServicePanel } from "./service.ts";
-import { themeSwitch } from "./theme.ts";
 import { Touch } from "./touch.ts";
 
-const app = new App();
+function start(): App {
+  try {
+    return new App();
+  } catch (error) {
+    byId("busy").textContent = "This page needs WebGL 2. Switch on hardware acceleration.";
+    throw error;
+  }
+}
+
+const app = start();
 const kept = new Kept(app);
 const help = new Help(app, kept);
 new Derive(app);
@@ -26,7 +33,7 @@ new ModePicker(app);
 new PointList(app);
 new ServicePanel(app.api);
 new Touch(app.scene, (pixel, hasShift) => app.addAt(pixel, hasShift));
-buildAccess(app);
+buildAccess(app.api, () => void app.reload());
 buildFold();
 embed(app);
 byId("switches").append(

@@ -32,9 +32,9 @@ export class ModePicker {
 
   private show(): void {
     const { id } = this.app.mode;
+    for (const input of this.inputs) input.checked = input.value === id;
     if (id === this.shown) return;
     this.shown = id;
-    for (const input of this.inputs) input.checked = input.value === id;
     this.inputs
       .find((input) => input.checked)
       ?.parentElement!.scrollIntoView({ block: "nearest", inline: "center" });

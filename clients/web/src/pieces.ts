@@ -5,6 +5,7 @@ import { hexOf, memberColour } from "./colours.ts";
 import { shaded } from "./creases.ts";
 import { parsePly, type Triangles } from "./ply.ts";
 import { Skin } from "./skin.ts";
+import { surfacePath } from "./surface.ts";
 import { scale, type Vec3 } from "./vector.ts";
 
 /** Returns the mean of the triangles' corners. */
@@ -43,7 +44,7 @@ export class Pieces {
   }
 
   private async fetch(name: string): Promise<Triangles> {
-    const path = `/v1/meshes/${encodeURIComponent(name)}/content`;
+    const path = `${surfacePath("meshes", name)}/content`;
     return parsePly(await this.bench.api.bytes({ method: "GET", path, query: { format: "ply" } }));
   }
 

@@ -1,7 +1,30 @@
 // The points that the user has set, in the groups of the mode.
 
 import { compactOf, type Place } from "./place.ts";
+import type { Scene } from "./scene.ts";
 import type { Surface } from "./surface.ts";
+
+/**
+ * Start points lie on a ring of RING points about the middle of the picture. RADII, as fractions of
+ * the picture, are tried in order until the point hits the surface.
+ */
+const RING = 6;
+const RADII = [0.3, 0.22, 0.14, 0.07, 0];
+
+/** Returns the i-th point that a mode begins with; null if the picture shows no surface there. */
+export function spot(scene: Scene, i: number): Place | null {
+  const { x, y } = scene.size;
+  const angle = 2.4 + (2 * Math.PI * (i % RING)) / RING;
+  for (const part of RADII) {
+    const radius = part * Math.min(x, y) * (i < RING ? 1 : 0.5);
+    const place = scene.pick({
+      x: x / 2 + radius * Math.cos(angle),
+      y: y / 2 + radius * Math.sin(angle),
+    });
+    if (place) return place;
+  }
+  return null;
+}
 
 export interface Group {
   /** The group's parameter of the address. */

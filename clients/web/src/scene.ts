@@ -20,7 +20,7 @@ import { Backdrop } from "./backdrop.ts";
 import { shaded } from "./creases.ts";
 import { FaceMap } from "./facemap.ts";
 import { Lines } from "./lines.ts";
-import { Screen } from "./screen.ts";
+import { Screen } from "./passes.ts";
 import { Shadow } from "./shadow.ts";
 import { Skin } from "./skin.ts";
 import type { Surface } from "./surface.ts";
@@ -105,6 +105,10 @@ export class Scene {
     this.above.add(new HemisphereLight(0xffffff, 0x606870, 2), lamp, this.props);
     this.above.add(this.keptLines.group, this.lines.group);
     this.controls = this.makeControls("y");
+    canvas.addEventListener("webglcontextrestored", () => {
+      this.isShadowCast = false;
+      this.redraw();
+    });
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement!);
     this.resize();
   }
@@ -386,6 +390,19 @@ export class Scene {
     offset.applyAxisAngle(side, Math.max(0.02 - polar, Math.min(Math.PI - 0.02 - polar, -up)));
     offset.applyAxisAngle(this.camera.up, right);
     this.camera.position.copy(this.controls.target).add(offset);
+    this.moved();
+  }
+
+  /** Shifts the picture, by fractions of its height. */
+  shift(right: number, up: number): void {
+    this.camera.updateMatrixWorld();
+    const [side, upwards, back] = [new Vector3(), new Vector3(), new Vector3()];
+    this.camera.matrixWorld.extractBasis(side, upwards, back);
+    const distance = this.camera.position.distanceTo(this.controls.target);
+    const height = 2 * distance * Math.tan((FIELD_OF_VIEW * Math.PI) / 360);
+    const step = side.multiplyScalar(-right * height).addScaledVector(upwards, -up * height);
+    this.camera.position.add(step);
+    this.controls.target.add(step);
     this.moved();
   }
 

@@ -35,6 +35,7 @@ export class ServicePanel {
   private readonly node = byId<HTMLDetailsElement>("service");
   private readonly body = make("div");
   private service: Service | undefined;
+  private timer = 0;
 
   constructor(private readonly api: Api) {
     this.node.append(this.body);
@@ -42,6 +43,7 @@ export class ServicePanel {
   }
 
   private async look(): Promise<void> {
+    clearTimeout(this.timer);
     if (!this.node.open) return;
     try {
       this.service ??= await this.api.get<Service>("/v1");
@@ -50,7 +52,8 @@ export class ServicePanel {
     } catch (error) {
       this.body.replaceChildren(make("p", { class: "faint" }, (error as Error).message));
     }
-    setTimeout(() => void this.look(), EVERY);
+    clearTimeout(this.timer); /* the panel may have been closed and opened meanwhile */
+    this.timer = setTimeout(() => void this.look(), EVERY);
   }
 
   private show(service: Service, samples: Map<string, number>): void {

@@ -14,8 +14,7 @@ import {
   type WebGLRenderer,
   WebGLRenderTarget,
 } from "three";
-import { FullScreenQuad } from "three/examples/jsm/postprocessing/Pass.js";
-import { encode } from "./encode.ts";
+import { encode, pass } from "./passes.ts";
 
 const SIZE = 256; /* pixels of the texture along each axis */
 const REACH = 1.6; /* half the side of the ground, in normalised coordinates */
@@ -36,13 +35,6 @@ void main() {
   }
   gl_FragColor = vec4(0.0, 0.0, 0.0, sum / weights);
 }`;
-const VERTEX = `
-varying vec2 at;
-void main() {
-  at = uv;
-  gl_Position = vec4(position.xy, 0.0, 1.0);
-}`;
-
 /** Shaders of the shadow: opaque where the surface touches the ground, fainter with height. */
 const HEIGHT_VERTEX =
   "void main() { gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0); }";
@@ -55,15 +47,7 @@ export class Shadow {
   private readonly scene = new Scene();
   private readonly camera = new OrthographicCamera(-REACH, REACH, REACH, -REACH, 0, 2);
   private readonly uniforms = { from: { value: null as unknown }, step: { value: [0, 0] } };
-  private readonly blur = new FullScreenQuad(
-    new ShaderMaterial({
-      uniforms: this.uniforms,
-      vertexShader: VERTEX,
-      fragmentShader: BLUR,
-      blending: NoBlending,
-      depthTest: false,
-    }),
-  );
+  private readonly blur = pass(BLUR, this.uniforms);
 
   constructor() {
     this.scene.overrideMaterial = new ShaderMaterial({

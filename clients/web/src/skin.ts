@@ -15,7 +15,7 @@ import {
 } from "three";
 import { type ColourMap, type Rgb, rampBytes, toLinear } from "./colours.ts";
 import type { Shaded } from "./creases.ts";
-import { encode } from "./encode.ts";
+import { encode } from "./passes.ts";
 import { type Fine, interpolated } from "./fine.ts";
 import { studioLight } from "./studio.ts";
 

@@ -11,6 +11,9 @@ import { add, scale, subtract, type Vec3 } from "./vector.ts";
 
 export type Kind = "meshes" | "subdivisions" | "nurbs";
 
+export const surfacePath = (kind: Kind, name: string): string =>
+  `/v1/${kind}/${encodeURIComponent(name)}`;
+
 export class Surface {
   readonly frame: Frame;
   readonly triangles: Triangles;
@@ -54,7 +57,7 @@ export class Surface {
   }
 
   get path(): string {
-    return `/v1/${this.kind}/${encodeURIComponent(this.name)}`;
+    return surfacePath(this.kind, this.name);
   }
 
   /** Number of faces of the drawn mesh. */

@@ -4,6 +4,7 @@ import type { Pixel, Scene } from "./scene.ts";
 
 const SLACK = 5; /* pixels by which the pointer may move during a click */
 const TURN = Math.PI / 36; /* radians by which an arrow key turns the camera */
+const SHIFT = 0.05; /* part of the picture's height by which Shift and an arrow key shift it */
 
 export class Touch {
   private down: Pixel | null = null;
@@ -31,11 +32,13 @@ export class Touch {
   private key(event: KeyboardEvent): void {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const { scene } = this;
+    const move = (right: number, up: number): void =>
+      event.shiftKey ? scene.shift(SHIFT * right, SHIFT * up) : scene.turn(TURN * right, TURN * up);
     const actions: Record<string, () => void> = {
-      ArrowLeft: () => scene.turn(-TURN, 0),
-      ArrowRight: () => scene.turn(TURN, 0),
-      ArrowUp: () => scene.turn(0, TURN),
-      ArrowDown: () => scene.turn(0, -TURN),
+      ArrowLeft: () => move(-1, 0),
+      ArrowRight: () => move(1, 0),
+      ArrowUp: () => move(0, 1),
+      ArrowDown: () => move(0, -1),
       "+": () => scene.zoom(1.15),
       "=": () => scene.zoom(1.15),
       "-": () => scene.zoom(1 / 1.15),

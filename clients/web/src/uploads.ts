@@ -2,11 +2,11 @@
 // decides what to do.
 
 import { type Api, ApiError, ask, pathOf, type Request } from "./api.ts";
-import type { Answer } from "./answer.ts";
 import { isAbort } from "./bench.ts";
-import { button } from "./dom.ts";
+import { button, byId } from "./dom.ts";
 import { followJob } from "./jobs.ts";
-import type { Kind } from "./surface.ts";
+import { messageOf, Notice } from "./notice.ts";
+import { type Kind, surfacePath } from "./surface.ts";
 
 export interface UserFile {
   kind: Kind;
@@ -23,17 +23,21 @@ export interface Made {
   request: Request;
 }
 
+const LARGE = 8 << 20; /* bytes of a file whose reading by the daemon is shown as a job */
+const LONGEST_STEM = 100; /* characters of a name before a suffix; the API permits 128 */
+
 type Choice = "replace" | "keep-both" | "keep";
 
 /** Returns the file's name without its extension and without characters that the API rejects. */
 export function nameOf(file: string): string {
   const stem = file.replace(/\.[^.]*$/, "").replace(/[^A-Za-z0-9._-]/g, "-");
-  return (/^[A-Za-z0-9_-]/.test(stem) ? stem : `mesh${stem}`).slice(0, 100);
+  return (/^[A-Za-z0-9_-]/.test(stem) ? stem : `mesh${stem}`).slice(0, LONGEST_STEM);
 }
 
-/** Returns the first unused name of NAME-2, NAME-3, … */
-export function freeName(name: string, taken: readonly string[]): string {
-  for (let i = 2; ; i++) if (!taken.includes(`${name}-${i}`)) return `${name}-${i}`;
+/** Returns the first unused name of NAME-FIRST, … Cuts a name that would become too long. */
+export function freeName(name: string, first: number, taken: ReadonlySet<string>): string {
+  const stem = name.slice(0, LONGEST_STEM);
+  for (let i = first; ; i++) if (!taken.has(`${stem}-${i}`)) return `${stem}-${i}`;
 }
 
 /** Sends a request by XMLHttpRequest, because fetch does not report the progress of uploads. */
@@ -46,7 +50,8 @@ function send(
   return new Promise((resolve, reject) => {
     const sent = new XMLHttpRequest();
     sent.open(request.method, pathOf(request));
-    sent.setRequestHeader("Prefer", "respond-async");
+    const isLarge = request.file!.body.size > LARGE;
+    if (isLarge) sent.setRequestHeader("Prefer", "respond-async"); /* the job has progress */
     for (const [name, value] of Object.entries(request.headers ?? {}))
       sent.setRequestHeader(name, value);
     if (api.key) sent.setRequestHeader("Authorization", `Bearer ${api.key}`);
@@ -74,14 +79,20 @@ export class Uploads {
   private isBusy = false;
   /** Whether the upload waits for the user's choice. */
   private isWaiting = false;
+  /** Progress of the running upload. */
+  private readonly progress = new Notice();
 
   /** `taken` returns the daemon's names of a kind. `onMade` is called after the last file. */
   constructor(
     private readonly api: Api,
-    private readonly answer: Answer,
     private readonly taken: (kind: Kind) => readonly string[],
     private readonly onMade: (made: Made[]) => Promise<void>,
-  ) {}
+  ) {
+    byId("uploads").append(this.progress.node);
+    addEventListener("beforeunload", (event) => {
+      if (this.busy) event.preventDefault(); /* the browser asks the user whether to leave */
+    });
+  }
 
   get busy(): boolean {
     return this.isBusy && !this.isWaiting;
@@ -112,10 +123,9 @@ export class Uploads {
     headers: Record<string, string>,
   ): Promise<Made | null> {
     const { kind, query } = file;
-    const path = `/v1/${kind}/${encodeURIComponent(name)}`;
     const request: Request = {
       method: "PUT",
-      path,
+      path: surfacePath(kind, name),
       query,
       file: { name: file.name, body: file.body },
       headers,
@@ -124,19 +134,20 @@ export class Uploads {
       await this.put(request, file.name);
       return { kind, name, request };
     } catch (error) {
+      this.progress.hideProgress();
       if (error instanceof ApiError && error.status === 412)
         return await this.resolveConflict(file, name);
       if (!isAbort(error)) this.refuse(error, file);
       return null;
     } finally {
-      this.answer.hideProgress();
+      this.progress.hideProgress();
     }
   }
 
   private async put(request: Request, label: string): Promise<void> {
     const running = (this.running = new AbortController());
     const show = (step: string) => (part: number) =>
-      this.answer.showProgress(`${step} ${label}`, part, () => this.cancel());
+      this.progress.showProgress(`${step} ${label}`, part, () => this.cancel());
     const sent = await send(this.api, request, show("Sending"), running.signal);
     const location = sent.headers.get("Location");
     const response =
@@ -147,19 +158,17 @@ export class Uploads {
   }
 
   private async resolveConflict(file: UserFile, name: string): Promise<Made | null> {
-    const free = freeName(name, this.taken(file.kind));
-    this.answer.hideProgress();
+    const free = freeName(name, 2, new Set(this.taken(file.kind)));
     this.isWaiting = true;
-    const choice = await new Promise<Choice>((resolve) =>
-      this.answer.warn(
-        new Error(`The daemon has a surface named ${name} already. Others may use it.`),
-        button(`Keep both: upload as ${free}`, () => resolve("keep-both"), { class: "main" }),
-        button(`Replace ${name}`, () => resolve("replace")),
-        button("Do not upload", () => resolve("keep")),
-      ),
+    const choice = await choiceOf<Choice>(
+      `The daemon has a surface named ${name} already. Others may use it.`,
+      [
+        [`Keep both: upload as ${free}`, "keep-both"],
+        [`Replace ${name}`, "replace"],
+        ["Do not upload", "keep"],
+      ],
     );
     this.isWaiting = false;
-    this.answer.warn("");
     if (choice === "keep") return null;
     return choice === "replace"
       ? this.upload(file, name, {})
@@ -173,9 +182,30 @@ export class Uploads {
     const mended = { ...file, query: { ...file.query, repair: "split" } };
     const again = isMendable && file.query.repair !== "split" ? mended : file;
     const label = again === file ? "Upload again" : "Mend and upload";
-    this.answer.warn(
-      error,
-      button(label, () => void this.add([again])),
-    );
+    void choiceOf(`File ${file.name}: ${messageOf(error)}`, [
+      [label, true],
+      ["Dismiss", false],
+    ]).then((isAgain) => {
+      if (isAgain) void this.add([again]);
+    });
   }
+}
+
+/** Shows a message until the user presses one of the buttons, given by label and value. */
+function choiceOf<T>(text: string, choices: [string, T][]): Promise<T> {
+  const notice = new Notice();
+  byId("uploads").append(notice.node);
+  return new Promise((resolve) => {
+    const buttons = choices.map(([label, value], i) =>
+      button(
+        label,
+        () => {
+          notice.node.remove();
+          resolve(value);
+        },
+        i === 0 ? { class: "main" } : {},
+      ),
+    );
+    notice.warn(text, ...buttons);
+  });
 }

@@ -10,8 +10,7 @@ import type { Fact } from "../answer.ts";
 import { type Place, pointOf } from "../place.ts";
 import { check, choice, Settings } from "../settings.ts";
 import { degrees } from "../units.ts";
-import { activeChoice } from "./active.ts";
-import { INK, Mode, pointsOf, XYZ } from "./mode.ts";
+import { activeChoice, INK, Mode, NO_PATH, pointsOf, XYZ } from "./mode.ts";
 
 export class CurvesMode extends Mode {
   readonly id = "curves";
@@ -72,17 +71,9 @@ export class CurvesMode extends Mode {
 
   private tell(found: CurveDistanceAnswer, [a, b]: number[]): void {
     const { answer, units } = this.bench;
-    const none = "no path: they lie on different components";
     const value = (distance?: number | null): string =>
-      distance == null ? none : units.length(distance, 9);
-    const facts: Fact[] = [
-      {
-        label: "Distance",
-        value: value(found.distance),
-        main: true,
-        title: String(found.distance),
-      },
-    ];
+      distance == null ? NO_PATH.value : units.length(distance, 9);
+    const facts = [found.distance == null ? NO_PATH : this.main("Distance", found.distance)];
     if (found.farthest)
       facts.push(
         { label: "From A to B", value: value(found.a_to_b) },

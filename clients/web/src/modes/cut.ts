@@ -8,8 +8,9 @@ import { save } from "../files.ts";
 import { Pieces } from "../pieces.ts";
 import { type Place, pointOf } from "../place.ts";
 import { check, range, Settings } from "../settings.ts";
-import type { Surface } from "../surface.ts";
+import { type Surface, surfacePath } from "../surface.ts";
 import { whole } from "../units.ts";
+import { freeName } from "../uploads.ts";
 import { doing, INK, Mode, pointsOf, XYZ } from "./mode.ts";
 
 const FORMATS = ["obj", "ply", "stl"];
@@ -79,10 +80,12 @@ export class CutMode extends Mode {
   /** Returns unused names for `count` pieces. */
   private freeNames(count: number): string[] {
     const { surface, taken } = this.bench;
-    const names: string[] = [];
-    for (let i = 1; names.length < count; i++)
-      if (!taken.has(`${surface!.name}-${i}`)) names.push(`${surface!.name}-${i}`);
-    return names;
+    const all = new Set(taken);
+    return Array.from({ length: count }, () => {
+      const name = freeName(surface!.name, 1, all);
+      all.add(name);
+      return name;
+    });
   }
 
   private tell(preview: CutAnswer, length: number): void {
@@ -134,7 +137,7 @@ export class CutMode extends Mode {
     const swatch = make("span", { class: "swatch" });
     swatch.style.background = hexOf(memberColour(i));
     const name = piece.name!;
-    const path = `/v1/meshes/${encodeURIComponent(name)}/content`;
+    const path = `${surfacePath("meshes", name)}/content`;
     const files = FORMATS.map((format) =>
       button(
         format.toUpperCase(),

@@ -1,6 +1,7 @@
 // The distances from one point to the whole surface: colours, isolines, the farthest point.
 
 import type { Field, IsolinesAnswer, ResultsAnswer } from "../../../js/types.d.ts";
+import type { Fact } from "../answer.ts";
 import type { Bench } from "../bench.ts";
 import { daemonFile, type FileOffer } from "../files.ts";
 import { type Place, placeOf, pointOf } from "../place.ts";
@@ -76,26 +77,42 @@ export class FieldMode extends Mode {
   }
 
   async ask(live: boolean): Promise<void> {
-    const { bench, settings } = this;
+    const { bench } = this;
     const source = bench.points.of("source")[0]!;
     const set = { points: [pointOf(source)] };
-    const field = await bench.postLong<Field>("fields", { set }, { live });
-    const values = bench.surface!.isPreview ? null : await valuesOf(bench, field.id!);
-    if (bench.aborted) return;
-    this.field = field;
-    this.show(field, live);
-    if (values) bench.scene.skin!.showValues(bench.surface!.spread(values), field.max!);
-    this.showFastIsolines();
-    const fine = live ? null : await bench.fineDistances(set);
-    if (fine) bench.scene.skin!.showValues(bench.surface!.spreadSamples(fine.values), field.max!);
-    bench.scene.recolour();
-    await this.showIsolines(field, live);
-    if (settings.on("farthest") && field.farthest)
-      await this.showWay(source, placeOf(field.farthest, bench.surface!.isRenumbered));
-    else this.clearLines();
+    this.field = await bench.postLong<Field>("fields", { set }, { live });
+    const shown = this.show(this.field, live);
+    // The daemon computes the next field while the page reads and draws the values of this one.
+    if (live && bench.hasNewer()) return void shown.catch(() => {});
+    await shown;
+    if (!live && !bench.aborted) await this.refine(this.field, set, source);
   }
 
-  private show(field: Field, live: boolean): void {
+  /** Adds the parts of the answer that a drag leaves out. */
+  private async refine(field: Field, set: object, source: Place): Promise<void> {
+    const { bench, settings } = this;
+    const fine = await bench.fineDistances(set);
+    if (fine) bench.scene.skin!.showValues(bench.surface!.spreadSamples(fine.values), field.max!);
+    bench.scene.recolour();
+    await this.showIsolines(field);
+    if (settings.on("farthest") && field.farthest)
+      await this.showWay(source, placeOf(field.farthest, bench.surface!.isRenumbered));
+  }
+
+  /** Shows a field, unless a newer one has arrived before its values. */
+  private async show(field: Field, live: boolean): Promise<void> {
+    const { bench, time } = this;
+    const surface = bench.surface!;
+    const values = surface.isPreview ? null : await valuesOf(bench, field.id!);
+    if (bench.aborted || this.field !== field || bench.surface !== surface) return;
+    this.clearLines();
+    this.tell(field, { ...time, label: live ? "Update" : "Time" });
+    if (values) bench.scene.skin!.showValues(surface.spread(values), field.max!);
+    this.showFastIsolines();
+    bench.scene.recolour();
+  }
+
+  private tell(field: Field, time: Fact): void {
     const { units, colours, legend, answer } = this.bench;
     const max = field.max!;
     const format = (value: number): string => units.bare(value, 3);
@@ -113,7 +130,7 @@ export class FieldMode extends Mode {
         value: milliseconds(field.build_ms!),
         title: "By the daemon, which keeps the field",
       },
-      { ...this.time, label: live ? "Update" : "Time" },
+      time,
     ]);
   }
 
@@ -126,10 +143,10 @@ export class FieldMode extends Mode {
     scene.skin!.setIsolines(this.settings.number("isolines"));
   }
 
-  private async showIsolines(field: Field, live: boolean): Promise<void> {
+  private async showIsolines(field: Field): Promise<void> {
     const { bench } = this;
     const count = this.settings.number("isolines");
-    if (count === 0 || !hasExactIsolines(bench, live)) return;
+    if (count === 0 || !hasExactIsolines(bench, false)) return;
     const lines = await isolinesOf(bench, field.id!, count);
     if (bench.aborted) return;
     bench.scene.skin!.setIsolines(0);

@@ -3,13 +3,14 @@
 import type { Path } from "../../../js/types.d.ts";
 import type { Bench } from "../bench.ts";
 import type { Fact } from "../answer.ts";
+import { hexOf, memberColour } from "../colours.ts";
 import { button, make } from "../dom.ts";
 import { type FileOffer, lineFiles } from "../files.ts";
 import type { Place } from "../place.ts";
-import type { Group } from "../points.ts";
+import type { Group, Points } from "../points.ts";
 import { Settings } from "../settings.ts";
 import type { Kind } from "../surface.ts";
-import { milliseconds } from "../units.ts";
+import { milliseconds, number } from "../units.ts";
 import type { Vec3 } from "../vector.ts";
 
 export const INK = {
@@ -30,6 +31,24 @@ export const ENDS: Group[] = [
 /** Returns a row with a button, for below the settings of a mode. */
 export const doing = (label: string, act: () => void, kind = ""): HTMLElement =>
   make("div", { class: "row extra" }, button(label, act, { class: kind }));
+
+/**
+ * Returns a control that chooses the group to which the next click adds a point. `groups`: indices
+ * and labels.
+ */
+export function activeChoice(points: Points, groups: [number, string][]): HTMLElement {
+  const rows = groups.map(([g, label]) => {
+    const input = make("input", {
+      type: "radio",
+      name: "active",
+      value: g,
+      checked: g === points.active,
+      change: () => (points.active = g),
+    });
+    return make("label", { class: "check" }, input, label);
+  });
+  return make("fieldset", {}, make("legend", { class: "unseen" }, "Clicks set"), ...rows);
+}
 
 /** A path that the user can keep. */
 export interface Line {
@@ -139,6 +158,25 @@ export abstract class Mode {
     scene.redraw();
   }
 
+  /** Shows one path in the colour of answers, or several in different colours. */
+  protected fan(paths: Vec3[][]): void {
+    this.clearLines();
+    if (paths.length === 1) return this.lines("line", paths, INK.path, 4);
+    paths.forEach((path, i) => this.lines(`line${i}`, [path], hexOf(memberColour(i, 0.6)), 2.5));
+  }
+
+  /** Returns a length as the main number of the answer. The title has all its digits. */
+  protected main(label: string, length: number): Fact {
+    const value = this.bench.units.length(length, 10);
+    return { label, value, main: true, title: String(length) };
+  }
+
+  /** Returns the text of a length that is given in multiples of the surface's size. */
+  protected sizeText(value: number): string {
+    const { surface, units } = this.bench;
+    return surface ? units.length(value * surface.size, 4) : number(value);
+  }
+
   protected get time(): Fact {
     return {
       label: "Time",
@@ -151,5 +189,12 @@ export abstract class Mode {
 /** Returns the points of a path that was requested with `geometry=xyz`. */
 export const pointsOf = (path: Pick<Path, "points"> | null | undefined): Vec3[] =>
   (path?.points ?? []) as Vec3[];
+
+/** The answer for points that no path joins. */
+export const NO_PATH: Fact = {
+  label: "Distance",
+  value: "no path: the points lie on different components",
+  main: true,
+};
 
 export const XYZ = { geometry: "xyz" };

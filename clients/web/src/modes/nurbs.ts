@@ -173,12 +173,7 @@ export class NurbsMode extends Mode {
     ]);
     answer.show(
       [
-        {
-          label: "Length",
-          value: units.length(found.length!, 10),
-          main: true,
-          title: String(found.length),
-        },
+        this.main("Length", found.length!),
         { label: "Error, estimated", value: units.length(found.error_estimate!, 2) },
         { label: "A local minimum", value: found.is_minimum ? "proved" : "not proved" },
         ...(found.minima

@@ -4,8 +4,7 @@ import type { PathAnswer } from "../../../js/types.d.ts";
 import { daemonFile, type FileOffer } from "../files.ts";
 import { pointOf } from "../place.ts";
 import type { Group } from "../points.ts";
-import { activeChoice } from "./active.ts";
-import { ENDS, INK, Mode, pointsOf, XYZ } from "./mode.ts";
+import { activeChoice, ENDS, INK, Mode, NO_PATH, pointsOf, XYZ } from "./mode.ts";
 
 const JOB_FACES = 300000; /* from this size, paths run as jobs; on smaller meshes they are fast */
 
@@ -48,18 +47,10 @@ export class PairMode extends Mode {
     const line = pointsOf(found.path);
     this.lines("path", [line], INK.path, 4);
     this.path = found.path ? { length: found.distance!, points: line } : null;
-    if (found.distance === null)
-      return answer.show([
-        { label: "Distance", value: "no path: the points lie on different components", main: true },
-      ]);
+    if (found.distance === null) return answer.show([NO_PATH]);
     const straight = Math.hypot(...from.xyz.map((x, axis) => x - to.xyz[axis]!));
     answer.show([
-      {
-        label: "Distance",
-        value: units.length(found.distance!, 10),
-        main: true,
-        title: String(found.distance),
-      },
+      this.main("Distance", found.distance!),
       { label: "Straight through space", value: units.length(straight) },
       { label: "Edges crossed", value: String(Math.max(0, line.length - 2)) },
       this.time,

@@ -58,12 +58,7 @@ export class SplineMode extends Mode {
     const jump = Math.max(0, ...found.joints!.map((joint) => joint.angle_jump));
     const clipped = found.segments!.filter((segment) => segment.clipped).length;
     bench.answer.show([
-      {
-        label: "Length",
-        value: bench.units.length(found.path!.length, 9),
-        main: true,
-        title: String(found.path!.length),
-      },
+      this.main("Length", found.path!.length),
       {
         label: "Segments",
         value:

@@ -8,15 +8,12 @@ import type {
   LimitTraceAnswer,
   LimitTraceRequest,
 } from "../../../js/types.d.ts";
-import type { Fact } from "../answer.ts";
 import { cageEdges } from "../cages.ts";
-import { hexOf, memberColour } from "../colours.ts";
 import type { Place } from "../place.ts";
 import { check, choice, only, range, Settings } from "../settings.ts";
 import type { Kind } from "../surface.ts";
-import { number } from "../units.ts";
 import { subtract, type Vec3 } from "../vector.ts";
-import { ENDS, INK, Mode, XYZ } from "./mode.ts";
+import { ENDS, INK, Mode, NO_PATH, pointsOf, XYZ } from "./mode.ts";
 
 export class SubdivisionMode extends Mode {
   readonly id = "limit";
@@ -34,7 +31,7 @@ export class SubdivisionMode extends Mode {
     length: only(
       "what",
       ["trace", "fan"],
-      range("Length", 1.5, 0.05, 10, 0.05, (value) => this.lengthText(value)),
+      range("Length", 1.5, 0.05, 10, 0.05, (value) => this.sizeText(value)),
     ),
     smooth: only(
       "what",
@@ -44,11 +41,6 @@ export class SubdivisionMode extends Mode {
     cage: check("Control mesh", true),
   });
   private edges: Vec3[][] = [];
-
-  private lengthText(value: number): string {
-    const { surface, units } = this.bench;
-    return surface ? units.length(value * surface.size, 4) : number(value);
-  }
 
   override enter(): void {
     this.edges = [];
@@ -83,21 +75,12 @@ export class SubdivisionMode extends Mode {
   private async askPath(from: LimitPlace, to: LimitPlace): Promise<void> {
     const { bench } = this;
     const found = await bench.post<LimitPairAnswer>("path", { from, to }, XYZ);
-    this.show(found.path ? [found.path.points as Vec3[]] : []);
-    this.path = found.path
-      ? { length: found.distance!, points: found.path.points as Vec3[] }
-      : null;
-    if (found.distance == null)
-      return bench.answer.show([
-        { label: "Distance", value: "no path: the points lie on different components", main: true },
-      ]);
+    const points = pointsOf(found.path);
+    this.show([points]);
+    this.path = found.path ? { length: found.distance!, points } : null;
+    if (found.distance == null) return bench.answer.show([NO_PATH]);
     bench.answer.show([
-      {
-        label: "Distance on the limit surface",
-        value: bench.units.length(found.distance, 10),
-        main: true,
-        title: String(found.distance),
-      },
+      this.main("Distance on the limit surface", found.distance),
       { label: "Error, estimated", value: bench.units.length(found.error_estimate!, 2) },
       {
         label: "A geodesic of the surface",
@@ -122,35 +105,21 @@ export class SubdivisionMode extends Mode {
       smooth: settings.on("smooth"),
     };
     const { paths } = await bench.post<LimitTraceAnswer>("trace", body, XYZ);
-    this.show(paths!.map((path) => path.points as Vec3[]));
+    this.show(paths!.map(pointsOf));
     this.path = null;
     const total = paths!.reduce((sum, path) => sum + path.length, 0);
     const ends = [...new Set(paths!.map((path) => path.end_reason))]
       .join(", ")
       .replace("step_limit", "too many steps");
-    const facts: Fact[] = [
-      {
-        label: paths!.length > 1 ? "Length in all" : "Length",
-        value: bench.units.length(total, 9),
-        main: true,
-        title: String(total),
-      },
+    bench.answer.show([
+      this.main(paths!.length > 1 ? "Length in all" : "Length", total),
       { label: "Ends by", value: ends },
       this.time,
-    ];
-    bench.answer.show(facts);
+    ]);
   }
 
   private show(paths: Vec3[][]): void {
-    this.clearLines();
-    paths.forEach((path, i) =>
-      this.lines(
-        `path${i}`,
-        [path],
-        paths.length > 1 ? hexOf(memberColour(i, 0.6)) : INK.path,
-        paths.length > 1 ? 2.5 : 4,
-      ),
-    );
+    this.fan(paths);
     this.showCage();
   }
 }

@@ -1,10 +1,8 @@
 // Straightest geodesics from a point: one that starts towards a second point, or a fan.
 
 import type { TraceAnswer, TraceRequest } from "../../../js/types.d.ts";
-import { hexOf, memberColour } from "../colours.ts";
 import { pointOf } from "../place.ts";
 import { check, choice, range, Settings } from "../settings.ts";
-import { number } from "../units.ts";
 import { subtract } from "../vector.ts";
 import { INK, Mode, pointsOf, XYZ } from "./mode.ts";
 
@@ -25,7 +23,7 @@ export class TraceMode extends Mode {
     { id: "towards", label: "Direction", letter: "B", least: 1, most: 1, colour: INK.third },
   ];
   override settings = new Settings({
-    length: range("Length", 2, 0.05, 20, 0.05, (value) => this.lengthText(value)),
+    length: range("Length", 2, 0.05, 20, 0.05, (value) => this.sizeText(value)),
     fan: range("Lines", 1, 1, 72, 1),
     rule: choice("At vertices", "bisect", [
       ["bisect", "halve the angle"],
@@ -34,11 +32,6 @@ export class TraceMode extends Mode {
     slide: check("Slide along the boundary", false),
     cross: check("Stop where it meets itself", false),
   });
-
-  private lengthText(value: number): string {
-    const { surface, units } = this.bench;
-    return surface ? units.length(value * surface.size, 4) : number(value);
-  }
 
   private get request(): TraceRequest {
     const { points, surface } = this.bench;
@@ -57,24 +50,14 @@ export class TraceMode extends Mode {
   async ask(): Promise<void> {
     const { bench } = this;
     const paths = (await bench.post<TraceAnswer>("trace", this.request, XYZ)).paths!;
-    this.clearLines();
-    this.path =
-      paths.length === 1 ? { length: paths[0]!.length, points: pointsOf(paths[0]) } : null;
-    if (paths.length === 1) this.lines("line", [pointsOf(paths[0])], INK.path, 4);
-    else
-      paths.forEach((path, i) =>
-        this.lines(`line${i}`, [pointsOf(path)], hexOf(memberColour(i, 0.6)), 2.5),
-      );
+    const lines = paths.map(pointsOf);
+    this.path = paths.length === 1 ? { length: paths[0]!.length, points: lines[0]! } : null;
+    this.fan(lines);
     const total = paths.reduce((sum, path) => sum + path.length, 0);
     const crossed = paths.reduce((sum, path) => sum + (path.points?.length ?? 0), 0);
     const reasons = [...new Set(paths.map((path) => REASONS[path.end_reason]!))];
     bench.answer.show([
-      {
-        label: paths.length > 1 ? "Length in all" : "Length",
-        value: bench.units.length(total, 9),
-        main: true,
-        title: String(total),
-      },
+      this.main(paths.length > 1 ? "Length in all" : "Length", total),
       { label: paths.length > 1 ? "They end" : "It ends", value: reasons.join(", or ") },
       { label: "Points", value: String(crossed) },
       this.time,

@@ -1,0 +1,211 @@
+// Surfaces that other clients change, loads that fail or overtake each other, browsers that block
+// storage.
+
+import assert from "node:assert/strict";
+import { drop, OCTAHEDRON, read, settle } from "./viewer.mjs";
+
+const TETRAHEDRON = "v 0 0 0\nv 2 0 0\nv 0 2 0\nv 0 0 2\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+const LONG = `${"long-name.".repeat(13).slice(0, 127)}x`; /* 128 characters, with dots */
+
+const put = (browser, name, body = OCTAHEDRON) =>
+  fetch(`${browser.settings.url}/v1/meshes/${name}`, { method: "PUT", body });
+
+/** Runs a test with meshes of these names, and deletes them afterwards. */
+const withMeshes = (names, test) => async (browser) => {
+  for (const name of names) await put(browser, name);
+  try {
+    await test(browser);
+  } finally {
+    for (const name of names)
+      await fetch(`${browser.settings.url}/v1/meshes/${name}`, { method: "DELETE" });
+  }
+};
+
+async function open(browser, target, window) {
+  const page = await browser.page(target, window);
+  await settle(page);
+  return page;
+}
+
+const shownMesh = async (page) => (await read(page, "state")).meshes;
+const select = (page) => page.getByLabel("On the daemon");
+
+async function nudge(page) {
+  await page.getByRole("button", { name: "End", exact: true }).focus();
+  await page.keyboard.press("Shift+ArrowRight");
+  await settle(page);
+}
+
+/** A link to a missing mesh shows no old surface and no old answer. */
+const missingLink = withMeshes(["here"], async (browser) => {
+  const page = await open(browser, "/#meshes=here&mode=pair");
+  page.tolerate(/status of 404/);
+  assert.ok(await read(page, "last"));
+  await page.evaluate(() => (location.hash = "meshes=gone&mode=field"));
+  await page.locator("#loads .error").filter({ hasText: /does not have/ }).waitFor();
+  await settle(page);
+  assert.equal(await read(page, "last"), undefined);
+  assert.equal(await shownMesh(page), undefined);
+  assert.equal(await page.locator("#answer dd").count(), 0);
+  assert.ok(await page.locator("#start").isVisible());
+  await put(browser, "gone");
+  await page.getByRole("button", { name: "Try again" }).click();
+  await page.waitForFunction(() => window.geodesicd.state.meshes === "gone");
+  await settle(page);
+  assert.equal((await read(page, "state")).mode, "field");
+  await browser.ask("DELETE", "/v1/meshes/gone");
+});
+
+/** A choice that fails keeps the open surface and its answer, and the list forgets the name. */
+const missingChoice = withMeshes(["here", "gone"], async (browser) => {
+  const page = await open(browser, "/#meshes=here&mode=pair");
+  page.tolerate(/status of 404/);
+  const { distance } = await read(page, "last");
+  await browser.ask("DELETE", "/v1/meshes/gone");
+  await select(page).selectOption("meshes/gone");
+  await page.locator("#loads .error").filter({ hasText: /does not have/ }).waitFor();
+  await settle(page);
+  assert.equal((await read(page, "last")).distance, distance);
+  assert.ok(await page.locator("#answer dd.main").isVisible());
+  assert.equal(await select(page).inputValue(), "meshes/here");
+  await page.waitForFunction(() => !document.querySelector('option[value="meshes/gone"]'));
+});
+
+/** Of two loads, the surface that was chosen last is shown, whichever arrives first. */
+const overtaken = withMeshes(["slow", "quick"], async (browser) => {
+  const page = await open(browser, "/#meshes=quick&mode=pair");
+  let release = () => {};
+  const held = new Promise((resolve) => (release = resolve));
+  await page.route(/\/slow\/content/, async (route) => {
+    await held;
+    await route.continue().catch(() => {}); // the page may have aborted the request
+  });
+  await select(page).selectOption("meshes/slow");
+  await page.waitForRequest(/\/slow\/content/);
+  await select(page).selectOption("meshes/quick");
+  await page.waitForResponse(/\/quick\/content/);
+  release();
+  await settle(page);
+  assert.equal(await shownMesh(page), "quick");
+  assert.equal(await page.locator("#busy").textContent(), "");
+});
+
+const deleted = withMeshes(["lost"], async (browser) => {
+  const page = await open(browser, "/#meshes=lost&mode=pair");
+  page.tolerate(/status of 404/);
+  page.on("dialog", (dialog) => dialog.accept());
+  await browser.ask("DELETE", "/v1/meshes/lost");
+  await nudge(page);
+  assert.match(await page.locator("#notice .error").textContent(), /does not have this surface/);
+  await page.waitForFunction(() => !document.querySelector('option[value="meshes/lost"]'));
+  await page.getByRole("button", { name: "Delete", exact: true }).click();
+  await page.locator("#start").waitFor();
+  assert.equal(await shownMesh(page), undefined);
+});
+
+/** After another client has replaced the mesh, no answer mixes the two versions. */
+const replaced = withMeshes(["swap"], async (browser) => {
+  const page = await open(browser, "/#meshes=swap&mode=pair");
+  page.tolerate(/status of 412/);
+  await put(browser, "swap", TETRAHEDRON);
+  await nudge(page);
+  assert.match(await page.locator("#notice .error").textContent(), /has replaced this surface/);
+  assert.equal(await read(page, "last"), undefined);
+  assert.doesNotMatch(await read(page, "curl"), /If-Match/);
+  await page.getByRole("button", { name: "Load it again" }).click();
+  await page.locator("#surface-facts").filter({ hasText: "4 faces" }).waitFor();
+  await settle(page);
+  assert.ok((await read(page, "last")).distance > 0);
+});
+
+/** The question about a taken name stays until it is answered, whatever else the page shows. */
+const patient = withMeshes(["taken", "other"], async (browser) => {
+  const page = await open(browser, "/#meshes=taken&mode=pair");
+  page.tolerate(/status of 412/);
+  await drop(page, ["taken.obj", TETRAHEDRON]);
+  await page.getByRole("button", { name: "Replace taken" }).waitFor();
+  await select(page).selectOption("meshes/other");
+  await page.waitForFunction(() => window.geodesicd.state.meshes === "other");
+  await page.getByRole("button", { name: "Do not upload" }).click();
+  await settle(page);
+  assert.equal(await page.locator("#uploads .error").filter({ hasText: /./ }).count(), 0);
+});
+
+/** Each refused file of several is named with its reason. */
+const refusals = withMeshes(["here"], async (browser) => {
+  const page = await open(browser, "/#meshes=here&mode=pair");
+  page.tolerate(/status of 422/);
+  const bad = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 7\n";
+  await drop(page, ["first.obj", bad], ["second.obj", bad]);
+  const errors = page.locator("#uploads .error").filter({ hasText: /./ });
+  await errors.nth(1).waitFor();
+  await settle(page);
+  assert.match((await errors.allTextContents()).join("\n"), /first\.obj.*\n.*second\.obj/);
+  assert.ok(await page.locator("#answer dd.main").isVisible());
+  for (const left of [1, 0]) {
+    await page.getByRole("button", { name: "Dismiss" }).first().click();
+    assert.equal(await errors.count(), left);
+  }
+});
+
+/** Browsers may block storage in frames of other sites. */
+const blocked = withMeshes(["here"], async (browser) => {
+  const page = await browser.page("/icon.svg");
+  page.tolerate(/status of 404/); // /icon.svg has no icon of its own
+  await page.addInitScript(() => {
+    for (const name of ["localStorage", "sessionStorage"])
+      Object.defineProperty(window, name, {
+        get: () => {
+          throw new DOMException("blocked", "SecurityError");
+        },
+      });
+  });
+  await page.goto(`${browser.settings.url}/#meshes=here&mode=pair`);
+  await settle(page);
+  assert.ok((await read(page, "last")).distance > 0);
+  await page.getByRole("button", { name: "Dark" }).click();
+});
+
+/** A name of the greatest length fits the page and leaves room for suffixes. */
+const longName = withMeshes([LONG], async (browser) => {
+  for (const viewport of [{ width: 390, height: 844 }, { width: 1366, height: 768 }]) {
+    const page = await open(browser, `/#meshes=${LONG}&mode=cut`, { viewport });
+    assert.equal(await page.locator("#notice .error").textContent(), "");
+    await page.getByText("Edit the mesh").click();
+    const wide = await page.evaluate(() =>
+      [...document.querySelectorAll("#panel *")].filter(
+        (node) => node.getBoundingClientRect().right > innerWidth + 1 && !node.closest("#modes"),
+      ).map((node) => node.outerHTML.slice(0, 80)),
+    );
+    assert.deepEqual(wide, []);
+    await page.getByRole("button", { name: "Make a new mesh" }).click();
+    await page.getByRole("button", { name: /^Open / }).waitFor();
+    await browser.picture(page, `long-name-${viewport.width}`);
+    const names = (await browser.ask("GET", "/v1/meshes?limit=1000")).meshes.map(({ name }) => name);
+    const made = names.find((name) => name !== LONG && name.startsWith("long-name"));
+    await browser.ask("DELETE", `/v1/meshes/${made}`);
+    await browser.closePages();
+  }
+});
+
+/** The page offers a mesh that another client has added once it has the focus again. */
+const added = withMeshes(["here"], async (browser) => {
+  const page = await open(browser, "/#meshes=here&mode=pair");
+  await put(browser, "added");
+  await page.evaluate(() => dispatchEvent(new Event("focus")));
+  await page.waitForFunction(() => document.querySelector('option[value="meshes/added"]'));
+  await browser.ask("DELETE", "/v1/meshes/added");
+});
+
+export const tests = {
+  "a link to a missing mesh": missingLink,
+  "a choice that fails keeps the answer": missingChoice,
+  "the surface chosen last is shown": overtaken,
+  "a mesh deleted by another client": deleted,
+  "a mesh replaced by another client": replaced,
+  "a mesh added by another client": added,
+  "a question about a name stays": patient,
+  "each refused file is named": refusals,
+  "a browser without storage": blocked,
+  "a long name": longName,
+};
