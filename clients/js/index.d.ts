@@ -72,6 +72,18 @@ export function toSet(sources: SetLike): types.Set;
  */
 export function fromGeometry(geometry: GeometryLike): MeshArrays & { index: Uint32Array };
 
+/** Typed arrays by name. */
+export type Arrays = Record<string, Float64Array | Float32Array | Uint32Array>;
+
+/** Reads an arrays container, the binary form of answers (`format=f64`, `format=f32`). */
+export function readArrays(buffer: ArrayBuffer): Arrays;
+
+/**
+ * Writes an arrays container, the binary form of requests. A Uint32Array has one index for each
+ * row, other arrays have three numbers.
+ */
+export function writeArrays(arrays: Arrays): Uint8Array<ArrayBuffer>;
+
 /**
  * Returns a function for drags that takes inputs, such as the position of the mouse. It runs one
  * request at a time and drops inputs that a newer input has replaced. `stop` aborts the request and

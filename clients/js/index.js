@@ -156,7 +156,7 @@ async function readFloats(response) {
 }
 
 /* Reads the arrays container, version 1 (server/doc/020), as typed arrays by name. */
-function readArrays(buffer) {
+export function readArrays(buffer) {
   const view = new DataView(buffer), arrays = {};
   if (new TextDecoder().decode(buffer.slice(0, 8)) !== "GDARRAYS" || view.getUint32(8, true) !== 1) throw new GeodesicError("no arrays container of version 1");
   for (let i = 0, at = 16; i < view.getUint32(12, true); i++, at += 64) {
@@ -170,7 +170,7 @@ function readArrays(buffer) {
 
 /* Writes typed arrays by name as a container. A Uint32Array has one index per row, other arrays
  * have three numbers per row. */
-function writeArrays(arrays) {
+export function writeArrays(arrays) {
   const names = Object.keys(arrays), padded = (size) => Math.ceil(size / 8) * 8;
   let offset = 16 + 64 * names.length;
   const bytes = new Uint8Array(offset + names.reduce((sum, name) => sum + padded(arrays[name].byteLength), 0));

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { assertRate, read, settle, SMALL } from "./viewer.mjs";
 
-const LEAST_FIELDS = 2; /* fields a second while a source is dragged */
+const LEAST_FIELDS = 4; /* fields a second while a source is dragged */
 
 const open = async (browser, mode = "pair") => {
   const page = await browser.page(`/#meshes=${browser.settings.large}&mode=${mode}`);
@@ -96,7 +96,7 @@ async function fieldDrag(browser) {
     assert.deepEqual(jobs, []);
     assert.equal(lines, 0);
   };
-  const values = { name: "Source", pattern: /\/values$/, least: LEAST_FIELDS };
+  const values = { name: "Source", pattern: /\/pairs\?/, least: LEAST_FIELDS };
   await assertRate(browser, page, { ...values, check });
   await browser.picture(page, "field-dragged");
 }

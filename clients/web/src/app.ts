@@ -104,7 +104,6 @@ export class App {
     addEventListener("focus", () => void this.list(() => {})); /* others may have changed it */
     this.display = new Display(this);
     this.bench.onMeshes = () => void this.list();
-    this.bench.hasNewer = () => this.asker.hasNext;
     this.points.onChange = (live) => this.changed(live);
     this.points.onLook = () => this.showHandles();
     this.scene.onFrame = () => this.handles.place();

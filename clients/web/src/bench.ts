@@ -1,6 +1,7 @@
 // The services that all modes share: the surface, its points, the picture, the panel, and the
 // requests of the current query.
 
+import { type Arrays, readArrays, writeArrays } from "../../js/index.js";
 import type { ResultsAnswer } from "../../js/types.d.ts";
 import type { Answer } from "./answer.ts";
 import type { ColourMap } from "./colours.ts";
@@ -25,8 +26,6 @@ export class Bench {
   last: unknown;
   /** The names of the daemon's meshes. */
   taken: ReadonlySet<string> = new Set();
-  /** Whether a newer query waits for the running one. */
-  hasNewer: () => boolean = () => false;
   /** Called when a mode has created meshes. */
   onMeshes: () => void = () => {};
   /** Requests that the query depends on, such as an upload; shown before its own requests. */
@@ -124,7 +123,7 @@ export class Bench {
     this.requests.push(request);
     const started = performance.now();
     const condition = { "If-Match": `"${this.surface!.description.etag}"` };
-    const response = await ask(await send({ ...request, headers: condition }));
+    const response = await ask(await send({ ...request, headers: { ...request.headers, ...condition } }));
     this.elapsed = performance.now() - started;
     return response;
   }
@@ -144,6 +143,16 @@ export class Bench {
   /** Posts a query of the surface; `query` is the last part of its path. */
   async post<T>(path: string, json: unknown, query?: Record<string, string>): Promise<T> {
     return this.parsed(await this.direct(this.request(path, { query, json })));
+  }
+
+  /** Posts typed arrays and returns the arrays of the answer, in single precision. */
+  async postArrays(path: string, arrays: Arrays): Promise<Arrays> {
+    const body = new Blob([writeArrays(arrays)], { type: "application/octet-stream" });
+    const file = { name: `${path}.arrays`, body };
+    const response = await this.direct(this.request(path, { query: { format: "f32" }, file }));
+    const answer = readArrays(await response.arrayBuffer());
+    this.running?.signal.throwIfAborted();
+    return answer;
   }
 
   async get(path: string, query?: Record<string, string>, accept?: string): Promise<Response> {

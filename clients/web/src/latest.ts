@@ -11,11 +11,6 @@ export class Latest<T> {
     return this.running;
   }
 
-  /** Whether a newer input waits for the running task. */
-  get hasNext(): boolean {
-    return this.next !== undefined;
-  }
-
   put(input: T): void {
     this.next = input;
     if (!this.running) void this.run();

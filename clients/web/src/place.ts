@@ -1,5 +1,6 @@
 // A place: a point of a surface, given by a face of the drawn mesh and barycentric coordinates.
 
+import type { Arrays } from "../../js/index.js";
 import type { Point, PointAnswer } from "../../js/types.d.ts";
 import { type Api, ApiError } from "./api.ts";
 import type { Vec3 } from "./vector.ts";
@@ -27,6 +28,15 @@ export function rounded(barycentric: Vec3): Vec3 {
 export function pointOf({ face, barycentric, xyz, isFree, ray }: Place): Point {
   if (ray) return { ray };
   return isFree ? { xyz } : { face, barycentric };
+}
+
+/** Returns a point as arrays of the API, whose names begin with `name`. */
+export function arraysOf(name: string, { face, barycentric, xyz, isFree }: Place): Arrays {
+  if (isFree) return { [name]: Float64Array.from(xyz) };
+  return {
+    [`${name}_face`]: Uint32Array.of(face),
+    [`${name}_barycentric`]: Float64Array.from(barycentric),
+  };
 }
 
 /** Returns the compact form of the API: `f:34:0.2,0.3,0.5`. */

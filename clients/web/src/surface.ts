@@ -23,6 +23,7 @@ export class Surface {
   /** The refined mesh that is drawn for a coarse mesh; else null. */
   readonly fine: Fine | null;
   readonly bvh: Bvh;
+  private used: Uint32Array | undefined;
 
   /**
    * `deviation`: for a preview, its largest distance from the original mesh; undefined if the
@@ -68,6 +69,14 @@ export class Surface {
   /** Number of faces of the daemon's mesh; for smooth surfaces, of the drawn mesh. */
   get faceCount(): number {
     return this.kind === "meshes" ? (this.description as Mesh).faces : this.drawnFaces;
+  }
+
+  /** The vertices that have faces. */
+  get usedVertices(): Uint32Array {
+    if (this.used) return this.used;
+    const isUsed = new Uint8Array(this.triangles.positions.length / 3);
+    for (const vertex of this.triangles.faces) isUsed[vertex] = 1;
+    return (this.used = Uint32Array.from(isUsed.keys()).filter((vertex) => isUsed[vertex]));
   }
 
   /** Half the diagonal of the surface's box, in the file's unit. */

@@ -4,7 +4,7 @@ import type { Field, IsolinesAnswer, ResultsAnswer } from "../../../js/types.d.t
 import type { Fact } from "../answer.ts";
 import type { Bench } from "../bench.ts";
 import { daemonFile, type FileOffer } from "../files.ts";
-import { type Place, placeOf, pointOf } from "../place.ts";
+import { arraysOf, type Place, placeOf, pointOf } from "../place.ts";
 import { check, range, Settings } from "../settings.ts";
 import { milliseconds, whole } from "../units.ts";
 import type { Vec3 } from "../vector.ts";
@@ -79,13 +79,65 @@ export class FieldMode extends Mode {
   async ask(live: boolean): Promise<void> {
     const { bench } = this;
     const source = bench.points.of("source")[0]!;
+    if (live) return this.follow(source);
     const set = { points: [pointOf(source)] };
-    this.field = await bench.postLong<Field>("fields", { set }, { live });
-    const shown = this.show(this.field, live);
-    // The daemon computes the next field while the page reads and draws the values of this one.
-    if (live && bench.hasNewer()) return void shown.catch(() => {});
-    await shown;
-    if (!live && !bench.aborted) await this.refine(this.field, set, source);
+    const field = await bench.postLong<Field>("fields", { set });
+    const { time } = this;
+    const values = bench.surface!.isPreview ? null : await valuesOf(bench, field.id!);
+    if (bench.aborted) return;
+    this.field = field;
+    this.clearLines();
+    this.paint(values, field.max!);
+    bench.answer.show([
+      this.main("Farthest", field.max!),
+      this.spacing(field.max!),
+      { label: "Wedges", value: whole(field.wedges!) },
+      {
+        label: "Computed in",
+        value: milliseconds(field.build_ms!),
+        title: "By the daemon, which keeps the field",
+      },
+      time,
+    ]);
+    await this.refine(field, set, source);
+  }
+
+  /**
+   * Shows the distances at the vertices during a drag. They cost the daemon half of a field, which
+   * it keeps for later queries.
+   */
+  private async follow(source: Place): Promise<void> {
+    const { bench } = this;
+    const surface = bench.surface!;
+    const vertices = surface.usedVertices;
+    const arrays = { ...arraysOf("from", source), to: vertices };
+    const { distances } = await bench.postArrays("pairs", arrays);
+    const values = new Float64Array(surface.triangles.positions.length / 3).fill(NaN);
+    let max = 0;
+    distances!.forEach((distance, i) => {
+      values[vertices[i]!] = distance;
+      if (distance > max) max = distance;
+    });
+    this.clearLines();
+    this.paint(values, max);
+    const farthest = this.main("Farthest vertex", max);
+    bench.answer.show([farthest, this.spacing(max), { ...this.time, label: "Update" }]);
+  }
+
+  /** Colours the surface by the values of its vertices. */
+  private paint(values: Float64Array | null, max: number): void {
+    const { units, colours, legend, scene, surface } = this.bench;
+    const format = (value: number): string => units.bare(value, 3);
+    legend.showRamp({ title: `Distance, ${units.name}`, max, format }, colours);
+    if (values) scene.skin!.showValues(surface!.spread(values), max);
+    this.showFastIsolines();
+    scene.recolour();
+  }
+
+  private spacing(max: number): Fact {
+    const count = this.settings.number("isolines");
+    const value = count > 0 ? this.bench.units.length(max / (count + 1)) : "no lines";
+    return { label: "Between two lines", value };
   }
 
   /** Adds the parts of the answer that a drag leaves out. */
@@ -97,41 +149,6 @@ export class FieldMode extends Mode {
     await this.showIsolines(field);
     if (settings.on("farthest") && field.farthest)
       await this.showWay(source, placeOf(field.farthest, bench.surface!.isRenumbered));
-  }
-
-  /** Shows a field, unless a newer one has arrived before its values. */
-  private async show(field: Field, live: boolean): Promise<void> {
-    const { bench, time } = this;
-    const surface = bench.surface!;
-    const values = surface.isPreview ? null : await valuesOf(bench, field.id!);
-    if (bench.aborted || this.field !== field || bench.surface !== surface) return;
-    this.clearLines();
-    this.tell(field, { ...time, label: live ? "Update" : "Time" });
-    if (values) bench.scene.skin!.showValues(surface.spread(values), field.max!);
-    this.showFastIsolines();
-    bench.scene.recolour();
-  }
-
-  private tell(field: Field, time: Fact): void {
-    const { units, colours, legend, answer } = this.bench;
-    const max = field.max!;
-    const format = (value: number): string => units.bare(value, 3);
-    legend.showRamp({ title: `Distance, ${units.name}`, max, format }, colours);
-    const count = this.settings.number("isolines");
-    answer.show([
-      { label: "Farthest", value: units.length(max, 9), main: true, title: String(max) },
-      {
-        label: "Between two lines",
-        value: count > 0 ? units.length(max / (count + 1)) : "no lines",
-      },
-      { label: "Wedges", value: whole(field.wedges!) },
-      {
-        label: "Computed in",
-        value: milliseconds(field.build_ms!),
-        title: "By the daemon, which keeps the field",
-      },
-      time,
-    ]);
   }
 
   private showFastIsolines(): void {
