@@ -60,7 +60,7 @@ clean: ## remove all that was built
 # --- libraries -----------------------------------------------------------------------------------
 
 generated = $(patsubst %,$(BUILD)/obj/generated/%.o,$(1))
-$(eval $(call library,$(LIB_PROTO),$(call objects,$(PROTO_C)) $(call generated,fields parameters requests)))
+$(eval $(call library,$(LIB_PROTO),$(call objects,$(PROTO_C)) $(call generated,fields parameters queries values requests answers)))
 $(eval $(call library,$(LIB_SERVER),$(call objects,$(SERVER_C)) $(call generated,routes assets)))
 $(eval $(call library,$(LIB_SAMPLES),$(call objects,$(SAMPLES_C))))
 
@@ -80,7 +80,7 @@ $(BUILD)/generated/sources: $(CONTRACT) | $(BUILD)/stamps/tools
 	@mkdir -p $(@D)
 	$(call tell,GEN)python3 proto/generate.py sources proto/openapi.yaml $(@D) && touch $@
 $(patsubst %,$(BUILD)/generated/%,routes.c handlers.h fields.h fields.c parameters.h parameters.c \
-    requests.h requests.c): $(BUILD)/generated/sources ;
+    values.h values.c requests.h requests.c answers.h answers.c queries.h queries.c): $(BUILD)/generated/sources ;
 
 # Skips makefiles whose folder is missing: docker/Dockerfile copies only what the daemon needs.
 include $(wildcard docker/setup.mk clients/clients.mk tests/tests.mk tests/fault.mk tests/bench.mk \

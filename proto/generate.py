@@ -3,8 +3,8 @@
 
     generate.py sources openapi.yaml folder
         writes the C sources to the folder, except those that are already equal: routes.c
-        (proto/http/route.h), handlers.h (server/query/handlers.h), fields, parameters and requests
-        (members.py)
+        (proto/http/route.h), handlers.h (server/query/handlers.h), and those of members.py,
+        query_strings.py, bodies.py and answers.py
     generate.py assets openapi.yaml [folder...]
         prints openapi.json and the files below the folders as C, for proto/http/asset.h
     generate.py document openapi.yaml
@@ -23,7 +23,10 @@ import re
 import sys
 
 sys.dont_write_bytecode = True
+import answers  # noqa: E402
+import bodies  # noqa: E402
 import members  # noqa: E402
+import query_strings  # noqa: E402
 from document import (  # noqa: E402
     CAPTURE,
     METHODS,
@@ -167,8 +170,14 @@ SOURCES = {
     "fields.c": members.field_source,
     "parameters.h": members.parameter_header,
     "parameters.c": members.parameter_source,
-    "requests.h": members.request_header,
-    "requests.c": members.request_source,
+    "values.h": bodies.value_header,
+    "values.c": bodies.value_source,
+    "requests.h": bodies.request_header,
+    "requests.c": bodies.request_source,
+    "queries.h": query_strings.query_header,
+    "queries.c": query_strings.query_source,
+    "answers.h": answers.answer_header,
+    "answers.c": answers.answer_source,
 }
 
 

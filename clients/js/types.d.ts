@@ -88,10 +88,12 @@ export type SpacePoint = {
 
 /** The first hit of the ray. */
 export type RayPoint = {
-  ray: {
-    origin: Vector;
-    direction: Vector;
-  };
+  ray: Ray;
+};
+
+export type Ray = {
+  origin: Vector;
+  direction: Vector;
 };
 
 /**
@@ -347,19 +349,27 @@ export type FieldId = string;
  * returns. Points that are joined by paths are moved onto an edge or a vertex if they lie within
  * 4e-12 of it in barycentric coordinates.
  */
-export type Curve = ({
+export type Curve = (CurveOfPoints | CurveOfVertices | CurveOfBoundary | CurveOfSpline);
+
+export type CurveOfPoints = {
   points: Point[];
   /** Joins the last point to the first. */
   closed?: boolean;
-} | {
+};
+
+export type CurveOfVertices = {
   vertices: Index[];
   /** Joins the last vertex to the first. */
   closed?: boolean;
-} | {
+};
+
+export type CurveOfBoundary = {
   boundary: Index;
-} | {
+};
+
+export type CurveOfSpline = {
   spline: SplineCurve;
-});
+};
 
 /**
  * The sources of distances. Members are numbered: points first, then curves, then boundaries. At
@@ -856,22 +866,26 @@ export type SplineAnswer = {
    */
   parameters: number[];
   /** One for each point. */
-  joints: Array<{
-    tangent: TangentVector;
-    angle_jump: number;
-    speed_jump: number;
-  }>;
+  joints: SplineJoint[];
   /** Present if requested. */
-  frames?: Array<{
-    parameter: number;
-    xyz: Vector;
-    tangent: Vector;
-    normal: Vector;
-    binormal: Vector;
-    speed: number;
-  }>;
+  frames?: SplineFrame[];
   /** The arc length between two samples, with `spacing` or `speed: constant`. */
   step?: number;
+};
+
+export type SplineFrame = {
+  parameter: number;
+  xyz: Vector;
+  tangent: Vector;
+  normal: Vector;
+  binormal: Vector;
+  speed: number;
+};
+
+export type SplineJoint = {
+  tangent: TangentVector;
+  angle_jump: number;
+  speed_jump: number;
 };
 
 export type CurveOperationRequest = {
@@ -961,28 +975,34 @@ export type Arc = ({
 
 export type WedgesAnswer = {
   edge: Edge;
-  wedges: Array<{
-    b0: number;
-    b1: number;
-    /** Distance from the pseudo-source to the start of the wedge. */
-    d0: number;
-    /** Distance from the pseudo-source to the end of the wedge. */
-    d1: number;
-    /** Distance of the pseudo-source itself. */
-    sigma: number;
-    /** The pseudo-source lies to the left of the edge, seen from its lower vertex. */
-    tau: boolean;
-    /**
-     * Present if the source is a segment of a curve, and the paths leave this segment at right
-     * angles. Then the distance changes linearly from d0 to d1.
-     */
-    linear?: true;
-    /** The pseudo-source, a vertex of the mesh or a member of the set. */
-    source: {
-      vertex?: Index;
-      member?: Index;
-    };
-  }>;
+  wedges: Wedge[];
+};
+
+/**
+ * Definition 1 of Liu, "Exact geodesic metric in 2-manifold triangle meshes using edge-based data
+ * structures". Lengths along the edge are measured from its lower-numbered vertex.
+ */
+export type Wedge = {
+  b0: number;
+  b1: number;
+  /** Distance from the pseudo-source to the start of the wedge. */
+  d0: number;
+  /** Distance from the pseudo-source to the end of the wedge. */
+  d1: number;
+  /** Distance of the pseudo-source itself. */
+  sigma: number;
+  /** The pseudo-source lies to the left of the edge, seen from its lower vertex. */
+  tau: boolean;
+  /**
+   * Present if the source is a segment of a curve, and the paths leave this segment at right
+   * angles. Then the distance changes linearly from d0 to d1.
+   */
+  linear?: true;
+  /** The pseudo-source, a vertex of the mesh or a member of the set. */
+  source: {
+    vertex?: Index;
+    member?: Index;
+  };
 };
 
 export type MeshJson = {
@@ -1153,7 +1173,10 @@ export type Knots = number[];
 
 export type Interval = [number, number];
 
-export type SubdivisionJson = (MeshJson | {
+export type SubdivisionJson = (MeshJson | UsdMesh);
+
+/** The members of USD's Mesh. */
+export type UsdMesh = {
   points: Vector[];
   faceVertexCounts: Count[];
   faceVertexIndices: Index[];
@@ -1168,7 +1191,7 @@ export type SubdivisionJson = (MeshJson | {
   /** `none` only if there is no boundary. */
   interpolateBoundary?: ("edgeAndCorner" | "edgeOnly" | "none");
   subdivisionScheme?: ("catmullClark" | "loop");
-});
+};
 
 export type Subdivision = {
   name: Name;
@@ -1421,11 +1444,15 @@ export type VertexPlaces = {
   places: Array<[number, number, number, number]>;
 };
 
-export type NurbsFile = ({
+export type NurbsFile = (NurbsSurface | {
+  parametric: Shape;
+});
+
+export type NurbsSurface = {
   degreeU: number;
   degreeV: number;
-  knotsU: Knots;
-  knotsV: Knots;
+  knotsU: SurfaceKnots;
+  knotsV: SurfaceKnots;
   /**
    * Row i belongs to step i in the direction u, element j of a row to step j in the direction v.
    * All elements are [x, y, z], or all are [x, y, z, weight]. At most 4096 x 4096.
@@ -1434,41 +1461,52 @@ export type NurbsFile = ({
   /** Positive numbers, one for each control point. All are 1 by default. */
   weights?: Array<number[]>;
   convention?: ("canonical" | "three" | "verb" | "rhino");
-} | {
-  parametric: {
-    /** ((major + minor cos v) cos u, (major + minor cos v) sin u, minor sin v), minor < major. */
-    torus?: {
-      major: number;
-      minor: number;
-    };
-    /** (v cos u, v sin u, pitch u). */
-    helicoid?: {
-      /** Not 0. */
-      pitch: number;
-      u: Interval;
-      v: Interval;
-    };
-    /**
-     * (u, v, sum of coefficients[i][j] u^i v^j). Rows have equal length. The degrees are at most
-     * 16.
-     */
-    graph?: {
-      coefficients: Array<number[]>;
-      u: Interval;
-      v: Interval;
-    };
-    /**
-     * (r(v) cos u, r(v) sin u, h(v)). Control points are [radius, height] of a B-spline or, with
-     * weights, a NURBS curve. If the curve ends on the axis, this end is a pole.
-     */
-    revolution?: {
-      degree: number;
-      knots: Knots;
-      control_points: Interval[];
-      weights?: number[];
-    };
-  };
-});
+};
+
+/** Knots in ascending order; knots may repeat. */
+export type SurfaceKnots = number[];
+
+/** A surface of a known shape; exactly one member. */
+export type Shape = {
+  torus?: Torus;
+  helicoid?: Helicoid;
+  graph?: Graph;
+  revolution?: Revolution;
+};
+
+/** ((major + minor cos v) cos u, (major + minor cos v) sin u, minor sin v), minor < major. */
+export type Torus = {
+  major: number;
+  minor: number;
+};
+
+/** (v cos u, v sin u, pitch u). */
+export type Helicoid = {
+  /** Not 0. */
+  pitch: number;
+  u: Interval;
+  v: Interval;
+};
+
+/**
+ * (u, v, sum of coefficients[i][j] u^i v^j). Rows have equal length. The degrees are at most 16.
+ */
+export type Graph = {
+  coefficients: Array<number[]>;
+  u: Interval;
+  v: Interval;
+};
+
+/**
+ * (r(v) cos u, r(v) sin u, h(v)). Control points are [radius, height] of a B-spline or, with
+ * weights, a NURBS curve. If the curve ends on the axis, this end is a pole.
+ */
+export type Revolution = {
+  degree: number;
+  knots: Knots;
+  control_points: Interval[];
+  weights?: number[];
+};
 
 export type NurbsAxis = {
   range: Interval;
@@ -1566,25 +1604,33 @@ export type FootAnswer = {
  * corner i, the parameter of a B-spline is that of its knots, and the parameter of an iso line is
  * its variable coordinate. A curve whose ends are one point of the surface is always closed.
  */
-export type DomainCurve = ({
+export type DomainCurve = (DomainPolyline | DomainSpline | DomainLine);
+
+export type DomainPolyline = {
   polyline: Place[];
   /** Joins the last corner to the first. */
   closed?: boolean;
-} | {
-  bspline: {
-    degree: number;
-    knots: Knots;
-    control_points: Place[];
-  };
+};
+
+export type DomainSpline = {
+  bspline: DomainBspline;
   /** With `true` a B-spline that does not end at its start is rejected. */
   closed?: boolean;
-} | {
+};
+
+export type DomainBspline = {
+  degree: number;
+  knots: Knots;
+  control_points: Place[];
+};
+
+export type DomainLine = {
   /** The constant parameter. */
   iso: ("u" | "v");
   value: number;
   /** Range of the variable parameter; the whole domain by default. */
   range?: Interval;
-});
+};
 
 /** Degree of the spline. */
 export type SplineDegree = number;

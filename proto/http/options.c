@@ -1,5 +1,6 @@
 #include "proto/http/options.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -114,6 +115,17 @@ bool proto_parameters_flag(const struct proto_parameters *parameters, const char
     if (!proto_parameters_choice(parameters, name, words, &word, problem)) return false;
     *out = word;
     return true;
+}
+
+bool proto_parameters_number(const struct proto_parameters *parameters,
+                             const struct proto_rule *rule, double *out,
+                             struct proto_problem *problem)
+{
+    const char *text = proto_parameters_get(parameters, rule->name);
+    if (!text) return true;
+    size_t length = proto_number_parse(text, out);
+    bool is_number = length > 0 && text[length] == '\0';
+    return proto_rule_check(rule, is_number ? *out : NAN, rule->name, problem);
 }
 
 /* --- the options of every query --------------------------------------------------------------- */

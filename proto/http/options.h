@@ -8,7 +8,7 @@
 
 #include "generated/fields.h"
 #include "generated/parameters.h"
-#include "proto/json/problem.h"
+#include "proto/json/object.h"
 
 /* The parameters of a decoded query string; borrowed. */
 struct proto_parameters {
@@ -45,6 +45,12 @@ bool proto_parameters_choice(const struct proto_parameters *parameters, const ch
 /* Reads "true" or "false"; `*out` is untouched when the parameter is absent. */
 bool proto_parameters_flag(const struct proto_parameters *parameters, const char *name, bool *out,
                            struct proto_problem *problem);
+
+/* Reads a number within the rule's limits; the rule has the parameter's name. `*out` is untouched
+ * when the parameter is absent. */
+bool proto_parameters_number(const struct proto_parameters *parameters,
+                             const struct proto_rule *rule, double *out,
+                             struct proto_problem *problem);
 
 struct proto_options {
     uint32_t fields; /* bit i: the i-th field of the answer is wanted; all of them by default */

@@ -3,32 +3,23 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "proto/json/writer.h"
-#include "proto/json/problem.h"
-
-static bool page_parse(const struct proto_parameters *parameters, const char *const *names,
-                       struct proto_page *out, struct proto_problem *problem)
-{
-    uint64_t limit = PROTO_PAGE_DEFAULT;
-    if (!proto_parameters_check(parameters, names, problem)) return false;
-    if (!proto_parameters_integer(parameters, "limit", 1, PROTO_PAGE_MOST, &limit, problem))
-        return false;
-    *out = (struct proto_page){.limit = (uint32_t)limit,
-                               .after = proto_parameters_get(parameters, "after")};
-    return true;
-}
+#include "generated/queries.h"
 
 bool proto_page_parse(const struct proto_parameters *parameters, struct proto_page *out,
                       struct proto_problem *problem)
 {
-    return page_parse(parameters, proto_list_jobs_parameters, out, problem);
+    return proto_parameters_check(parameters, proto_list_jobs_parameters, problem) &&
+           proto_page_parse_names(parameters, out, problem);
 }
 
 bool proto_page_parse_names(const struct proto_parameters *parameters, struct proto_page *out,
                             struct proto_problem *problem)
 {
-    if (!page_parse(parameters, proto_list_meshes_parameters, out, problem)) return false;
-    out->prefix = proto_parameters_get(parameters, "prefix");
+    struct proto_list_meshes_query query;
+    if (!proto_parameters_check(parameters, proto_list_meshes_parameters, problem) ||
+        !proto_list_meshes_query_parse(parameters, &query, problem))
+        return false;
+    *out = (struct proto_page){(uint32_t)query.limit, query.after, query.prefix};
     return true;
 }
 

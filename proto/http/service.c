@@ -2,20 +2,6 @@
 
 #include "gd/io.h"
 
-#include "proto/json/writer.h"
-
-static void encode_limits(struct proto_writer *writer, const struct proto_service *service)
-{
-    proto_member_object(writer, "limits");
-    proto_member_uint(writer, "max_body_bytes", service->limits.max_body_bytes);
-    proto_member_uint(writer, "max_faces", service->limits.max_faces);
-    proto_member_uint(writer, "timeout_ms", service->limits.timeout_ms);
-    proto_member_uint(writer, "memory_budget_bytes", service->limits.memory_budget_bytes);
-    proto_member_uint(writer, "max_answer_bytes", service->limits.max_answer_bytes);
-    proto_member_uint(writer, "workers", service->limits.workers);
-    proto_write_object_end(writer);
-}
-
 static void encode_formats(struct proto_writer *writer)
 {
     proto_member_array(writer, "formats");
@@ -35,15 +21,12 @@ static void encode_queries(struct proto_writer *writer, const struct proto_route
     proto_write_array_end(writer);
 }
 
-void proto_service_encode(struct proto_writer *writer, const struct proto_service *service)
+void proto_service_encode_capabilities(struct proto_writer *writer,
+                                       const struct proto_service *service)
 {
     proto_write_object_begin(writer);
-    proto_member_string(writer, "version", service->version);
-    encode_limits(writer, service);
-    proto_member_object(writer, "capabilities");
     encode_formats(writer);
     encode_queries(writer, service->routes, service->route_count);
-    proto_write_object_end(writer);
     proto_write_object_end(writer);
 }
 

@@ -5,9 +5,11 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "generated/answers.h"
 #include "proto/http/route.h"
 #include "proto/json/writer.h"
 
+/* Written by proto_service_encode (generated/answers.h). */
 struct proto_service {
     const char *version; /* of the program */
     struct {
@@ -17,8 +19,6 @@ struct proto_service {
     const struct proto_route *routes; /* their queries are the capabilities */
     size_t route_count;
 };
-
-void proto_service_encode(struct proto_writer *writer, const struct proto_service *service);
 
 enum proto_health {
     PROTO_HEALTH_OK,

@@ -193,19 +193,6 @@ bool proto_decode_flag(const json_t *object, const char *place, const char *memb
     return true;
 }
 
-bool proto_decode_max_distance(const json_t *document, double *out, struct proto_problem *problem)
-{
-    double limit = 0;
-    bool is_there = json_object_get(document, "max_distance") != NULL;
-    if (is_there && !proto_decode_number(document, "", "max_distance", &limit, problem))
-        return false;
-    if (is_there && !(limit > 0))
-        return proto_problem_refuse(problem, "/max_distance",
-                                    "max_distance is more than 0; leave it out for no limit");
-    *out = limit;
-    return true;
-}
-
 /* --- arrays ----------------------------------------------------------------------------------- */
 
 /* Returns the member if it is an array of `count` such scalars, else NULL. */

@@ -74,10 +74,6 @@ bool proto_decode_index(const json_t *object, const char *place, const char *mem
 bool proto_decode_flag(const json_t *object, const char *place, const char *member, bool *out,
                        struct proto_problem *problem);
 
-/* Reads the optional limit of distances, "max_distance", which must be positive; 0 if it is
- * missing. */
-bool proto_decode_max_distance(const json_t *document, double *out, struct proto_problem *problem);
-
 /* Reads a required array of exactly `count` numbers or indices. */
 bool proto_decode_numbers(const json_t *object, const char *place, const char *member, size_t count,
                           double *out, struct proto_problem *problem);

@@ -1,6 +1,13 @@
 #include "proto/json/object.h"
 
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+
+void proto_place_keep(char out[PROTO_KEPT_PLACE], const char *place)
+{
+    snprintf(out, PROTO_KEPT_PLACE, "%s", place);
+}
 
 bool proto_object_has(const struct proto_object *object, const char *name)
 {
@@ -21,6 +28,20 @@ bool proto_object_one_of(const struct proto_object *object, const char *a, const
 {
     return proto_object_has(object, a) != proto_object_has(object, b) ||
            proto_problem_refuse(object->problem, object->place, "%s", refusal);
+}
+
+bool proto_object_form(const struct proto_object *object, const char *const *members,
+                       const char *const *forms, const char *refusal, unsigned *out)
+{
+    unsigned count = 0;
+    if (members && !proto_decode_object(object->value, object->place, members, object->problem))
+        return false;
+    for (unsigned i = 0; forms[i] && (members || !count); i++) {
+        if (!proto_object_has(object, forms[i])) continue;
+        *out = i;
+        count++;
+    }
+    return count == 1 || proto_problem_refuse(object->problem, object->place, "%s", refusal);
 }
 
 /* --- limits ----------------------------------------------------------------------------------- */
@@ -113,4 +134,52 @@ bool proto_take_indices(const struct proto_object *object, const struct proto_ru
         proto_decode_indices(object->value, object->place, rule->name, count, out, object->problem);
     for (size_t i = 0; i < count && ok; i++) ok = check_value(object, rule, out[i]);
     return ok;
+}
+
+/* --- lists of numbers ------------------------------------------------------------------------- */
+
+void proto_reals_free(struct proto_reals *reals)
+{
+    free(reals->items);
+    *reals = (struct proto_reals){0};
+}
+
+void proto_indices_free(struct proto_indices *indices)
+{
+    free(indices->items);
+    *indices = (struct proto_indices){0};
+}
+
+/* Allocates room for the numbers of a list, of `size` bytes each, and one more. Returns NULL if the
+ * list is missing, or with a problem and `*ok` false. */
+static void *make_room(const struct proto_object *object, const struct proto_rule *rule,
+                       size_t size, uint32_t *count, bool *ok)
+{
+    char place[PROTO_PLACE];
+    const json_t *list = proto_object_list(object, rule, place, ok);
+    if (!list) return NULL;
+    *count = (uint32_t)json_array_size(list);
+    void *items = malloc((*count + (size_t)1) * size);
+    if (!items) *ok = proto_problem_from_status(object->problem, GD_NO_MEMORY, NULL);
+    return items;
+}
+
+bool proto_take_reals(const struct proto_object *object, const struct proto_rule *rule,
+                      struct proto_reals *out)
+{
+    bool ok;
+    out->items = make_room(object, rule, sizeof *out->items, &out->count, &ok);
+    return out->items ? proto_decode_numbers(object->value, object->place, rule->name, out->count,
+                                             out->items, object->problem)
+                      : ok;
+}
+
+bool proto_take_index_list(const struct proto_object *object, const struct proto_rule *rule,
+                           struct proto_indices *out)
+{
+    bool ok;
+    out->items = make_room(object, rule, sizeof *out->items, &out->count, &ok);
+    return out->items ? proto_decode_indices(object->value, object->place, rule->name, out->count,
+                                             out->items, object->problem)
+                      : ok;
 }

@@ -29,6 +29,22 @@ struct proto_rule {
     const char *const *words; /* allowed words, NULL-terminated */
 };
 
+/* Bytes of the place of a value that a request keeps; a longer one is truncated. */
+#define PROTO_KEPT_PLACE 64
+void proto_place_keep(char out[PROTO_KEPT_PLACE], const char *place);
+
+/* Lists of numbers in a request, owned; all zero is an empty one. */
+struct proto_reals {
+    double *items;
+    uint32_t count;
+};
+struct proto_indices {
+    uint32_t *items;
+    uint32_t count;
+};
+void proto_reals_free(struct proto_reals *reals); /* leaves an empty list */
+void proto_indices_free(struct proto_indices *indices);
+
 /* Returns whether the object has the member. */
 bool proto_object_has(const struct proto_object *object, const char *name);
 
@@ -43,6 +59,12 @@ const json_t *proto_object_list(const struct proto_object *object, const struct 
 /* Checks that exactly one of two members is present; else `refusal` is the problem's sentence. */
 bool proto_object_one_of(const struct proto_object *object, const char *a, const char *b,
                          const char *refusal);
+
+/* Finds the form of an object, whose member of that name is present: the first one of `forms`
+ * (NULL-terminated). With `members`, which are those of all forms, only one form may be present;
+ * NULL: the others are not looked at. Else `refusal` is the problem's sentence. */
+bool proto_object_form(const struct proto_object *object, const char *const *members,
+                       const char *const *forms, const char *refusal, unsigned *out);
 
 bool proto_take_number(const struct proto_object *object, const struct proto_rule *rule,
                        double *out);
@@ -59,6 +81,12 @@ bool proto_take_numbers(const struct proto_object *object, const struct proto_ru
                         size_t count, double *out);
 bool proto_take_indices(const struct proto_object *object, const struct proto_rule *rule,
                         size_t count, uint32_t *out);
+
+/* Read an array of any numbers or indices; the rule's limits apply to its length. */
+bool proto_take_reals(const struct proto_object *object, const struct proto_rule *rule,
+                      struct proto_reals *out);
+bool proto_take_index_list(const struct proto_object *object, const struct proto_rule *rule,
+                           struct proto_indices *out);
 
 /* Returns whether the value is within the rule's limits; if not, fills in the problem at
  * `place`. */

@@ -383,7 +383,6 @@ void proto_write_time(struct proto_writer *writer, int64_t seconds)
 MEMBER(string, const char *)
 MEMBER(number, double)
 MEMBER(uint, uint64_t)
-MEMBER(int, int64_t)
 MEMBER(bool, bool)
 MEMBER(time, int64_t)
 #undef MEMBER

@@ -119,7 +119,6 @@ void proto_member_string(struct proto_writer *writer, const char *key, const cha
 /* a value that is not finite becomes null */
 void proto_member_number(struct proto_writer *writer, const char *key, double value);
 void proto_member_uint(struct proto_writer *writer, const char *key, uint64_t value);
-void proto_member_int(struct proto_writer *writer, const char *key, int64_t value);
 void proto_member_bool(struct proto_writer *writer, const char *key, bool value);
 void proto_member_time(struct proto_writer *writer, const char *key, int64_t seconds);
 void proto_member_numbers(struct proto_writer *writer, const char *key, const double *values,

@@ -26,35 +26,22 @@ static const char *const members[][5] = {
     [PROTO_OPERATION_CLOSED_GEODESIC] = {"curve", "operation", NULL},
     [PROTO_OPERATION_OFFSET] = {"curve", "operation", "distance", "tolerance", NULL}};
 
-/* Checks which members the operation allows and requires. */
-static bool check_members(const json_t *document, struct proto_curve_operation_request *request,
-                          struct proto_problem *problem)
+bool proto_curve_operation_request_check(const struct proto_object *object,
+                                         struct proto_curve_operation_request *read)
 {
-    if (!proto_decode_object(document, "", members[request->operation], problem)) return false;
-    if (request->operation == PROTO_OPERATION_RESAMPLE && !request->has_count)
+    const json_t *document = object->value;
+    struct proto_problem *problem = object->problem;
+    if (!proto_decode_object(document, "", members[read->operation], problem)) return false;
+    if (read->operation == PROTO_OPERATION_RESAMPLE && !read->has_count)
         return proto_decode_member(document, "", "count", problem);
-    if (request->operation == PROTO_OPERATION_OFFSET && !request->has_distance)
+    if (read->operation == PROTO_OPERATION_OFFSET && !read->has_distance)
         return proto_decode_member(document, "", "distance", problem);
-    if (json_object_get(document, "pieces") && !request->has_rounds)
+    if (proto_object_has(object, "pieces") && !read->has_rounds)
         return proto_problem_refuse(
             problem, "/pieces",
             "pieces go with rounds; without these the curve becomes a geodesic");
-    if (!request->has_tolerance)
-        request->tolerance = PROTO_CURVE_OPERATION_FLAT * request->distance;
+    if (!read->has_tolerance) read->tolerance = PROTO_CURVE_OPERATION_FLAT * read->distance;
     return true;
-}
-
-bool proto_curve_operation_decode(const json_t *document, struct proto_curve_operation_request *out,
-                                  struct proto_problem *problem)
-{
-    struct proto_curve_operation_request request;
-    if (!proto_curve_operation_request_decode(document, &request, problem)) return false;
-    bool ok = check_members(document, &request, problem);
-    if (ok)
-        *out = request;
-    else
-        proto_curve_operation_request_free(&request);
-    return ok;
 }
 
 /* --- the answer ------------------------------------------------------------------------------- */

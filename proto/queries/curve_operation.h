@@ -11,11 +11,6 @@
 #define PROTO_CURVE_OPERATION_FLAT                                                                 \
     1e-3 /* default tolerance of an offset's path, relative to the distance */
 
-/* Decodes the request and sets its tolerance. Problems: invalid_request, too_large,
- * insufficient_memory. Freed by proto_curve_operation_request_free. */
-bool proto_curve_operation_decode(const json_t *document, struct proto_curve_operation_request *out,
-                                  struct proto_problem *problem);
-
 /* Result of an operation: fields of other operations are zero. `curve` is the answer's path. */
 struct proto_curve_result {
     unsigned operation; /* PROTO_OPERATION_… */

@@ -2,17 +2,12 @@
 
 #include "proto/json/writer.h"
 
-bool proto_cut_decode(const json_t *document, struct proto_cut_request *out,
-                      struct proto_problem *problem)
+bool proto_cut_request_check(const struct proto_object *object, struct proto_cut_request *read)
 {
-    struct proto_cut_request cut;
-    if (!proto_cut_request_decode(document, &cut, problem)) return false;
-    *out = cut;
-    if (!cut.select_only || !cut.names.count) return true;
-    proto_cut_request_free(out);
-    return proto_problem_refuse(
-        problem, "/names",
-        "with \"select_only\" no meshes are made that could have names; leave one out");
+    return !read->select_only || !read->names.count ||
+           proto_problem_refuse(
+               object->problem, "/names",
+               "with \"select_only\" no meshes are made that could have names; leave one out");
 }
 
 /* --- the answer ------------------------------------------------------------------------------- */

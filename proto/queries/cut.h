@@ -6,11 +6,6 @@
 #include "generated/requests.h"
 #include "proto/http/options.h"
 
-/* Decodes the request; names are empty if no meshes are made. Problems: invalid_request, too_large,
- * insufficient_memory. Freed by proto_cut_request_free. */
-bool proto_cut_decode(const json_t *document, struct proto_cut_request *out,
-                      struct proto_problem *problem);
-
 /* Begin and end the answer; proto_cut_piece_encode writes each piece in between. `fields` as in the
  * options. */
 void proto_cut_begin(struct proto_writer *writer, const struct gd_cut *cut, uint32_t fields);

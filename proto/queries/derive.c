@@ -2,9 +2,7 @@
 
 #include <string.h>
 
-#include "generated/fields.h"
-#include "proto/json/decode.h"
-#include "proto/json/writer.h"
+#include "generated/queries.h"
 
 /* --- operations ------------------------------------------------------------------------------- */
 
@@ -197,55 +195,29 @@ bool proto_derive_decode(const json_t *document, struct proto_derive *out,
 
 /* --- edits of an upload ----------------------------------------------------------------------- */
 
-/* Reads a parameter that has the name of an operation; its value is that operation's most common
- * member. */
-static bool operation_parse(const struct proto_parameters *parameters, enum gd_edit_kind kind,
-                            struct proto_edits *out, struct proto_problem *problem)
-{
-    static const struct {
-        uint64_t least, most;
-    } limits[] = {[GD_EDIT_SIMPLIFY] = {4, UINT32_MAX},
-                  [GD_EDIT_COMPONENTS] = {1, UINT32_MAX},
-                  [GD_EDIT_SUBDIVIDE] = {1, GD_SUBDIVIDE_LEVELS_MOST},
-                  [GD_EDIT_SMOOTH] = {1, GD_SMOOTH_ITERATIONS_MOST},
-                  [GD_EDIT_FILL] = {3, GD_FILL_EDGES_MOST}};
-    const char *name = operations[kind].name;
-    struct gd_edit_step step = {.kind = kind};
-    uint64_t value = 0;
-    if (!proto_parameters_integer(parameters, name, limits[kind].least, limits[kind].most, &value,
-                                  problem))
-        return false;
-    if (!value) return true;
-    switch (kind) {
-    case GD_EDIT_SIMPLIFY:
-        step.simplify.faces = (uint32_t)value;
-        break;
-    case GD_EDIT_COMPONENTS:
-        step.components.keep = (uint32_t)value;
-        break;
-    case GD_EDIT_SUBDIVIDE:
-        step.subdivide = (struct gd_subdivide_options){GD_SUBDIVIDE_LOOP, (uint32_t)value};
-        break;
-    case GD_EDIT_SMOOTH:
-        step.smooth = (struct gd_smooth_options){(uint32_t)value, GD_SMOOTH_BOTH, 45 * DEGREE};
-        break;
-    case GD_EDIT_FILL:
-        step.fill.max_edges = (uint32_t)value;
-        break;
-    }
-    out->steps[out->count++] = step;
-    return true;
-}
-
 bool proto_edits_parse(const struct proto_parameters *parameters, struct proto_edits *out,
                        struct proto_problem *problem)
 {
-    static const enum gd_edit_kind order[] = {GD_EDIT_COMPONENTS, GD_EDIT_FILL, GD_EDIT_SMOOTH,
-                                              GD_EDIT_SUBDIVIDE, GD_EDIT_SIMPLIFY};
-    out->count = 0;
-    for (size_t i = 0; i < sizeof order / sizeof *order; i++) {
-        if (!operation_parse(parameters, order[i], out, problem)) return false;
-    }
+    struct proto_create_mesh_query query;
+    struct gd_edit_step *next = out->steps;
+    if (!proto_create_mesh_query_parse(parameters, &query, problem)) return false;
+    if (query.has_components)
+        *next++ = (struct gd_edit_step){.kind = GD_EDIT_COMPONENTS,
+                                        .components = {.keep = (uint32_t)query.components}};
+    if (query.has_fill)
+        *next++ = (struct gd_edit_step){.kind = GD_EDIT_FILL,
+                                        .fill = {.max_edges = (uint32_t)query.fill}};
+    if (query.has_smooth)
+        *next++ =
+            (struct gd_edit_step){.kind = GD_EDIT_SMOOTH,
+                                  .smooth = {(uint32_t)query.smooth, GD_SMOOTH_BOTH, 45 * DEGREE}};
+    if (query.has_subdivide)
+        *next++ = (struct gd_edit_step){
+            .kind = GD_EDIT_SUBDIVIDE, .subdivide = {GD_SUBDIVIDE_LOOP, (uint32_t)query.subdivide}};
+    if (query.has_simplify)
+        *next++ = (struct gd_edit_step){.kind = GD_EDIT_SIMPLIFY,
+                                        .simplify = {.faces = (uint32_t)query.simplify}};
+    out->count = (uint32_t)(next - out->steps);
     return true;
 }
 

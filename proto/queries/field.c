@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "proto/json/decode.h"
+#include "generated/answers.h"
 #include "proto/json/writer.h"
 #include "proto/json/number.h"
 #include "proto/queries/evaluation.h"
@@ -99,22 +99,6 @@ bool proto_wedges_parse(const struct proto_parameters *parameters, struct gd_ver
     return true;
 }
 
-static void encode_wedge(struct proto_writer *writer, const struct gd_wedge *wedge)
-{
-    proto_write_object_begin(writer);
-    proto_member_number(writer, "b0", wedge->b0);
-    proto_member_number(writer, "b1", wedge->b1);
-    proto_member_number(writer, "d0", wedge->d0);
-    proto_member_number(writer, "d1", wedge->d1);
-    proto_member_number(writer, "sigma", wedge->sigma);
-    proto_member_bool(writer, "tau", wedge->tau);
-    if (wedge->linear) proto_member_bool(writer, "linear", true);
-    proto_member_object(writer, "source");
-    proto_member_uint(writer, wedge->at_vertex ? "vertex" : "member", wedge->source);
-    proto_write_object_end(writer);
-    proto_write_object_end(writer);
-}
-
 void proto_wedges_encode(struct proto_writer *writer, const struct gd_vertex ends[2],
                          const struct gd_wedge *wedges, uint32_t count, uint32_t wanted)
 {
@@ -122,7 +106,7 @@ void proto_wedges_encode(struct proto_writer *writer, const struct gd_vertex end
     if (wanted & PROTO_WEDGES_FIELD_EDGE) proto_member_indices(writer, "edge", &ends->index, 2);
     if (wanted & PROTO_WEDGES_FIELD_WEDGES) {
         proto_member_array(writer, "wedges");
-        for (uint32_t i = 0; i < count; i++) encode_wedge(writer, &wedges[i]);
+        for (uint32_t i = 0; i < count; i++) proto_wedge_encode(writer, &wedges[i]);
         proto_write_array_end(writer);
     }
     proto_write_object_end(writer);

@@ -32,14 +32,14 @@ void proto_geodesic_free(struct proto_geodesic *geodesic)
     for (int k = 0; k < 2; k++) proto_domain_curve_free(&geodesic->ends[k]);
 }
 
-static bool decode_control_points(const json_t *document, uint32_t degree, uint32_t *out,
-                                  struct proto_problem *problem)
+bool proto_geodesic_request_check(const struct proto_object *object,
+                                  struct proto_geodesic_request *read)
 {
-    if (!json_object_get(document, "control_points")) return true;
-    if (!proto_decode_index(document, "", "control_points", out, problem)) return false;
-    return (*out > degree && *out <= GD_GEODESIC_CONTROL_POINTS_MOST) ||
-           proto_problem_refuse(problem, "/control_points",
-                                "control_points is a whole number from %u to %u", degree + 1,
+    bool is_fine = read->control_points > read->degree &&
+                   read->control_points <= GD_GEODESIC_CONTROL_POINTS_MOST;
+    return !read->has_control_points || is_fine ||
+           proto_problem_refuse(object->problem, "/control_points",
+                                "control_points is a whole number from %u to %u", read->degree + 1,
                                 GD_GEODESIC_CONTROL_POINTS_MOST);
 }
 
@@ -50,9 +50,11 @@ static bool decode_options(const json_t *document, struct proto_geodesic *out,
     struct proto_geodesic_request request;
     if (!proto_geodesic_request_read(&object, &request)) return false;
     out->samples = request.samples;
-    out->options = (struct gd_geodesic_options){
-        .degree = request.degree, .tolerance = request.tolerance, .all_minima = request.all_minima};
-    return decode_control_points(document, request.degree, &out->options.control_points, problem);
+    out->options = (struct gd_geodesic_options){.degree = request.degree,
+                                                .control_points = request.control_points,
+                                                .tolerance = request.tolerance,
+                                                .all_minima = request.all_minima};
+    return true;
 }
 
 bool proto_geodesic_decode(const json_t *document, const struct proto_geodesic_form *form,
@@ -63,7 +65,7 @@ bool proto_geodesic_decode(const json_t *document, const struct proto_geodesic_f
               decode_options(document, &read, problem);
     for (int k = 0; k < 2 && ok; k++)
         ok = form->is_curve[k]
-                 ? proto_domain_curve_decode(document, form->ends[k], &read.ends[k], problem)
+                 ? proto_domain_curve_decode_member(document, form->ends[k], &read.ends[k], problem)
                  : proto_domain_curve_decode_point(document, form->ends[k], &read.ends[k], problem);
     if (ok)
         *out = read;

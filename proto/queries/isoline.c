@@ -2,11 +2,10 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "gd/direction.h"
+#include "generated/queries.h"
 #include "generated/requests.h"
-#include "proto/json/writer.h"
 #include "proto/json/number.h"
 #include "proto/values/point.h"
 
@@ -44,46 +43,20 @@ static bool check_levels(const struct proto_isolines *isolines, struct proto_pro
     return true;
 }
 
-static bool check_tolerance(const char *place, double tolerance, struct proto_problem *problem)
-{
-    return tolerance > 0 ||
-           proto_problem_refuse(problem, place, "the tolerance is a length of more than 0");
-}
-
 /* --- from the body ---------------------------------------------------------------------------- */
-
-static bool decode_levels(const json_t *document, struct proto_isolines *out,
-                          struct proto_problem *problem)
-{
-    const json_t *value = json_object_get(document, "levels");
-    out->place = "/levels";
-    if (!json_is_array(value))
-        return proto_problem_refuse(problem, out->place, "expected an array of numbers");
-    if (!check_count(out->place, json_array_size(value), problem)) return false;
-    out->level_count = (uint32_t)json_array_size(value);
-    out->levels = malloc(out->level_count * sizeof *out->levels);
-    if (!out->levels) return refuse_memory(problem);
-    return proto_decode_numbers(document, "", "levels", out->level_count, out->levels, problem) &&
-           check_levels(out, problem);
-}
-
-static bool decode(const json_t *document, struct proto_isolines *out,
-                   struct proto_problem *problem)
-{
-    struct proto_isolines_request request;
-    if (!proto_isolines_request_decode(document, &request, problem)) return false;
-    out->tolerance = request.tolerance;
-    out->wants_arcs = request.arcs;
-    out->level_count = request.count;
-    out->place = "/count";
-    return request.has_count || decode_levels(document, out, problem);
-}
 
 bool proto_isolines_decode(const json_t *document, struct proto_isolines *out,
                            struct proto_problem *problem)
 {
-    struct proto_isolines isolines = {0};
-    if (!decode(document, &isolines, problem)) {
+    struct proto_isolines_request request;
+    if (!proto_isolines_request_decode(document, &request, problem)) return false;
+    struct proto_isolines isolines = {.levels = request.levels.items,
+                                      .level_count =
+                                          request.has_count ? request.count : request.levels.count,
+                                      .tolerance = request.tolerance,
+                                      .wants_arcs = request.arcs,
+                                      .place = request.has_count ? "/count" : "/levels"};
+    if (isolines.levels && !check_levels(&isolines, problem)) {
         proto_isolines_free(&isolines);
         return false;
     }
@@ -112,40 +85,21 @@ static bool parse_levels(const char *text, struct proto_isolines *out,
     return check_levels(out, problem);
 }
 
-static bool parse_count(const struct proto_parameters *parameters, struct proto_isolines *out,
-                        struct proto_problem *problem)
-{
-    uint64_t count = 0;
-    out->place = "count";
-    if (!proto_parameters_integer(parameters, "count", 0, UINT32_MAX, &count, problem))
-        return false;
-    out->level_count = (uint32_t)count;
-    return check_count(out->place, count, problem);
-}
-
-static bool parse_tolerance(const struct proto_parameters *parameters, double *out,
-                            struct proto_problem *problem)
-{
-    const char *text = proto_parameters_get(parameters, "tolerance");
-    double tolerance = 0;
-    if (!text) return true;
-    size_t length = proto_number_parse(text, &tolerance);
-    if (length == 0 || text[length] != '\0') tolerance = 0;
-    *out = tolerance;
-    return check_tolerance("tolerance", tolerance, problem);
-}
-
 static bool parse(const struct proto_parameters *parameters, struct proto_isolines *out,
                   struct proto_problem *problem)
 {
-    const char *levels = proto_parameters_get(parameters, "levels");
+    struct proto_get_isolines_query query;
     bool has_count = proto_parameters_get(parameters, "count") != NULL;
-    if ((levels != NULL) == has_count)
+    if ((proto_parameters_get(parameters, "levels") != NULL) == has_count)
         return proto_problem_refuse(problem, "levels",
                                     "say which levels, or count, how many of them: one of both");
-    if (!parse_tolerance(parameters, &out->tolerance, problem)) return false;
-    if (!proto_parameters_flag(parameters, "arcs", &out->wants_arcs, problem)) return false;
-    return levels ? parse_levels(levels, out, problem) : parse_count(parameters, out, problem);
+    if (!proto_get_isolines_query_parse(parameters, &query, problem)) return false;
+    out->tolerance = query.has_tolerance ? query.tolerance : 0;
+    out->wants_arcs = query.arcs;
+    if (!has_count) return parse_levels(query.levels, out, problem);
+    out->place = "count";
+    out->level_count = (uint32_t)query.count;
+    return check_count(out->place, query.count, problem);
 }
 
 bool proto_isolines_parse(const struct proto_parameters *parameters, struct proto_isolines *out,

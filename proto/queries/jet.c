@@ -124,37 +124,11 @@ bool proto_foot_parse(const struct proto_parameters *parameters, struct proto_po
 bool proto_foot_check(const struct proto_point *wanted, double distance,
                       struct proto_problem *problem)
 {
-    double most = wanted->xyz.max_snap;
-    if (most < 0 || distance <= most) return true;
+    double most = wanted->max_snap;
+    if (!wanted->has_max_snap || distance <= most) return true;
     proto_problem_set(problem, PROTO_PROBLEM_POINT_NOT_ON_SURFACE,
                       "the nearest point of the surface is %.17g away, farther than max_snap = "
                       "%.17g",
                       distance, most);
     return proto_problem_at(problem, wanted->place);
-}
-
-void proto_foot_encode(struct proto_writer *writer, const struct gd_parametric_closest *foot,
-                       const struct proto_options *options)
-{
-    proto_write_object_begin(writer);
-    if (proto_field(writer, options, PROTO_FOOT_FIELD_UV))
-        proto_write_numbers(writer, (double[]){foot->u, foot->v}, 2);
-    encode_vector(writer, options, PROTO_FOOT_FIELD_XYZ, foot->xyz);
-    proto_field_number(writer, options, PROTO_FOOT_FIELD_DISTANCE, foot->distance);
-    proto_write_object_end(writer);
-}
-
-void proto_limit_foot_encode(struct proto_writer *writer, const struct gd_limit_closest *foot,
-                             const struct proto_options *options)
-{
-    const struct gd_limit_point *place = &foot->place;
-    proto_write_object_begin(writer);
-    proto_field_uint(writer, options, PROTO_LIMIT_FOOT_FIELD_FACE, place->face);
-    if (place->corner)
-        proto_field_uint(writer, options, PROTO_LIMIT_FOOT_FIELD_CORNER, place->corner);
-    if (proto_field(writer, options, PROTO_LIMIT_FOOT_FIELD_UV))
-        proto_write_numbers(writer, (double[]){place->u, place->v}, 2);
-    encode_vector(writer, options, PROTO_LIMIT_FOOT_FIELD_XYZ, foot->position);
-    proto_field_number(writer, options, PROTO_LIMIT_FOOT_FIELD_DISTANCE, foot->distance);
-    proto_write_object_end(writer);
 }

@@ -4,7 +4,7 @@
 #define PROTO_JET_H
 
 #include "gd/limit.h"
-#include "proto/http/options.h"
+#include "generated/answers.h"
 #include "proto/values/limit_place.h"
 #include "proto/values/uv.h"
 
@@ -34,10 +34,5 @@ void proto_jet_encode(struct proto_writer *writer, const struct gd_jet *jet,
                       const struct proto_options *options);
 void proto_limit_jet_encode(struct proto_writer *writer, const struct gd_limit_jet *jet,
                             const struct proto_options *options);
-
-void proto_foot_encode(struct proto_writer *writer, const struct gd_parametric_closest *foot,
-                       const struct proto_options *options);
-void proto_limit_foot_encode(struct proto_writer *writer, const struct gd_limit_closest *foot,
-                             const struct proto_options *options);
 
 #endif

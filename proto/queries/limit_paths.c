@@ -89,8 +89,9 @@ void proto_limit_trace_encode_mesh(struct proto_writer *writer, const struct gd_
     encode_end(writer, end, trace->direction.xyz, proto_trace_end_name(trace->end));
 }
 
-void proto_limit_steps_encode(struct proto_writer *writer, const struct gd_limit_step *steps,
-                              uint32_t count, enum proto_geometry geometry)
+/* Writes an array of steps, or of their positions only. */
+static void encode_steps(struct proto_writer *writer, const struct gd_limit_step *steps,
+                         uint32_t count, enum proto_geometry geometry)
 {
     proto_write_array_begin(writer);
     for (uint32_t i = 0; i < count; i++) {
@@ -112,7 +113,7 @@ void proto_limit_trace_encode_smooth(struct proto_writer *writer, const struct g
     begin_path(writer, path->length);
     if (geometry != PROTO_GEOMETRY_NONE) {
         proto_write_key(writer, "points");
-        proto_limit_steps_encode(writer, path->steps, path->step_count, geometry);
+        encode_steps(writer, path->steps, path->step_count, geometry);
     }
     encode_end(writer, end, path->direction, reasons[path->end]);
 }
@@ -157,7 +158,7 @@ static void encode_path(struct proto_writer *writer, const struct gd_limit_short
     proto_member_number(writer, "length", found->distance);
     if (geometry != PROTO_GEOMETRY_NONE) {
         proto_write_key(writer, "points");
-        proto_limit_steps_encode(writer, found->steps, found->step_count, geometry);
+        encode_steps(writer, found->steps, found->step_count, geometry);
     }
     proto_write_object_end(writer);
 }

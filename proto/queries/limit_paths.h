@@ -39,10 +39,6 @@ void proto_limit_trace_encode_mesh(struct proto_writer *writer, const struct gd_
 void proto_limit_trace_encode_smooth(struct proto_writer *writer, const struct gd_limit_path *path,
                                      const struct gd_limit_jet *end, enum proto_geometry geometry);
 
-/* Writes an array of steps, or of their positions only. */
-void proto_limit_steps_encode(struct proto_writer *writer, const struct gd_limit_step *steps,
-                              uint32_t count, enum proto_geometry geometry);
-
 struct proto_limit_pair {
     struct gd_limit_point from, to;
     uint32_t level;

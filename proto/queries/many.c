@@ -1,19 +1,14 @@
 #include "proto/queries/many.h"
 
 #include <jansson.h>
+#include <math.h>
 #include <string.h>
 
-#include "proto/json/decode.h"
-#include "proto/json/writer.h"
+#include "generated/queries.h"
 #include "proto/http/page.h"
 
 static const char *const queries[] = {
     [PROTO_MANY_ALL_PAIRS] = "all-pairs", [PROTO_MANY_FIELDS] = "fields"};
-
-const char *proto_many_query_name(enum proto_many_query query)
-{
-    return queries[query];
-}
 
 /* --- reading ---------------------------------------------------------------------------------- */
 
@@ -82,6 +77,11 @@ static bool decode_fields(const json_t *document, struct proto_many *out,
                           struct proto_problem *problem)
 {
     static const char *const members[] = {"query", "meshes", "set", "max_distance", NULL};
+    static const struct proto_rule rule = {
+        .name = "max_distance",
+        .is_above = true,
+        .most = INFINITY,
+        .refusal = "max_distance is more than 0; leave it out for no limit"};
     size_t i;
     json_t *name;
     double reach;
@@ -90,7 +90,8 @@ static bool decode_fields(const json_t *document, struct proto_many *out,
     if (!meshes) return false;
     json_array_foreach(meshes, i, name) if (!check_name(name, "/meshes", problem)) return false;
     if (!proto_decode_member(document, "", "set", problem)) return false;
-    if (!proto_decode_max_distance(document, &reach, problem)) return false;
+    if (!proto_take_number(&(struct proto_object){document, "", problem}, &rule, &reach))
+        return false;
     out->item_count = (uint32_t)json_array_size(meshes);
     return true;
 }
@@ -186,36 +187,31 @@ const char *proto_many_ask(const struct proto_many *many, uint32_t item, struct 
 bool proto_many_parse_page(const struct proto_parameters *parameters, struct proto_many_page *out,
                            struct proto_problem *problem)
 {
-    static const char *const names[] = {"limit", "after", "cursor", "wait", NULL};
-    const struct proto_page page = {.after = proto_parameters_get(parameters, "after")};
-    bool has_cursor = proto_parameters_get(parameters, "cursor") != NULL,
-         waits = proto_parameters_get(parameters, "wait") != NULL;
-    uint64_t limit = PROTO_PAGE_DEFAULT, cursor = 0, wait_s = 0;
-    int64_t after;
-    if (!proto_parameters_check(parameters, names, problem) ||
-        !proto_parameters_integer(parameters, "limit", 1, PROTO_PAGE_MOST, &limit, problem) ||
-        !proto_page_number(&page, &after, problem) ||
-        !proto_parameters_integer(parameters, "cursor", 0, INT64_MAX, &cursor, problem) ||
-        !proto_parameters_integer(parameters, "wait", 0, PROTO_MANY_WAIT, &wait_s, problem))
+    struct proto_get_batch_results_query query;
+    if (!proto_parameters_check(parameters, proto_get_batch_results_parameters, problem) ||
+        !proto_get_batch_results_query_parse(parameters, &query, problem))
         return false;
+    const struct proto_page page = {.after = query.after};
+    bool has_cursor = query.has_cursor, waits = proto_parameters_get(parameters, "wait") != NULL;
+    int64_t after;
+    if (!proto_page_number(&page, &after, problem)) return false;
     if (page.after && has_cursor)
         return proto_problem_refuse(problem, "after", "send `after` or `cursor`, not both");
     if (waits && !has_cursor)
         return proto_problem_refuse(problem, "wait",
                                     "send `wait` together with `cursor`, at first cursor=0");
-    *out = (struct proto_many_page){.limit = (uint32_t)limit,
+    *out = (struct proto_many_page){.limit = (uint32_t)query.limit,
                                     .is_by_number = has_cursor,
-                                    .after = has_cursor ? (int64_t)cursor : after,
-                                    .wait_s = wait_s};
+                                    .after = has_cursor ? (int64_t)query.cursor : after,
+                                    .wait_s = query.wait};
     return true;
 }
 
 bool proto_many_parse_wait(const struct proto_parameters *parameters, uint64_t *wait_s,
                            struct proto_problem *problem)
 {
-    static const char *const names[] = {"wait", NULL};
     *wait_s = 0;
-    return proto_parameters_check(parameters, names, problem) &&
+    return proto_parameters_check(parameters, proto_get_batch_parameters, problem) &&
            proto_parameters_integer(parameters, "wait", 0, PROTO_MANY_WAIT, wait_s, problem);
 }
 
@@ -226,37 +222,21 @@ bool proto_many_has_ended(const struct proto_many_state *state)
     return state->is_cancelled || state->done == state->items;
 }
 
-static void write_state(struct proto_writer *writer, const struct proto_many_state *state)
+const char *proto_many_state_name(const struct proto_many_state *state)
 {
-    bool is_done = state->done == state->items;
-    proto_member_string(writer, "state",
-                        is_done               ? "done"
-                        : state->is_cancelled ? "cancelled"
-                                              : "running");
-}
-
-void proto_many_encode(struct proto_writer *writer, const struct proto_many_state *state)
-{
-    proto_write_object_begin(writer);
-    proto_member_string(writer, "id", state->id);
-    write_state(writer, state);
-    proto_member_int(writer, "items", state->items);
-    proto_member_int(writer, "done", state->done);
-    proto_member_int(writer, "failed", state->failed);
-    proto_member_number(writer, "progress", (double)state->done / (double)state->items);
-    proto_member_time(writer, "created", state->created);
-    proto_write_object_end(writer);
+    if (state->done == state->items) return "done";
+    return state->is_cancelled ? "cancelled" : "running";
 }
 
 void proto_many_encode_answer(struct proto_writer *writer, const struct proto_many *many,
                               uint32_t item, unsigned status, const char *answer, size_t size)
 {
     proto_write_object_begin(writer);
-    proto_member_int(writer, "item", item);
-    proto_member_int(writer, "status", status);
+    proto_member_uint(writer, "item", item);
+    proto_member_uint(writer, "status", status);
     proto_member_string(writer, "mesh", proto_many_mesh(many, item));
     if (many->query == PROTO_MANY_ALL_PAIRS)
-        proto_member_int(writer, "vertex", vertex_of(many, item));
+        proto_member_uint(writer, "vertex", vertex_of(many, item));
     proto_write_key(writer, status < 400 ? "answer" : "problem");
     proto_write_raw(writer, answer, size);
     proto_write_object_end(writer);
@@ -267,7 +247,7 @@ void proto_many_end_page(struct proto_writer *writer, const struct proto_many_st
 {
     char text[PROTO_PAGE_NUMBER];
     proto_write_array_end(writer);
-    write_state(writer, state);
+    proto_member_string(writer, "state", proto_many_state_name(state));
     proto_member_string(writer, "next", next < 0 ? NULL : proto_page_write_number(next, text));
     proto_write_object_end(writer);
 }

@@ -4,6 +4,7 @@
 #ifndef PROTO_MANY_H
 #define PROTO_MANY_H
 
+#include "generated/answers.h"
 #include "proto/json/problem.h"
 #include "proto/json/writer.h"
 #include "proto/values/mesh.h"
@@ -34,9 +35,6 @@ void proto_many_free(struct proto_many *many); /* accepts all zero */
 /* Returns the name of an item's mesh, borrowed. */
 const char *proto_many_mesh(const struct proto_many *many, uint32_t item);
 
-/* Returns the query's name as in the request, static. */
-const char *proto_many_query_name(enum proto_many_query query);
-
 /* Returns the item's request path after "/v1/meshes/{name}/", a static string, and writes its body
  * to an initialized writer. */
 const char *proto_many_ask(const struct proto_many *many, uint32_t item, struct proto_writer *body);
@@ -62,6 +60,7 @@ bool proto_many_parse_wait(const struct proto_parameters *parameters, uint64_t *
 
 /* --- told ------------------------------------------------------------------------------------- */
 
+/* Written by proto_batch_encode (generated/answers.h). */
 struct proto_many_state {
     const char *id;
     int64_t items, done, failed, created;
@@ -71,7 +70,8 @@ struct proto_many_state {
 /* Returns whether the batch is done or cancelled. */
 bool proto_many_has_ended(const struct proto_many_state *state);
 
-void proto_many_encode(struct proto_writer *writer, const struct proto_many_state *state);
+/* Returns "running", "done" or "cancelled". */
+const char *proto_many_state_name(const struct proto_many_state *state);
 
 /* Writes an item's answer. `answer`: JSON. */
 void proto_many_encode_answer(struct proto_writer *writer, const struct proto_many *many,

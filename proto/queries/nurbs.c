@@ -4,24 +4,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "proto/json/decode.h"
+#include "generated/queries.h"
+#include "generated/requests.h"
 #include "proto/json/writer.h"
 #include "proto/values/parametric.h"
-#include "proto/values/uv.h"
 
 bool proto_nurbs_options_parse(const struct proto_parameters *parameters,
                                struct proto_nurbs_options *out, struct proto_problem *problem)
 {
-    struct proto_nurbs_options options = {0};
-    unsigned format = 0;
+    struct proto_create_nurbs_query query;
     if (!proto_parameters_check(parameters, proto_create_nurbs_parameters, problem) ||
-        !proto_parameters_choice(parameters, "format", proto_nurbs_format_words, &format,
-                                 problem) ||
-        !proto_parameters_choice(parameters, "convention", proto_convention_words,
-                                 &options.convention, problem))
+        !proto_create_nurbs_query_parse(parameters, &query, problem))
         return false;
-    options.has_convention = proto_parameters_get(parameters, "convention") != NULL;
-    *out = options;
+    *out = (struct proto_nurbs_options){.has_convention =
+                                            proto_parameters_get(parameters, "convention") != NULL,
+                                        .convention = query.convention};
     return true;
 }
 
@@ -29,12 +26,13 @@ bool proto_nurbs_options_parse(const struct proto_parameters *parameters,
 
 struct file { /* all zero: empty */
     struct gd_nurbs_data data;
-    double *knots[2], (*points)[3], *weights;
+    struct proto_nurbs_surface knots;
+    double (*points)[3], *weights;
 };
 
 static void file_free(struct file *file)
 {
-    for (int k = 0; k < 2; k++) free(file->knots[k]);
+    proto_nurbs_surface_free(&file->knots);
     free(file->points);
     free(file->weights);
 }
@@ -64,22 +62,6 @@ static bool decode_convention(const json_t *document, const struct proto_nurbs_o
     }
     return proto_problem_refuse(problem, "/convention",
                                 "a convention is \"canonical\", \"three\", \"verb\" or \"rhino\"");
-}
-
-static bool decode_knots(const json_t *document, struct file *file, struct proto_problem *problem)
-{
-    const uint32_t most = GD_NURBS_COUNT_MAX + GD_NURBS_DEGREE_MAX + 1;
-    struct gd_nurbs_data *data = &file->data;
-    if (!proto_decode_index(document, "", "degreeU", &data->degree_u, problem) ||
-        !proto_decode_index(document, "", "degreeV", &data->degree_v, problem) ||
-        !proto_numbers_decode(document, "", "knotsU", most, &file->knots[0], &data->knot_count_u,
-                              problem) ||
-        !proto_numbers_decode(document, "", "knotsV", most, &file->knots[1], &data->knot_count_v,
-                              problem))
-        return false;
-    data->knots_u = file->knots[0];
-    data->knots_v = file->knots[1];
-    return true;
 }
 
 /* Refuses the element (i, j) of a member, or the row i when j is SIZE_MAX. */
@@ -178,8 +160,6 @@ static bool decode_weights(const json_t *document, struct file *file, struct pro
 static bool decode_file(const json_t *document, const struct proto_nurbs_options *options,
                         struct file *file, struct proto_problem *problem)
 {
-    static const char *const members[] = {"degreeU",       "degreeV", "knotsU",     "knotsV",
-                                          "controlPoints", "weights", "convention", NULL};
     static const char *const trims[] = {"trim",       "trims",         "trimming",
                                         "trimCurves", "trimmingLoops", "loops"};
     for (size_t i = 0; i < sizeof trims / sizeof *trims; i++)
@@ -189,10 +169,19 @@ static bool decode_file(const json_t *document, const struct proto_nurbs_options
                                "trimming loops, and "
                                "loops as curves of a query",
                                problem);
-    return proto_decode_object(document, "", members, problem) &&
-           decode_convention(document, options, file, problem) &&
-           decode_knots(document, file, problem) && decode_points(document, file, problem) &&
-           decode_weights(document, file, problem);
+    const struct proto_object object = {document, "", problem};
+    struct proto_nurbs_surface *knots = &file->knots;
+    if (!proto_decode_object(document, "", proto_nurbs_surface_members, problem) ||
+        !decode_convention(document, options, file, problem) ||
+        !proto_nurbs_surface_read(&object, knots))
+        return false;
+    file->data.degree_u = knots->degree_u;
+    file->data.degree_v = knots->degree_v;
+    file->data.knots_u = knots->knots_u.items;
+    file->data.knots_v = knots->knots_v.items;
+    file->data.knot_count_u = knots->knots_u.count;
+    file->data.knot_count_v = knots->knots_v.count;
+    return decode_points(document, file, problem) && decode_weights(document, file, problem);
 }
 
 /* --- the surface ------------------------------------------------------------------------------ */
@@ -261,45 +250,4 @@ bool proto_nurbs_read(const void *bytes, size_t size, const struct proto_nurbs_o
                   : read_nurbs(document, options, out, form, problem);
     json_decref(document);
     return ok;
-}
-
-/* --- the description -------------------------------------------------------------------------- */
-
-static void encode_form(struct proto_writer *writer, const struct proto_nurbs_form *form)
-{
-    proto_member_string(writer, "shape", form->shape);
-    if (!form->convention) return;
-    proto_member_string(writer, "convention", form->convention);
-    proto_member_indices(writer, "degree", form->degree, 2);
-    proto_member_indices(writer, "control_points", form->count, 2);
-    proto_member_bool(writer, "rational", form->is_rational);
-}
-
-/* Writes the seeding, or the reason why there is none and hence no geodesics. */
-static void encode_seeding(struct proto_writer *writer,
-                           const struct proto_nurbs_description *description)
-{
-    proto_member_bool(writer, "geodesics", description->seeding_faces > 0);
-    if (description->seeding_faces == 0) {
-        proto_member_string(writer, "reason", description->obstacle);
-        return;
-    }
-    proto_member_uint(writer, "seeding_faces", description->seeding_faces);
-}
-
-void proto_nurbs_encode(struct proto_writer *writer,
-                        const struct proto_nurbs_description *description)
-{
-    proto_write_object_begin(writer);
-    proto_member_string(writer, "name", description->name);
-    proto_member_string(writer, "sha256", description->sha256);
-    encode_form(writer, &description->form);
-    proto_write_key(writer, "domain");
-    proto_domain_encode(writer, description->surface);
-    proto_member_number(writer, "size", gd_parametric_size(description->surface));
-    encode_seeding(writer, description);
-    proto_member_uint(writer, "memory_bytes", description->memory_bytes);
-    proto_member_time(writer, "created", description->created);
-    proto_member_string(writer, "etag", description->etag);
-    proto_write_object_end(writer);
 }

@@ -4,6 +4,7 @@
 #define PROTO_NURBS_H
 
 #include "gd/nurbs.h"
+#include "generated/answers.h"
 #include "proto/http/options.h"
 #include "proto/json/writer.h"
 
@@ -32,7 +33,7 @@ bool proto_nurbs_read(const void *bytes, size_t size, const struct proto_nurbs_o
                       struct gd_parametric **out, struct proto_nurbs_form *form,
                       struct proto_problem *problem);
 
-/* All strings are borrowed. */
+/* Written by proto_nurbs_encode (generated/answers.h). All strings are borrowed. */
 struct proto_nurbs_description {
     const char *name;
     const char *sha256; /* SHA-256 of the uploaded bytes, lower-case hexadecimal */
@@ -45,8 +46,5 @@ struct proto_nurbs_description {
     uint64_t seeding_faces;
     const char *obstacle; /* this is why */
 };
-
-void proto_nurbs_encode(struct proto_writer *writer,
-                        const struct proto_nurbs_description *description);
 
 #endif

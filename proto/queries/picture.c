@@ -1,8 +1,8 @@
 #include "proto/queries/picture.h"
 
-#include <math.h>
 #include <string.h>
 
+#include "generated/queries.h"
 #include "proto/json/number.h"
 #include "proto/queries/pair.h"
 
@@ -13,11 +13,6 @@
 void proto_picture_free(struct proto_picture *picture)
 {
     proto_points_free(&picture->stops);
-}
-
-static const char *value_of(const struct proto_parameters *parameters, const char *name)
-{
-    return proto_parameters_get(parameters, name);
 }
 
 /* --- how it is seen --------------------------------------------------------------------------- */
@@ -36,14 +31,12 @@ static bool read_vector(const char *text, struct gd_vec3 *out)
     return number[0] != 0 || number[1] != 0 || number[2] != 0;
 }
 
-static bool parse_view(const struct proto_parameters *parameters, struct gd_picture *out,
-                       struct proto_problem *problem)
+static bool parse_view(const char *text, struct gd_picture *out, struct proto_problem *problem)
 {
     static const char *const words[] = {
         [GD_VIEW_CHOSEN] = "auto",   [GD_VIEW_FRONT] = "front", [GD_VIEW_BACK] = "back",
         [GD_VIEW_LEFT] = "left",     [GD_VIEW_RIGHT] = "right", [GD_VIEW_TOP] = "top",
         [GD_VIEW_BOTTOM] = "bottom", [GD_VIEW_ISO] = "iso"};
-    const char *text = value_of(parameters, "view");
     out->view = GD_VIEW_CHOSEN;
     if (!text) return true;
     for (unsigned i = 0; i < sizeof words / sizeof *words; i++)
@@ -59,10 +52,8 @@ static bool parse_view(const struct proto_parameters *parameters, struct gd_pict
                                 "surface to the eye as three numbers that are not all 0: 1,0.5,2");
 }
 
-static bool parse_up(const struct proto_parameters *parameters, struct gd_picture *out,
-                     struct proto_problem *problem)
+static bool parse_up(const char *text, struct gd_picture *out, struct proto_problem *problem)
 {
-    const char *text = value_of(parameters, "up");
     out->up = (struct gd_vec3){0, 1, 0};
     if (!text || !strcmp(text, "y")) return true;
     out->up = (struct gd_vec3){0, 0, 1};
@@ -85,10 +76,8 @@ static bool is_side(uint64_t pixels)
     return pixels >= GD_PICTURE_LEAST && pixels <= GD_PICTURE_MOST;
 }
 
-static bool parse_size(const struct proto_parameters *parameters, struct gd_picture *out,
-                       struct proto_problem *problem)
+static bool parse_size(const char *text, struct gd_picture *out, struct proto_problem *problem)
 {
-    const char *text = value_of(parameters, "size");
     uint64_t width = WIDTH, height = HEIGHT;
     size_t first = text ? proto_integer_parse(text, &width) : 0,
            second =
@@ -103,56 +92,42 @@ static bool parse_size(const struct proto_parameters *parameters, struct gd_pict
     return true;
 }
 
-static bool parse_looks(const struct proto_parameters *parameters, bool has_field,
-                        struct gd_picture *out, struct proto_problem *problem)
-{
-    uint64_t isolines = has_field ? ISOLINES : 0;
-    unsigned ground = PROTO_PICTURE_BACKGROUND_WHITE;
-    out->legend = true;
-    if (!proto_parameters_integer(parameters, "isolines", 0, GD_PICTURE_ISOLINES, &isolines,
-                                  problem))
-        return false;
-    if (!proto_parameters_choice(parameters, "background", proto_picture_background_words, &ground,
-                                 problem))
-        return false;
-    out->isolines = (uint32_t)isolines;
-    out->background = (enum gd_background)ground;
-    return proto_parameters_flag(parameters, "edges", &out->edges, problem) &&
-           proto_parameters_flag(parameters, "legend", &out->legend, problem);
-}
-
 /* --- what is seen ----------------------------------------------------------------------------- */
 
-static bool parse_field(const struct proto_parameters *parameters, struct proto_picture *out,
-                        struct proto_problem *problem)
+/* Reads what is drawn: the field or its source, and the path. */
+static bool parse_content(const struct proto_get_picture_png_query *query,
+                          const struct proto_parameters *parameters, struct proto_picture *out,
+                          struct proto_problem *problem)
 {
-    const char *source = value_of(parameters, "source");
-    out->field = value_of(parameters, "field");
-    out->has_source = source != NULL;
-    if (out->field && source)
+    out->field = query->field;
+    out->has_source = query->source != NULL;
+    if (query->field && query->source)
         return proto_problem_refuse(
             problem, "source",
             "name a field by its id, or a source to have its field: one of both");
-    return !source || proto_point_parse(source, "source", &out->source, problem);
-}
-
-static bool has_path(const struct proto_parameters *parameters)
-{
-    return value_of(parameters, "from") || value_of(parameters, "to") ||
-           value_of(parameters, "via");
+    if (query->source && !proto_point_parse(query->source, "source", &out->source, problem))
+        return false;
+    return (!query->from && !query->to && !query->via) ||
+           proto_pair_parse(parameters, &out->stops, problem);
 }
 
 bool proto_picture_parse(const struct proto_parameters *parameters, struct proto_picture *out,
                          struct proto_problem *problem)
 {
     struct proto_picture wanted = {0};
-    if (!parse_field(parameters, &wanted, problem) ||
-        !parse_view(parameters, &wanted.picture, problem) ||
-        !parse_up(parameters, &wanted.picture, problem) ||
-        !parse_size(parameters, &wanted.picture, problem) ||
-        !parse_looks(parameters, wanted.field || wanted.has_source, &wanted.picture, problem))
+    struct gd_picture *picture = &wanted.picture;
+    struct proto_get_picture_png_query query;
+    if (!proto_get_picture_png_query_parse(parameters, &query, problem) ||
+        !parse_view(query.view, picture, problem) || !parse_up(query.up, picture, problem) ||
+        !parse_size(query.size, picture, problem) ||
+        !parse_content(&query, parameters, &wanted, problem))
         return false;
-    if (has_path(parameters) && !proto_pair_parse(parameters, &wanted.stops, problem)) return false;
+    picture->isolines = query.has_isolines            ? (uint32_t)query.isolines
+                        : query.field || query.source ? ISOLINES
+                                                      : 0;
+    picture->background = (enum gd_background)query.background;
+    picture->edges = query.edges;
+    picture->legend = query.legend;
     *out = wanted;
     return true;
 }

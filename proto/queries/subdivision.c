@@ -1,25 +1,21 @@
 #include "proto/queries/subdivision.h"
 
-#include "gd/limit_mesh.h"
-#include "proto/json/decode.h"
-#include "proto/json/writer.h"
+#include "generated/queries.h"
 #include "proto/values/usd.h"
 
 bool proto_subdivision_options_parse(const struct proto_parameters *parameters,
                                      struct proto_subdivision_options *out,
                                      struct proto_problem *problem)
 {
-    unsigned format = 0, scheme = GD_SCHEME_CATMULL_CLARK;
+    struct proto_create_subdivision_query query;
     if (!proto_parameters_check(parameters, proto_create_subdivision_parameters, problem) ||
-        !proto_parameters_choice(parameters, "format", proto_upload_format_words, &format,
-                                 problem) ||
-        !proto_parameters_choice(parameters, "scheme", proto_scheme_words, &scheme, problem))
+        !proto_create_subdivision_query_parse(parameters, &query, problem))
         return false;
-    bool has_format = proto_parameters_get(parameters, "format") != NULL;
     *out = (struct proto_subdivision_options){
-        .format = has_format ? gd_format_by_name(proto_upload_format_words[format]) : GD_FORMAT_ANY,
+        .format = query.has_format ? gd_format_by_name(proto_upload_format_words[query.format])
+                                   : GD_FORMAT_ANY,
         .has_scheme = proto_parameters_get(parameters, "scheme") != NULL,
-        .scheme = (enum gd_scheme)scheme};
+        .scheme = (enum gd_scheme)query.scheme};
     return true;
 }
 
@@ -77,10 +73,11 @@ bool proto_subdivision_read(const void *bytes, size_t size,
 
 /* --- the description -------------------------------------------------------------------------- */
 
-static void encode_extraordinary(struct proto_writer *writer,
-                                 const struct gd_subdivision_summary *summary)
+void proto_subdivision_encode_extraordinary_vertices(
+    struct proto_writer *writer, const struct proto_subdivision_description *description)
 {
-    proto_member_array(writer, "extraordinary_vertices");
+    const struct gd_subdivision_summary *summary = &description->summary;
+    proto_write_array_begin(writer);
     for (uint32_t i = 0; i < summary->extraordinary_count; i++) {
         proto_write_object_begin(writer);
         proto_member_uint(writer, "valence", summary->extraordinary[i].valence);
@@ -88,33 +85,4 @@ static void encode_extraordinary(struct proto_writer *writer,
         proto_write_object_end(writer);
     }
     proto_write_array_end(writer);
-}
-
-static void encode_control_mesh(struct proto_writer *writer, const struct gd_subdivision *surface)
-{
-    const struct gd_subdivision_summary summary = gd_subdivision_summary(surface);
-    proto_member_string(writer, "scheme", proto_scheme_words[gd_subdivision_scheme(surface)]);
-    proto_member_uint(writer, "vertices", summary.vertex_count);
-    proto_member_uint(writer, "edges", summary.edge_count);
-    proto_member_uint(writer, "faces", summary.face_count);
-    encode_extraordinary(writer, &summary);
-    proto_member_uint(writer, "crease_edges", summary.crease_edges);
-    proto_member_uint(writer, "corner_vertices", summary.corner_vertices);
-    proto_member_uint(writer, "boundary_edges", summary.boundary_edges);
-    proto_member_uint(writer, "boundaries", summary.boundary_loops);
-    proto_member_uint(writer, "least_level", gd_limit_mesh_least_level(surface));
-    proto_member_uint(writer, "usual_level", gd_limit_mesh_usual_level(surface));
-}
-
-void proto_subdivision_encode(struct proto_writer *writer,
-                              const struct proto_subdivision_description *description)
-{
-    proto_write_object_begin(writer);
-    proto_member_string(writer, "name", description->name);
-    proto_member_string(writer, "sha256", description->sha256);
-    encode_control_mesh(writer, description->surface);
-    proto_member_uint(writer, "memory_bytes", description->memory_bytes);
-    proto_member_time(writer, "created", description->created);
-    proto_member_string(writer, "etag", description->etag);
-    proto_write_object_end(writer);
 }

@@ -4,9 +4,8 @@
 #ifndef PROTO_SUBDIVISION_H
 #define PROTO_SUBDIVISION_H
 
-#include "gd/subdivision.h"
-#include "proto/http/options.h"
-#include "proto/json/writer.h"
+#include "gd/limit_mesh.h"
+#include "generated/answers.h"
 
 struct proto_subdivision_options {
     enum gd_format format; /* GD_FORMAT_ANY: not given */
@@ -33,7 +32,7 @@ bool proto_subdivision_read(const void *bytes, size_t size,
 bool proto_subdivision_refuse(enum gd_status status, const struct gd_detail *detail,
                               struct proto_problem *problem);
 
-/* All strings are borrowed. */
+/* Written by proto_subdivision_encode (generated/answers.h). All strings are borrowed. */
 struct proto_subdivision_description {
     const char *name;
     const char *sha256; /* SHA-256 of the uploaded bytes, lower-case hexadecimal */
@@ -41,9 +40,7 @@ struct proto_subdivision_description {
     const char *etag;
     uint64_t memory_bytes;
     const struct gd_subdivision *surface;
+    struct gd_subdivision_summary summary; /* of the surface */
 };
-
-void proto_subdivision_encode(struct proto_writer *writer,
-                              const struct proto_subdivision_description *description);
 
 #endif

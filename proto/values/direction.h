@@ -8,14 +8,12 @@
 #include <jansson.h>
 
 #include "gd/direction.h"
-#include "proto/json/problem.h"
+#include "proto/json/object.h"
 #include "proto/json/writer.h"
 
-#define PROTO_DIRECTION_PLACE 64
-
 struct proto_direction {
-    char place[PROTO_DIRECTION_PLACE]; /* its place in the request, see problem.h */
-    bool has_angle;                    /* false: `xyz` is used */
+    char place[PROTO_KEPT_PLACE]; /* its place in the request, see problem.h */
+    bool has_angle;               /* false: `xyz` is used */
     double angle;
     struct gd_vec3 xyz;
 };

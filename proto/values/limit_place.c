@@ -48,18 +48,13 @@ bool proto_limit_places_locate(const struct gd_subdivision *surface,
 
 /* --- in answers ------------------------------------------------------------------------------- */
 
-void proto_limit_place_write(struct proto_writer *writer, const struct gd_limit_point *place)
-{
-    proto_member_uint(writer, "face", place->face);
-    if (place->corner) proto_member_uint(writer, "corner", place->corner);
-    proto_member_numbers(writer, "uv", (double[]){place->u, place->v}, 2);
-}
-
 void proto_limit_place_encode(struct proto_writer *writer, const struct gd_limit_point *place,
                               struct gd_vec3 xyz)
 {
     proto_write_object_begin(writer);
-    proto_limit_place_write(writer, place);
+    proto_member_uint(writer, "face", place->face);
+    if (place->corner) proto_member_uint(writer, "corner", place->corner);
+    proto_member_numbers(writer, "uv", (double[]){place->u, place->v}, 2);
     proto_member_xyz(writer, "xyz", xyz);
     proto_write_object_end(writer);
 }

@@ -26,9 +26,6 @@ bool proto_limit_places_locate(const struct gd_subdivision *surface,
                                const struct proto_limit_place_list *list,
                                struct proto_limit_places *out, struct proto_problem *problem);
 
-/* Writes the members of a place into an object that was begun. */
-void proto_limit_place_write(struct proto_writer *writer, const struct gd_limit_point *place);
-
 void proto_limit_place_encode(struct proto_writer *writer, const struct gd_limit_point *place,
                               struct gd_vec3 xyz);
 

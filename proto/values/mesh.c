@@ -3,11 +3,10 @@
 #include <jansson.h>
 #include <string.h>
 
+#include "generated/queries.h"
 #include "proto/http/accept.h"
 #include "proto/http/page.h"
 #include "proto/json/decode.h"
-#include "proto/json/writer.h"
-#include "proto/json/number.h"
 #include "proto/json/utf8.h"
 #include "proto/values/point.h"
 
@@ -105,56 +104,20 @@ void proto_caption_encode(struct proto_writer *writer, const char *text)
 
 /* --- options of an upload --------------------------------------------------------------------- */
 
-static bool parse_format(const struct proto_parameters *parameters, enum gd_format *out,
-                         struct proto_problem *problem)
-{
-    const char *name = proto_parameters_get(parameters, "format");
-    if (!name) return true;
-    enum gd_format format = gd_format_by_name(name);
-    if (format == GD_FORMAT_ANY)
-        return proto_problem_refuse(problem, "format",
-                                    "expected one of: obj ply stl off json glb gltf 3mf");
-    *out = format;
-    return true;
-}
-
-static bool parse_weld(const struct proto_parameters *parameters, struct gd_mesh_options *out,
-                       struct proto_problem *problem)
-{
-    const char *text = proto_parameters_get(parameters, "weld");
-    if (!text) return true;
-    double tolerance = -1;
-    size_t length = proto_number_parse(text, &tolerance);
-    if (length == 0 || text[length] != '\0' || tolerance < 0)
-        return proto_problem_refuse(problem, "weld",
-                                    "expected a length: a finite number of at least 0");
-    out->weld = true;
-    out->weld_tolerance = tolerance;
-    return true;
-}
-
-static bool parse_repair(const struct proto_parameters *parameters, struct gd_mesh_options *out,
-                         struct proto_problem *problem)
-{
-    unsigned repair = PROTO_REPAIR_NONE;
-    if (!proto_parameters_choice(parameters, "repair", proto_repair_words, &repair, problem))
-        return false;
-    out->repair_split = repair == PROTO_REPAIR_SPLIT;
-    return true;
-}
-
 bool proto_mesh_options_parse(const struct proto_parameters *parameters,
                               struct proto_mesh_options *out, struct proto_problem *problem)
 {
-    struct proto_mesh_options options = {.format = GD_FORMAT_ANY};
-    bool triangulate = true;
-    if (!proto_parameters_check(parameters, proto_create_mesh_parameters, problem)) return false;
-    if (!parse_format(parameters, &options.format, problem)) return false;
-    if (!parse_weld(parameters, &options.build, problem)) return false;
-    if (!parse_repair(parameters, &options.build, problem)) return false;
-    if (!proto_parameters_flag(parameters, "triangulate", &triangulate, problem)) return false;
-    options.build.refuse_polygons = !triangulate;
-    *out = options;
+    struct proto_create_mesh_query query;
+    if (!proto_parameters_check(parameters, proto_create_mesh_parameters, problem) ||
+        !proto_create_mesh_query_parse(parameters, &query, problem))
+        return false;
+    *out = (struct proto_mesh_options){
+        .format = query.has_format ? gd_format_by_name(proto_upload_format_words[query.format])
+                                   : GD_FORMAT_ANY,
+        .build = {.weld = query.has_weld,
+                  .weld_tolerance = query.weld,
+                  .repair_split = query.repair == PROTO_REPAIR_SPLIT,
+                  .refuse_polygons = !query.triangulate}};
     return true;
 }
 
@@ -192,14 +155,12 @@ static bool negotiate(const char *accept, enum gd_format *out, struct proto_prob
 bool proto_mesh_content_format(const struct proto_parameters *parameters, const char *accept,
                                enum gd_format *out, struct proto_problem *problem)
 {
-    enum gd_format format = GD_FORMAT_ANY;
-    if (!proto_parameters_check(parameters, proto_get_mesh_content_parameters, problem))
+    struct proto_get_mesh_content_query query;
+    if (!proto_parameters_check(parameters, proto_get_mesh_content_parameters, problem) ||
+        !proto_get_mesh_content_query_parse(parameters, &query, problem))
         return false;
-    if (!parse_format(parameters, &format, problem)) return false;
-    if (format == GD_FORMAT_ANY) return negotiate(accept, out, problem);
-    if (format == GD_FORMAT_JSON || format == GD_FORMAT_3MF)
-        return proto_problem_refuse(problem, "format", "expected one of: obj ply off stl glb gltf");
-    *out = format;
+    if (!query.has_format) return negotiate(accept, out, problem);
+    *out = gd_format_by_name(proto_content_format_words[query.format]);
     return true;
 }
 
@@ -207,20 +168,17 @@ bool proto_mesh_content_format(const struct proto_parameters *parameters, const 
 
 static void encode_boundary(struct proto_writer *writer, const struct gd_mesh *mesh, uint32_t loop)
 {
-    struct gd_boundary boundary = gd_mesh_boundary(mesh, loop);
-    proto_write_object_begin(writer);
-    proto_member_uint(writer, "vertices", boundary.vertices);
-    proto_member_number(writer, "length", boundary.length);
-    proto_write_object_end(writer);
+    const struct gd_boundary boundary = gd_mesh_boundary(mesh, loop);
+    proto_boundary_loop_encode(writer, &boundary);
 }
 
-static void encode_boundaries(struct proto_writer *writer, const struct gd_mesh *mesh,
-                              uint32_t count)
+void proto_mesh_encode_boundaries(struct proto_writer *writer,
+                                  const struct proto_mesh_description *description)
 {
-    proto_member_uint(writer, "boundary_count", count);
-    proto_member_array(writer, "boundaries");
+    uint32_t count = gd_mesh_summary(description->mesh)->boundaries;
+    proto_write_array_begin(writer);
     for (uint32_t loop = 0; loop < count && loop < PROTO_MESH_BOUNDARIES; loop++)
-        encode_boundary(writer, mesh, loop);
+        encode_boundary(writer, description->mesh, loop);
     proto_write_array_end(writer);
 }
 
@@ -264,39 +222,6 @@ char *proto_mesh_shorten(const char *description)
     return shortened;
 }
 
-static void encode_topology(struct proto_writer *writer, const struct gd_mesh *mesh,
-                            const struct gd_mesh_summary *summary)
-{
-    proto_member_uint(writer, "index_count", summary->index_count);
-    proto_member_uint(writer, "vertices", summary->vertices);
-    proto_member_uint(writer, "faces", summary->faces);
-    proto_member_uint(writer, "edges", summary->edges);
-    proto_member_uint(writer, "components", summary->components);
-    encode_boundaries(writer, mesh, summary->boundaries);
-    proto_member_int(writer, "euler_characteristic", summary->euler_characteristic);
-    proto_member_int(writer, "genus", summary->genus);
-    proto_member_object(writer, "orientation");
-    proto_member_uint(writer, "flipped_faces", summary->flipped_faces);
-    proto_write_object_end(writer);
-}
-
-static void encode_geometry(struct proto_writer *writer, const struct gd_mesh_summary *summary)
-{
-    proto_member_number(writer, "area", summary->area);
-    proto_member_object(writer, "bounding_box");
-    proto_member_xyz(writer, "min", summary->min);
-    proto_member_xyz(writer, "max", summary->max);
-    proto_write_object_end(writer);
-    proto_member_object(writer, "edge_length");
-    proto_member_number(writer, "min", summary->edge_length.min);
-    proto_member_number(writer, "mean", summary->edge_length.mean);
-    proto_member_number(writer, "max", summary->edge_length.max);
-    proto_write_object_end(writer);
-    proto_member_uint(writer, "degenerate_faces", summary->degenerate_faces);
-    proto_member_uint(writer, "saddle_vertices", summary->saddle_vertices);
-    proto_member_uint(writer, "unreferenced_vertices", summary->unreferenced_vertices);
-}
-
 #define COPIES_LISTED 64
 
 /* Writes the first vertices that repair appended, each with the vertex that it copies. */
@@ -333,9 +258,10 @@ static void encode_elements(struct proto_writer *writer, const struct kind *kind
     proto_write_array_end(writer);
 }
 
-static void encode_repair(struct proto_writer *writer, const struct gd_mesh *mesh)
+void proto_mesh_encode_repair(struct proto_writer *writer,
+                              const struct proto_mesh_description *description)
 {
-    const struct gd_mesh_repair *repair = gd_mesh_repair(mesh);
+    const struct gd_mesh_repair *repair = gd_mesh_repair(description->mesh);
     const struct kind kinds[] = {
         {"edges_split", &repair->edges_split, false},
         {"vertices_split", &repair->vertices_split, false},
@@ -347,46 +273,27 @@ static void encode_repair(struct proto_writer *writer, const struct gd_mesh *mes
         {"faces_cut", &repair->faces_cut, false},
         {"lines_skipped", &repair->lines_skipped, true},
     };
-    proto_member_object(writer, "repair");
+    proto_write_object_begin(writer);
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
         proto_member_uint(writer, kinds[i].key, kinds[i].mended->count);
     proto_member_number(writer, "largest_shift", repair->largest_shift);
-    encode_copies(writer, mesh, repair->copies);
+    encode_copies(writer, description->mesh, repair->copies);
     proto_member_object(writer, "first");
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) encode_elements(writer, &kinds[i]);
     proto_write_object_end(writer);
     proto_write_object_end(writer);
 }
 
-static void encode_derived(struct proto_writer *writer,
-                           const struct proto_mesh_description *description)
+void proto_mesh_encode_derived_from(struct proto_writer *writer,
+                                    const struct proto_mesh_description *description)
 {
     const char *operations = description->derived.operations;
-    if (!description->derived.mesh) return;
-    proto_member_object(writer, "derived_from");
+    proto_write_object_begin(writer);
     if (description->derived.mesh[0])
         proto_member_string(writer, "mesh", description->derived.mesh);
     proto_member_string(writer, "etag", description->derived.etag);
     proto_member_number(writer, "largest_distance", description->derived.largest_distance);
     proto_write_key(writer, "operations");
     proto_write_raw(writer, operations, strlen(operations));
-    proto_write_object_end(writer);
-}
-
-void proto_mesh_encode(struct proto_writer *writer,
-                       const struct proto_mesh_description *description)
-{
-    const struct gd_mesh_summary *summary = gd_mesh_summary(description->mesh);
-    proto_write_object_begin(writer);
-    proto_member_string(writer, "name", description->name);
-    proto_member_string(writer, "sha256", description->sha256);
-    encode_topology(writer, description->mesh, summary);
-    encode_geometry(writer, summary);
-    encode_repair(writer, description->mesh);
-    encode_derived(writer, description);
-    proto_member_uint(writer, "memory_bytes", description->memory_bytes);
-    proto_member_uint(writer, "fields_cached", description->fields_cached);
-    proto_member_time(writer, "created", description->created);
-    proto_member_string(writer, "etag", description->etag);
     proto_write_object_end(writer);
 }

@@ -8,6 +8,7 @@
 
 #include "gd/io.h"
 #include "gd/mesh.h"
+#include "generated/answers.h"
 #include "proto/http/options.h"
 #include "proto/json/writer.h"
 
@@ -88,8 +89,7 @@ struct proto_mesh_description {
     } derived;
 };
 
-void proto_mesh_encode(struct proto_writer *writer,
-                       const struct proto_mesh_description *description);
+/* generated/answers.h: proto_mesh_encode writes it. */
 
 /* Writes a page of at most `limit` boundary loops, starting after number `after` (-1: from the
  * first). */

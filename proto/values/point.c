@@ -1,127 +1,8 @@
 #include "proto/values/point.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <string.h>
 
-#include "proto/json/decode.h"
 #include "proto/json/number.h"
-
-static struct gd_vec3 vec3(const double c[3])
-{
-    return (struct gd_vec3){c[0], c[1], c[2]};
-}
-
-/* --- from JSON -------------------------------------------------------------------------------- */
-
-static bool decode_vertex(const json_t *value, const char *place, struct proto_point *out,
-                          struct proto_problem *problem)
-{
-    return proto_decode_index(value, place, "vertex", &out->vertex.index, problem);
-}
-
-static bool decode_edge(const json_t *value, const char *place, struct proto_point *out,
-                        struct proto_problem *problem)
-{
-    uint32_t ends[2];
-    if (!proto_decode_indices(value, place, "edge", 2, ends, problem)) return false;
-    for (int i = 0; i < 2; i++) out->edge.ends[i].index = ends[i];
-    return proto_decode_number(value, place, "t", &out->edge.t, problem);
-}
-
-static bool decode_face(const json_t *value, const char *place, struct proto_point *out,
-                        struct proto_problem *problem)
-{
-    return proto_decode_index(value, place, "face", &out->face.face.index, problem) &&
-           proto_decode_numbers(value, place, "barycentric", 3, out->face.barycentric, problem);
-}
-
-static bool decode_xyz(const json_t *value, const char *place, struct proto_point *out,
-                       struct proto_problem *problem)
-{
-    double xyz[3], max_snap = -1;
-    if (!proto_decode_numbers(value, place, "xyz", 3, xyz, problem)) return false;
-    if (json_object_get(value, "max_snap")) {
-        if (!proto_decode_number(value, place, "max_snap", &max_snap, problem)) return false;
-        if (max_snap < 0)
-            return proto_problem_refuse_member(
-                problem, place, "max_snap",
-                "max_snap is a distance: 0 or more, or leave it out for any");
-    }
-    out->xyz.xyz = vec3(xyz);
-    out->xyz.max_snap = max_snap;
-    return true;
-}
-
-static bool decode_ray(const json_t *value, const char *place, struct proto_point *out,
-                       struct proto_problem *problem)
-{
-    static const char *const members[] = {"origin", "direction", NULL};
-    char ray_place[PROTO_POINT_PLACE + 8];
-    double origin[3], direction[3];
-    snprintf(ray_place, sizeof ray_place, "%s/ray", place);
-    const json_t *ray = json_object_get(value, "ray");
-    if (!proto_decode_object(ray, ray_place, members, problem)) return false;
-    if (!proto_decode_numbers(ray, ray_place, "origin", 3, origin, problem)) return false;
-    if (!proto_decode_numbers(ray, ray_place, "direction", 3, direction, problem)) return false;
-    out->ray.origin = vec3(origin);
-    out->ray.direction = vec3(direction);
-    return true;
-}
-
-/* The first member of a form names it: no other form has that member. */
-static const struct form {
-    const char *members[3];
-    bool (*decode)(const json_t *value, const char *place, struct proto_point *out,
-                   struct proto_problem *problem);
-} forms[] = {
-    [PROTO_POINT_VERTEX] = {{"vertex"}, decode_vertex},
-    [PROTO_POINT_EDGE] = {{"edge", "t"}, decode_edge},
-    [PROTO_POINT_FACE] = {{"face", "barycentric"}, decode_face},
-    [PROTO_POINT_XYZ] = {{"xyz", "max_snap"}, decode_xyz},
-    [PROTO_POINT_RAY] = {{"ray"}, decode_ray},
-};
-#define FORM_COUNT  (sizeof forms / sizeof forms[0])
-#define FORMS_KNOWN "vertex; edge and t; face and barycentric; xyz and perhaps max_snap; ray"
-
-static const char *const all_members[] = {"vertex", "edge",     "t",   "face", "barycentric",
-                                          "xyz",    "max_snap", "ray", NULL};
-
-/* Finds the only form whose first member is present. */
-static bool find_form(const json_t *value, const char *place, enum proto_point_form *out,
-                      struct proto_problem *problem)
-{
-    if (!proto_decode_object(value, place, all_members, problem)) return false;
-    unsigned found = 0;
-    for (unsigned form = 0; form < FORM_COUNT; form++) {
-        if (!json_object_get(value, forms[form].members[0])) continue;
-        *out = (enum proto_point_form)form;
-        found++;
-    }
-    return found == 1 ||
-           proto_problem_refuse(problem, place, "a point is exactly one of: " FORMS_KNOWN);
-}
-
-static void set_place(struct proto_point *point, const char *place)
-{
-    size_t size = strnlen(place, sizeof point->place - 1);
-    memcpy(point->place, place, size);
-    point->place[size] = '\0';
-}
-
-bool proto_point_decode(const json_t *value, const char *pointer, struct proto_point *out,
-                        struct proto_problem *problem)
-{
-    struct proto_point point;
-    if (json_is_string(value))
-        return proto_point_parse(json_string_value(value), pointer, out, problem);
-    if (!find_form(value, pointer, &point.form, problem)) return false;
-    if (!proto_decode_object(value, pointer, forms[point.form].members, problem)) return false;
-    if (!forms[point.form].decode(value, pointer, &point, problem)) return false;
-    set_place(&point, pointer);
-    *out = point;
-    return true;
-}
 
 /* --- from compact text ------------------------------------------------------------------------ */
 
@@ -159,32 +40,27 @@ static bool take_triple(const char **text, double out[3])
 static bool take_vertex(const char **text, struct proto_point *out)
 {
     out->form = PROTO_POINT_VERTEX;
-    return take_index(text, &out->vertex.index);
+    return take_index(text, &out->vertex);
 }
 
 static bool take_edge(const char **text, struct proto_point *out)
 {
     out->form = PROTO_POINT_EDGE;
-    return take_index(text, &out->edge.ends[0].index) && take(text, '-') &&
-           take_index(text, &out->edge.ends[1].index) && take(text, ':') &&
-           take_number(text, &out->edge.t);
+    return take_index(text, &out->edge[0]) && take(text, '-') && take_index(text, &out->edge[1]) &&
+           take(text, ':') && take_number(text, &out->t);
 }
 
 static bool take_face(const char **text, struct proto_point *out)
 {
     out->form = PROTO_POINT_FACE;
-    return take_index(text, &out->face.face.index) && take(text, ':') &&
-           take_triple(text, out->face.barycentric);
+    return take_index(text, &out->face) && take(text, ':') && take_triple(text, out->barycentric);
 }
 
 static bool take_xyz(const char **text, struct proto_point *out)
 {
-    double xyz[3];
-    if (!take_triple(text, xyz)) return false;
     out->form = PROTO_POINT_XYZ;
-    out->xyz.xyz = vec3(xyz);
-    out->xyz.max_snap = -1;
-    return true;
+    out->has_max_snap = false;
+    return take_triple(text, out->xyz);
 }
 
 static bool take_point(const char **text, struct proto_point *out)
@@ -213,19 +89,25 @@ bool proto_point_parse(const char *text, const char *parameter, struct proto_poi
         return proto_problem_refuse(
             problem, parameter,
             "expected a point: v:12, e:3-9:0.25, f:34:0.2,0.3,0.5 or p:1.0,2.0,3.0");
-    set_place(&point, parameter);
+    proto_place_keep(point.place, parameter);
     *out = point;
     return true;
 }
 
 /* --- onto the mesh ---------------------------------------------------------------------------- */
 
+static struct gd_vec3 vec3(const double c[3])
+{
+    return (struct gd_vec3){c[0], c[1], c[2]};
+}
+
 static enum gd_status locate_xyz(const struct gd_mesh *mesh, const struct proto_point *point,
                                  struct gd_point *out, double *snap_distance,
                                  struct gd_detail *detail)
 {
-    struct gd_vec3 xyz = point->xyz.xyz;
-    enum gd_status status = gd_locate_nearest(mesh, xyz, point->xyz.max_snap, out, detail);
+    struct gd_vec3 xyz = vec3(point->xyz);
+    double max_snap = point->has_max_snap ? point->max_snap : -1; /* any distance */
+    enum gd_status status = gd_locate_nearest(mesh, xyz, max_snap, out, detail);
     if (!status && snap_distance) *snap_distance = gd_locate_distance(mesh, xyz, out);
     return status;
 }
@@ -235,15 +117,19 @@ static enum gd_status locate(const struct gd_mesh *mesh, const struct proto_poin
 {
     switch (point->form) {
     case PROTO_POINT_VERTEX:
-        return gd_point_at_vertex(mesh, point->vertex, out, detail);
+        return gd_point_at_vertex(mesh, (struct gd_vertex){point->vertex}, out, detail);
     case PROTO_POINT_EDGE:
-        return gd_point_on_edge(mesh, point->edge.ends, point->edge.t, out, detail);
+        return gd_point_on_edge(mesh,
+                                (const struct gd_vertex[]){{point->edge[0]}, {point->edge[1]}},
+                                point->t, out, detail);
     case PROTO_POINT_FACE:
-        return gd_point_in_face(mesh, point->face.face, point->face.barycentric, out, detail);
+        return gd_point_in_face(mesh, (struct gd_face){point->face}, point->barycentric, out,
+                                detail);
     case PROTO_POINT_XYZ:
         return locate_xyz(mesh, point, out, snap_distance, detail);
     case PROTO_POINT_RAY:
-        return gd_locate_first_hit(mesh, point->ray.origin, point->ray.direction, out, detail);
+        return gd_locate_first_hit(mesh, vec3(point->ray.origin), vec3(point->ray.direction), out,
+                                   detail);
     }
     return GD_INTERNAL;
 }

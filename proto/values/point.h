@@ -10,46 +10,11 @@
 #include "gd/locate.h"
 #include "gd/point.h"
 #include "generated/fields.h"
+#include "generated/values.h"
 #include "proto/json/problem.h"
 #include "proto/json/writer.h"
 
-enum proto_point_form {
-    PROTO_POINT_VERTEX,
-    PROTO_POINT_EDGE,
-    PROTO_POINT_FACE,
-    PROTO_POINT_XYZ,
-    PROTO_POINT_RAY
-};
-
-#define PROTO_POINT_PLACE 64
-
-struct proto_point {
-    enum proto_point_form form;
-    char place[PROTO_POINT_PLACE]; /* its place in the request, see problem.h */
-    union {
-        struct gd_vertex vertex;
-        struct {
-            struct gd_vertex ends[2];
-            double t; /* parameter along the edge, 0 at ends[0] */
-        } edge;
-        struct {
-            struct gd_face face;
-            double barycentric[3];
-        } face;
-        struct {
-            struct gd_vec3 xyz;
-            double max_snap; /* < 0: any distance is accepted */
-        } xyz;
-        struct {
-            struct gd_vec3 origin, direction;
-        } ray;
-    };
-};
-
-/* Decodes JSON: an object (schema Point) or compact text. `pointer`: the JSON Pointer of `value`,
- * copied. Problem: invalid_request. */
-bool proto_point_decode(const json_t *value, const char *pointer, struct proto_point *out,
-                        struct proto_problem *problem);
+/* struct proto_point and proto_point_decode, which reads JSON, are in generated/values.h. */
 
 /* Parses compact text: v:12, e:3-9:0.25, f:34:0.2,0.3,0.5 or p:1.0,2.0,3.0. `parameter`: the name
  * of the query-string parameter, or a JSON Pointer; copied. Problem: invalid_request. */

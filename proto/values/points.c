@@ -55,7 +55,7 @@ bool proto_points_decode(struct proto_points *points, const json_t *value, const
     if (count > most) return refuse_number(pointer, most, problem);
     if (!reserve(points, points->count + (uint32_t)count, problem)) return false;
     for (size_t i = 0; i < count; i++) {
-        char place[PROTO_POINT_PLACE];
+        char place[PROTO_KEPT_PLACE];
         snprintf(place, sizeof place, "%s/%zu", pointer, i);
         struct proto_point *point = proto_points_add(points, problem);
         if (!point || !proto_point_decode(json_array_get(value, i), place, point, problem))

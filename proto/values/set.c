@@ -1,11 +1,10 @@
 #include "proto/values/set.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "proto/json/decode.h"
+#include "generated/requests.h"
 
 static bool refuse_memory(struct proto_problem *problem)
 {
@@ -169,7 +168,7 @@ static bool decode_kind(const struct kind *kind, const json_t *array, const char
                         struct proto_set *set, struct proto_problem *problem)
 {
     for (size_t i = 0; i < json_array_size(array); i++) {
-        char place[PROTO_POINT_PLACE];
+        char place[PROTO_KEPT_PLACE];
         snprintf(place, sizeof place, "%s/%s/%zu", pointer, kind->name, i);
         if (!decode_member(kind, json_array_get(array, i), place, set, problem)) return false;
     }
@@ -197,7 +196,7 @@ bool proto_set_decode_curve(const json_t *object, const char *member, struct pro
                             struct proto_problem *problem)
 {
     const json_t *value = proto_decode_member(object, "", member, problem), *arrays[KINDS] = {NULL};
-    char place[PROTO_POINT_PLACE];
+    char place[PROTO_KEPT_PLACE];
     if (!value) return false;
     struct proto_set set = {.document = json_incref((json_t *)value)};
     snprintf(place, sizeof place, "/%s", member);

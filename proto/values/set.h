@@ -6,7 +6,6 @@
 #include <jansson.h>
 
 #include "gd/field.h"
-#include "proto/values/curve.h"
 #include "proto/values/point.h"
 
 #define PROTO_SET_MEMBERS 65536
@@ -14,6 +13,8 @@
 #define PROTO_SET_CURVES 4096
 #define PROTO_SET_LABEL  128   /* bytes of UTF-8 */
 #define PROTO_SET_OFFSET 1e150 /* as for coordinates, so that sums with distances stay finite */
+
+struct proto_curve; /* generated/requests.h */
 
 /* Offset and label of a member. */
 struct proto_naming {

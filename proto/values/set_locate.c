@@ -3,6 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "proto/values/curve.h"
+
 /* State of locating a set's members. */
 struct locating {
     const struct gd_mesh *mesh;
@@ -22,26 +24,19 @@ static enum gd_status fail(const struct locating *locating, enum gd_status statu
 
 /* --- curves ----------------------------------------------------------------------------------- */
 
-static enum gd_status resolve(struct locating *locating, const struct proto_located_curve *located)
-{
-    struct gd_detail detail = {0};
-    struct gd_curve *curve = &locating->curves[locating->curve_count];
-    enum gd_status status =
-        proto_curve_resolve(locating->mesh, located, NULL, locating->control, curve, &detail);
-    if (status)
-        proto_curve_fail(located, status, &detail, locating->problem);
-    else
-        locating->curve_count++;
-    return status;
-}
-
-static enum gd_status resolve_curve(struct locating *locating, struct proto_curve *curve)
+static enum gd_status resolve(struct locating *locating, const struct proto_curve *curve)
 {
     struct proto_located_curve located;
+    struct gd_detail detail = {0};
     if (!proto_curve_locate(locating->mesh, curve, &located, locating->problem))
         return GD_INVALID_ARGUMENT;
-    enum gd_status status = resolve(locating, &located);
-    proto_located_curve_return(&located, curve); /* for a second attempt */
+    enum gd_status status = proto_curve_resolve(locating->mesh, &located, NULL, locating->control,
+                                                &locating->curves[locating->curve_count], &detail);
+    if (status)
+        proto_curve_fail(&located, status, &detail, locating->problem);
+    else
+        locating->curve_count++;
+    proto_located_curve_free(&located);
     return status;
 }
 
@@ -53,10 +48,10 @@ static enum gd_status resolve_curves(struct locating *locating)
         calloc(set->curve_count + locating->boundaries + (size_t)1, sizeof *locating->curves);
     if (!locating->curves) return fail(locating, GD_NO_MEMORY);
     for (uint32_t i = 0; i < set->curve_count && !status; i++)
-        status = resolve_curve(locating, &set->curves[i]);
+        status = resolve(locating, &set->curves[i]);
     for (uint32_t i = 0; i < locating->boundaries && !status; i++)
-        status = resolve(locating, &(struct proto_located_curve){
-                                       .request = {.kind = GD_CURVE_BOUNDARY, .boundary = i}});
+        status =
+            resolve(locating, &(struct proto_curve){.form = PROTO_CURVE_BOUNDARY, .boundary = i});
     return status;
 }
 

@@ -3,21 +3,18 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
-#include "gd/frame.h"
 #include "generated/requests.h"
 #include "proto/json/writer.h"
 #include "proto/values/path.h"
 
-enum { PLACE = 2 * PROTO_POINT_PLACE };
+enum { PLACE = 2 * PROTO_KEPT_PLACE };
 
 void proto_spline_free(struct proto_spline *spline)
 {
-    if (!spline) return;
     proto_points_free(&spline->points);
     free(spline->tangents);
-    free(spline->parameters);
+    proto_reals_free(&spline->parameters);
     *spline = (struct proto_spline){0};
 }
 
@@ -85,25 +82,10 @@ static bool decode_samples(const struct proto_spline_request *request, struct pr
     return true;
 }
 
-static bool decode_at(const json_t *value, struct proto_spline *spline,
-                      struct proto_problem *problem)
-{
-    size_t count = json_array_size(json_object_get(value, "at")); /* 0 if it is not an array */
-    if (count < 1 || count > PROTO_SPLINE_PLACES)
-        return refuse_member(spline, "at",
-                             "expected an array of parameters, ascending, at least one of them",
-                             problem);
-    spline->parameters = malloc(count * sizeof *spline->parameters);
-    if (!spline->parameters) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
-    spline->sampling.parameters = spline->parameters;
-    spline->sampling.count = (uint32_t)count;
-    return proto_decode_numbers(value, spline->place, "at", count, spline->parameters, problem);
-}
-
 static bool decode_sampling(const json_t *value, const struct proto_spline_request *request,
                             struct proto_spline *spline, struct proto_problem *problem)
 {
-    bool has_samples = json_object_get(value, "samples"), has_at = json_object_get(value, "at");
+    bool has_samples = json_object_get(value, "samples"), has_at = request->at.count > 0;
     int ways = has_samples + has_at + request->has_tolerance + request->has_spacing;
     if (ways > 1)
         return proto_problem_refuse(problem, spline->place,
@@ -114,7 +96,9 @@ static bool decode_sampling(const json_t *value, const struct proto_spline_reque
                              "speed goes with samples; spacing is of constant speed", problem);
     spline->sampling.tolerance = request->tolerance;
     spline->sampling.spacing = request->spacing;
-    return !has_at || decode_at(value, spline, problem);
+    spline->sampling.parameters = request->at.items;
+    spline->sampling.count = request->at.count;
+    return true;
 }
 
 static bool decode(const json_t *value, bool as_curve, struct proto_spline *spline,
@@ -128,6 +112,7 @@ static bool decode(const json_t *value, bool as_curve, struct proto_spline *spli
         !proto_spline_request_read(&object, &request))
         return false;
     spline->points = request.points;
+    spline->parameters = request.at;
     spline->closed = request.closed;
     spline->frames = request.frames;
     spline->alpha = request.alpha;
@@ -139,17 +124,29 @@ static bool decode(const json_t *value, bool as_curve, struct proto_spline *spli
            decode_sampling(value, &request, spline, problem);
 }
 
-bool proto_spline_decode(const json_t *value, const char *pointer, bool as_curve,
-                         struct proto_spline *out, struct proto_problem *problem)
+static bool decode_at(const json_t *value, const char *place, bool as_curve,
+                      struct proto_spline *out, struct proto_problem *problem)
 {
     struct proto_spline spline = {0};
-    snprintf(spline.place, sizeof spline.place, "%s", pointer);
-    if (!decode(value, as_curve, &spline, problem)) {
+    proto_place_keep(spline.place, place);
+    bool ok = decode(value, as_curve, &spline, problem);
+    if (ok)
+        *out = spline;
+    else
         proto_spline_free(&spline);
-        return false;
-    }
-    *out = spline;
-    return true;
+    return ok;
+}
+
+bool proto_spline_decode(const json_t *document, struct proto_spline *out,
+                         struct proto_problem *problem)
+{
+    return decode_at(document, "", false, out, problem);
+}
+
+bool proto_spline_curve_decode(const json_t *value, const char *place, struct proto_spline *out,
+                               struct proto_problem *problem)
+{
+    return decode_at(value, place, true, out, problem);
 }
 
 /* --- on the mesh ------------------------------------------------------------------------------ */
@@ -223,29 +220,18 @@ static void encode_segment(struct proto_writer *writer, const struct gd_mesh *me
     proto_write_object_end(writer);
 }
 
-static void encode_joint(struct proto_writer *writer, const struct gd_spline_knot *knot)
+void proto_spline_joint_encode_tangent(struct proto_writer *writer,
+                                       const struct gd_spline_knot *knot)
 {
-    proto_write_object_begin(writer);
-    proto_write_key(writer, "tangent");
     proto_vector_encode(writer, knot->tangent.length > 0 ? &knot->tangent.direction : NULL,
                         knot->tangent.length);
-    proto_member_number(writer, "angle_jump", knot->angle_jump);
-    proto_member_number(writer, "speed_jump", knot->speed_jump);
-    proto_write_object_end(writer);
 }
 
 static void encode_frame(struct proto_writer *writer, const struct gd_mesh *mesh,
                          const struct gd_spline_place *place)
 {
-    const struct gd_frame frame = gd_frame_at(mesh, place);
-    proto_write_object_begin(writer);
-    proto_member_number(writer, "parameter", frame.parameter);
-    proto_member_xyz(writer, "xyz", frame.position);
-    proto_member_xyz(writer, "tangent", frame.tangent);
-    proto_member_xyz(writer, "normal", frame.normal);
-    proto_member_xyz(writer, "binormal", frame.binormal);
-    proto_member_number(writer, "speed", place->speed);
-    proto_write_object_end(writer);
+    const struct proto_spline_frame frame = {gd_frame_at(mesh, place), place->speed};
+    proto_spline_frame_encode(writer, &frame);
 }
 
 void proto_spline_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
@@ -270,7 +256,7 @@ void proto_spline_encode(struct proto_writer *writer, const struct gd_mesh *mesh
     if (proto_field(writer, options, PROTO_SPLINE_FIELD_JOINTS)) {
         proto_write_array_begin(writer);
         for (uint32_t i = 0; i < spline->count + !spline->closed; i++)
-            encode_joint(writer, &spline->knots[i]);
+            proto_spline_joint_encode(writer, &spline->knots[i]);
         proto_write_array_end(writer);
     }
     if (frames && proto_field(writer, options, PROTO_SPLINE_FIELD_FRAMES)) {

@@ -6,7 +6,9 @@
 
 #include <jansson.h>
 
+#include "gd/frame.h"
 #include "gd/spline.h"
+#include "generated/answers.h"
 #include "proto/http/options.h"
 #include "proto/values/points.h"
 #include "proto/values/vector.h"
@@ -15,7 +17,7 @@
 
 /* All zero: no spline. */
 struct proto_spline {
-    char place[PROTO_POINT_PLACE]; /* its place in the request */
+    char place[PROTO_KEPT_PLACE]; /* its place in the request */
     struct proto_points points;
     bool closed, frames;
     double alpha, tension;
@@ -24,15 +26,17 @@ struct proto_spline {
     struct proto_segment *tangents; /* owned, one for each point; NULL: none given */
     bool *is_given;                 /* part of the tangents' allocation */
     struct gd_spline_sampling sampling;
-    double *parameters; /* owned; used by the sampling */
+    struct proto_reals parameters; /* used by the sampling */
 };
 
-/* Decodes a spline. `pointer`: the JSON Pointer of `value`. `as_curve`: without "at" and "frames".
+/* Decode the body of a request, or the value of a curve, which has no "at" and no "frames".
  * Problems: invalid_request, too_large (with the limit), insufficient_memory. Freed by
  * proto_spline_free. */
-bool proto_spline_decode(const json_t *value, const char *pointer, bool as_curve,
-                         struct proto_spline *out, struct proto_problem *problem);
-void proto_spline_free(struct proto_spline *spline); /* may be called again; NULL is harmless */
+bool proto_spline_decode(const json_t *document, struct proto_spline *out,
+                         struct proto_problem *problem);
+bool proto_spline_curve_decode(const json_t *value, const char *place, struct proto_spline *out,
+                               struct proto_problem *problem);
+void proto_spline_free(struct proto_spline *spline); /* may be called again */
 
 /* A spline on its mesh, all zero: none. */
 struct proto_located_spline {
@@ -53,6 +57,12 @@ void proto_located_spline_free(struct proto_located_spline *located); /* leaves 
  * at `place`, the spline's. Returns false. */
 bool proto_spline_fail(const char *place, enum gd_status status, struct gd_detail *detail,
                        struct proto_problem *problem);
+
+/* A sample of an answer. */
+struct proto_spline_frame {
+    struct gd_frame frame;
+    double speed;
+};
 
 /* Writes the answer; `frames`: with a frame for each sample. */
 void proto_spline_encode(struct proto_writer *writer, const struct gd_mesh *mesh,

@@ -1,9 +1,6 @@
 #include "proto/values/uv.h"
 
-#include <stdio.h>
 #include <stdlib.h>
-
-#include "proto/json/decode.h"
 
 void proto_uvs_free(struct proto_uvs *uvs)
 {
@@ -11,66 +8,23 @@ void proto_uvs_free(struct proto_uvs *uvs)
     *uvs = (struct proto_uvs){0};
 }
 
-bool proto_uv_decode(const json_t *object, const char *place, const char *member, double out[2],
-                     struct proto_problem *problem)
+bool proto_take_uvs(const struct proto_object *object, const struct proto_rule *rule,
+                    struct proto_uvs *out)
 {
-    return proto_decode_numbers(object, place, member, 2, out, problem);
-}
-
-/* Returns the member if it is an array of 1 to `most` elements; else NULL. */
-static const json_t *find_list(const json_t *object, const char *place, const char *member,
-                               uint32_t most, struct proto_problem *problem)
-{
-    const json_t *list = proto_decode_member(object, place, member, problem);
-    size_t size = json_array_size(list); /* 0 if it is not an array */
-    if (!list || (size > 0 && size <= most)) return list;
-    if (size == 0) {
-        proto_problem_refuse(problem, place, "expected an array of at least one element");
-    } else {
-        proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE,
-                          "at most %u elements are taken here; send fewer", most);
-        proto_problem_at(problem, place);
-        proto_problem_limit(problem, most);
-    }
-    proto_problem_descend(problem, member);
-    return NULL;
-}
-
-bool proto_uvs_decode(const json_t *object, const char *place, const char *member, uint32_t most,
-                      struct proto_uvs *out, struct proto_problem *problem)
-{
-    const json_t *list = find_list(object, place, member, most, problem);
-    if (!list) return false;
+    bool ok;
+    char place[PROTO_PLACE], element[PROTO_PLACE];
+    const json_t *list = proto_object_list(object, rule, place, &ok);
+    if (!list) return ok;
     struct proto_uvs uvs = {.count = (uint32_t)json_array_size(list)};
-    uvs.items = malloc(uvs.count * sizeof *uvs.items);
-    if (!uvs.items) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
+    uvs.items = malloc((uvs.count + (size_t)1) * sizeof *uvs.items);
+    if (!uvs.items) return proto_problem_from_status(object->problem, GD_NO_MEMORY, NULL);
     for (uint32_t i = 0; i < uvs.count; i++) {
-        char list_place[PROTO_PLACE], element[PROTO_PLACE];
         if (proto_read_numbers(json_array_get(list, i), 2, uvs.items[i])) continue;
         proto_uvs_free(&uvs);
-        proto_place_of_member(list_place, place, member);
-        proto_place_of_element(element, list_place, i);
-        return proto_problem_refuse(problem, element, "expected an array of 2 numbers");
+        proto_place_of_element(element, place, i);
+        return proto_problem_refuse(object->problem, element, "expected an array of 2 numbers");
     }
     *out = uvs;
-    return true;
-}
-
-bool proto_numbers_decode(const json_t *object, const char *place, const char *member,
-                          uint32_t most, double **out, uint32_t *count,
-                          struct proto_problem *problem)
-{
-    const json_t *list = find_list(object, place, member, most, problem);
-    if (!list) return false;
-    uint32_t size = (uint32_t)json_array_size(list);
-    double *numbers = malloc(size * sizeof *numbers);
-    if (!numbers) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
-    if (!proto_decode_numbers(object, place, member, size, numbers, problem)) {
-        free(numbers);
-        return false;
-    }
-    *out = numbers;
-    *count = size;
     return true;
 }
 

@@ -8,7 +8,7 @@
 #include "generated/requests.h"
 #include "proto/json/writer.h"
 
-enum { PLACE = 2 * PROTO_DIRECTION_PLACE };
+enum { PLACE = 2 * PROTO_KEPT_PLACE };
 
 void proto_vectors_free(struct proto_vectors *vectors)
 {
@@ -96,56 +96,9 @@ static const json_t *segments_of(const json_t *value, bool is_straight)
                                                               : json_object_get(value, "segments");
 }
 
-static bool count_segments(const json_t *value, const char *place, bool is_straight, size_t *out,
-                           struct proto_problem *problem)
+static void place_of(char place[PROTO_KEPT_PLACE], uint32_t i)
 {
-    *out = 0;
-    if (!json_is_null(value) && !proto_vector_check(value, place, problem)) return false;
-    if (!exists(value)) return true;
-    const json_t *segments = segments_of(value, is_straight);
-    *out = segments ? json_array_size(segments) : 1;
-    return *out || proto_problem_refuse(
-                       problem, place, "segments is an array of at least one direction and length");
-}
-
-static void place_of(char place[PROTO_DIRECTION_PLACE], uint32_t i)
-{
-    snprintf(place, PROTO_DIRECTION_PLACE, "/vectors/%u", i);
-}
-
-/* Fills `first` with the running counts of segments. */
-static bool measure(const json_t *array, bool is_straight, struct proto_vectors *vectors,
-                    struct proto_problem *problem)
-{
-    size_t total = 0;
-    for (uint32_t i = 0; i < vectors->count; i++) {
-        char place[PROTO_DIRECTION_PLACE];
-        size_t segments;
-        place_of(place, i);
-        if (!count_segments(json_array_get(array, i), place, is_straight, &segments, problem))
-            return false;
-        vectors->first[i] = (uint32_t)total;
-        total += segments;
-        if (total > PROTO_VECTORS) return refuse_number("/vectors", problem);
-    }
-    vectors->first[vectors->count] = (uint32_t)total;
-    return true;
-}
-
-static bool fill(const json_t *array, bool is_straight, struct proto_vectors *vectors,
-                 struct proto_problem *problem)
-{
-    for (uint32_t i = 0; i < vectors->count; i++) {
-        char place[PROTO_DIRECTION_PLACE];
-        const json_t *value = json_array_get(array, i), *segments = segments_of(value, is_straight);
-        struct proto_segment *out = &vectors->segments[vectors->first[i]];
-        place_of(place, i);
-        if (vectors->first[i] == vectors->first[i + 1]) continue;
-        if (!(segments ? decode_segments(segments, place, out, problem)
-                       : proto_segment_decode(value, place, out, problem)))
-            return false;
-    }
-    return true;
+    snprintf(place, PROTO_KEPT_PLACE, "/vectors/%u", i);
 }
 
 static bool refuse_memory(struct proto_problem *problem)
@@ -153,20 +106,45 @@ static bool refuse_memory(struct proto_problem *problem)
     return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
 }
 
+/* Appends the segments of vector i, for which there is room below PROTO_VECTORS. */
+static bool append_vector(const json_t *value, uint32_t i, bool is_straight,
+                          struct proto_vectors *vectors, struct proto_problem *problem)
+{
+    char place[PROTO_KEPT_PLACE];
+    place_of(place, i);
+    vectors->first[i + 1] = vectors->first[i];
+    if (!json_is_null(value) && !proto_vector_check(value, place, problem)) return false;
+    if (!exists(value)) return true;
+    const json_t *segments = segments_of(value, is_straight);
+    size_t count = segments ? json_array_size(segments) : 1;
+    if (!count)
+        return proto_problem_refuse(problem, place,
+                                    "segments is an array of at least one direction and length");
+    if (vectors->first[i] + count > PROTO_VECTORS) return refuse_number("/vectors", problem);
+    vectors->first[i + 1] += (uint32_t)count;
+    struct proto_segment *out = &vectors->segments[vectors->first[i]];
+    return segments ? decode_segments(segments, place, out, problem)
+                    : proto_segment_decode(value, place, out, problem);
+}
+
 static bool decode_list(const json_t *document, bool is_straight, struct proto_vectors *vectors,
                         struct proto_problem *problem)
 {
     const json_t *array = proto_decode_member(document, "", "vectors", problem);
+    size_t room = 0, count = json_array_size(array);
     if (!array) return false;
-    if (!json_array_size(array))
-        return proto_problem_refuse(problem, "/vectors", "name at least one vector");
-    if (json_array_size(array) > PROTO_VECTORS) return refuse_number("/vectors", problem);
-    vectors->count = (uint32_t)json_array_size(array);
-    vectors->first = malloc((vectors->count + 1) * sizeof *vectors->first);
-    if (!vectors->first) return refuse_memory(problem);
-    if (!measure(array, is_straight, vectors, problem)) return false;
-    vectors->segments = malloc((vectors->first[vectors->count] + 1) * sizeof *vectors->segments);
-    return vectors->segments ? fill(array, is_straight, vectors, problem) : refuse_memory(problem);
+    if (!count) return proto_problem_refuse(problem, "/vectors", "name at least one vector");
+    if (count > PROTO_VECTORS) return refuse_number("/vectors", problem);
+    for (size_t i = 0; i < count; i++)
+        room += 1 + json_array_size(json_object_get(json_array_get(array, i), "segments"));
+    if (room > PROTO_VECTORS) room = PROTO_VECTORS;
+    vectors->count = (uint32_t)count;
+    vectors->first = calloc(count + 1, sizeof *vectors->first);
+    vectors->segments = malloc(room * sizeof *vectors->segments);
+    bool ok = (vectors->first && vectors->segments) || refuse_memory(problem);
+    for (uint32_t i = 0; i < count && ok; i++)
+        ok = append_vector(json_array_get(array, i), i, is_straight, vectors, problem);
+    return ok;
 }
 
 static bool decode_factors(const json_t *document, struct proto_vectors *vectors,
@@ -184,7 +162,7 @@ static bool check_combination(const struct proto_vectors *vectors, struct proto_
     for (uint32_t i = 0; vectors->factors && i < vectors->count; i++) {
         uint32_t segments = vectors->first[i + 1] - vectors->first[i];
         if (segments == 1) continue;
-        char place[PROTO_DIRECTION_PLACE];
+        char place[PROTO_KEPT_PLACE];
         place_of(place, i);
         return proto_problem_refuse(
             problem, place, "%s",

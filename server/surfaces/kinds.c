@@ -471,6 +471,7 @@ static void subdivision_describe(struct proto_writer *writer, const struct serve
         .etag = record->etag,
         .memory_bytes = surface->bytes,
         .surface = server_subdivision_of(surface)->surface,
+        .summary = gd_subdivision_summary(server_subdivision_of(surface)->surface),
     };
     proto_subdivision_encode(writer, &description);
 }

@@ -62,6 +62,9 @@ class Generated(unittest.TestCase):
         text = contract.DOCUMENT.read_text(encoding="utf-8")
         text = changed(text, "MeanAnswer", "skew: {type: number, minimum: 0}")
         text = text.replace("      operationId: post_mean\n", "      operationId: post_mean\n      parameters: [{name: colour, in: query, schema: {type: string}}]\n")
+        text = changed(text, "BoundaryLoop", "spread: {type: number}").replace("required: [vertices, length]", "required: [vertices, length, spread]")
+        text = changed(text, "CurveOfVertices", "depth: {type: integer, minimum: 1, maximum: 9}")
+        text = text.replace("        - $ref: '#/components/parameters/Weld'\n", "        - $ref: '#/components/parameters/Weld'\n        - {name: depth, in: query, schema: {type: integer, minimum: 1, maximum: 9}}\n")
         cls.document.write_text(changed(text, "MeanRequest", "depth: {type: integer, minimum: 1, maximum: 9, default: 4}"), encoding="utf-8")
         cls.generate("sources", cls.folder)
 
@@ -80,6 +83,18 @@ class Generated(unittest.TestCase):
         self.assertIn(".parameters = proto_post_mean_parameters, ", row)
         self.assertRegex((self.folder / "parameters.c").read_text(), r'proto_post_mean_parameters\[\] = \{[^}]*"colour", NULL\};')
 
+    def test_objects_of_answers(self):
+        self.assertIn('proto_write_key(writer, "spread");\n    proto_write_number(writer, from->spread);\n', (self.folder / "answers.c").read_text())
+
+    def test_forms(self):
+        header = (self.folder / "requests.h").read_text()
+        self.assertRegex(header, r"struct proto_curve \{\n    enum proto_curve_form form;\n(    .*\n)*    uint32_t depth;\n")
+        self.assertRegex((self.folder / "requests.c").read_text(), r"read_curve_of_vertices(.*\n)*?.*proto_take_index\(object, &rules\[DEPTH\], &read->depth\)")
+
+    def test_query_strings(self):
+        self.assertRegex((self.folder / "queries.h").read_text(), r"struct proto_create_mesh_query \{\n(    .*\n)*    bool has_depth;\n    uint64_t depth;\n")
+        self.assertIn('proto_parameters_integer(parameters, "depth", 1, 9, &query.depth, problem)', (self.folder / "queries.c").read_text())
+
     def test_documents(self):
         document = json.loads(self.generate("document"))
         self.assertIn("skew", document["components"]["parameters"]["MeanFields"]["schema"]["items"]["enum"])
@@ -95,7 +110,7 @@ class Generated(unittest.TestCase):
     def test_checks(self):
         source, program = pathlib.Path(self.place.name, "reader.c"), pathlib.Path(self.place.name, "reader")
         source.write_text(READER)
-        run("cc", "-D_GNU_SOURCE", "-I", self.place.name, *INCLUDE, "-o", program, source, *(self.folder / f"{name}.c" for name in ("requests", "fields", "parameters")), *LIBRARIES,
+        run("cc", "-D_GNU_SOURCE", "-I", self.place.name, *INCLUDE, "-o", program, source, *(self.folder / f"{name}.c" for name in ("values", "requests", "fields", "parameters")), *LIBRARIES,
             "-ljansson", "-lstdc++", "-lz", "-lm", "-lminizip", "-lexpat", "-lOpenMeshTools", "-lOpenMeshCore", "-pthread")
         point = '"points": [{"vertex": 1}]'
         for body, fields, expected in (("{%s}" % point, "spread", "depth 4, skew 0"), ('{%s, "depth": 9}' % point, "skew", "depth 9, skew 1"),

@@ -29,8 +29,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
         return is_taken;                                                                           \
     }
 DECODES(curve_distance, curve_distance)
-DECODES(curve_operation, curve_operation_request)
-DECODES(cut, cut_request)
+DECODES(curve_operation_request, curve_operation_request)
+DECODES(cut_request, cut_request)
 DECODES(isolines, isolines)
 DECODES(mean_request, mean_request)
 DECODES(trace_request, trace_request)
@@ -38,7 +38,7 @@ DECODES(trace_request, trace_request)
 static bool decode_spline(const json_t *document, struct proto_problem *problem)
 {
     struct proto_spline spline;
-    bool is_taken = proto_spline_decode(document, "", false, &spline, problem);
+    bool is_taken = proto_spline_decode(document, &spline, problem);
     if (is_taken) proto_spline_free(&spline);
     return is_taken;
 }
@@ -102,8 +102,8 @@ static bool decode_tessellation(const json_t *document, struct proto_problem *pr
 
 static bool (*const decoders[])(const json_t *document,
                                 struct proto_problem *problem) = {decode_curve_distance,
-                                                                  decode_curve_operation,
-                                                                  decode_cut,
+                                                                  decode_curve_operation_request,
+                                                                  decode_cut_request,
                                                                   decode_isolines,
                                                                   decode_mean_request,
                                                                   decode_trace_request,

@@ -11,6 +11,7 @@
 #include "proto/queries/curve_distance.h"
 #include "proto/queries/curve_operation.h"
 #include "proto/queries/cut.h"
+#include "proto/values/curve.h"
 #include "proto/values/spline.h"
 #include "server/exchange/reply.h"
 #include "server/query/api.h"
@@ -78,7 +79,7 @@ static bool operation_decode(struct server_query *query, const json_t *document,
                              struct proto_problem *problem)
 {
     struct operation_query *operation = (struct operation_query *)query;
-    return proto_curve_operation_decode(document, &operation->wanted, problem) &&
+    return proto_curve_operation_request_decode(document, &operation->wanted, problem) &&
            proto_curve_locate(query->surface->mesh, &operation->wanted.curve, &operation->own.curve,
                               problem);
 }
@@ -290,7 +291,7 @@ static bool cut_decode(struct server_query *query, const json_t *document,
     const struct gd_mesh *mesh = query->surface->mesh;
     struct proto_cut_request *wanted = &cut->wanted;
     double snap;
-    return proto_cut_decode(document, wanted, problem) &&
+    return proto_cut_request_decode(document, wanted, problem) &&
            proto_curve_locate(mesh, &wanted->curve, &cut->own.curve, problem) &&
            (!wanted->has_inside ||
             proto_point_locate(mesh, &wanted->inside, &cut->inside, &snap, problem));
@@ -496,7 +497,7 @@ static bool spline_decode(struct server_query *query, const json_t *document,
                           struct proto_problem *problem)
 {
     struct spline_query *own = (struct spline_query *)query;
-    return proto_spline_decode(document, "", false, &own->wanted, problem) &&
+    return proto_spline_decode(document, &own->wanted, problem) &&
            proto_spline_locate(query->surface->mesh, &own->wanted, &own->located, problem);
 }
 

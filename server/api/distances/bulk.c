@@ -26,7 +26,7 @@
 #define PIECE  16384                       /* points that one task locates or evaluates */
 #define FEW    (SERVER_CACHE_SEARCHES / 2) /* pairs whose searches take half as long as a field */
 #define COLUMN 16                          /* bytes of an evaluation for each point */
-#define PLACE  PROTO_POINT_PLACE
+#define PLACE  PROTO_KEPT_PLACE
 
 static bool refuse_most(const char *place, struct proto_problem *problem)
 {

@@ -67,7 +67,7 @@ static struct proto_many_state batch_state(const struct server_batch *batch)
 static void batch_encode(struct proto_writer *writer, const struct server_batch *batch)
 {
     const struct proto_many_state state = batch_state(batch);
-    proto_many_encode(writer, &state);
+    proto_batch_encode(writer, &state);
 }
 
 static bool batch_has_ended(const struct server_batch *batch)

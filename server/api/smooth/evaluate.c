@@ -304,9 +304,15 @@ static enum server_query_turn nearest_solve(struct server_query *query,
     .name = "nearest", .size = sizeof(struct nearest), .decode = nearest_decode,                   \
     .parse = nearest_parse, .solve = nearest_solve
 
+static struct gd_vec3 wanted_place(const struct nearest *nearest)
+{
+    const double *xyz = nearest->wanted.xyz;
+    return (struct gd_vec3){xyz[0], xyz[1], xyz[2]};
+}
+
 static enum gd_status nurbs_find(struct nearest *nearest, const struct gd_control *control)
 {
-    return gd_parametric_nearest(nurbs_of(&nearest->query), nearest->wanted.xyz.xyz, control,
+    return gd_parametric_nearest(nurbs_of(&nearest->query), wanted_place(nearest), control,
                                  &nearest->found.nurbs, NULL);
 }
 
@@ -329,7 +335,7 @@ void server_handle_nurbs_nearest(struct server_exchange *exchange)
 
 static enum gd_status limit_find(struct nearest *nearest, const struct gd_control *control)
 {
-    return gd_limit_nearest(subdivision_of(&nearest->query), nearest->wanted.xyz.xyz, control,
+    return gd_limit_nearest(subdivision_of(&nearest->query), wanted_place(nearest), control,
                             &nearest->found.limit, &nearest->detail);
 }
 

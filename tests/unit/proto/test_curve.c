@@ -4,18 +4,15 @@
 
 #include "proto/values/curve.h"
 
+static struct proto_curve decoded; /* outlives the located curve */
+
 /* Decodes a curve and locates it on the tetrahedron. */
 static bool locate(const char *text, struct proto_located_curve *out, struct proto_problem *problem)
 {
-    struct proto_curve curve;
     struct gd_mesh *mesh = new_tetrahedron();
     json_t *document = parse(text);
-    bool ok = proto_curve_decode(document, "/curve", &curve, problem);
-    if (ok) {
-        ok = proto_curve_locate(mesh, &curve, out, problem);
-        proto_curve_free(&curve);
-        proto_curve_free(&curve);
-    }
+    bool ok = proto_curve_decode(document, "/curve", &decoded, problem) &&
+              proto_curve_locate(mesh, &decoded, out, problem);
     json_decref(document);
     gd_mesh_release(mesh);
     return ok;
@@ -33,9 +30,11 @@ static void takes_points(void **state)
     assert_int_equal(curve.request.count, 3);
     assert_true(curve.request.closed);
     assert_int_equal(curve.request.points[1].kind, GD_POINT_EDGE);
-    assert_string_equal(curve.place, "/curve");
+    assert_string_equal(decoded.place, "/curve");
     proto_located_curve_free(&curve);
     proto_located_curve_free(&curve);
+    proto_curve_free(&decoded);
+    proto_curve_free(&decoded);
 }
 
 static void takes_vertices(void **state)
@@ -50,6 +49,7 @@ static void takes_vertices(void **state)
     assert_int_equal(curve.request.vertices[0].index, 2);
     assert_int_equal(curve.request.vertices[2].index, 3);
     proto_located_curve_free(&curve);
+    proto_curve_free(&decoded);
 }
 
 static void takes_a_boundary(void **state)
@@ -98,15 +98,15 @@ static void refuses_invalid_curves(void **state)
 static void refuses_too_many(void **state)
 {
     (void)state;
-    static char text[32 * (PROTO_CURVE_POINTS + 2)];
+    static char text[32 * (PROTO_CURVE_POINTS_MOST + 2)];
     struct proto_problem problem;
     struct proto_located_curve curve;
     char *end = stpcpy(text, "{\"points\":[{\"vertex\":0}");
-    for (int i = 0; i < PROTO_CURVE_POINTS; i++) end = stpcpy(end, ",{\"vertex\":0}");
+    for (int i = 0; i < PROTO_CURVE_POINTS_MOST; i++) end = stpcpy(end, ",{\"vertex\":0}");
     strcpy(end, "]}");
     assert_false(locate(text, &curve, &problem));
     assert_int_equal(problem.code, PROTO_PROBLEM_TOO_LARGE);
-    assert_int_equal(problem.limit, PROTO_CURVE_POINTS);
+    assert_int_equal(problem.limit, PROTO_CURVE_POINTS_MOST);
 }
 
 int main(void)

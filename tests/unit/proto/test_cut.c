@@ -2,7 +2,7 @@
 
 #include "proto/queries/cut.h"
 
-DECODER(decode, struct proto_cut_request, proto_cut_decode)
+DECODER(decode, struct proto_cut_request, proto_cut_request_decode)
 
 #define CURVE "\"curve\":{\"boundary\":0}"
 
@@ -14,7 +14,7 @@ static void takes_all_members(void **state)
     assert_true(
         decode("{" CURVE ",\"inside\":{\"vertex\":2},\"names\":[\"a\",\"b.c\"]}", &cut, &problem));
     assert_true(cut.has_inside && !cut.select_only);
-    assert_int_equal(cut.inside.vertex.index, 2);
+    assert_int_equal(cut.inside.vertex, 2);
     assert_int_equal(cut.names.count, 2);
     assert_string_equal(cut.names.items[1].text, "b.c");
     proto_cut_request_free(&cut);

@@ -23,7 +23,7 @@ static struct gd_parametric *new_sheet(void)
 static bool read(const char *text, struct proto_domain_curve *out, struct proto_problem *problem)
 {
     json_t *document = parse(text);
-    bool ok = proto_domain_curve_decode(document, "a", out, problem);
+    bool ok = proto_domain_curve_decode_member(document, "a", out, problem);
     json_decref(document);
     return ok;
 }
@@ -86,7 +86,7 @@ static void points_are_curves_too(void **state)
     assert_true(proto_domain_curve_locate(sheet, &point, NULL, &located, &problem));
     assert_true(gd_domain_curve_is_point(located));
     gd_domain_curve_release(located);
-    point.points.items[0][1] = 2;
+    point.polyline.items[0][1] = 2;
     assert_false(proto_domain_curve_locate(sheet, &point, NULL, &located, &problem));
     assert_int_equal(problem.code, PROTO_PROBLEM_POINT_NOT_ON_SURFACE);
     assert_string_equal(problem.pointer, "/p");

@@ -29,8 +29,8 @@ static void requests_are_read(void **state)
         "{\"point\":[0,0],\"curve\":{\"iso\":\"u\",\"value\":1},\"degree\":2,\"control_points\":3,"
         "\"tolerance\":1e-6,\"all_minima\":true,\"samples\":2}",
         &proto_geodesic_to_curve, &wanted, &problem));
-    assert_int_equal(wanted.ends[0].kind, PROTO_DOMAIN_CURVE_POINT);
-    assert_int_equal(wanted.ends[1].kind, PROTO_DOMAIN_CURVE_ISO);
+    assert_int_equal(wanted.ends[0].form, PROTO_DOMAIN_CURVE_POINT);
+    assert_int_equal(wanted.ends[1].form, PROTO_DOMAIN_CURVE_ISO);
     assert_int_equal(wanted.options.degree, 2);
     assert_int_equal(wanted.options.control_points, 3);
     assert_true(wanted.options.tolerance == 1e-6 && wanted.options.all_minima &&

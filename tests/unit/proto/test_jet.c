@@ -58,9 +58,10 @@ static void nearest_points_are_read_and_written(void **state)
     struct proto_point wanted;
     (void)state;
     assert_true(proto_foot_decode(good, &wanted, &problem));
-    assert_true(wanted.xyz.xyz.x == 1 && wanted.xyz.xyz.y == 2 && wanted.xyz.xyz.z == 3);
+    assert_true(wanted.xyz[0] == 1 && wanted.xyz[1] == 2 && wanted.xyz[2] == 3);
     assert_true(proto_foot_check(&wanted, 1e9, &problem));
-    wanted.xyz.max_snap = 1;
+    wanted.has_max_snap = true;
+    wanted.max_snap = 1;
     assert_true(proto_foot_check(&wanted, 1, &problem));
     assert_false(proto_foot_check(&wanted, 1.5, &problem));
     assert_false(proto_foot_decode(bad, &wanted, &problem));

@@ -18,7 +18,7 @@ static void decodes_bodies(void **state)
     assert_int_equal(stops.count, 2);
     assert_true(stops.items[0].form == PROTO_POINT_XYZ &&
                 stops.items[1].form == PROTO_POINT_VERTEX);
-    assert_int_equal(stops.items[1].vertex.index, 2);
+    assert_int_equal(stops.items[1].vertex, 2);
     assert_string_equal(stops.items[0].place, "/from");
     assert_string_equal(stops.items[1].place, "/to");
     proto_points_free(&stops);
@@ -35,8 +35,7 @@ static void decodes_stops_in_order_of_the_path(void **state)
                &stops, &problem));
     static const uint32_t expected[] = {1, 5, 6, 5, 2};
     assert_int_equal(stops.count, COUNT(expected));
-    for (uint32_t i = 0; i < stops.count; i++)
-        assert_int_equal(stops.items[i].vertex.index, expected[i]);
+    for (uint32_t i = 0; i < stops.count; i++) assert_int_equal(stops.items[i].vertex, expected[i]);
     assert_string_equal(stops.items[2].place, "/via/1");
     proto_points_free(&stops);
     assert_true(

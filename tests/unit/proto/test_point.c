@@ -20,21 +20,19 @@ static void decodes_the_five_forms(void **state)
     struct proto_point p;
     struct proto_problem problem;
     assert_true(decode("{\"p\":{\"vertex\":12}}", &p, &problem));
-    assert_true(p.form == PROTO_POINT_VERTEX && p.vertex.index == 12);
+    assert_true(p.form == PROTO_POINT_VERTEX && p.vertex == 12);
     assert_string_equal(p.place, "/p");
     assert_true(decode("{\"p\":{\"edge\":[3,9],\"t\":0.25}}", &p, &problem));
-    assert_true(p.form == PROTO_POINT_EDGE && p.edge.ends[0].index == 3 &&
-                p.edge.ends[1].index == 9 && p.edge.t == 0.25);
+    assert_true(p.form == PROTO_POINT_EDGE && p.edge[0] == 3 && p.edge[1] == 9 && p.t == 0.25);
     assert_true(decode("{\"p\":{\"face\":34,\"barycentric\":[0.2,0.3,0.5]}}", &p, &problem));
-    assert_true(p.form == PROTO_POINT_FACE && p.face.face.index == 34 &&
-                p.face.barycentric[2] == 0.5);
+    assert_true(p.form == PROTO_POINT_FACE && p.face == 34 && p.barycentric[2] == 0.5);
     assert_true(decode("{\"p\":{\"xyz\":[1,2,3]}}", &p, &problem));
-    assert_true(p.form == PROTO_POINT_XYZ && p.xyz.xyz.y == 2 && p.xyz.max_snap < 0);
+    assert_true(p.form == PROTO_POINT_XYZ && p.xyz[1] == 2 && !p.has_max_snap);
     assert_true(decode("{\"p\":{\"xyz\":[1,2,3],\"max_snap\":0}}", &p, &problem));
-    assert_true(p.form == PROTO_POINT_XYZ && p.xyz.max_snap == 0);
+    assert_true(p.form == PROTO_POINT_XYZ && p.has_max_snap && p.max_snap == 0);
     assert_true(
         decode("{\"p\":{\"ray\":{\"origin\":[0,0,5],\"direction\":[0,0,-1]}}}", &p, &problem));
-    assert_true(p.form == PROTO_POINT_RAY && p.ray.origin.z == 5 && p.ray.direction.z == -1);
+    assert_true(p.form == PROTO_POINT_RAY && p.ray.origin[2] == 5 && p.ray.direction[2] == -1);
 }
 
 struct refused {
@@ -141,22 +139,21 @@ static void parses_compact_points(void **state)
     struct proto_point p;
     struct proto_problem problem;
     assert_true(proto_point_parse("v:12", "from", &p, &problem));
-    assert_true(p.form == PROTO_POINT_VERTEX && p.vertex.index == 12);
+    assert_true(p.form == PROTO_POINT_VERTEX && p.vertex == 12);
     assert_string_equal(p.place, "from");
     assert_true(proto_point_parse("v:0", "from", &p, &problem));
     assert_true(proto_point_parse("v:4294967294", "from", &p, &problem));
-    assert_true(p.vertex.index == 4294967294u);
+    assert_true(p.vertex == 4294967294u);
     assert_true(proto_point_parse("e:3-9:0.25", "from", &p, &problem));
-    assert_true(p.form == PROTO_POINT_EDGE && p.edge.ends[0].index == 3 &&
-                p.edge.ends[1].index == 9 && p.edge.t == 0.25);
+    assert_true(p.form == PROTO_POINT_EDGE && p.edge[0] == 3 && p.edge[1] == 9 && p.t == 0.25);
     assert_true(proto_point_parse("e:9-3:1e-3", "from", &p, &problem));
-    assert_true(p.edge.ends[0].index == 9 && p.edge.t == 0.001);
+    assert_true(p.edge[0] == 9 && p.t == 0.001);
     assert_true(proto_point_parse("f:34:0.2,0.3,0.5", "from", &p, &problem));
-    assert_true(p.form == PROTO_POINT_FACE && p.face.face.index == 34 &&
-                p.face.barycentric[0] == 0.2 && p.face.barycentric[2] == 0.5);
+    assert_true(p.form == PROTO_POINT_FACE && p.face == 34 && p.barycentric[0] == 0.2 &&
+                p.barycentric[2] == 0.5);
     assert_true(proto_point_parse("p:1.0,-2.5,3e2", "from", &p, &problem));
-    assert_true(p.form == PROTO_POINT_XYZ && p.xyz.xyz.x == 1 && p.xyz.xyz.y == -2.5 &&
-                p.xyz.xyz.z == 300 && p.xyz.max_snap < 0);
+    assert_true(p.form == PROTO_POINT_XYZ && p.xyz[0] == 1 && p.xyz[1] == -2.5 && p.xyz[2] == 300 &&
+                !p.has_max_snap);
 }
 
 static const char *const no_compact_form[] = {"", "v", ":12", "12", "v12", "x:12", "V:12", " v:1"};
@@ -196,7 +193,7 @@ static void json_takes_compact_text(void **state)
     (void)state;
     json_t *good = json_string("e:3-9:0.25"), *bad = json_string("v:+1");
     assert_true(proto_point_decode(good, "/set/points/3", &point, &problem));
-    assert_true(point.form == PROTO_POINT_EDGE && point.edge.t == 0.25);
+    assert_true(point.form == PROTO_POINT_EDGE && point.t == 0.25);
     assert_string_equal(point.place, "/set/points/3");
     assert_false(proto_point_decode(bad, "/set/points/3", &point, &problem));
     assert_string_equal(problem.pointer, "/set/points/3");

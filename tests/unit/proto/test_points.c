@@ -23,7 +23,7 @@ static void appends_decoded_arrays(void **state)
     assert_true(decode("[{\"vertex\":1},{\"vertex\":2}]", 2, &points, &problem));
     assert_true(decode("[{\"vertex\":3}]", 1, &points, &problem));
     assert_int_equal(points.count, 3);
-    for (uint32_t i = 0; i < 3; i++) assert_int_equal(points.items[i].vertex.index, i + 1);
+    for (uint32_t i = 0; i < 3; i++) assert_int_equal(points.items[i].vertex, i + 1);
     assert_string_equal(points.items[1].place, "/points/1");
     proto_points_free(&points);
     proto_points_free(&points);

@@ -14,7 +14,7 @@ static void decodes_bodies(void **state)
     assert_true(decode("{\"count\":3}", &sampling, &problem));
     assert_true(sampling.count == 3 && !sampling.has_start);
     assert_true(decode("{\"count\":10000,\"start\":{\"vertex\":7}}", &sampling, &problem));
-    assert_true(sampling.count == 10000 && sampling.has_start && sampling.start.vertex.index == 7);
+    assert_true(sampling.count == 10000 && sampling.has_start && sampling.start.vertex == 7);
     assert_string_equal(sampling.start.place, "/start");
 }
 

@@ -143,8 +143,13 @@ static void encodes_descriptions(void **state)
     assert_int_equal(
         gd_subdivision_create(&usd.control_mesh, GD_SCHEME_CATMULL_CLARK, NULL, &surface, NULL),
         GD_OK);
-    const struct proto_subdivision_description description = {
-        .name = "s", .sha256 = "00", .etag = "e", .memory_bytes = 7, .surface = surface};
+    const struct proto_subdivision_description description = {.name = "s",
+                                                              .sha256 = "00",
+                                                              .etag = "e",
+                                                              .memory_bytes = 7,
+                                                              .surface = surface,
+                                                              .summary =
+                                                                  gd_subdivision_summary(surface)};
     struct proto_writer writer = new_writer();
     proto_subdivision_encode(&writer, &description);
     assert_written(&writer,

@@ -14,8 +14,7 @@ static void decodes_bodies(void **state)
     struct proto_trace_request trace;
     struct proto_problem problem;
     assert_true(decode("{" START ",\"length\":2.5,\"directions\":[0,[1,0,0]]}", &trace, &problem));
-    assert_true(trace.length == 2.5 && trace.directions.count == 2 &&
-                trace.start.vertex.index == 3);
+    assert_true(trace.length == 2.5 && trace.directions.count == 2 && trace.start.vertex == 3);
     assert_string_equal(trace.directions.items[1].place, "/directions/1");
     assert_true(trace.vertex_rule == PROTO_VERTEX_RULE_BISECT &&
                 trace.boundary_rule == PROTO_BOUNDARY_RULE_STOP &&

@@ -2,27 +2,33 @@
 
 #include "proto/values/uv.h"
 
+/* Reads the list of a document at `place`, of at most `most` pairs. */
+static bool take(const char *text, const char *place, uint32_t most, struct proto_uvs *out,
+                 struct proto_problem *problem)
+{
+    const struct proto_rule rule = {.name = "list",
+                                    .is_required = true,
+                                    .least = 1,
+                                    .most = most,
+                                    .refusal = "expected pairs",
+                                    .too_large = "too many pairs"};
+    json_t *document = parse(text);
+    const struct proto_object object = {document, place, problem};
+    bool ok = proto_take_uvs(&object, &rule, out);
+    json_decref(document);
+    return ok;
+}
+
 static void pairs_are_read(void **state)
 {
-    json_t *document =
-        parse("{\"at\":[0.5,-2],\"list\":[[1,2],[3,4],[5,6]],\"numbers\":[0,0.25,1]}");
     struct proto_problem problem;
     struct proto_uvs uvs;
-    double uv[2], *numbers;
-    uint32_t count;
     (void)state;
-    assert_true(proto_uv_decode(document, "", "at", uv, &problem));
-    assert_true(uv[0] == 0.5 && uv[1] == -2);
-    assert_true(proto_uvs_decode(document, "", "list", 3, &uvs, &problem));
+    assert_true(take("{\"list\":[[1,2],[3,4],[5,6]]}", "", 3, &uvs, &problem));
     assert_int_equal(uvs.count, 3);
     assert_true(uvs.items[2][0] == 5 && uvs.items[2][1] == 6);
     proto_uvs_free(&uvs);
     proto_uvs_free(&uvs);
-    assert_true(proto_numbers_decode(document, "", "numbers", 3, &numbers, &count, &problem));
-    assert_int_equal(count, 3);
-    assert_true(numbers[1] == 0.25);
-    free(numbers);
-    json_decref(document);
 }
 
 static void errors_have_pointers(void **state)
@@ -40,25 +46,21 @@ static void errors_have_pointers(void **state)
     struct proto_uvs uvs = {NULL, 7};
     (void)state;
     for (size_t i = 0; i < COUNT(cases); i++) {
-        json_t *document = parse(cases[i].body);
-        assert_false(proto_uvs_decode(document, "/in", "list", 4, &uvs, &problem));
+        assert_false(take(cases[i].body, "/in", 4, &uvs, &problem));
         assert_pointer(&problem, cases[i].pointer);
         assert_int_equal(uvs.count, 7);
-        json_decref(document);
     }
 }
 
 static void too_many_places_report_the_limit(void **state)
 {
-    json_t *document = parse("{\"list\":[[1,2],[3,4],[5,6]]}");
     struct proto_problem problem;
     struct proto_uvs uvs;
     (void)state;
-    assert_false(proto_uvs_decode(document, "", "list", 2, &uvs, &problem));
+    assert_false(take("{\"list\":[[1,2],[3,4],[5,6]]}", "", 2, &uvs, &problem));
     assert_int_equal(problem.code, PROTO_PROBLEM_TOO_LARGE);
     assert_string_equal(problem.pointer, "/list");
     assert_int_equal(problem.limit, 2);
-    json_decref(document);
 }
 
 static void places_are_in_the_domain(void **state)

@@ -38,7 +38,7 @@ static void decodes_vectors(void **state)
         decode_transport("{\"from\":{\"vertex\":1},\"to\":{\"vertex\":2},\"vectors\":[" VECTOR
                          "," VECTOR "],\"combine\":[0.5,-1]}",
                          &transport, &problem));
-    assert_true(transport.ends.count == 2 && transport.ends.items[1].vertex.index == 2);
+    assert_true(transport.ends.count == 2 && transport.ends.items[1].vertex == 2);
     assert_true(transport.vectors.factors[1] == -1);
     proto_vectors_free(&transport.vectors);
     proto_points_free(&transport.ends);
