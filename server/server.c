@@ -50,6 +50,7 @@ void server_surfaces_destroy(struct server *server)
     server_discretizations_destroy(api->discretizations);
     server_landmarks_destroy(api->landmarks);
     server_previews_destroy(api->previews);
+    server_packed_files_destroy(api->packed_files);
     server_field_store_close(server->field_store);
     server_cache_destroy(api->cache);
 }
@@ -226,7 +227,8 @@ static bool create_surfaces(struct server *server, char error[SERVER_ERROR])
                                         .workspaces = server->host.workspaces,
                                         .registry = api->registry,
                                         .field_store = server->field_store});
-    if (!api->previews) return false;
+    api->packed_files = server_packed_files_create(&server->budget);
+    if (!api->previews || !api->packed_files) return false;
     api->loader = server_loader_create(&(struct server_loader_parts){
         .budget = &server->budget,
         .workers = server->host.workers,

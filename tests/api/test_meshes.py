@@ -1,4 +1,5 @@
 """The resource /v1/meshes: create, replace, list, describe, download, remove."""
+import gzip
 import hashlib
 import json
 import math
@@ -250,6 +251,33 @@ class Content(TestCase):
             self.assertEqual(self.daemon.get("/v1/meshes/torus", If_None_Match=tag).status, 200)
             self.assertEqual(self.daemon.get(path, If_Match=tag).status, 200)
             self.assertEqual(self.daemon.put("torus", self.file, If_Match=tag).status, 200)
+
+    def test_packed_files_are_cached(self):
+        """The packed file is made once and counted by the memory budget. It is that of the mesh and
+        the format that the request names."""
+        held = lambda: self.daemon.metric('memory_bytes{class="packed"}')  # noqa: E731
+        path, before = "/v1/meshes/packed/content?format=ply", held()
+        self.daemon.put("packed", sample("icosphere", level=5))
+        plain = self.daemon.get(path)
+        self.assertEqual(held(), before)
+        first, again = (self.daemon.get(path, Accept_Encoding="gzip") for _ in range(2))
+        self.assertEqual(gzip.decompress(first.body), plain.body)
+        self.assertEqual(again.body, first.body)
+        self.assertEqual(*({name: value for name, value in answer.headers.items() if name not in ("X-Request-Id", "Date")} for answer in (first, again)))
+        for name, value in (("Content-Encoding", "gzip"), ("Content-Type", "application/x-ply"), ("Content-Disposition", 'attachment; filename="packed.ply"'), ("Content-Length", str(len(first.body)))):
+            self.assertEqual(again.headers[name], value)
+        self.assertEqual(again.headers["ETag"], plain.headers["ETag"][:-1] + '-gzip"')
+        self.assertIn("Accept-Encoding", ", ".join(again.headers.get_all("Vary")))
+        self.assertEqual(held(), before + len(first.body))
+        head = self.daemon.request("HEAD", path, headers={"Accept-Encoding": "gzip"})
+        self.assertEqual((head.status, head.body, head.headers["Content-Length"], head.headers["ETag"]), (200, b"", str(len(first.body)), again.headers["ETag"]))
+        self.assertEqual(self.daemon.get(path, Accept_Encoding="gzip", If_None_Match=again.headers["ETag"]).status, 304)
+        self.assertEqual(self.daemon.get(path, Accept_Encoding="gzip", If_Match='"other"').status, 412)
+        self.assertEqual(self.daemon.get(path).body, plain.body)
+        other = self.daemon.get("/v1/meshes/packed/content?format=obj", Accept_Encoding="gzip")
+        self.assertEqual(gzip.decompress(other.body), self.daemon.get("/v1/meshes/packed/content?format=obj").body)
+        self.daemon.put("packed", sample("icosphere", level=4))
+        self.assertNotEqual(gzip.decompress(self.daemon.get(path, Accept_Encoding="gzip").body), plain.body)
 
     def test_a_browser_on_this_host_gets_it_unpacked(self):
         """A browser can't decline gzip."""

@@ -2,8 +2,12 @@
  * (surfaces.c). */
 #include "server/query/handlers.h"
 
+#include <stdlib.h>
+
 #include "gd/io.h"
 #include "proto/http/page.h"
+#include "server/base/gzip.h"
+#include "server/exchange/etag.h"
 #include "server/exchange/reply.h"
 #include "server/query/api.h"
 #include "server/query/request.h"
@@ -44,9 +48,60 @@ static enum gd_status content_write(const struct gd_mesh *mesh, enum gd_format f
     return status;
 }
 
+/* Adds the headers of a mesh's file. */
+static void content_describe(struct server_exchange *exchange, const struct server_record *record,
+                             enum gd_format format)
+{
+    server_reply_tag(exchange, record->etag, gd_format_name(format));
+    server_reply_header(exchange, "Vary", "Accept");
+    server_reply_header(exchange, "Content-Disposition", "attachment; filename=\"%s.%s\"",
+                        record->name, gd_format_name(format));
+}
+
+static void packed_release(void *file)
+{
+    server_packed_file_release(file);
+}
+
+/* Replies with the packed file, whose reference it takes over. */
+static void packed_send(struct server_exchange *exchange, const struct server_record *record,
+                        enum gd_format format, struct server_packed_file *file)
+{
+    const struct server_lent lent = {.bytes = file->bytes,
+                                     .size = file->size,
+                                     .tail = "",
+                                     .lender = file,
+                                     .release = packed_release};
+    struct proto_writer head;
+    server_reply_writer(exchange, &head);
+    content_describe(exchange, record, format);
+    server_reply_coding(exchange, true);
+    server_reply_lent(exchange, 200, gd_format_media_type(format), &head, &lent);
+}
+
+/* Compresses a file of the client's choice and caches the result. Returns NULL if the client does
+ * not accept gzip, if the file is small or not compressible, or if memory is short. */
+static struct server_packed_file *content_pack(struct server_exchange *exchange, const char *tag,
+                                               const char *bytes, size_t size)
+{
+    struct proto_writer packed;
+    size_t packed_size;
+    if (size < SERVER_PACKED_FROM || !server_reply_takes_gzip(exchange)) return NULL;
+    proto_writer_init(&packed, size - 1);
+    bool ok = server_gzip(bytes, size, &packed);
+    char *text = ok ? proto_writer_take(&packed, &packed_size) : NULL;
+    proto_writer_free(&packed);
+    if (!text) return NULL;
+    struct server_packed_file *file =
+        server_packed_files_add(exchange->host->api->packed_files, tag, text, packed_size);
+    if (!file) free(text);
+    return file;
+}
+
 static bool content_send(struct server_exchange *exchange)
 {
     const struct server_surface *surface = exchange->state;
+    char tag[SERVER_ETAG_TEXT];
     struct server_budget *budget = exchange->host->budget;
     size_t cost = content_cost(surface->mesh), size;
     struct proto_problem problem;
@@ -65,23 +120,30 @@ static bool content_send(struct server_exchange *exchange)
         server_reply_problem(exchange, &problem);
         return true;
     }
+    /* the polygons are free; their share of the cost covers the packed text */
+    server_etag_write(tag, surface->record->etag, gd_format_name(format));
+    struct server_packed_file *file = content_pack(exchange, tag, bytes, size);
+    if (file) {
+        free(bytes);
+        packed_send(exchange, surface->record, format, file);
+        return true;
+    }
     server_budget_adjust(budget, SERVER_BUDGET_FLIGHT, cost, size);
     exchange->held = size;
-    server_reply_tag(exchange, surface->record->etag, gd_format_name(format));
-    server_reply_header(exchange, "Vary", "Accept");
-    server_reply_header(exchange, "Content-Disposition", "attachment; filename=\"%s.%s\"",
-                        surface->record->name, gd_format_name(format));
+    content_describe(exchange, surface->record, format);
     server_reply_bytes(exchange, 200, gd_format_media_type(format), bytes, size);
     return true;
 }
 
-/* Replies 304, without loading the mesh, if the client has the file. */
-static bool content_is_known(struct server_exchange *exchange, enum gd_format format)
+/* Replies without loading the mesh if the client has the file, or if the file is cached in the form
+ * that the client accepts. Returns whether the request is answered. */
+static bool content_is_ready(struct server_exchange *exchange, enum gd_format format)
 {
     char tag[SERVER_ETAG_TEXT];
     const struct server_precondition precondition = server_precondition_read(exchange);
+    struct server_packed_file *file = NULL;
     struct server_listed listed;
-    if (!precondition.if_none_match[0]) return false;
+    if (!precondition.if_none_match[0] && !server_reply_takes_gzip(exchange)) return false;
     if (!server_request_record(exchange, &listed)) return true;
     server_etag_write(tag, listed.record->etag, gd_format_name(format));
     bool is_known = server_precondition_known(&precondition, tag);
@@ -89,15 +151,18 @@ static bool content_is_known(struct server_exchange *exchange, enum gd_format fo
         server_reply_tag(exchange, listed.record->etag, gd_format_name(format));
         server_reply_header(exchange, "Vary", "Accept, Accept-Encoding");
         server_reply_empty(exchange, 304);
+    } else if (server_reply_takes_gzip(exchange)) {
+        file = server_packed_files_find(exchange->host->api->packed_files, tag);
+        if (file) packed_send(exchange, listed.record, format, file);
     }
     server_listed_release(&listed);
-    return is_known;
+    return is_known || file;
 }
 
 void server_handle_get_mesh_content(struct server_exchange *exchange)
 {
     enum gd_format format;
-    if (!content_read_format(exchange, &format) || content_is_known(exchange, format)) return;
+    if (!content_read_format(exchange, &format) || content_is_ready(exchange, format)) return;
     struct server_surface *surface = server_request_surface(exchange);
     if (!surface) return;
     server_exchange_keep(exchange, surface, content_free);

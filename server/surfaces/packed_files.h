@@ -1,0 +1,49 @@
+/* Packed files: gzip forms of mesh files, cached in memory.
+ *
+ *     file = server_packed_files_find(files, tag);
+ *     if (!file) ... compress; file = server_packed_files_add(files, tag, bytes, size);
+ *     ... send file->bytes; server_packed_file_release(file);
+ *
+ * DESIGN. Compressing a mesh file takes about six times as long as writing it, and the result never
+ * changes: the key is the ETag of the file. A file counts as SERVER_BUDGET_PACKED until the last
+ * answer that sends it has ended. The cache takes only free memory, at most one 16th of the budget,
+ * and is the first to be emptied when memory is short, the least recently used file first. One
+ * mutex guards the list. All functions are thread-safe. */
+#ifndef SERVER_SURFACES_PACKED_FILES_H
+#define SERVER_SURFACES_PACKED_FILES_H
+
+#include <sys/queue.h>
+
+#include "server/exchange/etag.h"
+#include "server/work/budget.h"
+
+#define SERVER_PACKED_FROM ((size_t)64 << 10) /* bytes; smaller files are compressed each time */
+#define SERVER_PACKED_PART 16                 /* part of the budget that the cache may hold */
+
+struct server_packed_file {
+    atomic_uint references;
+    TAILQ_ENTRY(server_packed_file) by_use;
+    struct server_budget *budget;
+    char tag[SERVER_ETAG_TEXT];
+    char *bytes;
+    size_t size;
+};
+
+struct server_packed_files;
+
+/* Becomes a reclaimer of the budget. NULL: no memory. */
+struct server_packed_files *server_packed_files_create(struct server_budget *budget);
+void server_packed_files_destroy(struct server_packed_files *files); /* NULL is harmless */
+
+/* Returns the file with that tag, which the caller releases; NULL: it is not cached. */
+struct server_packed_file *server_packed_files_find(struct server_packed_files *files,
+                                                    const char *tag);
+
+/* Takes over the bytes, allocated by malloc, as the file with that tag, and returns a reference.
+ * NULL: no free memory, or too large; the caller keeps the bytes. */
+struct server_packed_file *server_packed_files_add(struct server_packed_files *files,
+                                                   const char *tag, char *bytes, size_t size);
+
+void server_packed_file_release(struct server_packed_file *file); /* NULL is harmless */
+
+#endif
