@@ -21,6 +21,10 @@ $(call program,$(TEST_ENGINE)): $(BUILD)/%: $(BUILD)/obj/%.c.o $(LIB_SUPPORT) $(
 	@mkdir -p $(@D)
 	$(call link,$(CXX)) $(ENGINE_LIBS) $(TEST_LIBS) -lcmocka
 
+# The laws of a C++ file are C++. make puts this object behind the libraries, so they come again.
+$(BUILD)/tests/unit/edit/test_edit_mesh: $(BUILD)/obj/tests/unit/edit/edit_mesh_laws.cc.o
+$(BUILD)/tests/unit/edit/test_edit_mesh: TEST_LIBS = $(LIB_ENGINE) $(ENGINE_LIBS)
+
 # Compares limit surfaces with those of OpenSubdiv. Without libosd-dev, the tests are skipped.
 # -Wno-shadow: in C, a function and a struct may have the same name, which g++ reports.
 $(BUILD)/obj/tests/oracle/opensubdiv.cc.o: FILE_FLAGS += -Wno-shadow

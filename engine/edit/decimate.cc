@@ -17,7 +17,20 @@ namespace gd_edit
 
 typedef OpenMesh::Vec3d Vec3;
 typedef OpenMesh::FaceHandle Face;
+typedef OpenMesh::VertexHandle Vertex;
 typedef OpenMesh::Geometry::Quadricd Quadric;
+
+/* The decimater asks the mesh about each collapse that it considers, also about those that the
+ * topology forbids. The module gets only the others. */
+struct WatchedMesh : EditMesh {
+    Watch *watch = nullptr;
+
+    bool is_collapse_ok(OpenMesh::HalfedgeHandle half)
+    {
+        watch->step();
+        return EditMesh::is_collapse_ok(half);
+    }
+};
 
 /* --- quadrics --------------------------------------------------------------------------------- */
 
@@ -70,7 +83,7 @@ static double flatness_of(const Vec3 &normal, const Vec3 &p, const Vec3 &a, cons
 
 /* Returns true if the collapse would turn a remaining face around v0 by 90 degrees or more, or make
  * it too flat. */
-static bool spoils_a_face(const OpenMesh::Decimater::CollapseInfoT<EditMesh> &collapse)
+static bool spoils_a_face(const OpenMesh::Decimater::CollapseInfoT<WatchedMesh> &collapse)
 {
     const EditMesh &mesh = collapse.mesh;
     for (auto half : mesh.voh_range(collapse.v0)) {
@@ -89,6 +102,68 @@ static bool spoils_a_face(const OpenMesh::Decimater::CollapseInfoT<EditMesh> &co
     return false;
 }
 
+/* --- vertices --------------------------------------------------------------------------------- */
+
+struct VertexTable {
+    std::vector<Quadric> quadrics;
+    std::vector<uint32_t> valences;
+
+    Quadric &quadric(Vertex vertex)
+    {
+        return quadrics[(size_t)vertex.idx()];
+    }
+
+    uint32_t &valence(Vertex vertex)
+    {
+        return valences[(size_t)vertex.idx()];
+    }
+};
+
+static void add_faces(const EditMesh &mesh, Watch &watch, VertexTable &table)
+{
+    for (auto face : mesh.faces()) {
+        const Quadric plane = face_quadric(mesh, face);
+        for (auto vertex : mesh.fv_range(face)) table.quadric(vertex) += plane;
+        watch.step();
+    }
+}
+
+static void add_walls(const EditMesh &mesh, Watch &watch, VertexTable &table)
+{
+    for (auto half : mesh.halfedges()) {
+        watch.step();
+        if (!mesh.is_boundary(half)) continue;
+        const Quadric wall = wall_quadric(mesh, half);
+        table.quadric(mesh.from_vertex_handle(half)) += wall;
+        table.quadric(mesh.to_vertex_handle(half)) += wall;
+    }
+}
+
+/* Locks vertices of high valence and their neighbours. Each collapse beside such a vertex would
+ * visit all its neighbours, so the total time would be quadratic. */
+static void lock_hubs(EditMesh &mesh, Watch &watch, VertexTable &table)
+{
+    for (auto vertex : mesh.vertices()) {
+        table.valence(vertex) = (uint32_t)mesh.valence(vertex);
+        watch.step();
+        if (table.valence(vertex) <= GD_EDIT_VALENCE_MOST) continue;
+        mesh.status(vertex).set_locked(true);
+        for (auto neighbour : mesh.vv_range(vertex)) mesh.status(neighbour).set_locked(true);
+    }
+}
+
+static void measure_vertices(EditMesh &mesh, Watch &watch, VertexTable &table)
+{
+    const size_t count = mesh.n_vertices();
+    table.quadrics.reserve(count);
+    grow_in_slices(watch,
+                   [&](size_t i) { table.quadrics.resize(count * i / SLICES, Quadric(0.0)); });
+    table.valences.resize(count);
+    add_faces(mesh, watch, table);
+    add_walls(mesh, watch, table);
+    lock_hubs(mesh, watch, table);
+}
+
 /* --- the module ------------------------------------------------------------------------------- */
 
 template <class MeshT> class QuadricsT : public OpenMesh::Decimater::ModBaseT<MeshT>
@@ -100,31 +175,20 @@ template <class MeshT> class QuadricsT : public OpenMesh::Decimater::ModBaseT<Me
     {
     }
 
-    Watch *watch = nullptr;
     double most_error = INFINITY; /* mean squared distance from the planes, in the unit box */
 
     void initialize() override
     {
-        MeshT &mesh = Base::mesh();
-        quadrics_.assign(mesh.n_vertices(), Quadric(0.0));
-        valences_.resize(mesh.n_vertices());
-        add_faces();
-        add_walls();
-        for (auto vertex : mesh.vertices()) {
-            count_neighbours(vertex);
-            watch->step();
-        }
-        for (auto vertex : mesh.vertices()) lock_hub(vertex);
+        measure_vertices(Base::mesh(), *Base::mesh().watch, table_);
     }
 
     float collapse_priority(const CollapseInfo &collapse) override
     {
-        watch->step();
-        Quadric sum = quadric(collapse.v0);
-        sum += quadric(collapse.v1);
+        Quadric sum = table_.quadric(collapse.v0);
+        sum += table_.quadric(collapse.v1);
         const double error = std::max(sum(collapse.p1), 0.0);
         if (error > most_error * weight_of(sum) ||
-            valence(collapse.v0) + valence(collapse.v1) > GD_EDIT_VALENCE_MOST + 4 ||
+            table_.valence(collapse.v0) + table_.valence(collapse.v1) > GD_EDIT_VALENCE_MOST + 4 ||
             spoils_a_face(collapse))
             return Base::ILLEGAL_COLLAPSE;
         return (float)error;
@@ -132,66 +196,18 @@ template <class MeshT> class QuadricsT : public OpenMesh::Decimater::ModBaseT<Me
 
     void postprocess_collapse(const CollapseInfo &collapse) override
     {
-        quadric(collapse.v1) += quadric(collapse.v0);
+        table_.quadric(collapse.v1) += table_.quadric(collapse.v0);
         for (auto vertex : {collapse.v1, collapse.vl, collapse.vr}) {
-            if (vertex.is_valid()) count_neighbours(vertex);
+            if (vertex.is_valid()) table_.valence(vertex) = (uint32_t)Base::mesh().valence(vertex);
         }
     }
 
   private:
-    Quadric &quadric(OpenMesh::VertexHandle vertex)
-    {
-        return quadrics_[(size_t)vertex.idx()];
-    }
-
-    uint32_t valence(OpenMesh::VertexHandle vertex) const
-    {
-        return valences_[(size_t)vertex.idx()];
-    }
-
-    void count_neighbours(OpenMesh::VertexHandle vertex)
-    {
-        valences_[(size_t)vertex.idx()] = (uint32_t)Base::mesh().valence(vertex);
-    }
-
-    void add_faces()
-    {
-        for (auto face : Base::mesh().faces()) {
-            const Quadric plane = face_quadric(Base::mesh(), face);
-            for (auto vertex : Base::mesh().fv_range(face)) quadric(vertex) += plane;
-            watch->step();
-        }
-    }
-
-    void add_walls()
-    {
-        const MeshT &mesh = Base::mesh();
-        for (auto half : mesh.halfedges()) {
-            watch->step();
-            if (!mesh.is_boundary(half)) continue;
-            const Quadric wall = wall_quadric(mesh, half);
-            quadric(mesh.from_vertex_handle(half)) += wall;
-            quadric(mesh.to_vertex_handle(half)) += wall;
-        }
-    }
-
-    /* Locks a vertex of high valence and its neighbours. Each collapse beside such a vertex would
-     * visit all its neighbours, so the total time would be quadratic. */
-    void lock_hub(OpenMesh::VertexHandle vertex)
-    {
-        MeshT &mesh = Base::mesh();
-        watch->step();
-        if (valence(vertex) <= GD_EDIT_VALENCE_MOST) return;
-        mesh.status(vertex).set_locked(true);
-        for (auto neighbour : mesh.vv_range(vertex)) mesh.status(neighbour).set_locked(true);
-    }
-
-    std::vector<Quadric> quadrics_;
-    std::vector<uint32_t> valences_;
+    VertexTable table_;
 };
 
-typedef QuadricsT<EditMesh> Quadrics;
-typedef OpenMesh::Decimater::DecimaterT<EditMesh> Decimater;
+typedef QuadricsT<WatchedMesh> Quadrics;
+typedef OpenMesh::Decimater::DecimaterT<WatchedMesh> Decimater;
 
 /* Adds the module. The decimater owns it, unless adding it to the decimater's list fails. */
 static Quadrics &add_module(Decimater &decimater)
@@ -206,33 +222,33 @@ static Quadrics &add_module(Decimater &decimater)
     return decimater.module(handle);
 }
 
-static void lock_boundary(EditMesh &edited)
+static void lock_boundary(EditMesh &edited, Watch &watch)
 {
     for (auto vertex : edited.vertices()) {
         if (edited.is_boundary(vertex)) edited.status(vertex).set_locked(true);
+        watch.step();
     }
 }
 
-/* Calls of the module per collapse: the collapse has about 6 neighbours, each with 6 of its own. */
-static const double CALLS_A_COLLAPSE = 40;
+/* Steps per collapse: the collapse has about 6 neighbours, each with 6 of its own. */
+static const double STEPS_A_COLLAPSE = 40;
 
 static enum gd_status decimate(const struct gd_mesh *mesh,
                                const struct gd_simplify_options &options, double most_distance,
                                const struct gd_control *control, struct gd_edited *out)
 {
-    EditMesh edited;
+    WatchedMesh edited;
     const double faces = gd__edit_counts(mesh).faces;
     const double collapses = std::max(0.0, (faces - options.faces) / 2);
-    Watch watch(control, 9 * faces + CALLS_A_COLLAPSE * collapses);
+    Watch watch(control, 9 * faces + STEPS_A_COLLAPSE * collapses);
+    edited.watch = &watch;
     copy_mesh(mesh, watch, edited);
-    if (options.keep_boundary) lock_boundary(edited);
+    if (options.keep_boundary) lock_boundary(edited, watch);
     Decimater decimater(edited);
-    Quadrics &quadrics = add_module(decimater);
-    quadrics.watch = &watch;
-    quadrics.most_error = most_distance * most_distance;
+    add_module(decimater).most_error = most_distance * most_distance;
     if (!decimater.initialize()) return GD_INTERNAL;
     decimater.decimate_to_faces(0, options.faces);
-    return keep_rest(mesh, edited, out);
+    return keep_rest(mesh, edited, watch, out);
 }
 
 } // namespace gd_edit

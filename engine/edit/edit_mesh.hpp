@@ -58,9 +58,7 @@ class Watch
         if (++done_ % STEPS_A_CHECK == 0) check();
     }
 
-  private:
-    static const uint64_t STEPS_A_CHECK = 512;
-
+    /* Checks the control now: after a step of milliseconds. */
     void check() const
     {
         const double part = std::min(1.0, (double)done_ / steps_);
@@ -68,17 +66,32 @@ class Watch
         if (status) throw Stopped{status};
     }
 
+  private:
+    static const uint64_t STEPS_A_CHECK = 512;
+
     const struct gd_control *control_;
     double steps_; /* expected number of steps */
     uint64_t done_ = 0;
 };
+
+/* Calls `grow(i)` for i = 1 to SLICES, which makes i / SLICES of new arrays, and checks the control
+ * between. The system provides the pages at the first write: milliseconds for each slice. */
+const size_t SLICES = 32;
+template <class Grow> void grow_in_slices(const Watch &watch, const Grow &grow)
+{
+    for (size_t i = 1; i <= SLICES; i++) {
+        grow(i);
+        watch.check();
+    }
+}
 
 /* Copies a mesh into an empty EditMesh. */
 void copy_mesh(const struct gd_mesh *mesh, Watch &watch, EditMesh &out);
 
 /* Writes the triangles of an edited mesh that are not deleted, in the order of their indices. All
  * its vertices must be vertices of the input. */
-enum gd_status keep_rest(const struct gd_mesh *mesh, const EditMesh &edited, struct gd_edited *out);
+enum gd_status keep_rest(const struct gd_mesh *mesh, const EditMesh &edited, Watch &watch,
+                         struct gd_edited *out);
 
 /* Runs a body and converts its exceptions to a status. */
 template <class Body> enum gd_status guarded(const Body &body) noexcept

@@ -1,0 +1,28 @@
+/* The part of test_edit_mesh.c that is C++. Each function returns the first broken law, NULL if
+ * all hold. */
+#ifndef TESTS_UNIT_EDIT_EDIT_MESH_LAWS_H
+#define TESTS_UNIT_EDIT_EDIT_MESH_LAWS_H
+
+#include "gd/edit.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Checks the copy of a mesh against a mesh that OpenMesh builds from its polygons by add_face. */
+const char *edit_mesh_check_copy(const struct gd_mesh *mesh, const struct gd_polygons *polygons);
+
+/* Deletes all faces but every third one, and checks the faces that are kept. */
+const char *edit_mesh_check_rest(const struct gd_mesh *mesh, const struct gd_polygons *polygons);
+
+/* Stops a copy at each check of the control in turn. */
+const char *edit_mesh_check_stop(const struct gd_mesh *mesh);
+
+/* Throws each kind of exception through gd_edit::guarded. */
+const char *edit_mesh_check_guard(void);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
