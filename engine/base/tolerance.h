@@ -242,6 +242,16 @@
  * flips need a normal. */
 #define GD_TOL_EDIT_PATCH 1e-5
 
+/* An edge of a patch is flipped if the angles opposite to it exceed pi by more than this part. An
+ * angle of a triangle of GD_TOL_EDIT_PATCH is known to about 1e-16 / GD_TOL_EDIT_PATCH = 1e-11. So
+ * the diagonals of four points on a circle, whose angles sum to pi, do not replace each other
+ * forever. */
+#define GD_TOL_EDIT_FLIP 1e-9
+
+/* Two faces are folded onto each other if they meet at less than this angle, in radians: about five
+ * degrees. Faces that a patch turns over in a plane meet at zero, up to the noise of the loop. */
+#define GD_TOL_EDIT_FOLD 0.09
+
 /* Coordinates and extents beyond this and its inverse are rejected: their squares leave the range
  * of doubles. */
 #define GD_EXTENT_MAX 1e150

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <vector>
 
+#include "base/tolerance.h"
 #include "edit/patch.h"
 
 namespace gd_edit
@@ -17,17 +18,16 @@ namespace gd_edit
 typedef OpenMesh::Vec3d Vec3;
 typedef OpenMesh::VertexHandle Vertex;
 
-static const int ROUNDS = 20;        /* rounds of dividing and flipping, at most */
-static const int STEPS = 100;        /* steps of smoothing */
-static const uint32_t GROWTH = 40;   /* new vertices per vertex of the loop, at most */
-static const double DENSITY = 1.414; /* Liepa's alpha */
+static const int ROUNDS = 20;                     /* rounds of dividing and flipping, at most */
+static const int STEPS = 100;                     /* steps of smoothing */
+static const uint32_t GROWTH = 40;                /* new vertices per vertex of the loop, at most */
+static const double DENSITY = 1.4142135623730951; /* Liepa's alpha: the root of 2 */
 
 struct Refinement {
     EditMesh mesh;
     std::vector<double> scale; /* per vertex: mean length of the edges around it */
     uint32_t loop_count;
-    bool (*is_taken)(const void *user, uint32_t a, uint32_t b);
-    const void *user;
+    const struct gd__patch_options &options;
     Watch watch;
 };
 
@@ -113,11 +113,13 @@ static bool is_better_flipped(const Refinement &work, OpenMesh::EdgeHandle edge)
     const Vec3 b = mesh.point(mesh.to_vertex_handle(half));
     const Vec3 p = mesh.point(left), q = mesh.point(right);
     const uint32_t l = (uint32_t)left.idx(), r = (uint32_t)right.idx();
-    if (l < work.loop_count && r < work.loop_count && work.is_taken(work.user, l, r)) return false;
+    if (l < work.loop_count && r < work.loop_count &&
+        work.options.is_taken(work.options.user, l, r))
+        return false;
     /* both new faces keep the orientation of the old ones */
     const Vec3 normal = ((b - a) % (p - a)) + ((q - a) % (b - a));
     if ((((q - a) % (p - a)) | normal) <= 0 || (((p - b) % (q - b)) | normal) <= 0) return false;
-    return angle_at(p, a, b) + angle_at(q, a, b) > std::acos(-1.0) * (1 + 1e-9);
+    return angle_at(p, a, b) + angle_at(q, a, b) > std::acos(-1.0) * (1 + GD_TOL_EDIT_FLIP);
 }
 
 static bool flip(Refinement &work)
@@ -151,11 +153,11 @@ static void smooth(Refinement &work)
     }
 }
 
-static enum gd_status write(const EditMesh &mesh, struct gd__patch &patch)
+static enum gd_status write(const EditMesh &mesh, uint32_t loop_count, struct gd__patch &out)
 {
     const size_t vertices = mesh.n_vertices(), faces = mesh.n_faces();
-    auto *positions = (double(*)[3])std::malloc(vertices * sizeof *patch.positions);
-    auto *corners = (uint32_t *)std::malloc(3 * faces * sizeof *patch.corners);
+    auto *positions = (double(*)[3])std::malloc(vertices * sizeof *out.positions);
+    auto *corners = (uint32_t *)std::malloc(3 * faces * sizeof *out.corners);
     if (!positions || !corners) {
         std::free(positions);
         std::free(corners);
@@ -167,34 +169,29 @@ static enum gd_status write(const EditMesh &mesh, struct gd__patch &patch)
     for (auto face : mesh.faces()) {
         for (auto vertex : mesh.fv_range(face)) *corner++ = (uint32_t)vertex.idx();
     }
-    std::free(patch.positions);
-    std::free(patch.corners);
-    patch.positions = positions;
-    patch.corners = corners;
-    patch.position_count = (uint32_t)vertices;
-    patch.face_count = (uint32_t)faces;
+    out = {positions, (uint32_t)vertices, loop_count, corners, (uint32_t)faces};
     return GD_OK;
 }
 
-static enum gd_status refine(struct gd__patch &patch, Refinement &work)
+static enum gd_status refine(const struct gd__patch &rough, Refinement &work, struct gd__patch &out)
 {
-    if (!read(patch, work.mesh)) return GD_NON_MANIFOLD_EDGE;
+    if (!read(rough, work.mesh)) return GD_NON_MANIFOLD_EDGE;
     measure_loop(work);
     flip(work);
     for (int round = 0; round < ROUNDS && divide(work); round++) flip(work);
-    smooth(work);
-    return write(work.mesh, patch);
+    if (work.options.is_smooth) smooth(work);
+    return write(work.mesh, rough.loop_count, out);
 }
 
 } // namespace gd_edit
 
-enum gd_status gd__patch_refine(struct gd__patch *patch,
-                                bool (*is_taken)(const void *user, uint32_t a, uint32_t b),
-                                const void *user, const struct gd_control *control)
+enum gd_status gd__patch_refine(const struct gd__patch *rough,
+                                const struct gd__patch_options *options,
+                                const struct gd_control *control, struct gd__patch *out)
 {
     return gd_edit::guarded([&] {
-        gd_edit::Refinement work = {{},       {},   patch->loop_count,
-                                    is_taken, user, gd_edit::Watch(control, 1e5)};
-        return gd_edit::refine(*patch, work);
+        gd_edit::Refinement work = {
+            {}, {}, rough->loop_count, *options, gd_edit::Watch(control, 1e5)};
+        return gd_edit::refine(*rough, work, *out);
     });
 }

@@ -15,15 +15,20 @@ struct gd__patch {
     uint32_t face_count;
 };
 
-/* Divides triangles that are large compared with the edges of the loop, and moves the new vertices
- * so that the patch is smooth. `is_taken(user, a, b)` returns true if an edge outside the patch
- * joins two vertices of the loop. Replaces the arrays, which must be malloc'ed. On failure the
- * patch is unchanged: GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE, GD_NON_MANIFOLD_EDGE (OpenMesh
- * rejects triangles). */
-GD_MUST_USE enum gd_status gd__patch_refine(struct gd__patch *patch,
-                                            bool (*is_taken)(const void *user, uint32_t a,
-                                                             uint32_t b),
-                                            const void *user, const struct gd_control *control);
+struct gd__patch_options {
+    bool is_smooth; /* the new vertices move, so that the patch is smooth */
+    /* returns true if an edge outside the patch joins two vertices of the loop */
+    bool (*is_taken)(const void *user, uint32_t a, uint32_t b);
+    const void *user;
+};
+
+/* Divides the triangles of a rough patch that are large compared with the edges of the loop. The
+ * caller frees the arrays of `*out`. Errors: GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE,
+ * GD_NON_MANIFOLD_EDGE (OpenMesh rejects triangles). */
+GD_MUST_USE enum gd_status gd__patch_refine(const struct gd__patch *rough,
+                                            const struct gd__patch_options *options,
+                                            const struct gd_control *control,
+                                            struct gd__patch *out);
 
 #ifdef __cplusplus
 }

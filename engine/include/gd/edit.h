@@ -132,10 +132,11 @@ struct gd_fill_options {
 /* Fills each boundary loop of at most `max_edges` edges with triangles of least total area. The new
  * triangles are divided until they are as small as the faces around them, and then smoothed. The
  * faces and vertices of the input stay and come first. A loop stays open if only degenerate
- * triangles would close it, or if it is the border of a single face. The caller frees `*out` by
- * gd_edited_free. Errors: GD_INVALID_ARGUMENT; GD_NOT_TRIANGULABLE, with the vertices of a loop, if
- * no loop can be closed; GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. For a loop of n edges:
- * O(n^3) time and 10 n^2 bytes. Thread-safe. */
+ * triangles would close it, if its triangles would cross each other or those of another loop, or if
+ * it is the border of a single face. New triangles may cross faces of the input. The caller frees
+ * `*out` by gd_edited_free. Errors: GD_INVALID_ARGUMENT; GD_NOT_TRIANGULABLE, with the vertices of
+ * a loop, if no loop can be closed; GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. For a loop
+ * of n edges: O(n^3) time and 10 n^2 bytes. Thread-safe. */
 GD_MUST_USE enum gd_status gd_fill(const struct gd_mesh *mesh,
                                    const struct gd_fill_options *options,
                                    const struct gd_control *control, struct gd_edited *out,

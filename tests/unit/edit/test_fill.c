@@ -130,6 +130,114 @@ static void the_holes_of_a_scan(void **state)
     gd_mesh_release(mesh);
 }
 
+enum { BAND = 60 }; /* vertices of a border of a band */
+
+/* Writes a band: a closed curve, and its copy moved by `way`. */
+static void band_write(struct gd_vec3 (*curve)(double angle), struct gd_vec3 way,
+                       struct gd_polygons *out)
+{
+    uint32_t first = out->position_count;
+    for (uint32_t i = 0; i < BAND; i++) {
+        const struct gd_vec3 p = curve(2 * acos(-1) * i / BAND), q = gd_vec3_add(p, way);
+        const uint32_t a = first + 2 * i, b = first + 2 * ((i + 1) % BAND);
+        const uint32_t faces[6] = {a, b, b + 1, a, b + 1, a + 1};
+        memcpy(out->positions[out->position_count++], &p, sizeof p);
+        memcpy(out->positions[out->position_count++], &q, sizeof q);
+        memcpy(&out->corners[3 * out->polygon_count], faces, sizeof faces);
+        out->polygon_count += 2;
+    }
+}
+
+static struct gd_vec3 trefoil(double t)
+{
+    double radius = 2 + cos(3 * t);
+    return (struct gd_vec3){radius * cos(2 * t), radius * sin(2 * t), sin(3 * t)};
+}
+
+static struct gd_vec3 ring(double t)
+{
+    return (struct gd_vec3){cos(t), sin(t), 0};
+}
+
+static struct gd_vec3 ring_through_it(double t)
+{
+    return (struct gd_vec3){1 + cos(t), 0.01, 0.05 + sin(t)};
+}
+
+/* No disc without crossings has a knotted border. The other border is a knot, too, or faces to a
+ * far vertex close it. */
+static void a_knotted_hole_stays_open(void **state)
+{
+    (void)state;
+    double positions[2 * BAND + 1][3];
+    uint32_t corners[9 * BAND];
+    struct gd_polygons polygons = {.positions = positions, .corners = corners};
+    band_write(trefoil, (struct gd_vec3){0, 0, 0.1}, &polygons);
+    for (int is_closed = 0; is_closed < 2; is_closed++) {
+        struct gd_mesh *mesh = test_mesh(&polygons);
+        struct gd_edited edited = {.bytes = 7};
+        struct gd_detail detail = {.text = ""};
+        enum gd_status status =
+            gd_fill(mesh, &(struct gd_fill_options){GD_FILL_EDGES}, NULL, &edited, &detail);
+        assert_int_equal(status, GD_NOT_TRIANGULABLE);
+        assert_non_null(strstr(detail.text, "triangles that do not cross"));
+        assert_int_equal(detail.kind, GD_ELEMENT_VERTEX);
+        assert_int_equal(edited.bytes, 7);
+        gd_mesh_release(mesh);
+        memcpy(positions[polygons.position_count++], (double[3]){0, 0, 20}, sizeof *positions);
+        for (uint32_t i = 0; i < BAND; i++) {
+            const uint32_t face[3] = {2 * i + 1, 2 * ((i + 1) % BAND) + 1, 2 * BAND};
+            memcpy(&corners[3 * polygons.polygon_count++], face, sizeof face);
+        }
+    }
+}
+
+/* Two rings of a chain: the discs that fill one cross those that fill the other. */
+static void holes_that_cross_another_stay_open(void **state)
+{
+    (void)state;
+    double positions[4 * BAND][3];
+    uint32_t corners[12 * BAND];
+    struct gd_polygons polygons = {.positions = positions, .corners = corners};
+    band_write(ring, (struct gd_vec3){0, 0, 0.1}, &polygons);
+    band_write(ring_through_it, (struct gd_vec3){0, 0.1, 0}, &polygons);
+    struct gd_mesh *mesh = test_mesh(&polygons);
+    struct gd_edited edited = filled(mesh, GD_FILL_EDGES);
+    struct gd_mesh *made = test_mesh(&edited.polygons);
+    assert_int_equal(gd_mesh_summary(mesh)->boundaries, 4);
+    assert_int_equal(gd_mesh_summary(made)->boundaries, 2);
+    check_no_overlap(&edited.polygons, polygons.polygon_count);
+    gd_mesh_release(made);
+    gd_edited_free(&edited);
+    gd_mesh_release(mesh);
+}
+
+/* A square that is cut along its middle, as a seam of texture coordinates cuts it: the vertices of
+ * the slit are there twice. */
+static void a_pinched_hole_is_named(void **state)
+{
+    (void)state;
+    double positions[][3] = {{0, 0, 0},    {1, 0, 0.3}, {2, 0, -0.3}, {3, 0, 0},    {0, 1, 0},
+                             {1.5, 3, 0},  {3, 1, 0},   {1, 0, 0.3},  {2, 0, -0.3}, {0, -1, 0},
+                             {1.5, -3, 0}, {3, -1, 0},  {1.5, 0, 9}};
+    uint32_t corners[] = {0,  1, 4,  1,  5,  4,  1,  2,  5,  2,  6,  5, 2,  3, 6, 0,  9, 7,
+                          7,  9, 10, 7,  10, 8,  8,  10, 11, 8,  11, 3, 12, 4, 5, 12, 5, 6,
+                          12, 6, 3,  12, 3,  11, 12, 11, 10, 12, 10, 9, 12, 9, 0, 12, 0, 4};
+    const struct gd_polygons polygons = {.positions = positions,
+                                         .position_count = 13,
+                                         .polygon_count = sizeof corners / sizeof *corners / 3,
+                                         .corners = corners};
+    struct gd_mesh *mesh = test_mesh(&polygons);
+    struct gd_edited edited;
+    struct gd_detail detail = {.text = ""};
+    assert_int_equal(gd_mesh_summary(mesh)->boundaries, 1);
+    assert_int_equal(
+        gd_fill(mesh, &(struct gd_fill_options){GD_FILL_EDGES}, NULL, &edited, &detail),
+        GD_NOT_TRIANGULABLE);
+    assert_non_null(strstr(detail.text, "at the same place"));
+    gd_mesh_release(mesh);
+}
+
 /* A boundary of a single face is not filled: the filling would be the same face again. */
 static void lone_faces_stay(void **state)
 {
@@ -175,9 +283,15 @@ static void options_budget_and_cancel(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_tube_becomes_closed),     cmocka_unit_test(long_loops_stay_open),
-        cmocka_unit_test(the_smallest_hole),         cmocka_unit_test(the_holes_of_a_scan),
-        cmocka_unit_test(options_budget_and_cancel), cmocka_unit_test(lone_faces_stay),
+        cmocka_unit_test(a_tube_becomes_closed),
+        cmocka_unit_test(long_loops_stay_open),
+        cmocka_unit_test(the_smallest_hole),
+        cmocka_unit_test(the_holes_of_a_scan),
+        cmocka_unit_test(options_budget_and_cancel),
+        cmocka_unit_test(lone_faces_stay),
+        cmocka_unit_test(a_knotted_hole_stays_open),
+        cmocka_unit_test(holes_that_cross_another_stay_open),
+        cmocka_unit_test(a_pinched_hole_is_named),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
