@@ -313,7 +313,7 @@ class Streams(TestCase):
 class Parked(unittest.TestCase):
     def test_a_line_waits_for_a_field_that_another_request_builds(self):
         with Daemon("--workers", "4") as daemon:
-            daemon.put("large", sample("icosphere", level=6))
+            daemon.put("large", sample("icosphere", level=5))
             daemon.ask_often("large", "v:5")
             results = []
             body = lines_of(*(
