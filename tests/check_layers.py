@@ -21,7 +21,7 @@ import sys
 ENGINE = {"base": 0, "mesh": 1, "io": 1, "repair": 2, "construction": 3, "window": 2, "kernel": 3, "guide": 4, "wavefront": 5, "partition": 6, "field": 7, "line": 8, "query": 9,
           "transport": 10, "render": 10, "edit": 10, "cut": 11, "subdiv": 11, "nurbs": 11, "umbrella": 12}
 PUBLIC = {
-    "base": ["status", "vec", "control", "executor", "polygons", "number", "colour_map"],
+    "base": ["language", "status", "vec", "control", "executor", "polygons", "number", "colour_map"],
     "mesh": ["mesh", "point", "locate", "direction"],
     "io": ["io", "control_mesh", "result_file"],
     "kernel": ["cpu"],

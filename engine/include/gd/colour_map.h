@@ -2,9 +2,9 @@
 #ifndef GD_COLOUR_MAP_H
 #define GD_COLOUR_MAP_H
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+#include "gd/language.h"
+
+GD_EXTERN_C_BEGIN
 
 /* A colour in linear light, components in [0,1]. glTF uses linear components; pictures and web
  * pages use the encoded ones of gd_colour_encode. */
@@ -22,8 +22,6 @@ struct gd_colour gd_colour_map(double part);
 /* Returns the sRGB encoding (IEC 61966-2-1) of a linear component, clamped to [0,1]. */
 double gd_colour_encode(double linear);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

@@ -14,9 +14,7 @@
 #include "gd/executor.h"
 #include "gd/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 struct gd_control {
     /* largest number of bytes held at any time, including the result; 0: no limit */
@@ -43,8 +41,6 @@ GD_MUST_USE enum gd_status gd_control_check(const struct gd_control *control, do
  * Thread-safe. */
 GD_MUST_USE enum gd_status gd_control_afford(const struct gd_control *control, size_t bytes);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

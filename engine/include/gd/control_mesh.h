@@ -5,9 +5,7 @@
 
 #include "gd/io.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 /* A tag of at least this sharpness is infinitely sharp, as in OpenSubdiv and USD. */
 #define GD_SHARPNESS_INFINITE 10.0
@@ -55,8 +53,6 @@ GD_MUST_USE enum gd_status gd_read_control_mesh(const void *bytes, size_t size,
                                                 struct gd_control_mesh *out,
                                                 struct gd_detail *detail);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

@@ -5,9 +5,7 @@
 
 #include "gd/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 /* Selects kernels by name: "baseline" (any machine), "avx2", "avx512", or "auto" (the default): the
  * best that this machine supports. The choice holds for the whole process: call it before any other
@@ -18,8 +16,6 @@ GD_MUST_USE enum gd_status gd_cpu_select(const char *name);
 /* Returns the name of the kernels in use, a static string. Thread-safe. */
 const char *gd_cpu_name(void);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

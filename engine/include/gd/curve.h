@@ -16,9 +16,7 @@
 #include "gd/landmarks.h"
 #include "gd/point.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 struct gd_curve {
     struct gd_point *points; /* owned; consecutive points differ */
@@ -68,8 +66,6 @@ GD_MUST_USE enum gd_status gd_curve_resolve(const struct gd_mesh *mesh,
 uint32_t gd_curve_seed_count(const struct gd_curve *curve);
 void gd_curve_seeds(const struct gd_curve *curve, double offset, struct gd_seed *out);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

@@ -17,9 +17,7 @@
 
 #include "gd/curve.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 /* A point of a curve. */
 struct gd_curve_place {
@@ -59,8 +57,6 @@ GD_MUST_USE enum gd_status gd_curve_farthest(const struct gd_field *field, const
                                              const struct gd_control *control,
                                              struct gd_curve_distance *out);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

@@ -16,9 +16,7 @@
 #include "gd/curve.h"
 #include "gd/polygons.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 struct gd_cut_request { /* all borrowed */
     /* closed, or from one boundary point to another; may cross itself */
@@ -74,8 +72,6 @@ GD_MUST_USE enum gd_status gd_cut_along(const struct gd_mesh *mesh,
                                         const struct gd_control *control, struct gd_cut *out,
                                         struct gd_detail *detail);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

@@ -23,9 +23,7 @@
 
 #include "gd/point.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 struct gd_direction {
     double angle;       /* radians; in [0, 2 pi), at a boundary vertex in [0, total angle] */
@@ -66,8 +64,6 @@ struct gd_direction gd_direction_opposite(const struct gd_mesh *mesh, const stru
 void gd_direction_axes(const struct gd_mesh *mesh, struct gd_face face, struct gd_vec3 *x,
                        struct gd_vec3 *y);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

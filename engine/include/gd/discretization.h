@@ -12,9 +12,7 @@
 
 #include "gd/limit.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 struct gd_discretize_options {
     /* Every edge of the control mesh becomes 2^level edges. At least 1 if the mesh has polygons
@@ -51,8 +49,6 @@ GD_MUST_USE enum gd_status gd_discretize(const struct gd_subdivision *surface,
                                          const struct gd_control *control,
                                          struct gd_discretization *out, struct gd_detail *detail);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

@@ -14,9 +14,7 @@
 
 #include "gd/parametric.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 #define GD_DOMAIN_CURVE_COUNT_MAX 65536
 /* largest distance of a point from the domain in a closed direction, in periods */
@@ -82,8 +80,6 @@ void gd_domain_curve_range(const struct gd_domain_curve *curve, double *low, dou
  * O(degree^2). Thread-safe. */
 void gd_domain_curve_at(const struct gd_domain_curve *curve, double s, double uv[2]);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

@@ -16,9 +16,7 @@
 #include "gd/mesh.h"
 #include "gd/polygons.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 /* A point of the input mesh, in the input's numbering of faces. */
 struct gd_origin {
@@ -202,8 +200,6 @@ GD_MUST_USE enum gd_status gd_edited_split(const struct gd_edited *edited, uint3
  * result. */
 size_t gd_edit_cost(uint64_t faces);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

@@ -4,9 +4,9 @@
 
 #include <stdint.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+#include "gd/language.h"
+
+GD_EXTERN_C_BEGIN
 
 /* `run` calls task(context, i) once for each i in [0, count), in any order, on any threads, and
  * returns after all tasks have returned. `width` is the largest number of concurrent tasks (>=
@@ -23,8 +23,6 @@ struct gd_executor {
 void gd_executor_run(const struct gd_executor *executor,
                      void (*task)(void *context, uint32_t index), void *context, uint32_t count);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

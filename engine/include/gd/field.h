@@ -19,9 +19,7 @@
 
 #include "gd/path.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 struct gd_field;
 
@@ -245,8 +243,6 @@ GD_MUST_USE enum gd_status gd_field_open_image(const struct gd_mesh *mesh,
                                                const struct gd_field_image *image,
                                                struct gd_field **out, struct gd_detail *detail);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

@@ -11,9 +11,7 @@
 #include "gd/mesh.h"
 #include "gd/path.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 /* Corners counter-clockwise, as seen from outside. */
 struct gd_flat_face {
@@ -40,8 +38,6 @@ GD_MUST_USE enum gd_status gd_flat_strip_of(const struct gd_mesh *mesh, const st
                                             const struct gd_control *control,
                                             struct gd_flat_strip *out);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

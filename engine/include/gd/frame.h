@@ -5,9 +5,7 @@
 
 #include "gd/spline.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 struct gd_frame {
     double parameter;
@@ -21,8 +19,6 @@ struct gd_frame {
 /* Returns the frame at a sampled place of a spline. O(1). Thread-safe. */
 struct gd_frame gd_frame_at(const struct gd_mesh *mesh, const struct gd_spline_place *place);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

@@ -45,9 +45,7 @@
 #include "gd/voronoi.h"
 #include "gd/workspace.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 /* All zero: recognises the format, limits faces and vertices to 2^30, triangulates polygons,
  * repairs nothing. */
@@ -87,8 +85,6 @@ GD_MUST_USE enum gd_status gd_distance(const struct gd_mesh *mesh, const struct 
 GD_MUST_USE enum gd_status gd_path(const struct gd_mesh *mesh, const struct gd_point *from,
                                    const struct gd_point *to, struct gd_path *out);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

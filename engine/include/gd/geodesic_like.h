@@ -19,9 +19,7 @@
 #include "gd/domain_curve.h"
 #include "gd/tessellation.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 #define GD_GEODESIC_TOLERANCE           1e-11
 #define GD_GEODESIC_TOLERANCE_LEAST     1e-14
@@ -118,8 +116,6 @@ GD_MUST_USE enum gd_status gd_geodesic_sample(const struct gd_parametric *surfac
                                               const struct gd_geodesic *geodesic, uint32_t count,
                                               double (*uv)[2], struct gd_vec3 *xyz);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

@@ -39,9 +39,7 @@
 #include "gd/polygons.h"
 #include "gd/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 /* X(NAME, name = spelling in ?format=, media type) */
 #define GD_FORMAT_MAP(X)                                                                           \
@@ -131,8 +129,6 @@ GD_MUST_USE enum gd_status gd_write_polygons_within(const struct gd_polygons *po
                                                     const struct gd_control *control, char **out,
                                                     size_t *size);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

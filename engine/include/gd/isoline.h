@@ -23,9 +23,7 @@
 
 #include "gd/field.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 /* An arc around (u, v), counter-clockwise from angle `from` to `to` (an arc of rounding length may
  * run backwards). The frame of angles and (u, v) lies in the face's plane, with the origin at
@@ -113,8 +111,6 @@ GD_MUST_USE enum gd_status gd_isoline_flatten(const struct gd_mesh *mesh,
 /* Returns the number of points of that polyline. O(arcs). */
 uint64_t gd_isoline_flat_points(const struct gd_isoline_line *line, double tolerance);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

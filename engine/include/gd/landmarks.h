@@ -13,9 +13,7 @@
 #include "gd/control.h"
 #include "gd/mesh.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 struct gd_landmarks;
 
@@ -43,8 +41,6 @@ void gd_landmarks_write_image(const struct gd_landmarks *landmarks, void *bytes)
 GD_MUST_USE enum gd_status gd_landmarks_open_image(const struct gd_mesh *mesh, const void *bytes,
                                                    size_t size, struct gd_landmarks **out);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

@@ -17,9 +17,7 @@
 #include "gd/subdivision.h"
 #include "gd/vec.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 struct gd_limit_point {
     uint32_t face, corner; /* corner: 0 except in polygons of n != 4 corners */
@@ -88,8 +86,6 @@ GD_MUST_USE enum gd_status gd_limit_nearest(const struct gd_subdivision *surface
                                             struct gd_vec3 xyz, const struct gd_control *control,
                                             struct gd_limit_closest *out, struct gd_detail *detail);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

@@ -21,9 +21,7 @@
 #include "gd/mesh.h"
 #include "gd/point.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 #define GD_LIMIT_LEVEL_MOST 12
 
@@ -77,8 +75,6 @@ GD_MUST_USE enum gd_status gd_limit_mesh_point(const struct gd_limit_mesh *fine,
 struct gd_limit_point gd_limit_mesh_place(const struct gd_limit_mesh *fine,
                                           const struct gd_point *point);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

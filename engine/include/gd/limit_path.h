@@ -4,9 +4,7 @@
 
 #include "gd/limit.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 struct gd_limit_step {
     struct gd_limit_point place;
@@ -87,8 +85,6 @@ GD_MUST_USE enum gd_status gd_limit_relax(const struct gd_subdivision *surface,
                                           const struct gd_control *control,
                                           struct gd_limit_geodesic *out, struct gd_detail *detail);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

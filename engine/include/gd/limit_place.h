@@ -8,9 +8,7 @@
 
 #include "gd/limit.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 /* Validates a place, and clamps u and v to the face if they are outside by at most 1e-9. `detail`
  * may be NULL. Errors: GD_OUT_OF_RANGE (face or corner), GD_INVALID_ARGUMENT (u, v). O(1).
@@ -26,8 +24,6 @@ struct gd_vec3 gd_limit_direction(const struct gd_limit_jet *jet, double angle);
  * vanishes; NAN: the jet has no normal. */
 double gd_limit_angle(const struct gd_limit_jet *jet, struct gd_vec3 vector);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

@@ -5,9 +5,7 @@
 #include "gd/limit_mesh.h"
 #include "gd/limit_path.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 struct gd_limit_shortest {
     /* on the limit surface; INFINITY: no path (then there are no steps) */
@@ -39,8 +37,6 @@ GD_MUST_USE enum gd_status gd_limit_shortest_find(const struct gd_limit_mesh *fi
                                                   struct gd_limit_shortest *out,
                                                   struct gd_detail *detail);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

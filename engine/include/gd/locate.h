@@ -5,9 +5,7 @@
 
 #include "gd/point.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 /* Finds the point of the surface nearest to `xyz`; in a tie, the point in the lowest-numbered face.
  * If `max_snap` >= 0 and the nearest point is farther than `max_snap`, the error is
@@ -31,8 +29,6 @@ GD_MUST_USE enum gd_status gd_locate_first_hit(const struct gd_mesh *mesh, struc
                                                struct gd_vec3 direction, struct gd_point *out,
                                                struct gd_detail *detail);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

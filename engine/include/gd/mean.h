@@ -12,9 +12,7 @@
 #include "gd/landmarks.h"
 #include "gd/point.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 struct gd_mean_request {
     const struct gd_point *points; /* borrowed; at least one, all on one component */
@@ -51,8 +49,6 @@ GD_MUST_USE enum gd_status gd_mean_find(const struct gd_mesh *mesh,
                                         const struct gd_control *control, struct gd_mean *out,
                                         struct gd_detail *detail);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

@@ -26,9 +26,7 @@
 #include "gd/status.h"
 #include "gd/vec.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 struct gd_mesh;
 
@@ -190,8 +188,6 @@ uint32_t gd_mesh_source_face(const struct gd_mesh *mesh, struct gd_face face);
  * faces in order of index, with corners as in gd_mesh_corners. Error: GD_NO_MEMORY. O(n). */
 GD_MUST_USE enum gd_status gd_mesh_polygons(const struct gd_mesh *mesh, struct gd_polygons *out);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

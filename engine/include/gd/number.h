@@ -6,9 +6,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+#include "gd/language.h"
+
+GD_EXTERN_C_BEGIN
 
 /* Reads the longest decimal number at `at`, with an optional sign. Returns the number's end, or
  * NULL if there is no number. Overflow gives +-INFINITY, underflow +-0. "inf" and "nan" are
@@ -33,8 +33,6 @@ char *gd_numbers_format(char *at, const double *values, size_t count);
 #define GD_TRIPLES_SIZE(count) (GD_NUMBERS_SIZE(3 * (count)) + 2 * (count))
 char *gd_triples_format(char *at, const double (*values)[3], size_t count);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

@@ -7,9 +7,7 @@
 
 #include "gd/parametric.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 #define GD_NURBS_DEGREE_MAX 15
 #define GD_NURBS_COUNT_MAX  4096 /* control points in one direction */
@@ -69,8 +67,6 @@ enum gd_nurbs_flaw gd_nurbs_inspect(const struct gd_nurbs_data *data, struct gd_
 GD_MUST_USE enum gd_status gd_nurbs_create(const struct gd_nurbs_data *data,
                                            struct gd_parametric **out, struct gd_detail *detail);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

@@ -5,9 +5,7 @@
 #include "gd/curve.h"
 #include "gd/isoline.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 struct gd_offset_request {
     const struct gd_curve *curve;
@@ -24,8 +22,6 @@ GD_MUST_USE enum gd_status gd_curve_offset(const struct gd_mesh *mesh,
                                            const struct gd_control *control, struct gd_isoline *out,
                                            struct gd_detail *detail);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

@@ -23,9 +23,7 @@
 #include "gd/status.h"
 #include "gd/vec.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 struct gd_parametric;
 
@@ -166,8 +164,6 @@ GD_MUST_USE enum gd_status gd_parametric_revolution(const struct gd_profile *pro
                                                     struct gd_parametric **out,
                                                     struct gd_detail *detail);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

@@ -6,9 +6,7 @@
 
 #include "gd/point.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 struct gd_path {
     double length;           /* length of the polyline */
@@ -18,8 +16,6 @@ struct gd_path {
 
 void gd_path_free(struct gd_path *path); /* frees the points and zeroes; NULL is harmless */
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

@@ -19,9 +19,7 @@
 
 #include "gd/field.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 #define GD_PICTURE_LEAST    16   /* pixels of a side */
 #define GD_PICTURE_MOST     4096 /* pixels of a side */
@@ -78,8 +76,6 @@ GD_MUST_USE enum gd_status gd_picture_svg(const struct gd_picture *picture,
                                           const struct gd_control *control, void **bytes,
                                           size_t *size);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

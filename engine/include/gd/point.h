@@ -13,9 +13,7 @@
 
 #include "gd/mesh.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 enum gd_point_kind { GD_POINT_VERTEX, GD_POINT_EDGE, GD_POINT_FACE };
 
@@ -77,8 +75,6 @@ static inline bool gd_point_equal(const struct gd_point *a, const struct gd_poin
            memcmp(a->weight, b->weight, sizeof a->weight) == 0;
 }
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

@@ -7,9 +7,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+#include "gd/language.h"
+
+GD_EXTERN_C_BEGIN
 
 #define GD_NONE UINT32_MAX
 
@@ -60,8 +60,6 @@ static inline void gd_mended_add(struct gd_mended *mended, uint32_t a, uint32_t 
 /* Frees the arrays and zeroes the struct. Accepts NULL and partly built structs. */
 void gd_polygons_free(struct gd_polygons *polygons);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

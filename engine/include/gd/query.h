@@ -8,9 +8,7 @@
 #include "gd/field.h"
 #include "gd/landmarks.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 /* The requested output for a pair. GD_PAIR_DISTANCE and GD_PAIR_PATH equal `false` and `true`. */
 enum gd_pair_output {
@@ -56,8 +54,6 @@ GD_MUST_USE enum gd_status gd_pair_solve(const struct gd_mesh *mesh,
                                          const struct gd_control *control,
                                          struct gd_pair_answer *out, struct gd_detail *detail);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

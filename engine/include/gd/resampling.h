@@ -4,9 +4,7 @@
 
 #include "gd/curve.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 #define GD_RESAMPLING_POINTS (1u << 20)
 
@@ -34,8 +32,6 @@ GD_MUST_USE enum gd_status gd_curve_resample(const struct gd_mesh *mesh,
                                              const struct gd_control *control,
                                              struct gd_resampling *out, struct gd_detail *detail);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

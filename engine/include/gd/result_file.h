@@ -27,9 +27,7 @@
 #include "gd/polygons.h"
 #include "gd/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 /* X(NAME, name = spelling in ?format=, media type) */
 #define GD_RESULT_FORMAT_MAP(X)                                                                    \
@@ -66,8 +64,6 @@ GD_MUST_USE enum gd_status gd_write_result(const struct gd_result *result,
 /* Returns an upper bound of the bytes that writing needs, including the output. */
 size_t gd_result_cost(const struct gd_result *result);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

@@ -12,9 +12,7 @@
 #include "gd/control.h"
 #include "gd/point.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 /* The caller's arrays for a sampling of `count` > 0 points. */
 struct gd_sampling {
@@ -38,8 +36,6 @@ GD_MUST_USE enum gd_status gd_sampling_farthest(const struct gd_mesh *mesh,
                                                 const struct gd_control *control,
                                                 struct gd_sampling *out, struct gd_detail *detail);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

@@ -17,9 +17,7 @@
 
 #include "gd/curve.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 #define GD_SHORTENING_PIECES 16   /* default number of pieces */
 #define GD_SHORTENING_ROUNDS 1000 /* limit on rounds for a closed geodesic */
@@ -55,8 +53,6 @@ GD_MUST_USE enum gd_status gd_curve_shorten(const struct gd_mesh *mesh,
                                             const struct gd_control *control,
                                             struct gd_shortening *out, struct gd_detail *detail);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

@@ -13,9 +13,7 @@
 #include "gd/status.h"
 #include "gd/vec.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 #define GD_SPACE_CURVE_COUNT_MAX 65536
 
@@ -44,8 +42,6 @@ GD_MUST_USE enum gd_status gd_space_distance(const struct gd_space_curve *from,
                                              struct gd_space_closest *out,
                                              struct gd_detail *detail);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

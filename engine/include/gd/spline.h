@@ -32,9 +32,7 @@
 #include "gd/landmarks.h"
 #include "gd/vector.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 enum gd_tangent_rule {
     /* (1-c) (p_(i+1) (-) p_i - p_(i-1) (-) p_i) / (u_(i+1) - u_(i-1)): reversing the points
@@ -175,8 +173,6 @@ GD_MUST_USE enum gd_status gd_spline_curve(const struct gd_mesh *mesh,
                                            const struct gd_control *control, struct gd_curve *out,
                                            struct gd_detail *detail);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

@@ -8,9 +8,9 @@
 
 #include <stdint.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+#include "gd/language.h"
+
+GD_EXTERN_C_BEGIN
 
 /* X(number, NAME, name, sentence) */
 #define GD_STATUS_MAP(X)                                                                           \
@@ -105,8 +105,6 @@ enum gd_status gd_fail_status(struct gd_detail *detail, enum gd_status status);
  * GD_DETAIL_ELEMENTS. */
 void gd_detail_add(struct gd_detail *detail, enum gd_element kind, uint64_t a, uint64_t b);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

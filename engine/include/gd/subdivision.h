@@ -18,9 +18,7 @@
 #include "gd/control.h"
 #include "gd/control_mesh.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 enum gd_scheme {
     GD_SCHEME_CATMULL_CLARK, /* polygons of any number of corners */
@@ -73,8 +71,6 @@ enum gd_scheme gd_subdivision_scheme(const struct gd_subdivision *surface);
 /* Returns a summary of the control mesh. O(1). */
 struct gd_subdivision_summary gd_subdivision_summary(const struct gd_subdivision *surface);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

@@ -17,9 +17,7 @@
 #include "gd/parametric.h"
 #include "gd/point.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 struct gd_tessellation;
 
@@ -74,8 +72,6 @@ GD_MUST_USE enum gd_status gd_tessellation_point(const struct gd_tessellation *t
                                                  double u, double v, struct gd_point *out,
                                                  struct gd_detail *detail);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

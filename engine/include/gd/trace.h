@@ -31,9 +31,7 @@
 #include "gd/direction.h"
 #include "gd/path.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 enum gd_vertex_rule { GD_VERTEX_RULE_BISECT, GD_VERTEX_RULE_NORMAL };
 enum gd_boundary_rule { GD_BOUNDARY_RULE_STOP, GD_BOUNDARY_RULE_SLIDE };
@@ -107,8 +105,6 @@ GD_MUST_USE enum gd_status gd_trace_follow_many(const struct gd_mesh *mesh,
 struct gd_direction gd_trace_fan(const struct gd_mesh *mesh, const struct gd_point *point,
                                  uint32_t count, uint32_t i);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

@@ -4,9 +4,9 @@
 
 #include <math.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+#include "gd/language.h"
+
+GD_EXTERN_C_BEGIN
 
 struct gd_vec3 {
     double x, y, z;
@@ -76,8 +76,6 @@ static inline struct gd_vec3 gd_vec3_unit(struct gd_vec3 a)
     return gd_vec3_scale(scaled, 1 / gd_vec3_length(scaled));
 }
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

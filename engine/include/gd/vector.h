@@ -21,9 +21,7 @@
 #include "gd/field.h"
 #include "gd/trace.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 struct gd_vector {
     struct gd_direction direction; /* arbitrary if the length is 0 */
@@ -92,8 +90,6 @@ GD_MUST_USE enum gd_status gd_vector_log_all(const struct gd_field *field,
                                              const struct gd_control *control, double *angles,
                                              double *lengths, struct gd_detail *detail);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

@@ -26,9 +26,7 @@
 
 #include "gd/field.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+GD_EXTERN_C_BEGIN
 
 /* A line of points that are equally near to two members, and not nearer to a third. The line is
  * closed, or ends at triple points or on the boundary. */
@@ -74,8 +72,6 @@ GD_MUST_USE enum gd_status gd_voronoi_trace(const struct gd_field *field,
 /* Frees the arrays and zeroes the struct. NULL is harmless. */
 void gd_voronoi_free(struct gd_voronoi *voronoi);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif

@@ -9,9 +9,9 @@
 
 #include <stddef.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+#include "gd/language.h"
+
+GD_EXTERN_C_BEGIN
 
 struct gd_workspace;
 
@@ -29,8 +29,6 @@ void gd_workspace_trim(struct gd_workspace *workspace);
  * initially 0. Thread-safe. */
 void gd_spare_memory(size_t bytes);
 
-#ifdef __cplusplus
-}
-#endif
+GD_EXTERN_C_END
 
 #endif
