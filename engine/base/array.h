@@ -17,20 +17,9 @@ static inline uint32_t gd__array_capacity(uint32_t capacity, uint32_t count)
     return larger > UINT32_MAX ? UINT32_MAX : (uint32_t)larger;
 }
 
-/* Returns the array with room for `count` items, possibly moved, and updates *capacity. Returns
- * NULL if there is no memory; the array then stays valid. */
-static inline void *gd__array_reserve(void *items, uint32_t *capacity, uint32_t count, size_t size)
-{
-    if (count <= *capacity && items) return items;
-    uint32_t larger = gd__array_capacity(*capacity, count);
-    void *moved = realloc(items, larger * size);
-    if (moved) *capacity = larger;
-    return moved;
-}
-
-/* As gd__array_reserve, for the array whose pointer is stored at the address `array`. The budget of
- * `control` (NULL: unlimited) must cover the old and the new array together. On failure the array
- * is unchanged. GD_NO_MEMORY, GD_BUDGET, GD_TOO_LARGE (more than 2^32 - 1 items). */
+/* Makes room for `count` items in the array whose pointer is stored at the address `array`. The
+ * budget of `control` (NULL: unlimited) must cover the old and the new array together. On failure
+ * the array is unchanged. GD_NO_MEMORY, GD_BUDGET, GD_TOO_LARGE (more than 2^32 - 1 items). */
 GD_MUST_USE static inline enum gd_status gd__array_extend(void *array, uint32_t *capacity,
                                                           uint64_t count, size_t size,
                                                           const struct gd_control *control)
@@ -39,12 +28,25 @@ GD_MUST_USE static inline enum gd_status gd__array_extend(void *array, uint32_t 
     memcpy(&items, array, sizeof items);
     if (count <= *capacity && items) return GD_OK;
     if (count > UINT32_MAX) return GD_TOO_LARGE;
-    uint64_t both = (uint64_t)gd__array_capacity(*capacity, (uint32_t)count) + *capacity;
-    enum gd_status status = gd_control_afford(control, both * size);
+    uint32_t larger = gd__array_capacity(*capacity, (uint32_t)count);
+    enum gd_status status = gd_control_afford(control, ((uint64_t)larger + *capacity) * size);
     if (status) return status;
-    items = gd__array_reserve(items, capacity, (uint32_t)count, size);
+    items = realloc(items, larger * size);
     if (!items) return GD_NO_MEMORY;
+    *capacity = larger;
     memcpy(array, &items, sizeof items);
+    return GD_OK;
+}
+
+/* Appends a copy of an item, which is not part of the array. Otherwise as gd__array_extend. */
+GD_MUST_USE static inline enum gd_status
+gd__array_append(void *array, uint32_t *count, uint32_t *capacity, const void *item, size_t size)
+{
+    char *items;
+    enum gd_status status = gd__array_extend(array, capacity, *count + UINT64_C(1), size, NULL);
+    if (status) return status;
+    memcpy(&items, array, sizeof items);
+    memcpy(items + size * (*count)++, item, size);
     return GD_OK;
 }
 

@@ -1,5 +1,6 @@
 #include "gd/number.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -112,6 +113,26 @@ inline char *put_item(char *at, const run &run, const double *values, std::size_
     return at;
 }
 
+/* Writes numbers with a comma behind each, or arrays of three numbers. */
+template <bool IN_TRIPLES> char *put_all(char *at, const double *values, std::size_t count)
+{
+    static_assert(GD__DECIMALS % 3 == 0, "a triple is in one run");
+    gd__decimals_kernel *const kernel = gd__decimals_kernel_here();
+    run run;
+    for (std::size_t begin = 0; begin < count; begin += GD__DECIMALS) {
+        const std::size_t part = std::min(count - begin, std::size_t(GD__DECIMALS));
+        run.left_out = kernel(values + begin, std::uint32_t(part), &run.decimals);
+        for (std::size_t i = 0; i < part; i++) {
+            if (IN_TRIPLES && i % 3 == 0) *at++ = '[';
+            at = put_item(at, run, values + begin, i);
+            if (!IN_TRIPLES || i % 3 != 2) continue;
+            at[-1] = ']';
+            *at++ = ',';
+        }
+    }
+    return at;
+}
+
 } // namespace
 
 char *gd_number_format(char *at, double value)
@@ -127,31 +148,10 @@ char *gd_number_format(char *at, double value)
 
 char *gd_numbers_format(char *at, const double *values, std::size_t count)
 {
-    gd__decimals_kernel *const kernel = gd__decimals_kernel_here();
-    run run;
-    for (std::size_t begin = 0; begin < count; begin += GD__DECIMALS) {
-        const std::size_t part =
-            count - begin < GD__DECIMALS ? count - begin : std::size_t(GD__DECIMALS);
-        run.left_out = kernel(values + begin, std::uint32_t(part), &run.decimals);
-        for (std::size_t i = 0; i < part; i++) at = put_item(at, run, values + begin, i);
-    }
-    return at;
+    return put_all<false>(at, values, count);
 }
 
 char *gd_triples_format(char *at, const double (*values)[3], std::size_t count)
 {
-    const std::size_t triples = GD__DECIMALS / 3;
-    gd__decimals_kernel *const kernel = gd__decimals_kernel_here();
-    run run;
-    for (std::size_t begin = 0; begin < count; begin += triples) {
-        const std::size_t part = count - begin < triples ? count - begin : triples;
-        run.left_out = kernel(values[begin], std::uint32_t(3 * part), &run.decimals);
-        for (std::size_t i = 0; i < 3 * part; i += 3) {
-            *at++ = '[';
-            for (std::size_t k = i; k < i + 3; k++) at = put_item(at, run, values[begin], k);
-            at[-1] = ']';
-            *at++ = ',';
-        }
-    }
-    return at;
+    return put_all<true>(at, *values, 3 * count);
 }

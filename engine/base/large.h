@@ -5,6 +5,8 @@
 
 #include <stddef.h>
 
+#define GD__HUGE_PAGE ((size_t)2 << 20)
+
 /* Allocates `count` items of `size` bytes, uninitialised and 64-byte aligned. The caller frees the
  * array by free. Returns NULL if there is no memory. Thread-safe. */
 void *gd__large_array(size_t count, size_t size);

@@ -21,6 +21,7 @@
 struct gd__pace {
     const struct gd_control *control; /* NULL: never stops */
     double fraction;                  /* progress to report to the control */
+    size_t held;                      /* bytes to check against the budget */
     uint64_t count;                   /* steps since the last check */
     enum gd_status status;            /* sticky: the error that stopped the work */
 };
@@ -31,8 +32,16 @@ static inline bool gd__pace(struct gd__pace *pace, uint64_t steps)
     pace->count += steps;
     if (pace->count < GD__PACE_STEPS || pace->status) return !pace->status;
     pace->count = 0;
-    pace->status = gd_control_check(pace->control, pace->fraction);
+    pace->status = gd_control_afford(pace->control, pace->held);
+    if (!pace->status) pace->status = gd_control_check(pace->control, pace->fraction);
     return !pace->status;
+}
+
+/* As gd__pace. Returns the status. */
+GD_MUST_USE static inline enum gd_status gd__pace_step(struct gd__pace *pace, uint64_t steps)
+{
+    gd__pace(pace, steps);
+    return pace->status;
 }
 
 /* Returns the end of the slice of [0, count) that begins at `done`. Returns `done` if the loop must

@@ -7,7 +7,6 @@
 
 #define CHUNK_FIRST ((size_t)64 << 10)
 #define CHUNK_LAST  ((size_t)64 << 20)
-#define HUGE_PAGE   ((size_t)2 << 20)
 #define BUDGET_PART 8
 
 struct gd__pool_chunk {
@@ -69,7 +68,8 @@ static size_t chunk_size(size_t wanted, size_t need)
 {
     size_t size = wanted < CHUNK_FIRST ? CHUNK_FIRST : wanted > CHUNK_LAST ? CHUNK_LAST : wanted;
     if (size < need + CHUNK_HEADER) size = need + CHUNK_HEADER;
-    return size > HUGE_PAGE ? (size + HUGE_PAGE - 1) & ~(HUGE_PAGE - 1) : (size + 63) & ~(size_t)63;
+    return size > GD__HUGE_PAGE ? (size + GD__HUGE_PAGE - 1) & ~(GD__HUGE_PAGE - 1)
+                                : (size + 63) & ~(size_t)63;
 }
 
 /* Returns true if the chunk is small compared with the budget. A larger chunk might leave too

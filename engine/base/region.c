@@ -5,11 +5,12 @@
 #include <string.h>
 #include <sys/mman.h>
 
-#define HUGE_PAGE ((size_t)2 << 20)
-#define PAGE      ((size_t)4096)
-#define STEP      ((size_t)256 << 10) /* least increment charged to the budget */
-#define LEAST     ((size_t)4 << 20)
-#define SPARES    8
+#include "base/large.h"
+
+#define PAGE   ((size_t)4096)
+#define STEP   ((size_t)256 << 10) /* least increment charged to the budget */
+#define LEAST  ((size_t)4 << 20)
+#define SPARES 8
 
 static size_t region_up(size_t size, size_t unit)
 {
@@ -94,14 +95,14 @@ static struct gd__kept take_spare(size_t reserved)
  * that spans several. */
 static char *region_reserve(size_t size)
 {
-    char *pages = mmap(NULL, size + HUGE_PAGE, PROT_READ | PROT_WRITE,
+    char *pages = mmap(NULL, size + GD__HUGE_PAGE, PROT_READ | PROT_WRITE,
                        MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     if (pages == MAP_FAILED) return NULL;
-    char *base = (char *)region_up((uintptr_t)pages, HUGE_PAGE);
+    char *base = (char *)region_up((uintptr_t)pages, GD__HUGE_PAGE);
     if (base > pages) munmap(pages, (size_t)(base - pages));
-    munmap(base + size, HUGE_PAGE - (size_t)(base - pages));
+    munmap(base + size, GD__HUGE_PAGE - (size_t)(base - pages));
     /* huge pages would waste memory for small arrays, so the first one is excluded */
-    madvise(base + HUGE_PAGE, size - HUGE_PAGE, MADV_HUGEPAGE);
+    madvise(base + GD__HUGE_PAGE, size - GD__HUGE_PAGE, MADV_HUGEPAGE);
     return base;
 }
 
@@ -109,13 +110,13 @@ enum gd_status gd__region_open(struct gd__region *region, size_t most, struct gd
 {
     struct gd__kept have = {
         .base = region->base, .bytes = region->touched, .reserved = region->reserved};
-    if (!have.base) have = take_spare(region_up(most, HUGE_PAGE));
+    if (!have.base) have = take_spare(region_up(most, GD__HUGE_PAGE));
     *region = (struct gd__region){
         .base = have.base, .touched = have.bytes, .reserved = have.reserved, .budget = budget};
-    for (size_t size = region_up(most < LEAST ? LEAST : most, HUGE_PAGE); !region->base;
+    for (size_t size = region_up(most < LEAST ? LEAST : most, GD__HUGE_PAGE); !region->base;
          size /= 2) {
         if (size < LEAST) return GD_NO_MEMORY;
-        region->reserved = size & ~(HUGE_PAGE - 1);
+        region->reserved = size & ~(GD__HUGE_PAGE - 1);
         region->base = region_reserve(region->reserved);
     }
     return GD_OK;
@@ -132,13 +133,13 @@ static enum gd_status extend(struct gd__region *region, size_t need)
     if (size > GD__REGION_MOST) size = GD__REGION_MOST;
     char *base = region_reserve(size);
     if (!base) return GD_NO_MEMORY;
-    if (mremap(region->base + HUGE_PAGE, region->reserved - HUGE_PAGE, size - HUGE_PAGE,
-               MREMAP_MAYMOVE | MREMAP_FIXED, base + HUGE_PAGE) == MAP_FAILED) {
-        munmap(base, HUGE_PAGE);
+    if (mremap(region->base + GD__HUGE_PAGE, region->reserved - GD__HUGE_PAGE, size - GD__HUGE_PAGE,
+               MREMAP_MAYMOVE | MREMAP_FIXED, base + GD__HUGE_PAGE) == MAP_FAILED) {
+        munmap(base, GD__HUGE_PAGE);
         return GD_NO_MEMORY;
     }
-    memcpy(base, region->base, region->used < HUGE_PAGE ? region->used : HUGE_PAGE);
-    munmap(region->base, HUGE_PAGE);
+    memcpy(base, region->base, region->used < GD__HUGE_PAGE ? region->used : GD__HUGE_PAGE);
+    munmap(region->base, GD__HUGE_PAGE);
     region->base = base;
     region->reserved = size;
     return GD_OK;
@@ -161,7 +162,7 @@ enum gd_status gd__region_reserve(struct gd__region *region, size_t bytes)
 /* Returns the pages behind `used` to the system, also within the last huge page. */
 static void region_trim(const struct gd__region *region, size_t used)
 {
-    size_t touched = region_up(region->touched > used ? region->touched : used, HUGE_PAGE);
+    size_t touched = region_up(region->touched > used ? region->touched : used, GD__HUGE_PAGE);
     if (touched > used) madvise(region->base + used, touched - used, MADV_DONTNEED);
 }
 

@@ -9,6 +9,10 @@
  * assembly has its own scale. */
 #define GD_TOL_BETTER 1e-14
 
+/* A tie of two windows at an end of their overlap decides the whole overlap only if it is narrower
+ * than 1 / FACTOR of the distance of their sources. In a wider one, one of them may win inside. */
+#define GD_TOL_TIE_FACTOR 1024
+
 /* A window is stale if its source has come nearer since it cast the window, by more than this times
  * the window's distance. The source casts new windows, which replace a stale one. The tolerance
  * absorbs some ties of a contest. */
@@ -31,6 +35,10 @@
 /* A source sees an edge end on if it lies beyond the edge's ends and less than this part of the
  * edge's length off its line. The candidate of the edge's end covers this case. */
 #define GD_TOL_GRAZING 1e-13
+
+/* A ray that passes the apex of its face at more than this part of the crossed edge's length did not
+ * miss the apex due to rounding. */
+#define GD_TOL_BESIDE_APEX 1e-2
 
 /* Exception: a source within this part of the length of the edge itself sees the edge at all
  * angles. */
@@ -156,6 +164,9 @@
  * common point: a line and its end have one tangent there. The nudged position is kept; its error
  * is at most the nudge. */
 #define GD_TOL_TANGENT 1e-3
+
+/* A span of a bisector's angles is empty if it is no wider than this: the rounding of an angle. */
+#define GD_TOL_SPAN 0x1p-52
 
 /* The view of a line may be widened by this part of its distance, to close gaps due to rounding.
  * The distance is then too short by half this part of the widening. */
@@ -357,6 +368,10 @@
 /* Largest rounding of a step from ring to ring (kernel/ring.h) in floats, relative to the search's
  * bound. No coordinate exceeds that bound. */
 #define GD_TOL_RING 2e-6
+
+/* Points of a ring count as at least this far from a place, relative to the search's bound. The
+ * bound of their distance then needs no division by zero. It is far below GD_TOL_RING. */
+#define GD_TOL_RING_NEAR 1e-9
 
 /* Segments of a curve that turn by less than this at their joint are straight there. The sector
  * behind the joint has that angle. The paths around the ends of the segments' windows are as short

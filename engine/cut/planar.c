@@ -75,11 +75,6 @@ static int planar_turn(const struct gd__planar *planar, uint32_t a, uint32_t b, 
     return gd__site_turn(planar->sites[a], planar->sites[b], planar->sites[c]);
 }
 
-static uint32_t corner_after(uint32_t k)
-{
-    return k == 2 ? 0 : k + 1;
-}
-
 static uint32_t corner_before(uint32_t k)
 {
     return k == 0 ? 2 : k - 1;
@@ -139,8 +134,8 @@ static void split_triangle(struct gd__planar *planar, uint32_t t, uint32_t s)
     planar->triangle_count += 2;
     for (uint32_t k = 0; k < 3; k++) redirect(planar, border[k].across, t, part[k]);
     for (uint32_t k = 0; k < 3; k++)
-        set(planar, part[k], (uint32_t[]){old.corner[k], old.corner[corner_after(k)], s},
-            (struct border[]){border[k], inner(part[corner_after(k)]),
+        set(planar, part[k], (uint32_t[]){old.corner[k], old.corner[gd__corner_after(k)], s},
+            (struct border[]){border[k], inner(part[gd__corner_after(k)]),
                               inner(part[corner_before(k)])});
 }
 
@@ -148,10 +143,11 @@ static void split_triangle(struct gd__planar *planar, uint32_t t, uint32_t s)
  * strictly inside that side. */
 static void split_side(struct gd__planar *planar, uint32_t t, uint32_t k, uint32_t s)
 {
-    uint32_t a = planar->triangles[t].corner[k], b = planar->triangles[t].corner[corner_after(k)],
+    uint32_t a = planar->triangles[t].corner[k],
+             b = planar->triangles[t].corner[gd__corner_after(k)],
              c = planar->triangles[t].corner[corner_before(k)],
              other = planar->triangles[t].across[k];
-    struct border bc = border_of(planar, t, corner_after(k)),
+    struct border bc = border_of(planar, t, gd__corner_after(k)),
                   ca = border_of(planar, t, corner_before(k));
     uint32_t new = planar->triangle_count++,
              other_new = other == GD_NONE ? GD_NONE : planar->triangle_count++;
@@ -159,7 +155,7 @@ static void split_side(struct gd__planar *planar, uint32_t t, uint32_t k, uint32
     if (other != GD_NONE) {
         uint32_t m = side_towards(planar, other, t),
                  d = planar->triangles[other].corner[corner_before(m)];
-        struct border ad = border_of(planar, other, corner_after(m)),
+        struct border ad = border_of(planar, other, gd__corner_after(m)),
                       db = border_of(planar, other, corner_before(m));
         redirect(planar, db.across, other, other_new);
         set(planar, other, (uint32_t[]){s, a, d},
@@ -212,7 +208,7 @@ static bool is_convex(const struct gd__planar *planar, struct side side)
 {
     const struct gd__planar_triangle *t = &planar->triangles[side.triangle];
     uint32_t other = t->across[side.k], m = side_towards(planar, other, side.triangle);
-    uint32_t a = t->corner[side.k], b = t->corner[corner_after(side.k)],
+    uint32_t a = t->corner[side.k], b = t->corner[gd__corner_after(side.k)],
              c = t->corner[corner_before(side.k)],
              d = planar->triangles[other].corner[corner_before(m)];
     return planar_turn(planar, c, a, d) > 0 && planar_turn(planar, d, b, c) > 0;
@@ -224,12 +220,12 @@ static void planar_flip(struct gd__planar *planar, struct side side)
     uint32_t t = side.triangle, other = planar->triangles[t].across[side.k],
              m = side_towards(planar, other, t);
     uint32_t a = planar->triangles[t].corner[side.k],
-             b = planar->triangles[t].corner[corner_after(side.k)],
+             b = planar->triangles[t].corner[gd__corner_after(side.k)],
              c = planar->triangles[t].corner[corner_before(side.k)],
              d = planar->triangles[other].corner[corner_before(m)];
-    struct border bc = border_of(planar, t, corner_after(side.k)),
+    struct border bc = border_of(planar, t, gd__corner_after(side.k)),
                   ca = border_of(planar, t, corner_before(side.k)),
-                  ad = border_of(planar, other, corner_after(m)),
+                  ad = border_of(planar, other, gd__corner_after(m)),
                   db = border_of(planar, other, corner_before(m));
     redirect(planar, bc.across, t, other);
     redirect(planar, ad.across, other, t);
@@ -264,7 +260,7 @@ static bool find_around(const struct gd__planar *planar, uint32_t a, uint32_t b,
 /* Returns true if the side that leaves the corner ends in b. */
 static bool leads_to(const struct gd__planar *planar, struct side at, uint32_t b)
 {
-    return planar->triangles[at.triangle].corner[corner_after(at.k)] == b;
+    return planar->triangles[at.triangle].corner[gd__corner_after(at.k)] == b;
 }
 
 /* Returns true if the side that ends in the corner begins in b. Needed for sides on the border of
@@ -278,7 +274,7 @@ static bool comes_from(const struct gd__planar *planar, struct side at, uint32_t
 static bool opens_to(const struct gd__planar *planar, struct side at, uint32_t b)
 {
     const uint32_t *corner = planar->triangles[at.triangle].corner;
-    uint32_t a = corner[at.k], right = corner[corner_after(at.k)],
+    uint32_t a = corner[at.k], right = corner[gd__corner_after(at.k)],
              left = corner[corner_before(at.k)];
     return planar_turn(planar, a, b, right) < 0 && planar_turn(planar, a, b, left) > 0;
 }
@@ -306,13 +302,13 @@ static bool queue_crossed(struct gd__planar *planar, uint32_t a, uint32_t b, uin
 {
     struct side at;
     if (!find_around(planar, a, b, opens_to, &at)) return false;
-    uint32_t t = at.triangle, k = corner_after(at.k);
+    uint32_t t = at.triangle, k = gd__corner_after(at.k);
     for (*count = 0;;) {
         const struct gd__planar_triangle *triangle = &planar->triangles[t];
         uint32_t other = triangle->across[k];
         if (triangle->is_fixed[k] || other == GD_NONE) return false;
         planar->queue[(*count)++] =
-            (struct gd__planar_side){triangle->corner[k], triangle->corner[corner_after(k)]};
+            (struct gd__planar_side){triangle->corner[k], triangle->corner[gd__corner_after(k)]};
         uint32_t m = side_towards(planar, other, t),
                  apex = planar->triangles[other].corner[corner_before(m)];
         if (apex == b) return true;
@@ -320,7 +316,7 @@ static bool queue_crossed(struct gd__planar *planar, uint32_t a, uint32_t b, uin
         if (side == 0) return false;
         t = other;
         /* if the apex is on the left, continues across the right side */
-        k = side > 0 ? corner_after(m) : corner_before(m);
+        k = side > 0 ? gd__corner_after(m) : corner_before(m);
     }
 }
 
@@ -398,7 +394,7 @@ static bool is_bad(const struct gd__planar *planar, struct side side)
     uint32_t m = side_towards(planar, other, side.triangle),
              d = planar->triangles[other].corner[corner_before(m)];
     const struct gd__local *place = planar->places;
-    struct gd__local a = place[t->corner[side.k]], b = place[t->corner[corner_after(side.k)]];
+    struct gd__local a = place[t->corner[side.k]], b = place[t->corner[gd__corner_after(side.k)]];
     struct angle at_c = planar_angle_at(place[t->corner[corner_before(side.k)]], a, b),
                  at_d = planar_angle_at(place[d], b, a);
     return at_c.sine * at_d.cosine + at_c.cosine * at_d.sine <

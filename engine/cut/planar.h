@@ -38,6 +38,12 @@ struct gd__planar { /* reused from face to face; an all-zero struct is empty */
     struct gd__planar_side *queue; /* queue of sides to be flipped */
 };
 
+/* Returns the corner of a triangle after corner k. */
+static inline uint32_t gd__corner_after(uint32_t k)
+{
+    return k == 2 ? 0 : k + 1;
+}
+
 void gd__planar_free(struct gd__planar *planar);
 
 /* Makes room for `count` >= 3 sites. Errors: GD_TOO_LARGE, GD_NO_MEMORY, GD_BUDGET. */

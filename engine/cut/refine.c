@@ -54,18 +54,13 @@ static void positions_of(const struct gd__refined *refined, uint32_t triangle,
 
 /* --- joining ---------------------------------------------------------------------------------- */
 
-static uint32_t cut_refine_next(uint32_t k)
-{
-    return k == 2 ? 0 : k + 1;
-}
-
 /* Joins two triangles at a common side. The triangles traverse the side in opposite directions. */
 static void cut_refine_join(struct gd__refined *refined, uint32_t t, uint32_t k, uint32_t other,
                             uint32_t m)
 {
     gd__union_find_join(refined->region, t, other);
-    gd__union_find_join(refined->vertex, 3 * t + k, 3 * other + cut_refine_next(m));
-    gd__union_find_join(refined->vertex, 3 * t + cut_refine_next(k), 3 * other + m);
+    gd__union_find_join(refined->vertex, 3 * t + k, 3 * other + gd__corner_after(m));
+    gd__union_find_join(refined->vertex, 3 * t + gd__corner_after(k), 3 * other + m);
 }
 
 /* Joins triangle t, whose side k is `piece`, to the other triangle at that piece, unless the seam
@@ -160,7 +155,7 @@ static uint32_t cut_refine_piece_of(const struct refining *refining, uint32_t fa
                                     uint32_t k)
 {
     const struct gd__refined *refined = &refining->refined;
-    uint32_t a = refined->node[t][k], b = refined->node[t][cut_refine_next(k)];
+    uint32_t a = refined->node[t][k], b = refined->node[t][gd__corner_after(k)];
     uint32_t sides =
         gd__node_sides(refined->nodes, face, a) & gd__node_sides(refined->nodes, face, b);
     uint32_t edge = refined->mesh->face_side[face][sides & 1 ? 0 : sides & 2 ? 1 : 2] / 2;

@@ -65,7 +65,7 @@ static enum gd_status add_face(struct arrivals *arrivals, uint32_t face, int k, 
                                          arrivals->field->mesh->face_side[face][0], weight),
                      zero = sources->frame.along[k];
     double slack = gd__stored_slack(sources->frame.size);
-    for (uint32_t i = 0; i < sources->count; i++) {
+    for (uint32_t i = 0; i < sources->count && !status; i++) {
         const struct gd__source *source = &sources->source[i];
         struct gd__local to = direction_to_source(source, at);
         double angle = atan2(zero.x * to.y - zero.y * to.x, zero.x * to.x + zero.y * to.y);
@@ -73,13 +73,11 @@ static enum gd_status add_face(struct arrivals *arrivals, uint32_t face, int k, 
         if (is_beside(source, to, slack) || angle > extent + GD_TOL_CUT_ANGLE ||
             !source_sees(source, at, slack))
             continue;
-        struct arrival *grown = gd__array_reserve(arrivals->arrival, &arrivals->capacity,
-                                                  arrivals->count + 1, sizeof *grown);
-        if (!grown) return GD_NO_MEMORY;
-        arrivals->arrival = grown;
-        grown[arrivals->count++] = (struct arrival){gd__source_distance(source, at), begin + angle};
+        struct arrival found = {gd__source_distance(source, at), begin + angle};
+        status = gd__array_append(&arrivals->arrival, &arrivals->count, &arrivals->capacity, &found,
+                                  sizeof found);
     }
-    return GD_OK;
+    return status;
 }
 
 static enum gd_status add_fan(struct arrivals *arrivals, uint32_t vertex)

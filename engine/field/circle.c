@@ -8,11 +8,6 @@
  * disks and half-planes. On a circle each of them is a condition cos(angle - phi) >= q; on a line,
  * an interval. */
 
-static struct gd__local from_to(struct gd__local from, struct gd__local to)
-{
-    return (struct gd__local){to.x - from.x, to.y - from.y};
-}
-
 static struct gd__local opposite(struct gd__local v)
 {
     return (struct gd__local){-v.x, -v.y};
@@ -45,9 +40,7 @@ static struct gd__circle line_of(const struct gd__source *source, struct gd__loc
 struct gd__circle gd__circle_of(const struct gd__sources *sources, uint32_t i, double level)
 {
     const struct gd__source *source = &sources->source[i];
-    const struct gd__local *corner = sources->frame.corner;
-    struct gd__local middle = {(corner[0].x + corner[1].x + corner[2].x) / 3,
-                               (corner[0].y + corner[1].y + corner[2].y) / 3};
+    struct gd__local middle = gd__face_frame_middle(&sources->frame);
     if (source->linear) return line_of(source, middle, sources->frame.size, level);
     double zero = atan2(middle.y - source->at.y, middle.x - source->at.x);
     return (struct gd__circle){.centre = source->at,
@@ -71,7 +64,7 @@ struct gd__local gd__circle_place(const struct gd__circle *circle, double angle)
 
 double gd__circle_angle(const struct gd__circle *circle, struct gd__local at)
 {
-    struct gd__local v = from_to(circle->centre, at);
+    struct gd__local v = gd__local_minus(at, circle->centre);
     return circle->straight ? angle_along(circle, gd__local_dot(gd__circle_along(circle), v))
                             : angle_of(circle, v);
 }
@@ -102,7 +95,7 @@ static struct gd__turn in_half_plane(const struct gd__circle *circle, struct gd_
 static double height_over(const struct gd__circle *circle, struct gd__local normal,
                           struct gd__local through)
 {
-    return gd__local_dot(normal, from_to(through, circle->centre));
+    return gd__local_dot(normal, gd__local_minus(circle->centre, through));
 }
 
 static bool circle_touches(const struct gd__circle *circle, struct gd__local normal, double height,
@@ -129,7 +122,7 @@ static struct gd__turn beyond_line(const struct gd__circle *circle, struct gd__l
 static struct gd__turn line_in_disk(const struct gd__circle *line, struct gd__local centre,
                                     double radius)
 {
-    struct gd__local v = from_to(line->centre, centre);
+    struct gd__local v = gd__local_minus(centre, line->centre);
     double along = gd__local_dot(v, gd__circle_along(line)),
            away = fabs(gd__local_dot(v, line->towards));
     if (!(radius > away)) return (struct gd__turn){0};
@@ -142,7 +135,7 @@ static struct gd__turn in_disk(const struct gd__circle *circle, struct gd__local
                                double radius)
 {
     if (circle->straight) return line_in_disk(circle, centre, radius);
-    struct gd__local v = from_to(circle->centre, centre);
+    struct gd__local v = gd__local_minus(centre, circle->centre);
     double apart = sqrt(gd__local_dot(v, v)),
            excess = (circle->radius - radius) * (circle->radius + radius);
     if (radius <= 0) return (struct gd__turn){0};
@@ -223,8 +216,8 @@ static struct probe probe_of(const struct gd__circle *circle, const struct gd__s
  * test needs no angles and rejects most sources. */
 static bool may_cover(const struct gd__source *source, double level, const struct probe *probe)
 {
-    struct gd__local v = from_to(source->left_at, probe->at),
-                     u = from_to(source->right_at, probe->at);
+    struct gd__local v = gd__local_minus(probe->at, source->left_at),
+                     u = gd__local_minus(probe->at, source->right_at);
     double far = level - source->sigma + probe->reach;
     if (source->linear ? gd__source_distance(source, probe->at) - probe->reach >= level
                        : far <= 0 || gd__local_dot(v, v) >= far * far)
@@ -277,7 +270,7 @@ static bool encloses_face(const struct gd__circle *circle, const struct gd__face
                           double slack)
 {
     for (int k = 0; k < 3; k++) {
-        struct gd__local v = from_to(circle->centre, frame->corner[k]);
+        struct gd__local v = gd__local_minus(frame->corner[k], circle->centre);
         if (circle->straight ? gd__local_dot(v, circle->towards) >= -slack
                              : gd__local_dot(v, v) >= circle->radius * circle->radius)
             return false;

@@ -40,17 +40,15 @@ static void search_across_edge(const struct gd_field *field, uint32_t side, cons
     uint32_t face = mesh->side_face[side ^ 1];
     if (face == GD_NONE) return;
     int k = gd__place_of_side(mesh->face_side[face], side ^ 1);
-    const struct gd__face_seed *end = field->face_seeds + field->face_seed_count;
-    for (const struct gd__face_seed *f = gd__field_seeds_in(field, face);
-         f < end && f->face == face; f++) {
-        const struct gd__seed *seed = &field->seeds[f->seed];
+    for (struct gd__face_seeds f = gd__field_seeds_in(field, face); f.at < f.end; f.at++) {
+        const struct gd__seed *seed = &field->seeds[f.at->seed];
         if (seed->is_segment) continue;
         double weight[3], s[3];
         gd__point_weights(mesh, &seed->point, face, weight);
         turn_weights(weight, k, s);
         struct gd__close_seed close;
         if (s[2] > GD_TOL_BESIDE_VERTEX || !is_across(mesh, side, p, s, &close)) continue;
-        close.seed = f->seed;
+        close.seed = f.at->seed;
         close.distance += seed->offset;
         if (close.distance < best->distance) *best = close;
     }
@@ -85,13 +83,11 @@ static void search_round_vertex(const struct gd_field *field, const struct gd__p
                                 struct gd__close_seed *best)
 {
     const struct gd_mesh *mesh = field->mesh;
-    const struct gd__face_seed *end = field->face_seeds + field->face_seed_count;
     for (uint32_t i = mesh->fan_first[at->vertex]; i < mesh->fan_first[at->vertex + 1]; i++) {
         uint32_t face = mesh->side_face[mesh->fan[i].side];
-        for (const struct gd__face_seed *f = gd__field_seeds_in(field, face);
-             f < end && f->face == face; f++) {
-            const struct gd__seed *seed = &field->seeds[f->seed];
-            struct gd__close_seed close = {.seed = f->seed, .at = *at};
+        for (struct gd__face_seeds f = gd__field_seeds_in(field, face); f.at < f.end; f.at++) {
+            const struct gd__seed *seed = &field->seeds[f.at->seed];
+            struct gd__close_seed close = {.seed = f.at->seed, .at = *at};
             if (seed->is_segment || !gd__polar_beside(mesh, &seed->point, &close.to) ||
                 close.to.vertex != at->vertex)
                 continue;

@@ -42,6 +42,22 @@ static inline struct gd__local gd__face_frame_place(const struct gd__face_frame 
     return (struct gd__local){frame->corner[k].x + turned.x, frame->corner[k].y + turned.y};
 }
 
+static inline struct gd__local gd__face_frame_middle(const struct gd__face_frame *frame)
+{
+    const struct gd__local *c = frame->corner;
+    return (struct gd__local){(c[0].x + c[1].x + c[2].x) / 3, (c[0].y + c[1].y + c[2].y) / 3};
+}
+
+/* Returns true if a place is in the face, or beside it by at most `slack`. */
+static inline bool gd__face_frame_has(const struct gd__face_frame *frame, struct gd__local at,
+                                      double slack)
+{
+    for (int k = 0; k < 3; k++)
+        if (gd__local_cross(frame->along[k], gd__local_minus(at, frame->corner[k])) < -slack)
+            return false;
+    return true;
+}
+
 /* Returns the point of the face at a place, clamped to the face, because rounding may move a place
  * outside. */
 static inline struct gd_point gd__face_frame_point(const struct gd_mesh *mesh, uint32_t face,

@@ -203,7 +203,7 @@ enum gd_status gd__field_take_seeds(struct gd_field *field, const struct gd_fiel
 
 /* --- lookup ----------------------------------------------------------------------------------- */
 
-const struct gd__face_seed *gd__field_seeds_in(const struct gd_field *field, uint32_t face)
+struct gd__face_seeds gd__field_seeds_in(const struct gd_field *field, uint32_t face)
 {
     uint32_t lo = 0, hi = field->face_seed_count;
     while (lo < hi) {
@@ -213,5 +213,6 @@ const struct gd__face_seed *gd__field_seeds_in(const struct gd_field *field, uin
         else
             hi = middle;
     }
-    return field->face_seeds + lo;
+    while (hi < field->face_seed_count && field->face_seeds[hi].face == face) hi++;
+    return (struct gd__face_seeds){field->face_seeds + lo, field->face_seeds + hi};
 }

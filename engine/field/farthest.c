@@ -67,21 +67,6 @@ static void offer_place(struct search *search, struct gd__local at)
 
 /* --- candidate faces -------------------------------------------------------------------------- */
 
-/* Returns an upper bound of the distances in a face: each point is within an edge's length of each
- * corner. */
-static double most_in_face(const struct search *search, uint32_t face)
-{
-    const struct gd_mesh *mesh = search->mesh;
-    const struct gd_side *s = &mesh->side[mesh->face_side[face][0]];
-    double a = s->length, b = s->right_length, c = s->left_length,
-           reach[3] = {fmax(a, c), fmax(a, b), fmax(b, c)};
-    double most = GD__FAR;
-    for (int k = 0; k < 3; k++)
-        most =
-            fmin(most, search->field->distance[mesh->origin[mesh->face_side[face][k]]] + reach[k]);
-    return most;
-}
-
 static int by_most(const void *a, const void *b)
 {
     const struct candidate *x = a, *y = b;
@@ -91,18 +76,16 @@ static int by_most(const void *a, const void *b)
 
 static enum gd_status find_candidates(struct search *search)
 {
-    for (uint32_t face = 0; face < search->mesh->face_count; face++) {
-        double most = most_in_face(search, face);
-        if (most <= search->best || most >= GD__FAR) continue;
-        struct candidate *grown = gd__array_reserve(search->candidate, &search->candidate_capacity,
-                                                    search->candidate_count + 1, sizeof *grown);
-        if (!grown) return GD_NO_MEMORY;
-        search->candidate = grown;
-        search->candidate[search->candidate_count++] = (struct candidate){most, face};
+    enum gd_status status = GD_OK;
+    for (uint32_t face = 0; face < search->mesh->face_count && !status; face++) {
+        struct candidate found = {gd__field_face_levels(search->field, face).most, face};
+        if (found.most > search->best && found.most < GD__FAR)
+            status = gd__array_append(&search->candidate, &search->candidate_count,
+                                      &search->candidate_capacity, &found, sizeof found);
     }
     if (search->candidate_count)
         qsort(search->candidate, search->candidate_count, sizeof *search->candidate, by_most);
-    return GD_OK;
+    return status;
 }
 
 /* --- candidate sources ------------------------------------------------------------------------ */
@@ -130,12 +113,9 @@ static enum gd_status find_rising(struct search *search, uint32_t face)
     for (uint32_t i = 0; i < search->sources.count && !status; i++) {
         bool rises;
         status = is_rising(search, i, &rises);
-        if (status || !rises) continue;
-        uint32_t *grown = gd__array_reserve(search->rising, &search->rising_capacity,
-                                            search->rising_count + 1, sizeof *grown);
-        if (!grown) return GD_NO_MEMORY;
-        search->rising = grown;
-        search->rising[search->rising_count++] = i;
+        if (!status && rises)
+            status = gd__array_append(&search->rising, &search->rising_count,
+                                      &search->rising_capacity, &i, sizeof i);
     }
     return status;
 }
@@ -225,18 +205,10 @@ static int places_between(const struct gd__source *const s[3], struct gd__local 
     return kept;
 }
 
-static bool is_in_face(const struct gd__face_frame *frame, struct gd__local at)
-{
-    for (int k = 0; k < 3; k++) {
-        struct gd__local from = {at.x - frame->corner[k].x, at.y - frame->corner[k].y};
-        if (gd__local_cross(frame->along[k], from) < -GD_TOL_CHECK * frame->size) return false;
-    }
-    return true;
-}
-
 static void search_between(struct search *search, uint32_t i, uint32_t k, uint32_t l)
 {
     const struct gd__source *all = search->sources.source, *s[3] = {&all[i], &all[k], &all[l]};
+    const struct gd__face_frame *frame = &search->sources.frame;
     struct gd__local place[2];
     int point = s[0]->linear ? s[1]->linear ? 2 : 1 : 0; /* the first point source, if any */
     s[0] = s[point];
@@ -244,7 +216,7 @@ static void search_between(struct search *search, uint32_t i, uint32_t k, uint32
     int count = places_between(s, place);
     for (int p = 0; p < count; p++)
         if (gd__source_distance(s[0], place[p]) > search->best &&
-            is_in_face(&search->sources.frame, place[p]))
+            gd__face_frame_has(frame, place[p], GD_TOL_CHECK * frame->size))
             offer_place(search, place[p]);
 }
 
@@ -332,7 +304,7 @@ static bool is_within_reach(const struct search *search)
     const struct gd_mesh *mesh = field->mesh;
     if (field->reach >= GD__FAR) return true;
     for (uint32_t face = 0; face < mesh->face_count; face++) {
-        double most = most_in_face(search, face);
+        double most = gd__field_face_levels(field, face).most;
         if (most > field->reach && most < GD__FAR) return false;
     }
     return is_heard_of_all_seeds(field);

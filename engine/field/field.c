@@ -2,10 +2,7 @@
 
 #include <stdlib.h>
 
-#include "partition/run.h"
-
-#define CHECK_PARTS 8
-#define CHECK_LEAST 30000 /* edges; a smaller mesh is checked before a second thread starts */
+#include "partition/partition.h"
 
 /* --- building --------------------------------------------------------------------------------- */
 
@@ -28,12 +25,6 @@ size_t gd__field_bytes(const struct gd_field *field)
            field->seed_count * (sizeof *field->seeds + 2 * sizeof *field->face_seeds);
 }
 
-/* The context of the check's tasks, each of which checks a part of the edges. */
-struct check {
-    const struct gd_field *field;
-    bool failed[CHECK_PARTS];
-};
-
 /* Returns true if the distances of an edge's ends differ by more than the edge's length, within the
  * field's reach. If no edge breaks this law, every vertex is reached. */
 static bool breaks_law(const struct gd_field *field, uint32_t side)
@@ -44,24 +35,11 @@ static bool breaks_law(const struct gd_field *field, uint32_t side)
     return nearer + fabs(a - b) > through * (1 + GD_TOL_CHECK) && through <= field->reach;
 }
 
-static void check_edges(void *context, uint32_t part)
+static bool obeys_law(const struct gd_field *field)
 {
-    struct check *check = context;
-    const struct gd_mesh *mesh = check->field->mesh;
-    uint32_t first = (uint32_t)((uint64_t)part * mesh->edge_count / CHECK_PARTS),
-             end = (uint32_t)((uint64_t)(part + 1) * mesh->edge_count / CHECK_PARTS);
-    for (uint32_t side = 2 * first; side < 2 * end; side += 2)
-        if (breaks_law(check->field, side)) check->failed[part] = true;
-}
-
-static bool obeys_law(const struct gd_field *field, const struct gd_executor *executor)
-{
-    struct check check = {.field = field};
-    bool failed = false;
-    gd_executor_run(field->mesh->edge_count < CHECK_LEAST ? NULL : executor, check_edges, &check,
-                    CHECK_PARTS);
-    for (int part = 0; part < CHECK_PARTS; part++) failed |= check.failed[part];
-    return !failed;
+    for (uint32_t side = 0; side < 2 * field->mesh->edge_count; side += 2)
+        if (breaks_law(field, side)) return false;
+    return true;
 }
 
 /* Lowers the distance of an edge's farther end to that of the path along the edge, if shorter.
@@ -90,13 +68,11 @@ static enum gd_status mend_field(struct gd_field *field)
         for (uint32_t side = 0; side < 2 * field->mesh->edge_count; side += 2)
             if (breaks_law(field, side)) is_mended |= mend_edge(field, side);
     }
-    return obeys_law(field, NULL) ? GD_OK : GD_INTERNAL;
+    return obeys_law(field) ? GD_OK : GD_INTERNAL;
 }
 
-enum gd_status gd__field_take(void *user, struct gd__wavefront *front,
-                              const struct gd_executor *executor)
+enum gd_status gd__field_take(void *user, struct gd__wavefront *front)
 {
-    (void)executor;
     struct gd_field *field = user;
     field->statistics =
         (struct gd_field_statistics){.windows_created = front->counts.windows_created,
@@ -131,48 +107,40 @@ enum gd_status gd__field_propagate(struct gd_field *field,
     uint64_t start = gd_now_ns();
     struct gd__sink take = {.take = gd__field_take, .user = field};
     enum gd_status status = gd__wavefront_run(field->mesh, propagation, &take, control, executor);
-    if (!status && !obeys_law(field, executor)) status = mend_field(field);
+    if (!status && !obeys_law(field)) status = mend_field(field);
     field->bytes = gd__field_bytes(field);
     field->statistics.build_ns = gd_now_ns() - start;
     return status;
 }
 
-/* Options of one attempt to build a field. If the check fails, the field is built again with other
- * options, with which rounding discards other windows. */
-struct manner {
+/* The arguments of gd_field_build and of gd_field_distances_only. */
+struct build {
+    const struct gd_mesh *mesh;
+    const struct gd_field_request *request;
+    const struct gd_control *control;
+    struct gd_detail *detail;
     bool without_wedges;
-    struct gd__variant variant;
 };
 
-static enum gd_status propagate_field(struct gd_field *field,
-                                      const struct gd_field_request *request,
-                                      const struct manner *manner, const struct gd_control *control,
-                                      const struct gd_executor *executor)
+static enum gd_status build_once(const struct build *build, struct gd__variant variant,
+                                 const struct gd_executor *executor, struct gd_field **out)
 {
-    struct gd__propagation propagation = {
-        .seeds = field->seeds,
-        .seed_count = field->seed_count,
-        .radius = request->radius > 0 ? request->radius / field->mesh->unit : GD__FAR,
-        .target = request->target,
-        .without_wedges = manner->without_wedges,
-        .variant = manner->variant};
-    return gd__field_propagate(field, &propagation, control, executor);
-}
-
-static enum gd_status build_field(const struct gd_mesh *mesh,
-                                  const struct gd_field_request *request,
-                                  const struct manner *manner, const struct gd_control *control,
-                                  const struct gd_executor *executor, struct gd_field **out,
-                                  struct gd_detail *detail)
-{
-    enum gd_status status = check_request(request, detail);
+    const struct gd_field_request *request = build->request;
+    enum gd_status status = check_request(request, build->detail);
     if (status) return status;
-    struct gd_field *field = gd__field_create(mesh);
-    if (!field) return gd_fail_status(detail, GD_NO_MEMORY);
-    status = gd__field_take_seeds(field, request, detail);
+    struct gd_field *field = gd__field_create(build->mesh);
+    if (!field) return gd_fail_status(build->detail, GD_NO_MEMORY);
+    status = gd__field_take_seeds(field, request, build->detail);
     if (!status) {
-        status = propagate_field(field, request, manner, control, executor);
-        if (status) gd_fail_status(detail, status);
+        struct gd__propagation propagation = {
+            .seeds = field->seeds,
+            .seed_count = field->seed_count,
+            .radius = request->radius > 0 ? request->radius / field->mesh->unit : GD__FAR,
+            .target = request->target,
+            .without_wedges = build->without_wedges,
+            .variant = variant};
+        status = gd__field_propagate(field, &propagation, build->control, executor);
+        if (status) gd_fail_status(build->detail, status);
     }
     if (status)
         gd_field_release(field);
@@ -181,23 +149,18 @@ static enum gd_status build_field(const struct gd_mesh *mesh,
     return status;
 }
 
-static enum gd_status build_somehow(const struct gd_mesh *mesh,
-                                    const struct gd_field_request *request, bool without_wedges,
-                                    const struct gd_control *control,
-                                    const struct gd_executor *executor, struct gd_field **out,
-                                    struct gd_detail *detail)
+/* If the check fails, the field is built again by another variant, with which rounding discards
+ * other windows. */
+static enum gd_status build_somehow(const struct build *build, const struct gd_executor *executor,
+                                    struct gd_field **out)
 {
     const struct gd__variant variants[] = {{0},
-                                           {0},
                                            {.no_coalescing = true},
                                            {.no_cone = true},
                                            {.no_coalescing = true, .no_filter = true}};
-    enum gd_status status = GD_INTERNAL;
-    for (size_t i = executor ? 0 : 1;
-         i < sizeof variants / sizeof *variants && status == GD_INTERNAL; i++) {
-        struct manner manner = {without_wedges, variants[i]};
-        status = build_field(mesh, request, &manner, control, i ? NULL : executor, out, detail);
-    }
+    enum gd_status status = executor ? build_once(build, variants[0], executor, out) : GD_INTERNAL;
+    for (size_t i = 0; i < sizeof variants / sizeof *variants && status == GD_INTERNAL; i++)
+        status = build_once(build, variants[i], NULL, out);
     return status;
 }
 
@@ -205,8 +168,8 @@ enum gd_status gd_field_build(const struct gd_mesh *mesh, const struct gd_field_
                               const struct gd_control *control, struct gd_field **out,
                               struct gd_detail *detail)
 {
-    const struct gd_executor *executor = control ? control->executor : NULL;
-    return build_somehow(mesh, request, false, control, executor, out, detail);
+    const struct build build = {mesh, request, control, detail, false};
+    return build_somehow(&build, control ? control->executor : NULL, out);
 }
 
 enum gd_status gd_field_distances_only(const struct gd_mesh *mesh,
@@ -214,8 +177,9 @@ enum gd_status gd_field_distances_only(const struct gd_mesh *mesh,
                                        const struct gd_control *control, double *out,
                                        struct gd_detail *detail)
 {
+    const struct build build = {mesh, request, control, detail, true};
     struct gd_field *field = NULL;
-    enum gd_status status = build_somehow(mesh, request, true, control, NULL, &field, detail);
+    enum gd_status status = build_somehow(&build, NULL, &field);
     if (status) return status;
     gd_field_vertex_distances(field, out);
     gd_field_release(field);
@@ -233,30 +197,24 @@ struct gd_field *gd__field_create(const struct gd_mesh *mesh)
     return field;
 }
 
-static void free_arrays(struct gd_field *field)
-{
-    free(field->distance);
-    free(field->predecessor);
-    free(field->newest);
-    gd__region_release(&field->kept);
-    free(field->seeds);
-}
-
 struct gd_field *gd_field_retain(const struct gd_field *field)
 {
-    /* the reference count is the only mutable member */
-    struct gd_field *shared = (struct gd_field *)field;
-    atomic_fetch_add_explicit(&shared->references, 1, memory_order_relaxed);
-    return shared;
+    gd__references_add(&field->references);
+    return (struct gd_field *)field;
 }
 
 void gd_field_release(const struct gd_field *field)
 {
+    if (!field || !gd__references_drop(&field->references)) return;
     struct gd_field *shared = (struct gd_field *)field;
-    if (!shared || atomic_fetch_sub_explicit(&shared->references, 1, memory_order_acq_rel) > 1)
-        return;
     gd_mesh_release(shared->mesh);
-    if (!shared->is_image && !shared->shown) free_arrays(shared);
+    if (!shared->is_image && !shared->shown) {
+        free(shared->distance);
+        free(shared->predecessor);
+        free(shared->newest);
+        gd__region_release(&shared->kept);
+        free(shared->seeds);
+    }
     if (shared->release_image) shared->release_image(shared->image_user);
     if (!shared->shown) free(shared->face_seeds);
     gd_field_release(shared->shown);
@@ -321,6 +279,22 @@ bool gd_field_single_seed(const struct gd_field *field, struct gd_point *out)
 }
 
 /* --- distances -------------------------------------------------------------------------------- */
+
+struct gd__levels gd__field_face_levels(const struct gd_field *field, uint32_t face)
+{
+    const struct gd_mesh *mesh = field->mesh;
+    const uint32_t *side = mesh->face_side[face];
+    const struct gd_side *s = &mesh->side[side[0]];
+    const double length[3] = {s->length, s->right_length, s->left_length};
+    struct gd__levels levels = {0, GD__FAR};
+    for (int k = 0; k < 3; k++) {
+        double distance = field->distance[mesh->origin[side[k]]], before = length[(k + 2) % 3],
+               reach = length[k] > before ? length[k] : before;
+        levels.least = levels.least > distance ? levels.least : distance;
+        levels.most = levels.most < distance + reach ? levels.most : distance + reach;
+    }
+    return levels;
+}
 
 double gd_field_reach(const struct gd_field *field)
 {

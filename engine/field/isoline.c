@@ -18,10 +18,6 @@
 /* STEPS_AN_ARC: work of converting an arc to the caller's units */
 enum { STEPS_AN_ARC = 8, BLOCK = GD__CROSSING_BLOCK };
 
-struct levels {
-    double least, most;
-};
-
 /* lesser and larger return the minimum and the maximum in one instruction, without the NaN handling
  * of fmin and fmax. */
 static inline double lesser(double a, double b)
@@ -35,8 +31,8 @@ static inline double larger(double a, double b)
 }
 
 struct gd_isoline_index {
-    const struct gd_field *field; /* retained */
-    struct levels *edges, *faces; /* by block; `faces` points into the memory of `edges` */
+    const struct gd_field *field;     /* retained */
+    struct gd__levels *edges, *faces; /* by block; `faces` points into the memory of `edges` */
     uint32_t edge_blocks, face_blocks;
 };
 
@@ -46,7 +42,7 @@ struct tracer {
     const struct gd_mesh *mesh;
     double level;    /* normalised unit */
     double progress; /* fraction of the call that was done before tracing */
-    struct gd__isoline_pace pace;
+    struct gd__pace pace;
     struct gd__isoline_parts parts;
     struct gd__places places;
     struct gd__face_scratch scratch;
@@ -81,18 +77,18 @@ static enum gd_status check_work(struct tracer *tracer, double fraction)
                              parts->piece_capacity * sizeof *parts->piece +
                              parts->chain_capacity * sizeof *parts->chain);
     tracer->pace.fraction = tracer->progress + (1 - tracer->progress) * fraction;
-    return gd__isoline_pace_step(&tracer->pace, 1);
+    return gd__pace_step(&tracer->pace, 1);
 }
 
 /* Returns the range of distances on an edge: along it the distance changes by at most its length.
  * An unreached end counts as the edge's length farther than the other end. */
-static struct levels edge_levels(double a, double b, double length)
+static struct gd__levels edge_levels(double a, double b, double length)
 {
     double sum = lesser(a, b + length) + lesser(b, a + length);
-    return (struct levels){0.5 * (sum - length), 0.5 * (sum + length)};
+    return (struct gd__levels){0.5 * (sum - length), 0.5 * (sum + length)};
 }
 
-static bool levels_have(const struct levels *levels, double level)
+static bool levels_have(const struct gd__levels *levels, double level)
 {
     double slack = GD_TOL_CHECK * level;
     return levels->least <= level + slack && levels->most >= level - slack;
@@ -102,8 +98,8 @@ static bool may_cross_edge(const struct tracer *tracer, uint32_t edge)
 {
     const double *distance = tracer->field->distance;
     const uint32_t *origin = &tracer->mesh->origin[2 * (size_t)edge];
-    const struct levels levels = edge_levels(distance[origin[0]], distance[origin[1]],
-                                             tracer->mesh->side[2 * (size_t)edge].length);
+    const struct gd__levels levels = edge_levels(distance[origin[0]], distance[origin[1]],
+                                                 tracer->mesh->side[2 * (size_t)edge].length);
     return levels_have(&levels, tracer->level);
 }
 
@@ -150,35 +146,13 @@ static bool has_crossings(const struct tracer *tracer, uint32_t face)
     return false;
 }
 
-static bool holds_seed(const struct gd_field *field, uint32_t face)
-{
-    const struct gd__face_seed *seed = gd__field_seeds_in(field, face);
-    return seed < field->face_seeds + field->face_seed_count && seed->face == face;
-}
-
-/* Returns the range of levels of lines around a maximum inside the face that cross no edge. The
- * upper bound is the distance via a corner. `least` may exceed `most`. */
-static struct levels loop_levels(const struct gd_field *field, uint32_t face)
-{
-    const struct gd_mesh *mesh = field->mesh;
-    const struct gd_side *s = &mesh->side[mesh->face_side[face][0]];
-    double a = s->length, b = s->right_length, c = s->left_length,
-           reach[3] = {larger(a, c), larger(a, b), larger(b, c)};
-    struct levels levels = {0, INFINITY};
-    for (int k = 0; k < 3; k++) {
-        double distance = field->distance[mesh->origin[mesh->face_side[face][k]]];
-        levels.least = larger(levels.least, distance);
-        levels.most = lesser(levels.most, distance + reach[k]);
-    }
-    return levels;
-}
-
 /* Returns true if a line may lie inside the face without crossing its edges. Such a line encloses a
  * seed or a maximum. */
 static bool may_hold_loop(const struct tracer *tracer, uint32_t face)
 {
-    if (holds_seed(tracer->field, face)) return true;
-    const struct levels levels = loop_levels(tracer->field, face);
+    struct gd__face_seeds seeds = gd__field_seeds_in(tracer->field, face);
+    if (seeds.at < seeds.end) return true;
+    const struct gd__levels levels = gd__field_face_levels(tracer->field, face);
     return levels.least < tracer->level && levels.most >= tracer->level;
 }
 
@@ -225,7 +199,7 @@ static enum gd_status follow_chains(struct tracer *tracer, uint32_t first, bool 
          chain = next_chain(tracer, chain)) {
         visited[chain] = true;
         has_arcs |= tracer->parts.chain[chain].has_arcs;
-        status = gd__isoline_pace_step(&tracer->pace, 1);
+        status = gd__pace_step(&tracer->pace, 1);
     }
     if (has_arcs) tracer->first[tracer->line_count++] = first;
     return status;
@@ -336,8 +310,8 @@ static enum gd_status export_line(struct exporter *exporter, struct tracer *trac
     exporter->first_point = exporter->points;
     do {
         export_chain(exporter, &tracer->parts, chain);
-        status = gd__isoline_pace_step(&tracer->pace,
-                                       STEPS_AN_ARC * (tracer->parts.chain[chain].count + 1));
+        status =
+            gd__pace_step(&tracer->pace, STEPS_AN_ARC * (tracer->parts.chain[chain].count + 1));
         last = chain;
         chain = next_chain(tracer, chain);
     } while (chain != GD_NONE && chain != first && !status);
@@ -378,7 +352,7 @@ static enum gd_status export_lines(struct tracer *tracer, double level, struct g
 
 /* --- the index -------------------------------------------------------------------------------- */
 
-static void levels_widen(struct levels *levels, struct levels by)
+static void levels_widen(struct gd__levels *levels, struct gd__levels by)
 {
     levels->least = lesser(levels->least, by.least);
     levels->most = larger(levels->most, by.most);
@@ -392,19 +366,17 @@ static void index_face(struct gd_isoline_index *index, uint32_t face)
     const double *distance = index->field->distance;
     const uint32_t *sides = mesh->face_side[face];
     const struct gd_side *s = &mesh->side[sides[0]];
-    double length[3] = {s->length, s->right_length, s->left_length}, at[3], least = 0, most;
-    for (int k = 0; k < 3; k++) at[k] = distance[mesh->origin[sides[k]]];
-    struct levels *whole = &index->faces[face / BLOCK];
+    const double length[3] = {s->length, s->right_length, s->left_length};
+    struct gd__levels *whole = &index->faces[face / BLOCK],
+                      inner = gd__field_face_levels(index->field, face);
     for (int k = 0; k < 3; k++) {
-        struct levels levels = edge_levels(at[k], at[(k + 1) % 3], length[k]);
+        struct gd__levels levels =
+            edge_levels(distance[mesh->origin[sides[k]]],
+                        distance[mesh->origin[sides[(k + 1) % 3]]], length[k]);
         levels_widen(&index->edges[(sides[k] >> 1) / BLOCK], levels);
         levels_widen(whole, levels);
-        least = larger(least, at[k]);
     }
-    most =
-        lesser(at[0] + larger(length[0], length[2]),
-               lesser(at[1] + larger(length[0], length[1]), at[2] + larger(length[1], length[2])));
-    if (least <= most) levels_widen(whole, (struct levels){least, most});
+    if (inner.least <= inner.most) levels_widen(whole, inner);
 }
 
 static enum gd_status index_faces(struct gd_isoline_index *index, double share,
@@ -412,19 +384,18 @@ static enum gd_status index_faces(struct gd_isoline_index *index, double share,
 {
     const struct gd_field *field = index->field;
     uint32_t count = field->mesh->face_count;
-    struct gd__isoline_pace pace = {.control = control,
-                                    .held = gd_isoline_index_bytes(field->mesh)};
-    enum gd_status status = gd__isoline_pace_check(&pace);
+    struct gd__pace pace = {.control = control, .held = gd_isoline_index_bytes(field->mesh)};
+    enum gd_status status = gd__pace_step(&pace, GD__PACE_STEPS);
     for (uint32_t i = 0; i < index->edge_blocks + index->face_blocks; i++)
-        index->edges[i] = (struct levels){INFINITY, -INFINITY};
+        index->edges[i] = (struct gd__levels){INFINITY, -INFINITY};
     for (uint32_t face = 0; face < count && !status; face++) {
         pace.fraction = share * face / count;
-        status = gd__isoline_pace_step(&pace, 2);
+        status = gd__pace_step(&pace, 2);
         index_face(index, face);
     }
     for (uint32_t i = 0; i < field->face_seed_count; i++)
         levels_widen(&index->faces[field->face_seeds[i].face / BLOCK],
-                     (struct levels){-INFINITY, INFINITY});
+                     (struct gd__levels){-INFINITY, INFINITY});
     return status;
 }
 
@@ -437,7 +408,7 @@ size_t gd_isoline_index_bytes(const struct gd_mesh *mesh)
 {
     return sizeof(struct gd_isoline_index) +
            ((size_t)blocks_of(mesh->edge_count) + blocks_of(mesh->face_count)) *
-               sizeof(struct levels);
+               sizeof(struct gd__levels);
 }
 
 /* Creates an index. `share` is the part of the control's progress that it reports. */
@@ -495,7 +466,7 @@ static enum gd_status trace_level(const struct gd_isoline_index *index, double l
     enum gd_status status = gd_control_check(control, progress);
     if (!status) status = cross_edges(&tracer);
     if (!status) status = cross_faces(&tracer);
-    if (!status) status = gd__isoline_pace_check(&tracer.pace);
+    if (!status) status = gd__pace_step(&tracer.pace, GD__PACE_STEPS);
     if (!status) status = find_lines(&tracer);
     if (!status) status = export_lines(&tracer, level, out);
     close_tracer(&tracer);

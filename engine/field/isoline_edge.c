@@ -12,11 +12,7 @@
 static enum gd_status put_place(struct gd__places *places, double t, double length)
 {
     if (!(t > 0 && t < length)) return GD_OK;
-    double *grown = gd__array_reserve(places->at, &places->capacity, places->count + 1, sizeof t);
-    if (!grown) return GD_NO_MEMORY;
-    places->at = grown;
-    places->at[places->count++] = t;
-    return GD_OK;
+    return gd__array_append(&places->at, &places->count, &places->capacity, &t, sizeof t);
 }
 
 /* Solves sigma - x t = level within a linear window. A line that coincides with the edge up to
@@ -46,43 +42,20 @@ static enum gd_status put_roots(struct gd__places *places, const struct gd__wind
     return status;
 }
 
-static enum gd_status put_wedges(const struct gd_field *field, uint32_t edge, double level,
-                                 struct gd__places *places)
+/* Adds the candidates of all wedges, and of the seeds on the edge itself. Along a segment on the edge
+ * the distance is constant. */
+static enum gd_status put_sources(const struct gd_field *field, uint32_t edge, double level,
+                                  struct gd__places *places)
 {
     double length = field->mesh->side[2 * edge].length;
+    struct gd__edge_windows windows = gd__edge_windows(field, 2 * edge);
     enum gd_status status = GD_OK;
-    for (uint32_t at = field->newest[edge]; at != GD_NONE;
-         at = gd__field_chunk(field, at)->previous) {
-        const struct gd__chunk *chunk = gd__field_chunk(field, at);
-        for (uint32_t i = 0; i < chunk->count && !status; i++) {
-            struct gd__window w;
-            if (gd__sources_window(field, chunk, i, 2 * edge, &w))
-                status = put_roots(places, &w, level, length);
-        }
-    }
-    return status;
-}
-
-/* Adds the candidates of seeds on the edge itself, which have no wedges of the edge. Along a
- * segment on the edge the distance is constant. */
-static enum gd_status put_seeds(const struct gd_field *field, uint32_t edge, double level,
-                                struct gd__places *places)
-{
-    const struct gd_mesh *mesh = field->mesh;
-    double length = mesh->side[2 * edge].length;
-    uint32_t face = mesh->side_face[2 * edge] != GD_NONE ? mesh->side_face[2 * edge]
-                                                         : mesh->side_face[2 * edge + 1];
-    const struct gd__face_seed *end = field->face_seeds + field->face_seed_count;
-    enum gd_status status = GD_OK;
-    for (const struct gd__face_seed *f = gd__field_seeds_in(field, face);
-         f < end && f->face == face && !status; f++) {
-        const struct gd__seed *seed = &field->seeds[f->seed];
-        if (seed->is_segment || seed->point.kind != GD_POINT_EDGE || seed->point.element != edge)
-            continue;
-        struct gd__window all = {
-            .b1 = length, .x = seed->point.weight[0] * length, .sigma = seed->offset};
-        status = put_roots(places, &all, level, length);
-    }
+    struct gd__window w;
+    while (!status && gd__edge_windows_next(&windows, &w))
+        status = put_roots(places, &w, level, length);
+    for (struct gd__face_seeds f = gd__edge_seeds(field, edge); f.at < f.end && !status; f.at++)
+        if (gd__edge_seed_window(field, edge, f.at->seed, &w))
+            status = put_roots(places, &w, level, length);
     return status;
 }
 
@@ -100,15 +73,13 @@ static enum gd_status find_places(const struct gd_field *field, uint32_t edge, d
     double length = mesh->side[2 * edge].length, d0 = field->distance[mesh->origin[2 * edge]],
            d1 = field->distance[mesh->origin[2 * edge + 1]];
     places->count = 0;
-    enum gd_status status = put_wedges(field, edge, level, places);
-    if (!status) status = put_seeds(field, edge, level, places);
+    enum gd_status status = put_sources(field, edge, level, places);
     if (!status) status = put_place(places, level - d0, length);
     if (!status) status = put_place(places, length - (level - d1), length);
     if (status) return status;
-    double *grown =
-        gd__array_reserve(places->at, &places->capacity, places->count + 2, sizeof *grown);
-    if (!grown) return GD_NO_MEMORY;
-    places->at = grown;
+    status = gd__array_extend(&places->at, &places->capacity, places->count + UINT64_C(2),
+                              sizeof *places->at, NULL);
+    if (status) return status;
     places->at[places->count++] = 0;
     places->at[places->count++] = length;
     qsort(places->at, places->count, sizeof *places->at, by_place);
@@ -124,18 +95,8 @@ static bool is_below(const struct gd_field *field, uint32_t edge, double t, doub
     return way.distance < level - gd__envelope_slack(level, length);
 }
 
-static enum gd_status append_crossing(struct gd__isoline_parts *parts, struct gd__crossing crossing)
-{
-    struct gd__crossing *grown = gd__array_reserve(parts->crossing, &parts->crossing_capacity,
-                                                   parts->crossing_count + 1, sizeof crossing);
-    if (!grown) return GD_NO_MEMORY;
-    parts->crossing = grown;
-    parts->crossing[parts->crossing_count++] = crossing;
-    return GD_OK;
-}
-
 enum gd_status gd__isoline_cross_edge(const struct gd_field *field, uint32_t edge, double level,
-                                      struct gd__isoline_pace *pace, struct gd__places *places,
+                                      struct gd__pace *pace, struct gd__places *places,
                                       struct gd__isoline_parts *parts)
 {
     const struct gd_mesh *mesh = field->mesh;
@@ -145,13 +106,16 @@ enum gd_status gd__isoline_cross_edge(const struct gd_field *field, uint32_t edg
     for (uint32_t i = 0; i < places->count && !status; i++) {
         double t = places->at[i];
         bool is_last = i + 1 == places->count, then = below;
-        status = gd__isoline_pace_step(pace, places->count);
+        status = gd__pace_step(pace, places->count);
         if (status) break;
         if (is_last)
             then = field->distance[mesh->origin[2 * edge + 1]] < level;
         else if (places->at[i + 1] - t > narrow)
             then = is_below(field, edge, 0.5 * (t + places->at[i + 1]), level);
-        if (then != below) status = append_crossing(parts, (struct gd__crossing){edge, t, below});
+        if (then != below)
+            status = gd__array_append(
+                &parts->crossing, &parts->crossing_count, &parts->crossing_capacity,
+                &(struct gd__crossing){edge, t, below}, sizeof *parts->crossing);
         below = then;
     }
     return status;

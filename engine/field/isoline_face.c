@@ -38,7 +38,7 @@ struct gd__link {
 struct work {
     const struct gd_field *field;
     double level;
-    struct gd__isoline_pace *pace;
+    struct gd__pace *pace;
     struct gd__face_scratch *scratch;
     struct gd__isoline_parts *parts;
 };
@@ -59,12 +59,8 @@ void gd__face_scratch_destroy(struct gd__face_scratch *scratch)
 
 static enum gd_status append_end(struct gd__face_scratch *scratch, struct gd__end end)
 {
-    struct gd__end *grown =
-        gd__array_reserve(scratch->end, &scratch->end_capacity, scratch->end_count + 1, sizeof end);
-    if (!grown) return GD_NO_MEMORY;
-    scratch->end = grown;
-    scratch->end[scratch->end_count++] = end;
-    return GD_OK;
+    return gd__array_append(&scratch->end, &scratch->end_count, &scratch->end_capacity, &end,
+                            sizeof end);
 }
 
 /* Appends the crossings of the face's sides. Walking counter-clockwise around the face, a line
@@ -110,16 +106,15 @@ static bool is_at_level(const struct work *work, struct gd__local at)
 
 static enum gd_status append_arc(struct gd__face_scratch *scratch, struct gd__arc arc)
 {
-    struct gd__arc *grown =
-        gd__array_reserve(scratch->arc, &scratch->arc_capacity, scratch->arc_count + 1, sizeof arc);
-    if (!grown) return GD_NO_MEMORY;
-    scratch->arc = grown;
     arc.start = scratch->end_count;
     arc.stop = arc.start + 1;
-    struct gd__end end = {.arc = scratch->arc_count, .crossing = GD_NONE, .match = GD_NONE};
-    scratch->arc[scratch->arc_count++] = arc;
-    end.at = gd__circle_place(&arc.circle, arc.from);
-    enum gd_status status = append_end(scratch, end);
+    struct gd__end end = {.arc = scratch->arc_count,
+                          .at = gd__circle_place(&arc.circle, arc.from),
+                          .crossing = GD_NONE,
+                          .match = GD_NONE};
+    enum gd_status status = gd__array_append(&scratch->arc, &scratch->arc_count,
+                                             &scratch->arc_capacity, &arc, sizeof arc);
+    if (!status) status = append_end(scratch, end);
     end.at = gd__circle_place(&arc.circle, arc.to);
     end.goes_on = true;
     return status ? status : append_end(scratch, end);
@@ -132,7 +127,7 @@ static enum gd_status append_arcs(const struct work *work)
     enum gd_status status = GD_OK;
     for (uint32_t i = 0; i < sources->count && !status; i++) {
         struct gd__arc arc = {.circle = gd__circle_of(sources, i, work->level)};
-        status = gd__isoline_pace_step(work->pace, STEPS_A_SOURCE * sources->count);
+        status = gd__pace_step(work->pace, STEPS_A_SOURCE * sources->count);
         if (!status)
             status = gd__circle_arcs(sources, i, work->level, &scratch->covered, &scratch->spans);
         for (uint32_t k = 0; k < scratch->spans.count && !status; k++) {
@@ -165,15 +160,15 @@ static int by_distance(const void *a, const void *b)
 /* Collects the unmatched ends, sorted by x. Error: GD_NO_MEMORY. */
 static enum gd_status sort_ends(struct gd__face_scratch *scratch, uint32_t *count)
 {
-    struct gd__order *order = gd__array_reserve(scratch->order, &scratch->order_capacity,
-                                                scratch->end_count + 1, sizeof *order);
-    if (!order) return GD_NO_MEMORY;
-    scratch->order = order;
+    enum gd_status status =
+        gd__array_extend(&scratch->order, &scratch->order_capacity,
+                         scratch->end_count + UINT64_C(1), sizeof *scratch->order, NULL);
+    if (status) return status;
     *count = 0;
     for (uint32_t i = 0; i < scratch->end_count; i++)
         if (scratch->end[i].match == GD_NONE)
-            order[(*count)++] = (struct gd__order){scratch->end[i].at.x, i};
-    qsort(order, *count, sizeof *order, by_place);
+            scratch->order[(*count)++] = (struct gd__order){scratch->end[i].at.x, i};
+    qsort(scratch->order, *count, sizeof *scratch->order, by_place);
     return GD_OK;
 }
 
@@ -181,14 +176,11 @@ static enum gd_status append_link(struct gd__face_scratch *scratch, uint32_t a, 
 {
     const struct gd__end *from = &scratch->end[a], *to = &scratch->end[b];
     if (from->goes_on == to->goes_on) return GD_OK;
-    struct gd__link *grown = gd__array_reserve(scratch->link, &scratch->link_capacity,
-                                               scratch->link_count + 1, sizeof *grown);
-    if (!grown) return GD_NO_MEMORY;
-    scratch->link = grown;
-    double dx = to->at.x - from->at.x, dy = to->at.y - from->at.y;
-    scratch->link[scratch->link_count++] =
-        (struct gd__link){dx * dx + dy * dy, from->goes_on ? a : b, from->goes_on ? b : a};
-    return GD_OK;
+    struct gd__local apart = gd__local_minus(to->at, from->at);
+    struct gd__link link = {gd__local_dot(apart, apart), from->goes_on ? a : b,
+                            from->goes_on ? b : a};
+    return gd__array_append(&scratch->link, &scratch->link_count, &scratch->link_capacity, &link,
+                            sizeof link);
 }
 
 /* Matches ends at most `reach` apart along x, the nearest first. */
@@ -225,23 +217,8 @@ static enum gd_status match_ends(struct gd__face_scratch *scratch)
 static enum gd_status append_piece(struct gd__isoline_parts *parts,
                                    const struct gd__isoline_piece *piece)
 {
-    struct gd__isoline_piece *grown = gd__array_reserve(parts->piece, &parts->piece_capacity,
-                                                        parts->piece_count + 1, sizeof *grown);
-    if (!grown) return GD_NO_MEMORY;
-    parts->piece = grown;
-    parts->piece[parts->piece_count++] = *piece;
-    return GD_OK;
-}
-
-static enum gd_status append_chain(struct gd__isoline_parts *parts,
-                                   const struct gd__isoline_chain *chain)
-{
-    struct gd__isoline_chain *grown = gd__array_reserve(parts->chain, &parts->chain_capacity,
-                                                        parts->chain_count + 1, sizeof *grown);
-    if (!grown) return GD_NO_MEMORY;
-    parts->chain = grown;
-    parts->chain[parts->chain_count++] = *chain;
-    return GD_OK;
+    return gd__array_append(&parts->piece, &parts->piece_count, &parts->piece_capacity, piece,
+                            sizeof *piece);
 }
 
 /* Returns the surface point of an end; a crossing is a point of its edge. */
@@ -346,10 +323,11 @@ static enum gd_status chain_from(const struct work *work, const struct gd__end *
     if (!status && start->arc == GD_NONE) chain.exit = start->crossing;
     if (!status && !chain.has_arcs) status = bridge_crossings(work, entry, start);
     chain.count = work->parts->piece_count - chain.first;
-    if (status || !is_rounding(work, &chain))
-        return status ? status : append_chain(work->parts, &chain);
+    if (!status && !is_rounding(work, &chain))
+        return gd__array_append(&work->parts->chain, &work->parts->chain_count,
+                                &work->parts->chain_capacity, &chain, sizeof chain);
     work->parts->piece_count = chain.first;
-    return GD_OK;
+    return status;
 }
 
 static enum gd_status append_chains(const struct work *work)
@@ -369,8 +347,7 @@ static enum gd_status append_chains(const struct work *work)
 }
 
 enum gd_status gd__isoline_cross_face(const struct gd_field *field, uint32_t face, double level,
-                                      struct gd__isoline_pace *pace,
-                                      struct gd__face_scratch *scratch,
+                                      struct gd__pace *pace, struct gd__face_scratch *scratch,
                                       struct gd__isoline_parts *parts)
 {
     struct work work = {field, level, pace, scratch, parts};

@@ -37,16 +37,15 @@ static void append_arc(const struct gd_mesh *mesh, const struct gd_isoline_arc *
 }
 
 static enum gd_status append_line(const struct gd_mesh *mesh, const struct gd_isoline_line *line,
-                                  double tolerance, struct gd__isoline_pace *pace,
-                                  struct gd_path *path)
+                                  double tolerance, struct gd__pace *pace, struct gd_path *path)
 {
-    enum gd_status status = gd__isoline_pace_check(pace);
+    enum gd_status status = gd__pace_step(pace, GD__PACE_STEPS);
     for (uint32_t i = 0; i < line->arc_count && !status; i++) {
         uint32_t segments = segments_of(&line->arcs[i], tolerance);
         path->points[path->count++] = line->points[i];
         append_arc(mesh, &line->arcs[i], segments, path);
         pace->fraction = (double)i / line->arc_count;
-        status = gd__isoline_pace_step(pace, STEPS_A_POINT * segments);
+        status = gd__pace_step(pace, STEPS_A_POINT * segments);
     }
     path->points[path->count++] = line->points[line->closed ? 0 : line->arc_count];
     return status;
@@ -66,7 +65,7 @@ enum gd_status gd_isoline_flatten(const struct gd_mesh *mesh, const struct gd_is
     if (!(tolerance > 0)) return GD_INVALID_ARGUMENT;
     uint64_t count = gd_isoline_flat_points(line, tolerance);
     struct gd_path path = {0};
-    struct gd__isoline_pace pace = {.control = control, .held = count * sizeof *path.points};
+    struct gd__pace pace = {.control = control, .held = count * sizeof *path.points};
     if (count > UINT32_MAX) return GD_NO_MEMORY;
     path.points = malloc(pace.held);
     if (!path.points) return GD_NO_MEMORY;

@@ -13,33 +13,8 @@
 #ifndef GD_FIELD_ISOLINE_PARTS_H
 #define GD_FIELD_ISOLINE_PARTS_H
 
+#include "base/pace.h"
 #include "field/circle.h"
-
-/* Paces checks of the caller's control to about one every half millisecond. A step is about ten
- * nanoseconds of work. */
-struct gd__isoline_pace {
-    const struct gd_control *control;
-    double fraction; /* progress of the call */
-    size_t held;     /* bytes held, for the budget */
-    uint32_t steps;
-};
-
-enum { GD__ISOLINE_PACE = 1 << 14 };
-
-/* Checks the budget and the control. Errors: GD_BUDGET, GD_CANCELLED, GD_DEADLINE. */
-GD_MUST_USE static inline enum gd_status gd__isoline_pace_check(const struct gd__isoline_pace *pace)
-{
-    enum gd_status status = gd_control_afford(pace->control, pace->held);
-    return status ? status : gd_control_check(pace->control, pace->fraction);
-}
-
-GD_MUST_USE static inline enum gd_status gd__isoline_pace_step(struct gd__isoline_pace *pace,
-                                                               uint32_t steps)
-{
-    uint32_t left = GD__ISOLINE_PACE - pace->steps;
-    pace->steps = steps < left ? pace->steps + steps : 0;
-    return steps < left ? GD_OK : gd__isoline_pace_check(pace);
-}
 
 /* A point where the distance along an edge passes the level. t is measured from the origin of side
  * 0, in [0, length]. Crossings are sorted along the edge. */
@@ -113,14 +88,14 @@ void gd__face_scratch_destroy(struct gd__face_scratch *scratch);
 
 /* isoline_edge.c: appends the crossings of an edge. Errors: GD_NO_MEMORY, and those of the pace. */
 GD_MUST_USE enum gd_status gd__isoline_cross_edge(const struct gd_field *field, uint32_t edge,
-                                                  double level, struct gd__isoline_pace *pace,
+                                                  double level, struct gd__pace *pace,
                                                   struct gd__places *places,
                                                   struct gd__isoline_parts *parts);
 
 /* isoline_face.c: appends the chains of a face. The crossings of the face's edges must exist.
  * Errors: GD_NO_MEMORY, and those of the pace. */
 GD_MUST_USE enum gd_status gd__isoline_cross_face(const struct gd_field *field, uint32_t face,
-                                                  double level, struct gd__isoline_pace *pace,
+                                                  double level, struct gd__pace *pace,
                                                   struct gd__face_scratch *scratch,
                                                   struct gd__isoline_parts *parts);
 

@@ -5,8 +5,7 @@
 #ifndef GD_FIELD_LAYOUT_H
 #define GD_FIELD_LAYOUT_H
 
-#include <stdatomic.h>
-
+#include "base/references.h"
 #include "gd/field.h"
 #include "mesh/local.h"
 #include "wavefront/wavefront.h"
@@ -77,8 +76,7 @@ static inline const struct gd__chunk *gd__field_chunk(const struct gd_field *fie
 }
 
 /* field.c: a sink that moves the wavefront's wedges, distances and predecessors into the field. */
-enum gd_status gd__field_take(void *field, struct gd__wavefront *front,
-                              const struct gd_executor *executor);
+enum gd_status gd__field_take(void *field, struct gd__wavefront *front);
 
 /* field.c: runs the propagation and checks the result. The field must have its seeds. Sets build_ns
  * of the statistics. Errors: those of gd_field_build. */
@@ -106,9 +104,19 @@ GD_MUST_USE enum gd_status gd__field_take_seeds(struct gd_field *field,
 /* field.c: returns the size of the arrays in bytes. */
 size_t gd__field_bytes(const struct gd_field *field);
 
-/* face_seeds.c: returns the first entry of face_seeds in `face`. More entries of the same face may
- * follow. */
-const struct gd__face_seed *gd__field_seeds_in(const struct gd_field *field, uint32_t face);
+/* field.c: bounds of the distances in a face. `least`: the greatest distance of a corner. `most`: an
+ * upper bound, because each point is within an edge's length of each corner. A maximum inside the
+ * face lies between the two. `most` may be less than `least`. */
+struct gd__levels {
+    double least, most;
+};
+struct gd__levels gd__field_face_levels(const struct gd_field *field, uint32_t face);
+
+/* face_seeds.c: returns the range of face_seeds in a face. */
+struct gd__face_seeds {
+    const struct gd__face_seed *at, *end;
+};
+struct gd__face_seeds gd__field_seeds_in(const struct gd_field *field, uint32_t face);
 
 /* The kind of a path's last leg. */
 enum gd__leg_kind {

@@ -1,5 +1,6 @@
 #include "field/close_seed.h"
 #include "field/wedge_view.h"
+#include "kernel/kernel.h"
 #include "mesh/segment.h"
 
 enum { CACHE_LINE = 64 };
@@ -79,6 +80,20 @@ static inline uint32_t take_views(const struct gd_field *field, const struct vie
     return count;
 }
 
+/* Returns the view kernel for the instructions in use, for a field with or without segments. */
+static gd__wedge_view_kernel *wedge_view_kernel(bool linear)
+{
+    const struct gd__kernel *in_use = gd__kernel_in_use();
+#if defined(__x86_64__)
+    if (in_use == &gd__kernel_avx512)
+        return linear ? gd__wedge_view_avx512_linear : gd__wedge_view_avx512;
+    if (in_use == &gd__kernel_avx2)
+        return linear ? gd__wedge_view_avx2_linear : gd__wedge_view_avx2;
+#endif
+    (void)in_use;
+    return linear ? gd__wedge_view_plain_linear : gd__wedge_view_plain;
+}
+
 /* --- the best path ---------------------------------------------------------------------------- */
 
 /* Keeps the shorter path. Branchless, because the branch is unpredictable. */
@@ -125,16 +140,14 @@ static double distance_of_seed(const struct gd_mesh *mesh, const struct gd__seed
 static void try_seeds(const struct gd_field *field, uint32_t face, const double weight[3],
                       struct gd__leg_key *best)
 {
-    const struct gd__face_seed *end = field->face_seeds + field->face_seed_count;
     struct gd__close_seed close;
-    for (const struct gd__face_seed *f = gd__field_seeds_in(field, face);
-         f < end && f->face == face; f++) {
-        const struct gd__seed *seed = &field->seeds[f->seed];
+    for (struct gd__face_seeds f = gd__field_seeds_in(field, face); f.at < f.end; f.at++) {
+        const struct gd__seed *seed = &field->seeds[f.at->seed];
         double distance = seed->offset + distance_of_seed(field->mesh, seed, face, weight);
         if (distance < best->distance || seed_takes_tie(best, distance)) {
             best->distance = distance;
             best->kind = GD__LEG_SEED;
-            best->from = f->seed;
+            best->from = f.at->seed;
         }
     }
     if (gd__close_seed_may_be(weight) &&
@@ -188,7 +201,7 @@ static void best_in_face(const struct gd_field *field, uint32_t face, const doub
         try_seeds(field, face, weight, &best);
         margin = margin_of(field, face, weight, &best);
     }
-    gd__wedge_view_kernel *kernel = gd__wedge_view_kernel_in_use(field->has_segments);
+    gd__wedge_view_kernel *kernel = wedge_view_kernel(field->has_segments);
     struct gd__wedge_view wedge_views[WEDGE_VIEWS];
     struct cursor cursor = {0, view.newest[0]};
     for (uint32_t passed = 0; cursor.k < 3;) {
@@ -246,6 +259,31 @@ void gd__field_leg_key(const struct gd_field *field, const struct gd_point *poin
 
 /* --- its last leg ----------------------------------------------------------------------------- */
 
+/* Returns where the straight line crosses the edge, measured from the end of the leg that is nearer
+ * to the edge, so that the rounding error is relative to that end's distance. */
+static double straight_crossing(const struct gd__wedge_view *wedge_view, const struct gd__window *w)
+{
+    if (gd__window_is_linear(w)) return wedge_view->x + w->x * (wedge_view->y / w->y);
+    double dx = wedge_view->x - w->x, dy = wedge_view->y + w->y;
+    if (!(dy > 0)) return wedge_view->x;
+    return w->y < wedge_view->y ? w->x + dx * (w->y / dy)
+                                : wedge_view->x - dx * (wedge_view->y / dy);
+}
+
+/* Returns where the path through a wedge, given as a window of the view's side, crosses the edge:
+ * on the straight line, or at the wedge's nearer end. Stored ends are rounded to one unit.
+ * Therefore a crossing within two units of an end counts as inside, unless the wedge is linear: the
+ * neighbouring wedge gives an equally short path there. */
+static double wedge_crossing(const struct gd__wedge_view *wedge_view,
+                             const struct gd__window *wedge)
+{
+    double length = wedge_view->length,
+           more = gd__window_is_linear(wedge) ? 0 : 2 * length * GD__WEDGE_UNIT;
+    double from = fmax(wedge->b0 - more, 0), to = fmin(wedge->b1 + more, length),
+           t = straight_crossing(wedge_view, wedge);
+    return t < from ? from : t > to ? to : t;
+}
+
 /* Computes where the path through a wedge crosses its side, and the source in the side's frame. */
 static void complete_wedge(const struct gd__wedge_view *wedge_view, uint32_t wedge,
                            struct gd__leg *leg)
@@ -257,7 +295,7 @@ static void complete_wedge(const struct gd__wedge_view *wedge_view, uint32_t wed
     leg->source = w.source;
     leg->x = w.x;
     leg->y = w.y;
-    leg->parameter = gd__wedge_view_crossing(wedge_view, &w);
+    leg->parameter = wedge_crossing(wedge_view, &w);
 }
 
 /* Finds the wedge with number `place` in the search, and completes the leg. */

@@ -1,22 +1,16 @@
 #include "field/path_builder.h"
 
-#include <stdlib.h>
-
+#include "base/array.h"
 #include "mesh/canonical.h"
 
-enum { CAPACITY = 128 }; /* initial capacity in points */
+#define CAPACITY 128 /* initial capacity in points */
 
 bool gd__path_builder_grow(struct gd__path_builder *builder)
 {
-    uint32_t capacity = builder->capacity ? 2 * builder->capacity : CAPACITY;
-    struct gd_point *points = realloc(builder->path.points, sizeof *points * (size_t)capacity);
-    if (!points) {
-        builder->status = GD_NO_MEMORY;
-        return false;
-    }
-    builder->path.points = points;
-    builder->capacity = capacity;
-    return true;
+    builder->status = gd__array_extend(&builder->path.points, &builder->capacity,
+                                       builder->path.count + (uint64_t)CAPACITY,
+                                       sizeof *builder->path.points, NULL);
+    return !builder->status;
 }
 
 /* Returns true if both are the same point up to rounding, for instance the start of a ray on an

@@ -1,5 +1,7 @@
 #include "field/profile.h"
 
+#include "field/sources.h"
+
 /* A segment and its windows under construction, in the frame of side k of the current face. */
 struct gathering {
     const struct gd_field *field;
@@ -81,28 +83,15 @@ static enum gd_status push_seen(struct gathering *g, const struct gd__window *se
     return push_window(g, &w);
 }
 
-/* Adds the wedges that enter the face across its side k. Wedges of point sources are widened by the
- * rounding of their stored ends. */
+/* Adds the wedges that enter the face across its side k. */
 static enum gd_status push_wedges(struct gathering *g, int k)
 {
     const struct gd_field *field = g->field;
     uint32_t side = field->mesh->face_side[g->face][k], across = side & 1 ? GD__WINDOW_FAR_SIDE : 0;
-    double length = field->mesh->side[side].length, more = 2 * GD__WEDGE_UNIT * length;
+    struct gd__edge_windows windows = gd__edge_windows(field, side);
     enum gd_status status = GD_OK;
-    for (uint32_t at = field->newest[side >> 1]; at != GD_NONE && !status;
-         at = gd__field_chunk(field, at)->previous) {
-        const struct gd__chunk *chunk = gd__field_chunk(field, at);
-        for (uint32_t i = 0; i < chunk->count && !status; i++) {
-            struct gd__window w = gd__field_window(field, chunk, i, length);
-            if (w.source == GD_NONE || w.tags != across) continue;
-            if (side & 1) w = gd__window_mirrored(&w, length);
-            if (!gd__window_is_linear(&w)) {
-                w.b0 = fmax(w.b0 - more, 0);
-                w.b1 = fmin(w.b1 + more, length);
-            }
-            status = push_seen(g, &w);
-        }
-    }
+    for (struct gd__window w; !status && gd__edge_windows_next(&windows, &w);)
+        if (w.tags == across) status = push_seen(g, &w);
     return status;
 }
 
@@ -129,12 +118,11 @@ static enum gd_status push_chord(struct gathering *g, const struct gd__seed *see
 static enum gd_status push_seeds(struct gathering *g)
 {
     const struct gd_field *field = g->field;
-    const struct gd__face_seed *end = field->face_seeds + field->face_seed_count;
+    struct gd__face_seeds f = gd__field_seeds_in(field, g->face);
     enum gd_status status = GD_OK;
-    for (const struct gd__face_seed *f = gd__field_seeds_in(field, g->face);
-         f < end && f->face == g->face && !status; f++) {
-        const struct gd__seed *seed = &field->seeds[f->seed];
-        uint32_t source = field->mesh->vertex_count + f->seed;
+    for (; f.at < f.end && !status; f.at++) {
+        const struct gd__seed *seed = &field->seeds[f.at->seed];
+        uint32_t source = field->mesh->vertex_count + f.at->seed;
         double weight[3];
         if (seed->is_segment) {
             status = push_chord(g, seed, GD__SOURCE_LINEAR | source);
@@ -193,19 +181,12 @@ enum gd_status gd__profile_of(const struct gd_field *field, const struct gd_poin
 
 /* --- extremes --------------------------------------------------------------------------------- */
 
-/* Returns the parameter where a window's distance is least. */
-static double nearest_in(const struct gd__window *w)
-{
-    if (gd__window_is_linear(w)) return w->x > 0 ? w->b1 : w->b0;
-    return w->x < w->b0 ? w->b0 : w->x > w->b1 ? w->b1 : w->x;
-}
-
 struct gd__profile_place gd__profile_least(const struct gd__profile *profile)
 {
     struct gd__profile_place least = {INFINITY, 0};
     for (uint32_t i = 0; i < profile->windows.count; i++) {
         const struct gd__window *w = &profile->windows.windows[i];
-        double t = nearest_in(w), distance = gd__window_distance(w, t);
+        double t = gd__window_nearest_at(w), distance = gd__window_distance(w, t);
         if (distance < least.distance) least = (struct gd__profile_place){distance, t};
     }
     return least;

@@ -5,12 +5,8 @@
 
 static enum gd_status append_source(struct gd__sources *sources, const struct gd__source *source)
 {
-    struct gd__source *grown =
-        gd__array_reserve(sources->source, &sources->capacity, sources->count + 1, sizeof *source);
-    if (!grown) return GD_NO_MEMORY;
-    sources->source = grown;
-    sources->source[sources->count++] = *source;
-    return GD_OK;
+    return gd__array_append(&sources->source, &sources->count, &sources->capacity, source,
+                            sizeof *source);
 }
 
 void gd__sources_destroy(struct gd__sources *sources)
@@ -19,18 +15,46 @@ void gd__sources_destroy(struct gd__sources *sources)
     *sources = (struct gd__sources){0};
 }
 
-bool gd__sources_window(const struct gd_field *field, const struct gd__chunk *chunk, uint32_t i,
-                        uint32_t side, struct gd__window *out)
+bool gd__edge_windows_next(struct gd__edge_windows *windows, struct gd__window *out)
 {
-    double length = field->mesh->side[side].length,
+    const struct gd_field *field = windows->field;
+    double length = field->mesh->side[windows->side].length,
            more = gd__stored_slack(length); /* at its ends a wedge ties with its neighbour */
-    struct gd__window w = gd__field_window(field, chunk, i, length);
-    if (w.source == GD_NONE) return false;
-    if (side & 1) w = gd__window_mirrored(&w, length);
+    struct gd__window w = {.source = GD_NONE};
+    while (w.source == GD_NONE) {
+        if (windows->chunk == GD_NONE) return false;
+        const struct gd__chunk *chunk = gd__field_chunk(field, windows->chunk);
+        if (windows->next < chunk->count) {
+            w = gd__field_window(field, chunk, windows->next++, length);
+        } else {
+            windows->chunk = chunk->previous;
+            windows->next = 0;
+        }
+    }
+    if (windows->side & 1) w = gd__window_mirrored(&w, length);
     if (gd__window_is_linear(&w)) more = 0;
     w.b0 = fmax(w.b0 - more, 0);
     w.b1 = fmin(w.b1 + more, length);
     *out = w;
+    return true;
+}
+
+struct gd__face_seeds gd__edge_seeds(const struct gd_field *field, uint32_t edge)
+{
+    const uint32_t *face = &field->mesh->side_face[2 * edge];
+    return gd__field_seeds_in(field, face[face[0] == GD_NONE]);
+}
+
+bool gd__edge_seed_window(const struct gd_field *field, uint32_t edge, uint32_t seed,
+                          struct gd__window *out)
+{
+    const struct gd__seed *s = &field->seeds[seed];
+    double length = field->mesh->side[2 * edge].length;
+    if (s->is_segment || s->point.kind != GD_POINT_EDGE || s->point.element != edge) return false;
+    *out = (struct gd__window){.b1 = length,
+                               .x = s->point.weight[0] * length,
+                               .sigma = s->offset,
+                               .source = field->mesh->vertex_count + seed};
     return true;
 }
 
@@ -85,19 +109,14 @@ static enum gd_status append_wedges(const struct gd_field *field, int k, double 
 {
     uint32_t side = field->mesh->face_side[out->face][k];
     const uint32_t across = side & 1 ? GD__WINDOW_FAR_SIDE : 0;
-    for (uint32_t at = field->newest[side >> 1]; at != GD_NONE;
-         at = gd__field_chunk(field, at)->previous) {
-        const struct gd__chunk *chunk = gd__field_chunk(field, at);
-        for (uint32_t i = 0; i < chunk->count; i++) {
-            struct gd__window w;
-            if (!gd__sources_window(field, chunk, i, side, &w) || w.tags != across) continue;
-            struct gd__source source = source_of_window(&out->frame, k, &w);
-            if (source.nearest >= most) continue;
-            enum gd_status status = append_source(out, &source);
-            if (status) return status;
-        }
+    struct gd__edge_windows windows = gd__edge_windows(field, side);
+    enum gd_status status = GD_OK;
+    for (struct gd__window w; !status && gd__edge_windows_next(&windows, &w);) {
+        if (w.tags != across) continue;
+        struct gd__source source = source_of_window(&out->frame, k, &w);
+        if (source.nearest < most) status = append_source(out, &source);
     }
-    return GD_OK;
+    return status;
 }
 
 static enum gd_status append_point(const struct gd_field *field, uint32_t seed,
@@ -139,14 +158,11 @@ static enum gd_status append_chord(const struct gd_field *field, uint32_t seed,
                                    struct gd__sources *out)
 {
     const struct gd__seed *s = &field->seeds[seed];
-    const struct gd__local *corner = out->frame.corner;
     struct gd__segment_location location = {GD_NONE, GD_NONE};
     struct gd__chord chord = gd__chord(field->mesh, out->face, 0, &s->point, &s->end);
-    struct gd__local middle = {(corner[0].x + corner[1].x + corner[2].x) / 3,
-                               (corner[0].y + corner[1].y + corner[2].y) / 3};
     bool is_inside = gd__segment_locate(field->mesh, &s->point, &s->end, &location) &&
                      location.edge == GD_NONE,
-         has_middle_on_left = gd__chord_height(&chord, middle) > 0;
+         has_middle_on_left = gd__chord_height(&chord, gd__face_frame_middle(&out->frame)) > 0;
     enum gd_status status = GD_OK;
     for (int left = -1; left <= 1 && !status; left += 2) {
         if (!is_inside && has_middle_on_left != (left > 0)) continue;
@@ -161,13 +177,12 @@ static enum gd_status append_seeds(const struct gd_field *field, double most,
                                    struct gd__sources *out)
 {
     enum gd_status status = GD_OK;
-    const struct gd__face_seed *end = field->face_seeds + field->face_seed_count;
-    for (const struct gd__face_seed *f = gd__field_seeds_in(field, out->face);
-         f < end && f->face == out->face && !status; f++) {
-        const struct gd__seed *seed = &field->seeds[f->seed];
+    struct gd__face_seeds f = gd__field_seeds_in(field, out->face);
+    for (; f.at < f.end && !status; f.at++) {
+        const struct gd__seed *seed = &field->seeds[f.at->seed];
         if (seed->offset >= most) continue;
-        status = seed->is_segment ? append_chord(field, f->seed, out)
-                                  : append_point(field, f->seed, out);
+        status = seed->is_segment ? append_chord(field, f.at->seed, out)
+                                  : append_point(field, f.at->seed, out);
     }
     return status;
 }

@@ -44,10 +44,28 @@ GD_MUST_USE enum gd_status gd__sources_gather(const struct gd_field *field, uint
                                               double most, struct gd__sources *out);
 void gd__sources_destroy(struct gd__sources *sources);
 
-/* Computes window `i` of a chunk in the frame of `side`, lengthened by the rounding of its stored
- * ends. Returns false for a gap. */
-bool gd__sources_window(const struct gd_field *field, const struct gd__chunk *chunk, uint32_t i,
-                        uint32_t side, struct gd__window *out);
+/* Iterates over the windows of an edge in the frame of `side`, lengthened by the rounding of their
+ * stored ends. Skips gaps. */
+struct gd__edge_windows {
+    const struct gd_field *field;
+    uint32_t side, chunk, next; /* the next window is number `next` of `chunk` */
+};
+
+static inline struct gd__edge_windows gd__edge_windows(const struct gd_field *field, uint32_t side)
+{
+    return (struct gd__edge_windows){field, side, field->newest[side >> 1], 0};
+}
+
+/* Computes the next window. Returns false if there is none. */
+bool gd__edge_windows_next(struct gd__edge_windows *windows, struct gd__window *out);
+
+/* Returns the seeds in one face of an edge. All seeds on the edge are among them. */
+struct gd__face_seeds gd__edge_seeds(const struct gd_field *field, uint32_t edge);
+
+/* Computes the window of a point seed on an edge, in the frame of side 0. Returns false for any
+ * other seed. A segment along the edge has wedges on it. */
+bool gd__edge_seed_window(const struct gd_field *field, uint32_t edge, uint32_t seed,
+                          struct gd__window *out);
 
 /* Returns the distance at a place that the source sees. */
 static inline double gd__source_distance(const struct gd__source *source, struct gd__local at)

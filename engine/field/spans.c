@@ -29,12 +29,7 @@ struct gd__turn gd__turn_both(const struct gd__turn *a, const struct gd__turn *b
 
 static enum gd_status append_span(struct gd__spans *spans, struct gd__span span)
 {
-    struct gd__span *grown =
-        gd__array_reserve(spans->span, &spans->capacity, spans->count + 1, sizeof span);
-    if (!grown) return GD_NO_MEMORY;
-    spans->span = grown;
-    spans->span[spans->count++] = span;
-    return GD_OK;
+    return gd__array_append(&spans->span, &spans->count, &spans->capacity, &span, sizeof span);
 }
 
 enum gd_status gd__spans_put(struct gd__spans *spans, const struct gd__turn *turn, uint32_t by)

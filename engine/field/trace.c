@@ -53,11 +53,8 @@ static struct gd__stop go_to_segment(struct gd__path_builder *builder,
                                        gd__field_seed_of(builder->field, predecessor.source), face);
     double t =
         s->left_length * s->left_x + predecessor.x * (s->left_length * s->left_y / predecessor.y);
-    return gd__ray_follow(builder, (struct gd__ray){.side = predecessor.side,
-                                                    .source = predecessor.source,
-                                                    .t = t,
-                                                    .x = predecessor.x,
-                                                    .y = predecessor.y});
+    return gd__ray_follow(builder, (struct gd__ray){predecessor.side, predecessor.source, t,
+                                                    predecessor.x, predecessor.y});
 }
 
 /* Follows the leg from a vertex to its predecessor. */
@@ -83,11 +80,8 @@ static struct gd__stop go_from_vertex(struct gd__path_builder *builder, uint32_t
     if (height > 0)
         t = predecessor.y < py ? predecessor.x + across * (predecessor.y / height)
                                : px - across * (py / height);
-    return gd__ray_follow(builder, (struct gd__ray){.side = predecessor.side,
-                                                    .source = predecessor.source,
-                                                    .t = t,
-                                                    .x = predecessor.x,
-                                                    .y = predecessor.y});
+    return gd__ray_follow(builder, (struct gd__ray){predecessor.side, predecessor.source, t,
+                                                    predecessor.x, predecessor.y});
 }
 
 static struct gd__stop go_to_close_seed(struct gd__path_builder *builder, const struct gd__leg *leg)
@@ -117,11 +111,8 @@ static struct gd__stop go_by_leg(struct gd__path_builder *builder, const struct 
     case GD__LEG_CLOSE:
         return go_to_close_seed(builder, leg);
     case GD__LEG_WEDGE:
-        return gd__ray_follow(builder, (struct gd__ray){.side = leg->side,
-                                                        .source = leg->source,
-                                                        .t = leg->parameter,
-                                                        .x = leg->x,
-                                                        .y = leg->y});
+        return gd__ray_follow(
+            builder, (struct gd__ray){leg->side, leg->source, leg->parameter, leg->x, leg->y});
     case GD__LEG_NONE:
         return gd__stop_failed(builder, GD_INTERNAL);
     }

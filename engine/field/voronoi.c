@@ -24,27 +24,19 @@ static const struct {
 enum gd_status gd__diagram_add_node(struct gd__diagram *diagram, const struct gd_point *point,
                                     uint32_t *out)
 {
-    struct gd__node *grown = gd__array_reserve(diagram->node, &diagram->node_capacity,
-                                               diagram->node_count + 1, sizeof *grown);
-    if (!grown) return GD_NO_MEMORY;
-    diagram->node = grown;
-    *out = diagram->node_count++;
-    grown[*out] = (struct gd__node){.point = *point, .bisector_part = {GD_NONE, GD_NONE}};
-    return GD_OK;
+    const struct gd__node node = {.point = *point, .bisector_part = {GD_NONE, GD_NONE}};
+    *out = diagram->node_count;
+    return gd__array_append(&diagram->node, &diagram->node_count, &diagram->node_capacity, &node,
+                            sizeof node);
 }
 
 enum gd_status gd__diagram_add_bisector_part(struct gd__diagram *diagram,
                                              const struct gd__bisector_part *bisector_part,
                                              uint32_t *out)
 {
-    struct gd__bisector_part *grown =
-        gd__array_reserve(diagram->bisector_part, &diagram->bisector_part_capacity,
-                          diagram->bisector_part_count + 1, sizeof *grown);
-    if (!grown) return GD_NO_MEMORY;
-    diagram->bisector_part = grown;
-    *out = diagram->bisector_part_count++;
-    grown[*out] = *bisector_part;
-    return GD_OK;
+    *out = diagram->bisector_part_count;
+    return gd__array_append(&diagram->bisector_part, &diagram->bisector_part_count,
+                            &diagram->bisector_part_capacity, bisector_part, sizeof *bisector_part);
 }
 
 static enum gd_status open_diagram(struct gd__diagram *diagram)
@@ -188,10 +180,9 @@ static bool is_mixed_face(const struct gd__diagram *diagram, const bool *is_mixe
     for (int k = 0; k < 3; k++)
         if (is_mixed[mesh->face_side[face][k] >> 1]) return true;
     uint32_t member = diagram->owner[mesh->origin[mesh->face_side[face][0]]];
-    const struct gd__face_seed *end = field->face_seeds + field->face_seed_count;
-    for (const struct gd__face_seed *f = gd__field_seeds_in(field, face);
-         f < end && f->face == face; f++)
-        if (gd__member_of(&diagram->members, mesh->vertex_count + f->seed) != member) return true;
+    for (struct gd__face_seeds f = gd__field_seeds_in(field, face); f.at < f.end; f.at++)
+        if (gd__member_of(&diagram->members, mesh->vertex_count + f.at->seed) != member)
+            return true;
     return false;
 }
 

@@ -19,44 +19,13 @@ static uint32_t member_of(const struct gd__diagram *diagram, uint32_t source)
     return gd__member_of(&diagram->members, source);
 }
 
-/* --- seeds on an edge ------------------------------------------------------------------------- */
-
-/* Returns the first seed listed in one of the edge's faces, which becomes *face. Seeds on an edge
- * are listed in both of its faces. */
-static const struct gd__face_seed *seeds_beside(const struct gd__diagram *diagram, uint32_t edge,
-                                                uint32_t *face)
-{
-    const struct gd_mesh *mesh = diagram->mesh;
-    *face = mesh->side_face[gd__side_is_boundary(mesh, 2 * edge) ? 2 * edge + 1 : 2 * edge];
-    return gd__field_seeds_in(diagram->field, *face);
-}
-
-/* Computes the window of a point seed on the edge. Returns false for other seeds: a segment along
- * the edge has wedges on it. */
-static bool seen_by_seed(const struct gd__diagram *diagram, uint32_t edge, uint32_t number,
-                         struct gd__window *out)
-{
-    const struct gd__seed *seed = &diagram->field->seeds[number];
-    double length = diagram->mesh->side[2 * edge].length;
-    if (seed->is_segment || seed->point.kind != GD_POINT_EDGE || seed->point.element != edge)
-        return false;
-    *out = (struct gd__window){.b1 = length,
-                               .x = seed->point.weight[0] * length,
-                               .sigma = seed->offset,
-                               .source = diagram->mesh->vertex_count + number};
-    return true;
-}
-
 static bool has_seed_of_another(const struct gd__diagram *diagram, uint32_t edge, uint32_t member)
 {
-    uint32_t face;
-    const struct gd__face_seed *end = diagram->field->face_seeds + diagram->field->face_seed_count;
-    for (const struct gd__face_seed *f = seeds_beside(diagram, edge, &face);
-         f < end && f->face == face; f++) {
-        struct gd__window w;
-        if (seen_by_seed(diagram, edge, f->seed, &w) && member_of(diagram, w.source) != member)
+    struct gd__window w;
+    for (struct gd__face_seeds f = gd__edge_seeds(diagram->field, edge); f.at < f.end; f.at++)
+        if (gd__edge_seed_window(diagram->field, edge, f.at->seed, &w) &&
+            member_of(diagram, w.source) != member)
             return true;
-    }
     return false;
 }
 
@@ -99,49 +68,26 @@ static enum gd_status push_window(const struct gd__diagram *diagram, uint32_t ed
     return gd__stack_push(&scratch->envelope, &w, GD_TOL_WIDTH * length, &scratch->tail);
 }
 
-static enum gd_status push_windows(const struct gd__diagram *diagram, uint32_t edge,
-                                   struct gd__voronoi_scratch *scratch)
-{
-    enum gd_status status = GD_OK;
-    for (uint32_t at = diagram->field->newest[edge]; at != GD_NONE;
-         at = gd__field_chunk(diagram->field, at)->previous) {
-        const struct gd__chunk *chunk = gd__field_chunk(diagram->field, at);
-        for (uint32_t i = 0; i < chunk->count && !status; i++) {
-            struct gd__window w;
-            if (gd__sources_window(diagram->field, chunk, i, 2 * edge, &w))
-                status = push_window(diagram, edge, w, scratch);
-        }
-    }
-    return status;
-}
-
-static enum gd_status push_seeds(const struct gd__diagram *diagram, uint32_t edge,
-                                 struct gd__voronoi_scratch *scratch)
-{
-    uint32_t face;
-    enum gd_status status = GD_OK;
-    const struct gd__face_seed *end = diagram->field->face_seeds + diagram->field->face_seed_count;
-    for (const struct gd__face_seed *f = seeds_beside(diagram, edge, &face);
-         f < end && f->face == face && !status; f++) {
-        struct gd__window w;
-        if (seen_by_seed(diagram, edge, f->seed, &w))
-            status = push_window(diagram, edge, w, scratch);
-    }
-    return status;
-}
-
 static enum gd_status find_envelope(const struct gd__diagram *diagram, uint32_t edge,
                                     struct gd__voronoi_scratch *scratch)
 {
+    const struct gd_field *field = diagram->field;
     double length = diagram->mesh->side[2 * edge].length;
+    struct gd__edge_windows windows = gd__edge_windows(field, 2 * edge);
+    enum gd_status status = GD_OK;
+    struct gd__window w;
     scratch->envelope.count = 0;
-    enum gd_status status = push_windows(diagram, edge, scratch);
+    while (!status && gd__edge_windows_next(&windows, &w))
+        status = push_window(diagram, edge, w, scratch);
     for (int k = 0; k < 2 && !status; k++) {
-        struct gd__window w = {.b1 = length, .x = k * length, .source = end_of(diagram, edge, k)};
-        w.sigma = gd__field_sigma(diagram->field, w.source);
+        w = (struct gd__window){.b1 = length, .x = k * length, .source = end_of(diagram, edge, k)};
+        w.sigma = gd__field_sigma(field, w.source);
         status = push_window(diagram, edge, w, scratch);
     }
-    return status ? status : push_seeds(diagram, edge, scratch);
+    for (struct gd__face_seeds f = gd__edge_seeds(field, edge); f.at < f.end && !status; f.at++)
+        if (gd__edge_seed_window(field, edge, f.at->seed, &w))
+            status = push_window(diagram, edge, w, scratch);
+    return status;
 }
 
 /* --- owners of an edge's ends ----------------------------------------------------------------- */
@@ -160,17 +106,10 @@ static void offer_owner(struct gd__diagram *diagram, uint32_t vertex, const stru
 
 void gd__edge_own_ends(struct gd__diagram *diagram, uint32_t edge)
 {
-    const struct gd_field *field = diagram->field;
-    for (uint32_t at = field->newest[edge]; at != GD_NONE;
-         at = gd__field_chunk(field, at)->previous) {
-        const struct gd__chunk *chunk = gd__field_chunk(field, at);
-        for (uint32_t i = 0; i < chunk->count; i++) {
-            struct gd__window w;
-            if (!gd__sources_window(field, chunk, i, 2 * edge, &w)) continue;
-            offer_owner(diagram, end_of(diagram, edge, 0), &w, 0);
-            offer_owner(diagram, end_of(diagram, edge, 1), &w,
-                        diagram->mesh->side[2 * edge].length);
-        }
+    struct gd__edge_windows windows = gd__edge_windows(diagram->field, 2 * edge);
+    for (struct gd__window w; gd__edge_windows_next(&windows, &w);) {
+        offer_owner(diagram, end_of(diagram, edge, 0), &w, 0);
+        offer_owner(diagram, end_of(diagram, edge, 1), &w, diagram->mesh->side[2 * edge].length);
     }
 }
 
@@ -180,16 +119,13 @@ static enum gd_status append_switch(struct gd__diagram *diagram, uint32_t edge, 
                                     uint32_t before, uint32_t after)
 {
     if (before == after) return GD_OK;
-    struct gd__owner_change *grown = gd__array_reserve(
-        diagram->edge_switch, &diagram->switch_capacity, diagram->switch_count + 1, sizeof *grown);
-    if (!grown) return GD_NO_MEMORY;
-    diagram->edge_switch = grown;
     struct gd_point point =
         gd__point_of_edge(diagram->mesh, edge, t / diagram->mesh->side[2 * edge].length);
     struct gd__owner_change found = {.t = t, .before = before, .after = after};
     enum gd_status status = gd__diagram_add_node(diagram, &point, &found.node);
-    if (!status) grown[diagram->switch_count++] = found;
-    return status;
+    return status ? status
+                  : gd__array_append(&diagram->edge_switch, &diagram->switch_count,
+                                     &diagram->switch_capacity, &found, sizeof found);
 }
 
 /* Returns the distance without the nudge. */

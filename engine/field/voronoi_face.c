@@ -1,5 +1,3 @@
-#include <float.h>
-
 #include "base/array.h"
 #include "field/voronoi_parts.h"
 
@@ -103,10 +101,9 @@ static enum gd_status find_views(const struct work *work)
 {
     struct gd__voronoi_scratch *scratch = work->scratch;
     const struct gd__sources *sources = &scratch->sources;
-    struct gd__view *grown = gd__array_reserve(scratch->view, &scratch->view_capacity,
-                                               sources->count, sizeof *scratch->view);
-    if (!grown) return GD_NO_MEMORY;
-    scratch->view = grown;
+    enum gd_status status = gd__array_extend(&scratch->view, &scratch->view_capacity,
+                                             sources->count, sizeof *scratch->view, NULL);
+    if (status) return status;
     for (uint32_t i = 0; i < sources->count; i++) {
         const struct gd__source *source = &sources->source[i];
         struct gd__view view = {
@@ -154,12 +151,8 @@ static bool are_of_one_member(const struct work *work)
 
 enum gd_status gd__loose_end_append(struct gd__voronoi_scratch *scratch, struct gd__loose_end loose)
 {
-    struct gd__loose_end *grown = gd__array_reserve(scratch->loose, &scratch->loose_capacity,
-                                                    scratch->loose_count + 1, sizeof loose);
-    if (!grown) return GD_NO_MEMORY;
-    scratch->loose = grown;
-    scratch->loose[scratch->loose_count++] = loose;
-    return GD_OK;
+    return gd__array_append(&scratch->loose, &scratch->loose_count, &scratch->loose_capacity,
+                            &loose, sizeof loose);
 }
 
 /* Returns true if no third source is nearer than `focus` by more than the nudge. Rounding may leave
@@ -325,7 +318,7 @@ static enum gd_status append_between(const struct work *work, uint32_t i, uint32
     if (!domain.count) return GD_OK;
     enum gd_status status = cover_outside(work, &domain);
     if (!status) status = cover_by_others(work, &branch, i, j);
-    if (!status) status = gd__spans_invert(&scratch->covered, DBL_EPSILON, &scratch->spans);
+    if (!status) status = gd__spans_invert(&scratch->covered, GD_TOL_SPAN, &scratch->spans);
     if (!status) gd__spans_join(&scratch->spans);
     uint32_t a = member_of(work, i), b = member_of(work, j);
     struct gd__bisector_part bisector_part = {.face = scratch->sources.face,
@@ -383,11 +376,9 @@ enum gd_status gd__face_bisector_parts(struct gd__diagram *diagram, uint32_t fac
     if (most >= GD__FAR) return GD_OK;
     enum gd_status status = gd__sources_gather(diagram->field, face, most, sources);
     if (!status) drop_needless(diagram, sources);
-    const struct gd__local *corner = sources->frame.corner;
     struct work work = {.diagram = diagram,
                         .scratch = scratch,
-                        .middle = {(corner[0].x + corner[1].x + corner[2].x) / 3,
-                                   (corner[0].y + corner[1].y + corner[2].y) / 3},
+                        .middle = gd__face_frame_middle(&sources->frame),
                         .slack = gd__envelope_slack(most, sources->frame.size),
                         .tie = GD_TOL_TIE * diagram->members.farthest};
     if (!status) status = append_switches(&work);

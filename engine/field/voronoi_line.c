@@ -45,15 +45,9 @@ static void append_point(struct writer *writer, const struct gd_point *point)
 {
     if (!writer->status && writer->point_count % CHECK_INTERVAL == 0)
         writer->status = check_work(writer);
-    if (writer->status) return;
-    struct gd_point *grown = gd__array_reserve(writer->point, &writer->point_capacity,
-                                               writer->point_count + 1, sizeof *grown);
-    if (!grown) {
-        writer->status = GD_NO_MEMORY;
-        return;
-    }
-    writer->point = grown;
-    writer->point[writer->point_count++] = *point;
+    if (!writer->status)
+        writer->status = gd__array_append(&writer->point, &writer->point_count,
+                                          &writer->point_capacity, point, sizeof *point);
 }
 
 /* A face that the line enters from its last point. */
@@ -145,18 +139,6 @@ static void go_along(struct writer *writer, const struct gd__bisector_part *bise
 
 /* --- lines ------------------------------------------------------------------------------------ */
 
-static void append_line(struct writer *writer, const struct line *line)
-{
-    struct line *grown = gd__array_reserve(writer->line, &writer->line_capacity,
-                                           writer->line_count + 1, sizeof *grown);
-    if (!grown) {
-        writer->status = GD_NO_MEMORY;
-        return;
-    }
-    writer->line = grown;
-    writer->line[writer->line_count++] = *line;
-}
-
 /* Returns the part that continues a line at a node; GD_NONE if the line ends there. */
 static uint32_t bisector_part_behind(const struct gd__diagram *diagram, uint32_t bisector_part,
                                      uint32_t number)
@@ -190,10 +172,11 @@ static void write_line(struct writer *writer, uint32_t bisector_part, uint32_t n
     line.bisector.closed = bisector_part != GD_NONE && node == start;
     line.bisector.point_count = writer->point_count - line.first;
     line.bisector.length = writer->length * diagram->mesh->unit;
-    if (writer->length > writer->least)
-        append_line(writer, &line);
-    else
+    if (writer->length <= writer->least)
         writer->point_count = line.first;
+    else if (!writer->status)
+        writer->status = gd__array_append(&writer->line, &writer->line_count,
+                                          &writer->line_capacity, &line, sizeof line);
 }
 
 /* Writes the open lines first; the remaining lines are closed. */

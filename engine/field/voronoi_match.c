@@ -8,8 +8,7 @@
 
 static double distance_apart(const struct gd__loose_end *a, const struct gd__loose_end *b)
 {
-    double dx = a->at.x - b->at.x, dy = a->at.y - b->at.y;
-    return sqrt(dx * dx + dy * dy);
+    return gd__local_length(gd__local_minus(a->at, b->at));
 }
 
 /* Returns true for an owner change, or a triple point that lacks a part. */
@@ -27,24 +26,15 @@ struct work {
 
 /* --- places ----------------------------------------------------------------------------------- */
 
-static bool is_in_face(const struct gd__face_frame *frame, struct gd__local at)
-{
-    bool is_inside = true;
-    for (int k = 0; k < 3; k++) {
-        double dx = at.x - frame->corner[k].x, dy = at.y - frame->corner[k].y;
-        is_inside &= frame->along[k].x * dy - frame->along[k].y * dx >= -GD_TOL_PLACE * frame->size;
-    }
-    return is_inside;
-}
-
 /* Returns the place near `at` that is equally far from three sources; `at` itself if that place is
  * outside the face. For a line and its end, or for a vertex and a source behind it, the solutions
  * form a whole perpendicular, which may leave the face. */
 static struct gd__local refine_takeover(const struct work *work, const struct gd__focus focus[3],
                                         struct gd__local at)
 {
+    const struct gd__face_frame *frame = &work->scratch->sources.frame;
     struct gd__local place = gd__between_three(focus, at, work->reach);
-    return is_in_face(&work->scratch->sources.frame, place) ? place : at;
+    return gd__face_frame_has(frame, place, GD_TOL_PLACE * frame->size) ? place : at;
 }
 
 /* Recomputes the place of a loose end without the nudge, except for owner changes, whose places are
@@ -191,17 +181,6 @@ static int by_distance(const void *a, const void *b)
     return (x->b > y->b) - (x->b < y->b);
 }
 
-static enum gd_status append_tie(struct gd__voronoi_scratch *scratch, uint32_t a, uint32_t b)
-{
-    struct gd__close_pair *grown = gd__array_reserve(scratch->tie, &scratch->tie_capacity,
-                                                     scratch->tie_count + 1, sizeof *grown);
-    if (!grown) return GD_NO_MEMORY;
-    scratch->tie = grown;
-    scratch->tie[scratch->tie_count++] =
-        (struct gd__close_pair){distance_apart(&scratch->loose[a], &scratch->loose[b]), a, b};
-    return GD_OK;
-}
-
 /* Collects all pairs that may match, sorted by distance. */
 static enum gd_status find_ties(struct gd__voronoi_scratch *scratch)
 {
@@ -210,8 +189,10 @@ static enum gd_status find_ties(struct gd__voronoi_scratch *scratch)
     for (uint32_t i = 0; i < scratch->loose_count; i++) {
         for (uint32_t k = i + 1; k < scratch->loose_count && !status; k++) {
             const struct gd__loose_end *a = &scratch->loose[i], *b = &scratch->loose[k];
-            if (a->is_triple || b->is_triple) continue;
-            if (are_of_same_two(a, b)) status = append_tie(scratch, i, k);
+            if (a->is_triple || b->is_triple || !are_of_same_two(a, b)) continue;
+            struct gd__close_pair tie = {distance_apart(a, b), i, k};
+            status = gd__array_append(&scratch->tie, &scratch->tie_count, &scratch->tie_capacity,
+                                      &tie, sizeof tie);
         }
     }
     if (scratch->tie_count)

@@ -228,17 +228,16 @@ static enum gd_status settle_point(const struct gd_field *field, const struct gd
                                    struct gd__members *members, struct watch *watch, bool *changed)
 {
     uint32_t *of = members->of + field->mesh->vertex_count;
-    const struct gd__face_seed *end = field->face_seeds + field->face_seed_count;
+    struct gd__face_seeds f = gd__field_seeds_in(field, point->face);
     enum gd_status status = GD_OK;
-    for (const struct gd__face_seed *f = gd__field_seeds_in(field, point->face);
-         f < end && f->face == point->face && !status; f++) {
-        const struct gd__seed *segment = &field->seeds[f->seed];
+    for (; f.at < f.end && !status; f.at++) {
+        const struct gd__seed *segment = &field->seeds[f.at->seed];
         if (watch->work++ % CHECK_INTERVAL == 0) status = gd_control_check(watch->control, 0);
-        if (!segment->is_segment || of[f->seed] == of[point->seed]) continue;
+        if (!segment->is_segment || of[f.at->seed] == of[point->seed]) continue;
         if (!is_covered(field, point->face, &field->seeds[point->seed], segment,
                         GD_TOL_TIE * members->farthest))
             continue;
-        of[point->seed] = of[f->seed];
+        of[point->seed] = of[f.at->seed];
         *changed = true;
         break;
     }

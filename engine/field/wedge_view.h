@@ -35,15 +35,4 @@ extern gd__wedge_view_kernel gd__wedge_view_avx2, gd__wedge_view_avx2_linear, gd
     gd__wedge_view_avx512_linear;
 #endif
 
-/* Returns the view kernel for the instructions in use (kernel/kernel.h), for a field with or
- * without segments. */
-gd__wedge_view_kernel *gd__wedge_view_kernel_in_use(bool linear);
-
-/* Returns where the path through a wedge, given as a window of the view's side, crosses the edge:
- * on the straight line, or at the wedge's nearer end. Stored ends are rounded to one unit.
- * Therefore a crossing within two units of an end counts as inside, unless the wedge is linear: the
- * neighbouring wedge gives an equally short path there. */
-double gd__wedge_view_crossing(const struct gd__wedge_view *wedge_view,
-                               const struct gd__window *wedge);
-
 #endif

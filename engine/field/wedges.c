@@ -1,4 +1,4 @@
-#include "field/layout.h"
+#include "field/sources.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -116,15 +116,11 @@ static enum gd_status merge_own_sources(const struct gd_field *field, uint32_t e
     double length = mesh->side[2 * edge].length;
     enum gd_status status = merge_own_source(field, length, 0, mesh->origin[2 * edge], m);
     if (!status) status = merge_own_source(field, length, length, mesh->origin[2 * edge + 1], m);
-    uint32_t face = mesh->side_face[2 * edge];
-    if (face == GD_NONE) face = mesh->side_face[2 * edge + 1];
-    const struct gd__face_seed *end = field->face_seeds + field->face_seed_count;
-    for (const struct gd__face_seed *f = gd__field_seeds_in(field, face);
-         f < end && f->face == face && !status; f++) {
-        const struct gd__seed *seed = &field->seeds[f->seed];
+    for (struct gd__face_seeds f = gd__edge_seeds(field, edge); f.at < f.end && !status; f.at++) {
+        const struct gd__seed *seed = &field->seeds[f.at->seed];
         if (is_on_edge(mesh, edge, &seed->point) &&
             (!seed->is_segment || is_on_edge(mesh, edge, &seed->end)))
-            status = merge_own_seed(field, edge, f->seed, m);
+            status = merge_own_seed(field, edge, f.at->seed, m);
     }
     return status;
 }
@@ -259,12 +255,10 @@ static enum gd_status append_edge(const struct gd_field *field, uint32_t edge, s
     if (status) return status;
     uint64_t count = (uint64_t)all->first[edge] + m->list.count;
     if (count >= UINT32_MAX) return GD_BUDGET;
-    struct gd_wedge *wedges =
-        gd__array_reserve(all->wedges, capacity, (uint32_t)count, sizeof *wedges);
-    if (!wedges) return GD_NO_MEMORY;
-    all->wedges = wedges;
+    status = gd__array_extend(&all->wedges, capacity, count, sizeof *all->wedges, NULL);
+    if (status) return status;
     all->first[edge + 1] = (uint32_t)count;
-    export_edge(field, edge, &m->list, wedges + all->first[edge]);
+    export_edge(field, edge, &m->list, all->wedges + all->first[edge]);
     bool reversed = is_reversed(mesh, edge);
     for (int k = 0; k < 2; k++)
         all->edges[edge][k].index = mesh->index_of_vertex[mesh->origin[2 * edge + (k != reversed)]];

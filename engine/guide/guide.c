@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/array.h"
 #include "base/large.h"
 #include "base/tolerance.h"
 #include "base/prefetch.h"
@@ -24,27 +25,21 @@ size_t gd__guide_held(const struct gd__guide *guide)
            guide->heap_capacity * sizeof *guide->heap + gd__rings_held(&guide->rings);
 }
 
-enum gd_status gd__guide_make_room(const struct gd__guide *guide, void **array, uint32_t count,
+enum gd_status gd__guide_make_room(const struct gd__guide *guide, void *array, uint32_t count,
                                    uint32_t *capacity, size_t size)
 {
     if (count < *capacity) return GD_OK;
     uint32_t larger = count < 512 ? 1024 : 2 * count;
     enum gd_status status =
         gd_control_afford(guide->control, gd__guide_held(guide) + larger * size);
-    if (status) return status;
-    void *grown = realloc(*array, larger * size);
-    if (!grown) return GD_NO_MEMORY;
-    *array = grown;
-    *capacity = larger;
-    return GD_OK;
+    return status ? status : gd__array_extend(array, capacity, larger, size, NULL);
 }
 
 static enum gd_status touch_vertex(struct gd__guide *guide, uint32_t vertex)
 {
     if (guide->node[vertex].touched) return GD_OK;
-    enum gd_status status =
-        gd__guide_make_room(guide, (void **)&guide->touched, guide->touched_count,
-                            &guide->touched_capacity, sizeof *guide->touched);
+    enum gd_status status = gd__guide_make_room(guide, &guide->touched, guide->touched_count,
+                                                &guide->touched_capacity, sizeof *guide->touched);
     if (status) return status;
     guide->touched[guide->touched_count++] = vertex;
     guide->node[vertex].touched = true;
@@ -165,8 +160,8 @@ static enum gd_status relax_vertex(struct gd__guide *guide, uint32_t vertex, str
     if (node->closed || offer.upper >= node->upper) return GD_OK;
     enum gd_status status = touch_vertex(guide, vertex);
     if (!status)
-        status = gd__guide_make_room(guide, (void **)&guide->heap, guide->heap_count,
-                                     &guide->heap_capacity, sizeof *guide->heap);
+        status = gd__guide_make_room(guide, &guide->heap, guide->heap_count, &guide->heap_capacity,
+                                     sizeof *guide->heap);
     if (status) return status;
     node->upper = offer.upper;
     node->parent = offer.parent;

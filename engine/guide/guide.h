@@ -94,8 +94,9 @@ double gd__guide_line(const struct gd__guide *guide, uint32_t vertex, const stru
  * this folder only. O(vertices touched). */
 void gd__guide_reset_lower(struct gd__guide *guide);
 
-/* Makes room for one entry behind `count` in one of the guide's arrays. GD_NO_MEMORY, GD_BUDGET. */
-GD_MUST_USE enum gd_status gd__guide_make_room(const struct gd__guide *guide, void **array,
+/* Makes room for one entry behind `count` in one of the guide's arrays, whose pointer is stored at
+ * the address `array`. GD_NO_MEMORY, GD_BUDGET. */
+GD_MUST_USE enum gd_status gd__guide_make_room(const struct gd__guide *guide, void *array,
                                                uint32_t count, uint32_t *capacity, size_t size);
 
 /* Counts a step of work and checks the control at intervals. GD_DEADLINE, GD_CANCELLED. */

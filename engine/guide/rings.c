@@ -139,7 +139,7 @@ static bool is_between(const struct growth *growth, uint32_t vertex)
 static enum gd_status make_room_to_mark(struct gd__guide *guide, uint32_t vertices)
 {
     struct gd__rings *rings = &guide->rings;
-    return gd__guide_make_room(guide, (void **)&rings->marked, rings->marked_count + vertices,
+    return gd__guide_make_room(guide, &rings->marked, rings->marked_count + vertices,
                                &rings->marked_capacity, sizeof *rings->marked);
 }
 
@@ -215,7 +215,7 @@ static enum gd_status grow_ring(struct growth *growth)
 static enum gd_status add_group(struct gd__guide *guide)
 {
     struct gd__rings *rings = &guide->rings;
-    enum gd_status status = gd__guide_make_room(guide, (void **)&rings->group, rings->group_count,
+    enum gd_status status = gd__guide_make_room(guide, &rings->group, rings->group_count,
                                                 &rings->group_capacity, sizeof *rings->group);
     if (status) return status;
     struct gd__ring_group *group = &rings->group[rings->group_count++];
@@ -246,7 +246,7 @@ static enum gd_status put_ring_point(struct gd__guide *guide, uint32_t *points, 
 static enum gd_status close_ring(struct gd__guide *guide)
 {
     struct gd__rings *rings = &guide->rings;
-    enum gd_status status = gd__guide_make_room(guide, (void **)&rings->ring, rings->count + 1,
+    enum gd_status status = gd__guide_make_room(guide, &rings->ring, rings->count + 1,
                                                 &rings->capacity, sizeof *rings->ring);
     if (!status) rings->ring[++rings->count] = rings->group_count;
     return status;
@@ -274,8 +274,7 @@ static enum gd_status begin_rings(struct gd__guide *guide)
     struct gd__rings *rings = &guide->rings;
     enum gd_status status = open_hops(guide);
     if (!status)
-        status = gd__guide_make_room(guide, (void **)&rings->ring, 0, &rings->capacity,
-                                     sizeof *rings->ring);
+        status = gd__guide_make_room(guide, &rings->ring, 0, &rings->capacity, sizeof *rings->ring);
     if (status) return status;
     rings->ring[0] = 0;
     status = put_ring_point(guide, &(uint32_t){0}, (struct gd__place){0, 0, 0}, 0, 0);

@@ -50,17 +50,6 @@ const struct gd__kernel *gd__kernel_in_use(void)
     return gd_cpu_select("auto") ? &gd__kernel_plain : atomic_load(&in_use);
 }
 
-const struct gd__kernel *gd__kernel_in_use_linear(void)
-{
-    const struct gd__kernel *kernel = gd__kernel_in_use();
-#if defined(__x86_64__)
-    if (kernel == &gd__kernel_avx512) return &gd__kernel_avx512_linear;
-    if (kernel == &gd__kernel_avx2) return &gd__kernel_avx2_linear;
-#endif
-    (void)kernel;
-    return &gd__kernel_plain_linear;
-}
-
 const char *gd_cpu_name(void)
 {
     return gd__kernel_in_use()->name;

@@ -25,6 +25,7 @@ struct gd__apex {
 
 struct gd__kernel {
     const char *name;
+    const struct gd__kernel *linear; /* the same lanes, for lists that may hold linear windows */
 
     /* Filters windows by the distances d0, d1 of the edge's ends (Xin and Wang 2009). If the path
      * round an end is strictly shorter than the path through a window, no shortest path uses the
@@ -65,8 +66,5 @@ extern const struct gd__kernel gd__kernel_avx2, gd__kernel_avx2_linear, gd__kern
 /* Returns the kernel in use for windows of point sources: the widest of this machine, or the one
  * forced by gd_cpu_select. */
 const struct gd__kernel *gd__kernel_in_use(void);
-
-/* Returns the kernel of the same lanes that also takes linear windows. */
-const struct gd__kernel *gd__kernel_in_use_linear(void);
 
 #endif

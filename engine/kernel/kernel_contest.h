@@ -4,10 +4,6 @@ struct sources {
     lanes x, y, sigma;
 };
 
-/* A tie at an end does not decide an overlap that is wide compared with the distance of the
- * sources. It decides an overlap that is narrower by this factor. */
-#define NARROW 1024
-
 /* Computes where the winner of the overlap [lo, hi] changes: the owner o wins up to *at, the
  * challenger c from there on. *at is hi or lo if one of them wins everywhere. Returns the lanes of
  * `may` for which *at is valid; contest.c decides the others. The formulas and their reasons are in
@@ -28,7 +24,7 @@ static inline mask contest_equal(mask may, struct sources c, struct sources o, l
     mask first_counts = either(owner_first, challenger_first),
          last_counts = either(owner_last, challenger_last);
     mask decided = either(both(first_counts, last_counts),
-                          lt((hi - lo) * all(NARROW), lesser(far_lo, far_hi)));
+                          lt((hi - lo) * all(GD_TOL_TIE_FACTOR), lesser(far_lo, far_hi)));
     mask owner_only = except(decided, either(challenger_first, challenger_last)),
          challenger_only = except(decided, either(owner_first, owner_last));
     lanes t = lo + (hi - lo) * (value_lo / (value_lo - value_hi));

@@ -63,6 +63,7 @@ const struct gd__kernel KERNEL_LINEAR(kernel) = {
 const struct gd__kernel KERNEL(kernel) = {
 #endif
     .name = KERNEL_NAME,
+    .linear = &KERNEL_LINEAR(kernel),
     .filter = filter,
     .within = within,
     .store = store_wedges,

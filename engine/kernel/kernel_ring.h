@@ -9,7 +9,8 @@
 static inline floats ring_sag(floats square, floats d, floats part, floats own)
 {
     floats both = part + own, eighth = floats_all(0.125f),
-           clear = floats_greater(square - both * both, both * d * eighth) + floats_all(1e-18f);
+           clear = floats_greater(square - both * both, both * d * eighth) +
+                   floats_all((float)(GD_TOL_RING_NEAR * GD_TOL_RING_NEAR));
     return (part * part + own * own) * eighth * d / clear;
 }
 
@@ -23,7 +24,7 @@ static float ring(const struct gd__ring_group *first, const struct gd__ring_grou
         for (int i = 0; i < GD__RING_LANES; i += FLOATS) {
             floats x = floats_load(g->x + i) - px, y = floats_load(g->y + i) - py,
                    z = floats_load(g->z + i) - pz, square = x * x + y * y + z * z,
-                   d = floats_greater(floats_root(square), floats_all(1e-9f));
+                   d = floats_greater(floats_root(square), floats_all((float)GD_TOL_RING_NEAR));
             least = floats_lesser(least, d + floats_load(g->lower + i) -
                                              ring_sag(square, d, floats_load(g->part + i), o));
         }

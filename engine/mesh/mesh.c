@@ -7,9 +7,8 @@
 
 struct gd_mesh *gd_mesh_retain(const struct gd_mesh *mesh)
 {
-    struct gd_mesh *shared = (struct gd_mesh *)mesh;
-    atomic_fetch_add_explicit(&shared->references, 1, memory_order_relaxed);
-    return shared;
+    gd__references_add(&mesh->references);
+    return (struct gd_mesh *)mesh;
 }
 
 static void mesh_destroy(struct gd_mesh *mesh)
@@ -35,10 +34,7 @@ static void mesh_destroy(struct gd_mesh *mesh)
 
 void gd_mesh_release(const struct gd_mesh *mesh)
 {
-    if (!mesh) return;
-    struct gd_mesh *shared = (struct gd_mesh *)mesh;
-    if (atomic_fetch_sub_explicit(&shared->references, 1, memory_order_acq_rel) == 1)
-        mesh_destroy(shared);
+    if (mesh && gd__references_drop(&mesh->references)) mesh_destroy((struct gd_mesh *)mesh);
 }
 
 size_t gd_mesh_memsize(const struct gd_mesh *mesh)

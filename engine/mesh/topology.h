@@ -14,10 +14,10 @@
 #ifndef GD_MESH_TOPOLOGY_H
 #define GD_MESH_TOPOLOGY_H
 
-#include <stdatomic.h>
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "base/references.h"
 #include "base/tolerance.h"
 #include "gd/locate.h"
 #include "gd/mesh.h"

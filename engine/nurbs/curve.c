@@ -362,16 +362,14 @@ enum gd_status gd_domain_curve_iso(const struct gd_parametric *surface, enum gd_
 
 struct gd_domain_curve *gd_domain_curve_retain(const struct gd_domain_curve *curve)
 {
-    struct gd_domain_curve *shared = (struct gd_domain_curve *)curve;
-    atomic_fetch_add_explicit(&shared->references, 1, memory_order_relaxed);
-    return shared;
+    gd__references_add(&curve->references);
+    return (struct gd_domain_curve *)curve;
 }
 
 void gd_domain_curve_release(const struct gd_domain_curve *curve)
 {
+    if (!curve || !gd__references_drop(&curve->references)) return;
     struct gd_domain_curve *shared = (struct gd_domain_curve *)curve;
-    if (!shared || atomic_fetch_sub_explicit(&shared->references, 1, memory_order_acq_rel) > 1)
-        return;
     gd_parametric_release(shared->surface);
     free(shared->knots);
     free(shared->points);

@@ -2,8 +2,7 @@
 #ifndef GD_NURBS_CURVE_H
 #define GD_NURBS_CURVE_H
 
-#include <stdatomic.h>
-
+#include "base/references.h"
 #include "gd/domain_curve.h"
 #include "nurbs/surface.h"
 
@@ -18,7 +17,7 @@ struct gd_domain_curve {
     /* The curve is smooth and stays in one cell of the surface between consecutive breaks. */
     uint32_t break_count; /* at least 2 */
     double *breaks;
-    _Atomic uint32_t references;
+    atomic_uint references;
 };
 
 /* Place and two derivatives by the parameter. */

@@ -195,16 +195,14 @@ enum gd_status gd_parametric_create(const struct gd_evaluator *evaluator,
 
 struct gd_parametric *gd_parametric_retain(const struct gd_parametric *surface)
 {
-    struct gd_parametric *shared = (struct gd_parametric *)surface;
-    atomic_fetch_add_explicit(&shared->references, 1, memory_order_relaxed);
-    return shared;
+    gd__references_add(&surface->references);
+    return (struct gd_parametric *)surface;
 }
 
 void gd_parametric_release(const struct gd_parametric *surface)
 {
+    if (!surface || !gd__references_drop(&surface->references)) return;
     struct gd_parametric *shared = (struct gd_parametric *)surface;
-    if (!shared || atomic_fetch_sub_explicit(&shared->references, 1, memory_order_acq_rel) > 1)
-        return;
     if (shared->evaluator.destroy) shared->evaluator.destroy(shared->evaluator.shape);
     free(shared);
 }

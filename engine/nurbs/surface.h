@@ -3,9 +3,8 @@
 #ifndef GD_NURBS_SURFACE_H
 #define GD_NURBS_SURFACE_H
 
-#include <stdatomic.h>
-
 #include "base/pace.h"
+#include "base/references.h"
 #include "gd/parametric.h"
 
 /* Weight of a step of this folder in a pace: a few microseconds, such as the quadrature of a
@@ -19,7 +18,7 @@ struct gd_parametric {
     /* largest distance of a point from the origin, which determines the rounding of positions */
     double farthest;
     size_t bytes;
-    _Atomic uint32_t references;
+    atomic_uint references;
 };
 
 /* A smooth piece. Cell i of an axis lies between its lines i and i + 1; line 0 is `low`. In a

@@ -137,16 +137,14 @@ enum gd_status gd_tessellation_build(const struct gd_parametric *surface,
 
 struct gd_tessellation *gd_tessellation_retain(const struct gd_tessellation *tessellation)
 {
-    struct gd_tessellation *shared = (struct gd_tessellation *)tessellation;
-    atomic_fetch_add_explicit(&shared->references, 1, memory_order_relaxed);
-    return shared;
+    gd__references_add(&tessellation->references);
+    return (struct gd_tessellation *)tessellation;
 }
 
 void gd_tessellation_release(const struct gd_tessellation *tessellation)
 {
+    if (!tessellation || !gd__references_drop(&tessellation->references)) return;
     struct gd_tessellation *shared = (struct gd_tessellation *)tessellation;
-    if (!shared || atomic_fetch_sub_explicit(&shared->references, 1, memory_order_acq_rel) > 1)
-        return;
     gd_parametric_release(shared->surface);
     gd__grid_free(&shared->grid);
     gd_polygons_free(&shared->polygons);

@@ -2,8 +2,7 @@
 #ifndef GD_NURBS_TESSELLATION_H
 #define GD_NURBS_TESSELLATION_H
 
-#include <stdatomic.h>
-
+#include "base/references.h"
 #include "nurbs/grid.h"
 
 /* Node (i, j) of the grid has the number i * (steps[1] + 1) + j. In a closed direction the last
@@ -19,7 +18,7 @@ struct gd_tessellation {
     /* cell -> its first face, with one more entry; a cell at a pole has one face, others have
        two */
     uint32_t *first_face;
-    _Atomic uint32_t references;
+    atomic_uint references;
 };
 
 static inline uint32_t gd__node_count(const struct gd__grid *grid)

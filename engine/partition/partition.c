@@ -36,14 +36,7 @@ static void receive_list(struct gd__wavefront *front, uint32_t side,
     front->status = gd__children_open(children, &front->work->pool, count);
     if (front->status) return;
     children->count = put_fresh(front, windows, count);
-    uint32_t origin = front->mesh->origin[side], destination = front->mesh->origin[side ^ 1];
-    struct gd__receiver to = {side,
-                              front->mesh->side[side].length,
-                              front->distance[origin],
-                              front->distance[destination],
-                              0,
-                              0,
-                              front->distance_drops};
+    struct gd__receiver to = gd__wavefront_receiver(front, side);
     gd__wavefront_deliver(front, &to, children);
 }
 
@@ -289,9 +282,11 @@ bool gd__partition_is_worth_it(const struct gd_mesh *mesh,
             monitor->budget_bytes > BUDGET_AN_EDGE * (size_t)mesh->edge_count);
 }
 
-enum gd_status gd__partition_propagate(struct gd__wavefront *front,
-                                       const struct gd__propagation *propagation,
-                                       const struct gd_executor *executor)
+/* Propagates by two wavefronts. `front` must not be open. Afterwards it is in the same state as if
+ * it had worked alone. After GD_BUDGET one wavefront may still succeed. */
+static enum gd_status propagate_in_parts(struct gd__wavefront *front,
+                                         const struct gd__propagation *propagation,
+                                         const struct gd_executor *executor)
 {
     const struct gd_mesh *mesh = front->mesh;
     uint8_t *side_part = malloc(2 * (size_t)mesh->edge_count),
@@ -304,5 +299,67 @@ enum gd_status gd__partition_propagate(struct gd__wavefront *front,
     }
     free(side_part);
     free(vertex_parts);
+    return status;
+}
+
+/* --- one or two wavefronts --------------------------------------------------------------------- */
+
+static enum gd_status propagate_alone(struct gd__wavefront *front,
+                                      const struct gd__propagation *propagation)
+{
+    enum gd_status status = gd__wavefront_open(front, propagation);
+    if (status) return status;
+    if (propagation->partial)
+        gd__resume(front, propagation->partial);
+    else
+        gd__emit_seeds(front);
+    gd__wavefront_advance(front, GD_NONE, UINT64_MAX);
+    return front->status;
+}
+
+/* Propagates by two wavefronts, or by one if the memory does not suffice for two. */
+static enum gd_status propagate_together(struct gd__wavefront *front,
+                                         const struct gd__propagation *propagation,
+                                         const struct gd_executor *executor)
+{
+    struct gd__wavefront fresh = *front;
+    enum gd_status status = propagate_in_parts(front, propagation, executor);
+    if (status != GD_BUDGET) return status;
+    gd__workspace_clean(front->work);
+    *front = fresh;
+    return propagate_alone(front, propagation);
+}
+
+static enum gd_status run_in(struct gd_workspace *work, const struct gd_mesh *mesh,
+                             const struct gd__propagation *propagation, const struct gd__sink *sink,
+                             const struct gd_control *monitor, const struct gd_executor *executor)
+{
+    struct gd__wavefront front = {.mesh = mesh,
+                                  .work = work,
+                                  .seeds = propagation->seeds,
+                                  .seed_count = propagation->seed_count,
+                                  .variant = propagation->variant,
+                                  .guide = propagation->guide,
+                                  .monitor = monitor};
+    bool together = executor && executor->width > 1 && !propagation->partial &&
+                    gd__partition_is_worth_it(mesh, propagation, monitor);
+    enum gd_status status = together ? propagate_together(&front, propagation, executor)
+                                     : propagate_alone(&front, propagation);
+    if (!status) status = sink->take(sink->user, &front);
+    return status;
+}
+
+enum gd_status gd__wavefront_run(const struct gd_mesh *mesh,
+                                 const struct gd__propagation *propagation,
+                                 const struct gd__sink *sink, const struct gd_control *monitor,
+                                 const struct gd_executor *executor)
+{
+    struct gd_workspace own = {0},
+                        *work = monitor && monitor->workspace ? monitor->workspace : &own;
+    enum gd_status status = run_in(work, mesh, propagation, sink, monitor, executor);
+    if (work == &own)
+        gd_workspace_trim(work);
+    else
+        gd__workspace_clean(work);
     return status;
 }

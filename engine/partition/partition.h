@@ -25,11 +25,13 @@ bool gd__partition_is_worth_it(const struct gd_mesh *mesh,
                                const struct gd__propagation *propagation,
                                const struct gd_control *monitor);
 
-/* Propagates by two wavefronts. `front` must not be open. Afterwards it is in the same state as if
- * it had worked alone. Errors: those of gd__wavefront_run. After GD_BUDGET one wavefront may still
- * succeed. */
-GD_MUST_USE enum gd_status gd__partition_propagate(struct gd__wavefront *front,
-                                                   const struct gd__propagation *propagation,
-                                                   const struct gd_executor *executor);
+/* Seeds the wavefront, propagates until nothing within the bound is left, and calls the sink. Uses
+ * two tasks of the executor if that is faster. Errors: GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
+ * GD_DEADLINE, GD_RUNAWAY and those of the sink. */
+GD_MUST_USE enum gd_status gd__wavefront_run(const struct gd_mesh *mesh,
+                                             const struct gd__propagation *propagation,
+                                             const struct gd__sink *sink,
+                                             const struct gd_control *monitor,
+                                             const struct gd_executor *executor);
 
 #endif

@@ -1,6 +1,7 @@
 #include "gd/curve.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/array.h"
 #include "base/share.h"
@@ -40,6 +41,25 @@ double gd_curve_length(const struct gd_mesh *mesh, const struct gd_curve *curve)
         last = here;
     }
     return length;
+}
+
+uint32_t gd_curve_seed_count(const struct gd_curve *curve)
+{
+    return curve->closed && curve->count > 2 ? 2 * curve->count : 2 * curve->count - 1;
+}
+
+/* Padding is zeroed, so equal curves have equal bytes. */
+void gd_curve_seeds(const struct gd_curve *curve, double offset, struct gd_seed *out)
+{
+    uint32_t count = gd_curve_seed_count(curve);
+    memset(out, 0, count * sizeof *out);
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t from = i / 2;
+        out[i].point = curve->points[from];
+        out[i].offset = offset;
+        out[i].is_segment = i % 2;
+        if (out[i].is_segment) out[i].end = curve->points[(from + 1) % curve->count];
+    }
 }
 
 static size_t held(const struct drawing *drawing)

@@ -1,9 +1,9 @@
 #include "query/landmarks.h"
 
-#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/references.h"
 #include "base/share.h"
 #include "field/layout.h"
 #include "mesh/canonical.h"
@@ -49,17 +49,14 @@ static struct gd_landmarks *landmarks_create(const struct gd_mesh *mesh, uint32_
 
 struct gd_landmarks *gd_landmarks_retain(const struct gd_landmarks *landmarks)
 {
-    /* only the reference count changes */
-    struct gd_landmarks *shared = (struct gd_landmarks *)landmarks;
-    atomic_fetch_add_explicit(&shared->references, 1, memory_order_relaxed);
-    return shared;
+    gd__references_add(&landmarks->references);
+    return (struct gd_landmarks *)landmarks;
 }
 
 void gd_landmarks_release(const struct gd_landmarks *landmarks)
 {
+    if (!landmarks || !gd__references_drop(&landmarks->references)) return;
     struct gd_landmarks *shared = (struct gd_landmarks *)landmarks;
-    if (!shared || atomic_fetch_sub_explicit(&shared->references, 1, memory_order_acq_rel) > 1)
-        return;
     gd_mesh_release(shared->mesh);
     free(shared);
 }

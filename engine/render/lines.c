@@ -15,27 +15,18 @@ void gd__lines_free(struct gd__lines *lines)
 
 void gd__lines_add(struct gd__lines *lines, double x, double y)
 {
-    struct gd__pixel_point *places = gd__array_reserve(
-        lines->places, &lines->place_capacity, lines->place_count + 1, sizeof *lines->places);
-    if (!places) {
-        lines->status = GD_NO_MEMORY;
-        return;
-    }
-    lines->places = places;
-    places[lines->place_count++] = (struct gd__pixel_point){(float)x, (float)y};
+    const struct gd__pixel_point place = {(float)x, (float)y};
+    enum gd_status status = gd__array_append(&lines->places, &lines->place_count,
+                                             &lines->place_capacity, &place, sizeof place);
+    if (status) lines->status = status;
 }
 
 void gd__lines_end(struct gd__lines *lines)
 {
-    uint32_t *ends =
-        gd__array_reserve(lines->ends, &lines->capacity, lines->count + 1, sizeof *lines->ends);
-    if (!ends) {
-        lines->status = GD_NO_MEMORY;
-        return;
-    }
-    lines->ends = ends;
-    if (lines->place_count > gd__line_begin(lines, lines->count))
-        ends[lines->count++] = lines->place_count;
+    if (lines->place_count <= gd__line_begin(lines, lines->count)) return;
+    enum gd_status status = gd__array_append(&lines->ends, &lines->count, &lines->capacity,
+                                             &lines->place_count, sizeof *lines->ends);
+    if (status) lines->status = status;
 }
 
 /* --- simplification --------------------------------------------------------------------------- */

@@ -256,16 +256,14 @@ enum gd_status gd_subdivision_create(const struct gd_control_mesh *control_mesh,
 
 struct gd_subdivision *gd_subdivision_retain(const struct gd_subdivision *surface)
 {
-    struct gd_subdivision *shared = (struct gd_subdivision *)surface;
-    atomic_fetch_add_explicit(&shared->references, 1, memory_order_relaxed);
-    return shared;
+    gd__references_add(&surface->references);
+    return (struct gd_subdivision *)surface;
 }
 
 void gd_subdivision_release(const struct gd_subdivision *surface)
 {
-    if (!surface) return;
+    if (!surface || !gd__references_drop(&surface->references)) return;
     struct gd_subdivision *shared = (struct gd_subdivision *)surface;
-    if (atomic_fetch_sub_explicit(&shared->references, 1, memory_order_acq_rel) != 1) return;
     gd__net_free(&shared->base);
     free(shared->split_first);
     free(shared->valences);

@@ -6,8 +6,7 @@
 #ifndef GD_SUBDIV_SURFACE_H
 #define GD_SUBDIV_SURFACE_H
 
-#include <stdatomic.h>
-
+#include "base/references.h"
 #include "gd/limit.h"
 #include "subdiv/scheme.h"
 

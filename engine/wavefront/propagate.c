@@ -6,10 +6,7 @@
 #define PRUNE_AFTER 8
 /* Visits of a side after which its wedges are stored for pruning, in a propagation that does not
  * store them anyway. */
-#define STORE_AFTER 4
-/* Part of the edge's length. A ray that passes the apex at a larger distance did not miss it due to
- * rounding. */
-#define BESIDE       0.01
+#define STORE_AFTER  4
 #define LINE         64 /* bytes of a cache line */
 #define LINES_BEFORE 16 /* the wedges of a few lists */
 #define LINES_AHEAD  3  /* the wedges of one list */
@@ -106,7 +103,7 @@ static inline void offer_bend(struct gd__apex *apex, const struct gd_side *s,
                               const struct gd__windows *w, uint32_t at, double end)
 {
     double px = s->left_length * s->left_x, py = s->left_length * s->left_y, fx = px - end;
-    if (passes_far_off(w, at, end, px, py, BESIDE * s->length)) return;
+    if (passes_far_off(w, at, end, px, py, GD_TOL_BESIDE_APEX * s->length)) return;
     struct gd__window window = gd__windows_get(w, at);
     if (!(gd__window_distance_beyond(&window, px, py) < apex->distance)) return;
     double distance = gd__window_distance(&window, end) + sqrt(fx * fx + py * py);
@@ -118,11 +115,8 @@ static inline void offer_bend(struct gd__apex *apex, const struct gd_side *s,
     apex->source = GD_NONE;
 }
 
-/* Inlined, because a call would cost 1 % of a field. */
-static inline __attribute__((always_inline)) void cast_windows(struct gd__wavefront *front,
-                                                               const struct gd__receiver *at,
-                                                               const struct gd__windows *windows,
-                                                               uint32_t count)
+void gd__cast(struct gd__wavefront *front, const struct gd__receiver *at,
+              const struct gd__windows *windows, uint32_t count)
 {
     uint32_t side = at->side;
     const struct gd_side *s = &front->mesh->side[side];
@@ -151,12 +145,6 @@ static inline __attribute__((always_inline)) void cast_windows(struct gd__wavefr
                      &(struct gd__receiver){s->right, s->right_length, apex.distance, at->d1, rest,
                                             at->l1, at->distance_drops},
                      &front->work->right);
-}
-
-void gd__cast(struct gd__wavefront *front, const struct gd__receiver *at,
-              const struct gd__windows *windows, uint32_t count)
-{
-    cast_windows(front, at, windows, count);
 }
 
 /* Returns true if the window's source came nearer after it cast the window, by more than the tie of
@@ -236,6 +224,6 @@ void gd__propagate_side(struct gd__wavefront *front, uint32_t side)
     if (front->bound < GD__FAR && !front->guide)
         count = front->kernel->within(&windows, count, front->bound);
     if (!front->status && count && !gd__side_is_boundary(front->mesh, side))
-        cast_windows(front, &at, &windows, count);
+        gd__cast(front, &at, &windows, count);
     gd__pool_release(&front->work->pool, block, size_class);
 }

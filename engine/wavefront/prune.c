@@ -31,15 +31,6 @@ void gd__stored_windows(const struct gd__wavefront *front, const struct gd__chun
     }
 }
 
-static void keep_piece(struct gd__stack *out, const struct gd__window *w, double from, double to,
-                       double narrow)
-{
-    if (to - from <= narrow) return;
-    out->windows[out->count] = *w;
-    out->windows[out->count].b0 = from;
-    out->windows[out->count++].b1 = to;
-}
-
 /* Removes the parts of `w` where the stored windows are better, and appends the remaining pieces.
  * *first is the first stored window that may overlap this or a later window. */
 static void cut_window(const struct gd__window *w, const struct gd__stack *stored, bool own,
@@ -58,11 +49,11 @@ static void cut_window(const struct gd__window *w, const struct gd__stack *store
             double from = k ? verdict.at[k - 1] : lo,
                    to = k < verdict.switches ? verdict.at[k] : hi;
             if (!stored_wins) continue;
-            keep_piece(out, w, start, from, narrow);
+            gd__stack_put(out, w, start, from, narrow);
             start = to;
         }
     }
-    keep_piece(out, w, start, w->b1, narrow);
+    gd__stack_put(out, w, start, w->b1, narrow);
 }
 
 static enum gd_status cut_by_chunk(const struct gd__wavefront *front, const struct gd__chunk *chunk,

@@ -112,19 +112,14 @@ void gd__wavefront_learn(struct gd__wavefront *front, const struct gd__vertex_me
                      message->has_emitted || front->emitted[message->vertex] < GD__FAR);
 }
 
-/* Returns the key of a side. An end that is not reached yet counts as one edge length farther than
- * the other end. Branchless, because a branch would be mispredicted half of the time. */
-static double key_of(const struct gd__receiver *to)
+/* Returns the key of a side and its list. An end that is not reached yet counts as one edge length
+ * farther than the other end. If neither end is reached, as before a narrow cone, the key is the
+ * nearest distance of the waiting windows. Branchless, because a branch would be mispredicted half
+ * of the time. */
+static double key_of(const struct gd__receiver *to, const struct gd__list *list)
 {
-    double near = to->d0 < to->d1 ? to->d0 : to->d1, apart = fabs(to->d0 - to->d1);
-    return near + KEY_WEIGHT * (apart < to->length ? apart : to->length);
-}
-
-/* Returns the key of a side and its list. If neither end is reached, as before a narrow cone, the
- * key is the nearest distance of the waiting windows. */
-static double key_of_list(const struct gd__receiver *to, const struct gd__list *list)
-{
-    double key = key_of(to);
+    double near = to->d0 < to->d1 ? to->d0 : to->d1, apart = fabs(to->d0 - to->d1),
+           key = near + KEY_WEIGHT * (apart < to->length ? apart : to->length);
     if (key < GD__FAR) return key;
     struct gd__windows windows = gd__list_windows(list);
     struct gd__window w = gd__windows_get(&windows, 0);
@@ -179,8 +174,7 @@ void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receive
         list->distance_drops = to->distance_drops;
     front->status = gd__list_insert(list, &front->work->pool, children,
                                     front->narrowest * to->length, &front->work->scratch);
-    if (!front->status)
-        gd__queue_push(front->queue, to->side, key_of_list(to, list), &list->bucket);
+    if (!front->status) gd__queue_push(front->queue, to->side, key_of(to, list), &list->bucket);
 }
 
 static void deliver_one(struct gd__wavefront *front, uint32_t side, const struct gd__window *window)
@@ -281,7 +275,8 @@ enum gd_status gd__wavefront_open(struct gd__wavefront *front,
     front->predecessor = work->predecessor;
     front->queue = work->queue;
     front->wedge_form = wedge_form(front);
-    front->kernel = has_segments(front) ? gd__kernel_in_use_linear() : gd__kernel_in_use();
+    front->kernel = gd__kernel_in_use();
+    if (has_segments(front)) front->kernel = front->kernel->linear;
     front->work->scratch.apart = front->variant.no_coalescing;
     front->work_limit = propagation->work_limit ? propagation->work_limit : work_limit(front->mesh);
     front->narrowest = front->seed_count > 1 ? GD_TOL_NARROW : GD_TOL_WIDTH;

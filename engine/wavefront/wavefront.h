@@ -136,8 +136,7 @@ struct gd__wavefront {
  * predecessor, newest and wedges; it must then leave NULL in their place and the region closed. The
  * other arrays are reused. */
 struct gd__sink {
-    enum gd_status (*take)(void *user, struct gd__wavefront *front,
-                           const struct gd_executor *executor);
+    enum gd_status (*take)(void *user, struct gd__wavefront *front);
     void *user;
 };
 

@@ -8,21 +8,15 @@ void gd__scratch_destroy(struct gd__scratch *scratch)
 
 /* --- blocks ----------------------------------------------------------------------------------- */
 
-static uint32_t class_for(uint32_t windows)
-{
-    return gd__pool_class((windows + GD__WINDOWS_GROUP - 1) / GD__WINDOWS_GROUP);
-}
-
 enum gd_status gd__block_enlarge(void **block, uint8_t *size_class, struct gd__pool *pool,
                                  uint32_t windows, uint32_t kept)
 {
-    uint32_t class = class_for(windows);
+    uint32_t class = gd__pool_class((windows + GD__WINDOWS_GROUP - 1) / GD__WINDOWS_GROUP);
     void *larger = gd__pool_take(pool, class);
     if (!larger) return pool->status;
     if (*block) {
-        struct gd__windows to = gd__windows_at(larger, GD__WINDOWS_GROUP * gd__pool_items(class)),
-                           from = gd__windows_at(*block,
-                                                 GD__WINDOWS_GROUP * gd__pool_items(*size_class));
+        struct gd__windows to = gd__block_windows(larger, class),
+                           from = gd__block_windows(*block, *size_class);
         gd__windows_copy(&to, 0, &from, 0, kept);
         gd__pool_release(pool, *block, *size_class);
     }
@@ -39,9 +33,7 @@ enum gd_status gd__children_grow(struct gd__children *children, struct gd__pool 
         return GD_OK;
     enum gd_status status =
         gd__block_enlarge(&children->block, &children->size_class, pool, need, kept);
-    if (!status)
-        children->at = gd__windows_at(children->block,
-                                      GD__WINDOWS_GROUP * gd__pool_items(children->size_class));
+    if (!status) children->at = gd__block_windows(children->block, children->size_class);
     return status;
 }
 

@@ -18,6 +18,12 @@ void gd__scratch_destroy(struct gd__scratch *scratch);
 /* Item size of the pool of blocks. */
 #define GD__LIST_POOL_ITEM ((size_t)GD__WINDOWS_GROUP * GD__WINDOWS_BYTES)
 
+/* Returns the arrays in a block of that class. */
+static inline struct gd__windows gd__block_windows(void *block, uint32_t size_class)
+{
+    return gd__windows_at(block, GD__WINDOWS_GROUP * gd__pool_items(size_class));
+}
+
 /* Replaces a block by one with room for `windows` windows. Copies the first `kept` windows and
  * releases the old block (NULL: none). GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__block_enlarge(void **block, uint8_t *size_class,
@@ -49,7 +55,7 @@ GD_MUST_USE static inline enum gd_status gd__children_open(struct gd__children *
     children->block = gd__pool_take(pool, size_class);
     if (!children->block) return pool->status;
     children->size_class = (uint8_t)size_class;
-    children->at = gd__windows_at(children->block, GD__WINDOWS_GROUP * gd__pool_items(size_class));
+    children->at = gd__block_windows(children->block, size_class);
     return GD_OK;
 }
 

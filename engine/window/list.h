@@ -21,7 +21,7 @@ static inline uint32_t gd__list_capacity(const struct gd__list *list)
 
 static inline struct gd__windows gd__list_windows(const struct gd__list *list)
 {
-    return gd__windows_at(list->block, gd__list_capacity(list));
+    return gd__block_windows(list->block, list->size_class);
 }
 
 /* Inserts sorted windows, at least one, into a list that is not empty. Takes ownership of their

@@ -1,19 +1,12 @@
 #include "window/stack.h"
 
-#include <stdlib.h>
-#include <string.h>
-
+#include "base/array.h"
 #include "window/contest.h"
 
 enum gd_status gd__stack_reserve(struct gd__stack *stack, uint32_t capacity)
 {
-    if (capacity <= stack->capacity) return GD_OK;
-    uint32_t grown = capacity < 32 ? 32 : 2 * capacity;
-    struct gd__window *windows = realloc(stack->windows, sizeof *windows * (size_t)grown);
-    if (!windows) return GD_NO_MEMORY;
-    stack->windows = windows;
-    stack->capacity = grown;
-    return GD_OK;
+    return gd__array_extend(&stack->windows, &stack->capacity, capacity, sizeof *stack->windows,
+                            NULL);
 }
 
 void gd__stack_destroy(struct gd__stack *stack)
@@ -39,10 +32,7 @@ static void append_piece(struct gd__stack *out, const struct gd__window *w, doub
         return;
     }
     if (to - from <= min_width) return;
-    struct gd__window *piece = &out->windows[out->count++];
-    *piece = *w;
-    piece->b0 = from;
-    piece->b1 = to;
+    gd__stack_put(out, w, from, to, min_width);
     *last = w;
 }
 
@@ -134,21 +124,6 @@ static enum gd_status merge_into_tail(struct gd__stack *list, const struct gd__w
 
 enum push { PUSH_REST, PUSH_AGAIN, PUSH_DONE, PUSH_GENERAL };
 
-static void stack_put(struct gd__stack *list, const struct gd__window *w, double from, double to,
-                      double min_width)
-{
-    if (to - from <= min_width) return;
-    /* set field by field: see stack_push */
-    struct gd__window *place = &list->windows[list->count++];
-    place->b0 = from;
-    place->b1 = to;
-    place->x = w->x;
-    place->y = w->y;
-    place->sigma = w->sigma;
-    place->source = w->source;
-    place->tags = w->tags;
-}
-
 /* Returns true if the part of the window before the list's last window loses: better windows cover
  * it without a gap. */
 static bool is_beaten_before(const struct gd__stack *list, const struct gd__window *w,
@@ -174,9 +149,9 @@ static enum push split_last(struct gd__stack *list, struct gd__window *w, double
                             double min_width)
 {
     struct gd__window whole = list->windows[--list->count];
-    stack_put(list, &whole, whole.b0, from, min_width);
-    stack_put(list, w, from, to, min_width);
-    stack_put(list, &whole, to, whole.b1, min_width);
+    gd__stack_put(list, &whole, whole.b0, from, min_width);
+    gd__stack_put(list, w, from, to, min_width);
+    gd__stack_put(list, &whole, to, whole.b1, min_width);
     w->b0 = whole.b1;
     return w->b1 > w->b0 ? PUSH_REST : PUSH_DONE;
 }
@@ -234,7 +209,7 @@ static enum gd_status stack_push(struct gd__stack *list, struct gd__window *w, d
            w->b0 < list->windows[list->count - 1].b1 - min_width)
         push = contest_last(list, w, min_width);
     if (push == PUSH_GENERAL) return merge_into_tail(list, w, min_width, scratch);
-    if (push != PUSH_DONE) stack_put(list, w, w->b0, w->b1, min_width);
+    if (push != PUSH_DONE) gd__stack_put(list, w, w->b0, w->b1, min_width);
     return GD_OK;
 }
 

@@ -18,6 +18,22 @@ void gd__stack_destroy(struct gd__stack *stack);
 void gd__stack_load(struct gd__stack *stack, const struct gd__windows *windows, uint32_t first,
                     uint32_t end);
 
+/* Appends the piece [from, to] of a window unless it is no wider than `min_width`. The stack must
+ * have room. Sets the window field by field, because a copy of memory just written would stall. */
+static inline void gd__stack_put(struct gd__stack *stack, const struct gd__window *w, double from,
+                                 double to, double min_width)
+{
+    if (to - from <= min_width) return;
+    struct gd__window *place = &stack->windows[stack->count++];
+    place->b0 = from;
+    place->b1 = to;
+    place->x = w->x;
+    place->y = w->y;
+    place->sigma = w->sigma;
+    place->source = w->source;
+    place->tags = w->tags;
+}
+
 /* Returns an upper bound on the windows of a merge: each overlap is cut into at most three
  * pieces. */
 static inline uint32_t gd__merged_bound(uint32_t a, uint32_t b)

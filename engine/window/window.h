@@ -74,12 +74,17 @@ static inline double gd__window_distance_in_middle(const struct gd__window *w)
     return gd__window_distance(w, 0.5 * (w->b0 + w->b1));
 }
 
+/* Returns the parameter of the window's interval where the distance is least. */
+static inline double gd__window_nearest_at(const struct gd__window *w)
+{
+    if (gd__window_is_linear(w)) return w->x > 0 ? w->b1 : w->b0;
+    return w->x < w->b0 ? w->b0 : w->x > w->b1 ? w->b1 : w->x;
+}
+
 /* Returns the least distance on the window's interval. */
 static inline double gd__window_nearest(const struct gd__window *w)
 {
-    if (gd__window_is_linear(w)) return gd__window_distance(w, w->x > 0 ? w->b1 : w->b0);
-    double t = w->x < w->b0 ? w->b0 : w->x > w->b1 ? w->b1 : w->x;
-    return gd__window_distance(w, t);
+    return gd__window_distance(w, gd__window_nearest_at(w));
 }
 
 /* Returns true if the source lies on the line of an edge of that length, beyond its ends, up to

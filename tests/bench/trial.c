@@ -12,15 +12,14 @@ struct recorder {
 };
 
 /* A sink: stops the clock, counts, and keeps the wedges as a field does. */
-static enum gd_status record(void *user, struct gd__wavefront *front,
-                             const struct gd_executor *executor)
+static enum gd_status record(void *user, struct gd__wavefront *front)
 {
     struct recorder *recorder = user;
     struct trial *trial = recorder->trial;
     trial->ms = bench_thread_ms() - recorder->start_ms;
     trial->produced = front->counts.windows_created;
     trial->propagated = front->counts.windows_propagated;
-    return gd__field_take(recorder->field, front, executor);
+    return gd__field_take(recorder->field, front);
 }
 
 /* Counts the wedges of the final stage: as stored, without gaps, and with the chunks of each edge

@@ -2,7 +2,7 @@
 #ifndef TESTS_BENCH_TRIAL_H
 #define TESTS_BENCH_TRIAL_H
 
-#include "partition/run.h"
+#include "partition/partition.h"
 
 struct trial_request {
     struct gd_point source;

@@ -52,16 +52,15 @@ static bool lies_in(const struct gd__seed *seed, uint32_t face)
 
 static void check_face(uint32_t face)
 {
-    const struct gd__face_seed *f = gd__field_seeds_in(&field, face),
-                               *end = field.face_seeds + field.face_seed_count;
+    struct gd__face_seeds f = gd__field_seeds_in(&field, face);
     for (uint32_t i = 0; i < field.seed_count; i++) {
         if (!lies_in(&field.seeds[i], face)) continue;
-        assert_true(f < end);
-        assert_int_equal(f->face, face);
-        assert_int_equal(f->seed, i);
-        f++;
+        assert_true(f.at < f.end);
+        assert_int_equal(f.at->face, face);
+        assert_int_equal(f.at->seed, i);
+        f.at++;
     }
-    assert_true(f == end || f->face > face);
+    assert_true(f.at == f.end);
 }
 
 static void check_seeds(uint32_t count, struct rng *rng)

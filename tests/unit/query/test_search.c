@@ -1,4 +1,4 @@
-#include "query/search.h"
+#include "gd/query.h"
 
 #include <math.h>
 #include <stdlib.h>

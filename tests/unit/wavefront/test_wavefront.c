@@ -2,7 +2,7 @@
 #include "tests/support/test.h"
 
 #include "tests/samples/samples.h"
-#include "partition/run.h"
+#include "partition/partition.h"
 
 static struct gd_polygons polygons;
 static struct gd_mesh *mesh;
@@ -26,10 +26,8 @@ static int close_mesh(void **state)
 }
 
 /* A sink that stores only the number of windows. */
-static enum gd_status count_work(void *user, struct gd__wavefront *front,
-                                 const struct gd_executor *executor)
+static enum gd_status count_work(void *user, struct gd__wavefront *front)
 {
-    (void)executor;
     *(uint64_t *)user = front->counts.windows_propagated;
     return GD_OK;
 }

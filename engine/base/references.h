@@ -1,0 +1,20 @@
+/* References: counts the owners of an immutable object, of which the count is the only mutable
+ * member. Thread-safe. */
+#ifndef GD_BASE_REFERENCES_H
+#define GD_BASE_REFERENCES_H
+
+#include <stdatomic.h>
+#include <stdbool.h>
+
+static inline void gd__references_add(const atomic_uint *references)
+{
+    atomic_fetch_add_explicit((atomic_uint *)references, 1, memory_order_relaxed);
+}
+
+/* Returns true if that was the last reference: the caller then frees the object. */
+static inline bool gd__references_drop(const atomic_uint *references)
+{
+    return atomic_fetch_sub_explicit((atomic_uint *)references, 1, memory_order_acq_rel) == 1;
+}
+
+#endif
