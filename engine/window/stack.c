@@ -32,7 +32,10 @@ static void append_piece(struct gd__stack *out, const struct gd__window *w, doub
         return;
     }
     if (to - from <= min_width) return;
-    gd__stack_put(out, w, from, to, min_width);
+    struct gd__window *piece = &out->windows[out->count++];
+    *piece = *w;
+    piece->b0 = from;
+    piece->b1 = to;
     *last = w;
 }
 
