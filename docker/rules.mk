@@ -44,10 +44,8 @@ endef
 ifneq ($(filter x86_64%,$(shell $(CC) -dumpmachine 2>/dev/null)),)
 AVX2_FLAGS        := -mavx2
 AVX512_FLAGS      := -mavx512f -mavx512vl -mavx512dq -mprefer-vector-width=512
-AVX512_BASE_FLAGS := -mavx512bw
 $(foreach folder,obj pic,$(BUILD)/$(folder)/engine/%_avx2.c.o): FILE_FLAGS += $(AVX2_FLAGS)
 $(foreach folder,obj pic,$(BUILD)/$(folder)/engine/%_avx512.c.o): FILE_FLAGS += $(AVX512_FLAGS)
-$(foreach folder,obj pic,$(BUILD)/$(folder)/engine/base/%_avx512.c.o): FILE_FLAGS += $(AVX512_BASE_FLAGS)
 endif
 
 # All objects depend on the compiler's flags and on this file. All programs depend on the linker's

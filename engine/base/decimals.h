@@ -1,7 +1,6 @@
 /* Decimals: computes the shortest decimals of several doubles at a time, for number.h.
  *
- * One algorithm (decimals_lanes.h) is compiled for each SIMD width. shortest.h converts the numbers
- * that the algorithm leaves out. Stateless; any thread. */
+ * The kernel of AVX2 leaves out some numbers, which shortest.h converts. Stateless; any thread. */
 #ifndef GD_BASE_DECIMALS_H
 #define GD_BASE_DECIMALS_H
 
@@ -42,7 +41,7 @@ typedef uint32_t gd__decimals_kernel(const double *values, uint32_t count,
 
 extern gd__decimals_kernel gd__decimals_plain;
 #if defined(__x86_64__)
-extern gd__decimals_kernel gd__decimals_avx2, gd__decimals_avx512;
+extern gd__decimals_kernel gd__decimals_avx2;
 #endif
 
 /* Sets decimal i from its digits and its point, which is GD__DECIMAL_LEAST to 17. */

@@ -10,7 +10,7 @@
 #ifdef __SSE2__
 
 /* Writes the digits of a number below 10^16 with leading zeros. Returns a mask of the digits that
- * are not 0. Splits halves, quarters and bytes within one register, as in decimals_lanes.h. */
+ * are not 0. Splits halves, quarters and bytes within one register, as in decimals_avx2.c. */
 static unsigned put16(char *to, std::uint64_t value)
 {
     const __m128i halves =

@@ -12,9 +12,6 @@
 gd__decimals_kernel *gd__decimals_kernel_here(void)
 {
 #if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") &&
-        __builtin_cpu_supports("avx512vl"))
-        return gd__decimals_avx512;
     if (__builtin_cpu_supports("avx2")) return gd__decimals_avx2;
 #endif
     return gd__decimals_plain;

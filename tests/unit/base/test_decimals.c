@@ -17,8 +17,6 @@ static void find_kernels(void)
 {
 #if defined(__x86_64__)
     if (__builtin_cpu_supports("avx2")) kernels[kernel_count++] = gd__decimals_avx2;
-    if (gd__decimals_kernel_here() == gd__decimals_avx512)
-        kernels[kernel_count++] = gd__decimals_avx512;
 #endif
     if (!kernel_count) print_message("this machine has no lanes: there is nothing to compare\n");
 }
