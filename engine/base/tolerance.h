@@ -36,8 +36,8 @@
  * edge's length off its line. The candidate of the edge's end covers this case. */
 #define GD_TOL_GRAZING 1e-13
 
-/* A ray that passes the apex of its face at more than this part of the crossed edge's length did not
- * miss the apex due to rounding. */
+/* A ray that passes the apex of its face at more than this part of the crossed edge's length did
+ * not miss the apex due to rounding. */
 #define GD_TOL_BESIDE_APEX 1e-2
 
 /* Exception: a source within this part of the length of the edge itself sees the edge at all

@@ -42,8 +42,8 @@ static enum gd_status put_roots(struct gd__places *places, const struct gd__wind
     return status;
 }
 
-/* Adds the candidates of all wedges, and of the seeds on the edge itself. Along a segment on the edge
- * the distance is constant. */
+/* Adds the candidates of all wedges, and of the seeds on the edge itself. Along a segment on the
+ * edge the distance is constant. */
 static enum gd_status put_sources(const struct gd_field *field, uint32_t edge, double level,
                                   struct gd__places *places)
 {

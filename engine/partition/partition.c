@@ -302,7 +302,7 @@ static enum gd_status propagate_in_parts(struct gd__wavefront *front,
     return status;
 }
 
-/* --- one or two wavefronts --------------------------------------------------------------------- */
+/* --- one or two wavefronts -------------------------------------------------------------------- */
 
 static enum gd_status propagate_alone(struct gd__wavefront *front,
                                       const struct gd__propagation *propagation)
