@@ -1,6 +1,7 @@
 /* Decimals: computes the shortest decimals of several doubles at a time, for number.h.
  *
- * The kernel of AVX2 leaves out some numbers, which shortest.h converts. Stateless; any thread. */
+ * The kernel of AVX2 leaves out some numbers, which gd__decimals_set converts. Stateless; any
+ * thread. */
 #ifndef GD_BASE_DECIMALS_H
 #define GD_BASE_DECIMALS_H
 
@@ -44,9 +45,10 @@ extern gd__decimals_kernel gd__decimals_plain;
 extern gd__decimals_kernel gd__decimals_avx2;
 #endif
 
-/* Sets decimal i from its digits and its point, which is GD__DECIMAL_LEAST to 17. */
-void gd__decimals_set(struct gd__decimals *decimals, uint32_t i, uint64_t digits, int point,
-                      bool is_negative);
+/* Sets decimal i to the shortest decimal that reads back as the same double, which is finite and not
+ * 0. Among the decimals of that length it is the nearest to the double; in a tie, the one with an
+ * even last digit. Returns its point. */
+int gd__decimals_set(struct gd__decimals *decimals, uint32_t i, double value);
 
 /* Returns the fastest kernel of this machine. */
 gd__decimals_kernel *gd__decimals_kernel_here(void);

@@ -4,10 +4,10 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 
 #include "base/decimals.h"
-#include "base/shortest.h"
 
 gd__decimals_kernel *gd__decimals_kernel_here(void)
 {
@@ -76,15 +76,13 @@ char *put_zero(char *at, double value)
     return at;
 }
 
-/* Writes a number with an exponent. */
-char *put_scientific(char *at, double value)
+/* Writes a number with an exponent. `point` is its decimal point. */
+char *put_scientific(char *at, gd__decimals &decimal, int point)
 {
-    gd__decimals decimal;
-    const gd::decimal found = gd::shortest(std::fabs(value));
-    gd__decimals_set(&decimal, 0, found.digits, 1, std::signbit(value));
+    decimal.head[0] += std::uint64_t(1 - point) << 16; /* the point is behind the first digit */
     at = put(at, decimal, 0);
     *at++ = 'e';
-    return std::to_chars(at, at + 4, found.point - 1).ptr;
+    return std::to_chars(at, at + 4, point - 1).ptr;
 }
 
 /* Writes a number that the kernel left out. */
@@ -137,8 +135,9 @@ char *gd_number_format(char *at, double value)
     char text[GD_NUMBERS_SIZE(1)];
     gd__decimals decimal;
     if (value == 0) return put_zero(at, value);
-    const bool is_plain = !gd__decimals_plain(&value, 1, &decimal);
-    const char *const end = is_plain ? put(text, decimal, 0) : put_scientific(text, value);
+    const int point = gd__decimals_set(&decimal, 0, value);
+    const bool is_plain = point >= GD__DECIMAL_LEAST && point <= 17;
+    const char *const end = is_plain ? put(text, decimal, 0) : put_scientific(text, decimal, point);
     std::memcpy(at, text, GD_NUMBER_SIZE);
     return at + (end - text);
 }
