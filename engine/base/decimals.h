@@ -45,9 +45,9 @@ extern gd__decimals_kernel gd__decimals_plain;
 extern gd__decimals_kernel gd__decimals_avx2;
 #endif
 
-/* Sets decimal i to the shortest decimal that reads back as the same double, which is finite and not
- * 0. Among the decimals of that length it is the nearest to the double; in a tie, the one with an
- * even last digit. Returns its point. */
+/* Sets decimal i to the shortest decimal that reads back as the same double, which is finite and
+ * not 0. Among the decimals of that length it is the nearest to the double; in a tie, the one with
+ * an even last digit. Returns its point. */
 int gd__decimals_set(struct gd__decimals *decimals, uint32_t i, double value);
 
 /* Returns the fastest kernel of this machine. */

@@ -3,14 +3,15 @@
 
 #include "base/decimals.h"
 
-/* The algorithm is Dragonbox (J. Jeon, "Dragonbox: a new floating-point binary-to-decimal conversion
- * algorithm", 2022), with fractions instead of remainders. All reals in an interval around a double
- * round to it. In units of 10^k (decimals.h) the interval is 0.1 to 1 long. If the fraction of its upper end is less than its
- * length, the whole part of the upper end is the shortest decimal. Otherwise the shortest decimal
- * is the multiple of 1/10 nearest to the interval's middle. Fractions have 32 bits and are at most
- * 5 units too small. If that precision does not decide, the number is left out: one in thirty
- * million, and all ties. The interval of a power of two extends only half as far below it. That
- * changes no result for the 75 exponents of the scales (test_decimals.c tests all). */
+/* The algorithm is Dragonbox (J. Jeon, "Dragonbox: a new floating-point binary-to-decimal
+ * conversion algorithm", 2022), with fractions instead of remainders. All reals in an interval
+ * around a double round to it. In units of 10^k (decimals.h) the interval is 0.1 to 1 long. If the
+ * fraction of its upper end is less than its length, the whole part of the upper end is the
+ * shortest decimal. Otherwise the shortest decimal is the multiple of 1/10 nearest to the
+ * interval's middle. Fractions have 32 bits and are at most 5 units too small. If that precision
+ * does not decide, the number is left out: one in thirty million, and all ties. The interval of a
+ * power of two extends only half as far below it. That changes no result for the 75 exponents of
+ * the scales (test_decimals.c tests all). */
 
 #define FRACTION_BITS 52
 #define HALF          UINT64_C(0xffffffff) /* the lower half of a lane */

@@ -89,8 +89,7 @@ static enum gd_status add_fan(struct arrivals *arrivals, uint32_t vertex)
         const struct gd_side *s = &mesh->side[mesh->fan[i].side];
         uint32_t face = mesh->side_face[mesh->fan[i].side];
         double extent = atan2(s->left_y, s->left_x);
-        int k = 0;
-        while (mesh->face_side[face][k] != mesh->fan[i].side) k++;
+        int k = gd__place_of_side(mesh->face_side[face], mesh->fan[i].side);
         status = add_face(arrivals, face, k, mesh->fan[i].angle, extent);
         arrivals->total = mesh->fan[i].angle + extent;
     }
@@ -103,13 +102,12 @@ static enum gd_status add_sides(struct arrivals *arrivals, uint32_t edge)
     const struct gd_mesh *mesh = arrivals->field->mesh;
     enum gd_status status = GD_OK;
     for (uint32_t side = 2 * edge; side < 2 * edge + 2 && !status; side++) {
-        int k = 0;
-        if (gd__side_is_boundary(mesh, side)) {
+        uint32_t face = mesh->side_face[side];
+        if (face == GD_NONE)
             arrivals->total = INFINITY;
-            continue;
-        }
-        while (mesh->face_side[mesh->side_face[side]][k] != side) k++;
-        status = add_face(arrivals, mesh->side_face[side], k, (side & 1) * M_PI, M_PI);
+        else
+            status = add_face(arrivals, face, gd__place_of_side(mesh->face_side[face], side),
+                              (side & 1) * M_PI, M_PI);
     }
     return status;
 }

@@ -50,12 +50,11 @@ static struct direction from_chord(const struct gd_mesh *mesh, uint32_t face,
 static struct direction through_wedge(const struct gd_mesh *mesh, const struct gd__leg *leg,
                                       const struct gd_point *point)
 {
-    int k = 0;
+    int k = gd__place_of_side(mesh->face_side[leg->face], leg->side);
     double weight[3];
-    while (mesh->face_side[leg->face][k] != leg->side) k++;
     gd__point_weights(mesh, point, leg->face, weight);
-    struct gd__local at = gd__face_local(
-        mesh, leg->side, (double[3]){weight[k], weight[(k + 1) % 3], weight[(k + 2) % 3]});
+    struct gd__local at =
+        gd__side_local(&mesh->side[leg->side], weight[(k + 1) % 3], weight[(k + 2) % 3]);
     bool linear = gd__source_is_linear(leg->source);
     double dx = linear ? -leg->x : at.x - leg->x, dy = linear ? leg->y : at.y + leg->y;
     double straight = dy > 0 ? at.x - dx * (at.y / dy) : at.x;

@@ -19,8 +19,7 @@ bool gd__ray_has_arrived(const struct gd__path_builder *builder, uint32_t side, 
     if (point.kind == GD_POINT_FACE && point.element != face) return false;
     gd__point_weights(mesh, &point, face, weight);
     if (weight[0] + weight[1] + weight[2] == 0) return false;
-    struct gd__local at = gd__face_local(
-        mesh, side, (double[3]){weight[k], weight[(k + 1) % 3], weight[(k + 2) % 3]});
+    struct gd__local at = gd__side_local(s, weight[(k + 1) % 3], weight[(k + 2) % 3]);
     double tolerance = GD_TOL_ARRIVED * (s->length + s->left_length);
     return fabs(at.x - x) <= tolerance && fabs(at.y - y) <= tolerance;
 }

@@ -48,12 +48,6 @@ static enum gd_status touch_vertex(struct gd__guide *guide, uint32_t vertex)
 
 /* --- lower bounds ----------------------------------------------------------------------------- */
 
-static double straight_distance(const struct gd_vec3 *a, const struct gd_vec3 *b)
-{
-    double x = a->x - b->x, y = a->y - b->y, z = a->z - b->z;
-    return sqrt(x * x + y * y + z * z);
-}
-
 /* Returns a lower bound of the distance from a vertex to the point with the given bounds. The slack
  * covers the rounding of the vertex' own distance and of the two subtractions. Branchless over a
  * fixed number of landmarks, so that compilers vectorise it. */
@@ -75,7 +69,7 @@ static double landmark_bound(const struct gd__guide *guide,
 
 double gd__guide_line(const struct gd__guide *guide, uint32_t vertex, const struct gd__anchor *end)
 {
-    return straight_distance(&guide->mesh->position[vertex], &end->position) * (1 - GD_TOL_BOUND) -
+    return gd_vec3_distance(guide->mesh->position[vertex], end->position) * (1 - GD_TOL_BOUND) -
            guide->margin;
 }
 
@@ -166,7 +160,7 @@ static enum gd_status relax_vertex(struct gd__guide *guide, uint32_t vertex, str
     node->upper = offer.upper;
     node->parent = offer.parent;
     node->across = offer.across;
-    double rest = GREED * straight_distance(&guide->mesh->position[vertex], from);
+    double rest = GREED * gd_vec3_distance(guide->mesh->position[vertex], *from);
     if (guide->landmark)
         rest = fmax(rest, LANDMARKS_GREED * landmark_bound(guide, &guide->from_start, vertex));
     guide->heap[guide->heap_count] = (struct gd__guide_entry){offer.upper + rest, vertex};
@@ -200,8 +194,7 @@ static enum gd_status relax_across(struct gd__guide *guide, uint32_t vertex, uin
     uint32_t beyond = mesh->beyond[entry], next = entry + 1;
     double upper = guide->node[vertex].upper;
     if (beyond == GD_NONE || guide->node[beyond].closed) return GD_OK;
-    if (upper + straight_distance(&p[vertex], &p[beyond]) >= guide->node[beyond].upper)
-        return GD_OK;
+    if (upper + gd_vec3_distance(p[vertex], p[beyond]) >= guide->node[beyond].upper) return GD_OK;
     if (next == gd__neighbours_end(mesh, vertex)) next = mesh->fan_first[vertex];
     double way = way_across(&p[vertex], &p[mesh->fan[entry].tip],
                             &p[gd__neighbour(mesh, vertex, next)], &p[beyond]);
@@ -239,8 +232,7 @@ static enum gd_status expand_vertex(struct gd__guide *guide, uint32_t vertex,
     guide_prefetch(guide, vertex);
     for (uint32_t i = first; i < gd__neighbours_end(mesh, vertex) && !status; i++) {
         uint32_t tip = gd__neighbour(mesh, vertex, i);
-        struct offer along = {upper +
-                                  straight_distance(&mesh->position[vertex], &mesh->position[tip]),
+        struct offer along = {upper + gd_vec3_distance(mesh->position[vertex], mesh->position[tip]),
                               vertex, GD_NONE};
         status = gd__guide_step(guide);
         if (!status) status = relax_vertex(guide, tip, along, from);

@@ -95,10 +95,10 @@ struct growth {
     uint32_t first;
 };
 
-static double square(const struct gd_vec3 *a, const struct gd_vec3 *b)
+static double square(struct gd_vec3 a, struct gd_vec3 b)
 {
-    double x = a->x - b->x, y = a->y - b->y, z = a->z - b->z;
-    return x * x + y * y + z * z;
+    struct gd_vec3 way = gd_vec3_sub(a, b);
+    return gd_vec3_dot(way, way);
 }
 
 /* Returns the length of the longest edge at a vertex. Computed from positions, because the records
@@ -108,7 +108,7 @@ static double longest_edge_at(const struct gd_mesh *mesh, uint32_t vertex)
     double longest = 0;
     for (uint32_t i = mesh->fan_first[vertex]; i < gd__neighbours_end(mesh, vertex); i++) {
         double edge =
-            square(&mesh->position[vertex], &mesh->position[gd__neighbour(mesh, vertex, i)]);
+            square(mesh->position[vertex], mesh->position[gd__neighbour(mesh, vertex, i)]);
         longest = edge > longest ? edge : longest;
     }
     return sqrt(longest);
@@ -130,8 +130,8 @@ static bool is_out_of_the_way(const struct growth *growth, uint32_t vertex, doub
 static bool is_between(const struct growth *growth, uint32_t vertex)
 {
     const struct gd__guide *guide = growth->guide;
-    const struct gd_vec3 *p = &guide->mesh->position[vertex];
-    double a = square(p, &growth->from.position), b = square(p, &guide->target.position),
+    const struct gd_vec3 p = guide->mesh->position[vertex];
+    double a = square(p, growth->from.position), b = square(p, guide->target.position),
            rest = guide->rings.bound * guide->rings.bound - a - b;
     return rest >= 0 && 4 * a * b <= rest * rest;
 }
@@ -287,7 +287,7 @@ static float half_edge(const struct growth *growth, uint32_t vertex, uint32_t ot
 {
     const struct gd_mesh *mesh = growth->guide->mesh;
     if (growth->guide->rings.hops[other] != 1 + growth->hops) return 0;
-    return (float)(0.5 * sqrt(square(&mesh->position[vertex], &mesh->position[other])) /
+    return (float)(0.5 * gd_vec3_distance(mesh->position[vertex], mesh->position[other]) /
                    growth->guide->rings.bound);
 }
 

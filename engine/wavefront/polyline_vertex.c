@@ -1,23 +1,19 @@
 #include "wavefront/polyline_vertex.h"
 
-static void lay_along_edge(const struct gd_mesh *mesh, struct gd__placed_segment *placed,
-                           const struct gd__seed *s)
-{
-    placed->edge = gd__edge_between(mesh, &s->point, &s->end);
-    placed->forward = copysign(1, gd__edge_parameter(mesh, placed->edge, &s->end) -
-                                      gd__edge_parameter(mesh, placed->edge, &s->point));
-}
-
 void gd__segment_place(const struct gd__wavefront *front, struct gd__placed_segment *placed,
                        uint32_t seed)
 {
+    const struct gd_mesh *mesh = front->mesh;
     const struct gd__seed *s = &front->seeds[seed];
     placed->seed = seed;
     placed->face = s->face;
-    if (s->face != GD_NONE)
-        gd__chords(front->mesh, s->face, &s->point, &s->end, placed->chord);
-    else
-        lay_along_edge(front->mesh, placed, s);
+    if (s->face != GD_NONE) {
+        gd__chords(mesh, s->face, &s->point, &s->end, placed->chord);
+        return;
+    }
+    placed->edge = gd__edge_between(mesh, &s->point, &s->end);
+    placed->forward = copysign(1, gd__edge_parameter(mesh, placed->edge, &s->end) -
+                                      gd__edge_parameter(mesh, placed->edge, &s->point));
 }
 
 /* Removes the part of the side that is ahead of the joint. `first` and `last` are how far the
