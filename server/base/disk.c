@@ -17,7 +17,7 @@
 #define WRITE_MOST  ((size_t)1 << 30)
 
 /* Returns the outcome that errno means, for an operation that changed nothing. */
-static enum server_store_outcome errno_outcome(void)
+static enum server_outcome errno_outcome(void)
 {
     if (errno == ENOENT) return SERVER_STORE_ABSENT;
     if (errno == ENOSPC || errno == EDQUOT) return SERVER_STORE_FULL;
@@ -32,7 +32,7 @@ static void close_quietly(int file)
     errno = kept;
 }
 
-static enum server_store_outcome sync_and_close(int file)
+static enum server_outcome sync_and_close(int file)
 {
     int failed = fsync(file);
     close_quietly(file);
@@ -54,7 +54,7 @@ static int parent_open(const char *path)
 }
 
 /* Closes the folder. Makes the change in it durable first, if `outcome` is DONE. */
-static enum server_store_outcome parent_close(int parent, enum server_store_outcome outcome)
+static enum server_outcome parent_close(int parent, enum server_outcome outcome)
 {
     if (!outcome) return sync_and_close(parent);
     close_quietly(parent);
@@ -67,14 +67,14 @@ bool server_disk_exists(const char *path)
     return stat(path, &facts) == 0;
 }
 
-enum server_store_outcome server_disk_sync_folder(const char *folder)
+enum server_outcome server_disk_sync_folder(const char *folder)
 {
     int file = folder_open(folder);
     if (file >= 0) return sync_and_close(file);
     return errno == ENOENT ? SERVER_STORE_ABSENT : SERVER_STORE_READ_ONLY;
 }
 
-enum server_store_outcome server_disk_make_folder(const char *path)
+enum server_outcome server_disk_make_folder(const char *path)
 {
     if (server_disk_exists(path)) return SERVER_STORE_DONE;
     int parent = parent_open(path);
@@ -84,7 +84,7 @@ enum server_store_outcome server_disk_make_folder(const char *path)
     return errno == EEXIST ? SERVER_STORE_DONE : errno_outcome();
 }
 
-enum server_store_outcome server_disk_remove(const char *path)
+enum server_outcome server_disk_remove(const char *path)
 {
     int parent = parent_open(path);
     if (parent < 0) return errno_outcome();
@@ -93,7 +93,7 @@ enum server_store_outcome server_disk_remove(const char *path)
 
 /* --- writing ---------------------------------------------------------------------------------- */
 
-static enum server_store_outcome descriptor_write(int file, const char *bytes, size_t size)
+static enum server_outcome descriptor_write(int file, const char *bytes, size_t size)
 {
     while (size) {
         ssize_t written = write(file, bytes, size < WRITE_MOST ? size : WRITE_MOST);
@@ -107,11 +107,11 @@ static enum server_store_outcome descriptor_write(int file, const char *bytes, s
     return fsync(file) ? SERVER_STORE_READ_ONLY : SERVER_STORE_DONE;
 }
 
-static enum server_store_outcome file_create(const char *path, const void *bytes, size_t size)
+static enum server_outcome file_create(const char *path, const void *bytes, size_t size)
 {
     int file = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, FILE_MODE);
     if (file < 0) return errno == ENOENT ? SERVER_STORE_REFUSED : errno_outcome();
-    enum server_store_outcome outcome = descriptor_write(file, bytes, size);
+    enum server_outcome outcome = descriptor_write(file, bytes, size);
     int why = errno;
     close(file);
     if (outcome) unlink(path);
@@ -119,12 +119,12 @@ static enum server_store_outcome file_create(const char *path, const void *bytes
     return outcome;
 }
 
-enum server_store_outcome server_disk_write(const char *path, const char *temporary,
-                                            const void *bytes, size_t size)
+enum server_outcome server_disk_write(const char *path, const char *temporary, const void *bytes,
+                                      size_t size)
 {
     int parent = parent_open(path);
     if (parent < 0) return errno == ENOENT ? SERVER_STORE_REFUSED : errno_outcome();
-    enum server_store_outcome outcome = file_create(temporary, bytes, size);
+    enum server_outcome outcome = file_create(temporary, bytes, size);
     if (!outcome && rename(temporary, path) != 0) {
         outcome = errno == ENOENT ? SERVER_STORE_REFUSED : errno_outcome();
         int why = errno;
@@ -134,18 +134,18 @@ enum server_store_outcome server_disk_write(const char *path, const char *tempor
     return parent_close(parent, outcome);
 }
 
-enum server_store_outcome server_disk_copy(const char *path, const char *copy)
+enum server_outcome server_disk_copy(const char *path, const char *copy)
 {
     void *bytes;
     size_t size;
-    enum server_store_outcome outcome = server_disk_read(path, &bytes, &size);
+    enum server_outcome outcome = server_disk_read(path, &bytes, &size);
     if (outcome) return outcome;
     outcome = file_create(copy, bytes, size);
     free(bytes);
     return outcome;
 }
 
-enum server_store_outcome server_disk_link(const char *path, const char *second)
+enum server_outcome server_disk_link(const char *path, const char *second)
 {
     if (link(path, second) == 0) return SERVER_STORE_DONE;
     bool can_copy = errno == EXDEV || errno == EPERM || errno == EMLINK || errno == EOPNOTSUPP;
@@ -183,14 +183,14 @@ const char *server_disk_why(void)
     return errno == IRREGULAR ? "it is not a regular file" : strerror(errno);
 }
 
-enum server_store_outcome server_disk_sync_file(const char *path)
+enum server_outcome server_disk_sync_file(const char *path)
 {
     size_t size;
     int file = file_open(path, &size);
     return file < 0 ? errno_outcome() : sync_and_close(file);
 }
 
-enum server_store_outcome server_disk_read(const char *path, void **bytes, size_t *size)
+enum server_outcome server_disk_read(const char *path, void **bytes, size_t *size)
 {
     ssize_t got = 1;
     int file = file_open(path, size);
@@ -211,15 +211,15 @@ enum server_store_outcome server_disk_read(const char *path, void **bytes, size_
 
 #define PIECE ((size_t)256 << 10)
 
-enum server_store_outcome
-server_disk_scan(const char *path, bool (*visit)(void *user, const void *bytes, size_t size),
-                 void *user)
+enum server_outcome server_disk_scan(const char *path,
+                                     bool (*visit)(void *user, const void *bytes, size_t size),
+                                     void *user)
 {
     size_t size;
     int file = file_open(path, &size);
     if (file < 0) return errno_outcome();
     char *piece = malloc(PIECE);
-    enum server_store_outcome outcome = piece ? SERVER_STORE_DONE : SERVER_STORE_NO_MEMORY;
+    enum server_outcome outcome = piece ? SERVER_STORE_DONE : SERVER_STORE_NO_MEMORY;
     for (off_t at = 0; piece;) {
         /* The page cache hides damage of the disk: drops the pages that were read, and at first all
          * pages of the file. */

@@ -11,7 +11,7 @@
 #include <stdio.h>
 
 /* Outcome of a write or a read, of a file here and of a surface or a row in server/store. */
-enum server_store_outcome {
+enum server_outcome {
     SERVER_STORE_DONE,
     SERVER_STORE_CREATED,      /* from the registry: done, the name is new */
     SERVER_STORE_REPLACED,     /* from the registry: done, the name had a surface */
@@ -33,12 +33,12 @@ bool server_disk_exists(const char *path);
 
 /* Creates the folder, with a durable name, unless it exists. Does not make the name of an existing
  * folder durable, even if the process that created it was killed. */
-enum server_store_outcome server_disk_make_folder(const char *path);
+enum server_outcome server_disk_make_folder(const char *path);
 
 /* Writes a file as `temporary` and renames it to `path`, which it replaces, durably. Both paths are
  * in one file system. */
-enum server_store_outcome server_disk_write(const char *path, const char *temporary,
-                                            const void *bytes, size_t size);
+enum server_outcome server_disk_write(const char *path, const char *temporary, const void *bytes,
+                                      size_t size);
 
 /* Opens a regular file to read; never blocks on a FIFO or a device. Returns NULL on failure, see
  * server_disk_why. */
@@ -48,13 +48,13 @@ FILE *server_disk_stream(const char *path);
 const char *server_disk_why(void);
 
 /* Reads the file and appends a NUL. The caller frees `*bytes`. */
-enum server_store_outcome server_disk_read(const char *path, void **bytes, size_t *size);
+enum server_outcome server_disk_read(const char *path, void **bytes, size_t *size);
 
 /* Reads a file in pieces, from the disk and not from the page cache where possible. `visit` returns
  * false to stop. */
-enum server_store_outcome
-server_disk_scan(const char *path, bool (*visit)(void *user, const void *bytes, size_t size),
-                 void *user);
+enum server_outcome server_disk_scan(const char *path,
+                                     bool (*visit)(void *user, const void *bytes, size_t size),
+                                     void *user);
 
 /* Lists the files and folders in a folder, in any order, without names that begin with a dot:
  *
@@ -72,14 +72,14 @@ struct server_listing {
 struct server_listing server_disk_list(const char *folder);
 bool server_listing_next(struct server_listing *listing);
 
-enum server_store_outcome server_disk_remove(const char *path); /* a name, durably */
+enum server_outcome server_disk_remove(const char *path); /* a name, durably */
 
 /* Make durable the bytes of a file, or the names in a folder. */
-enum server_store_outcome server_disk_sync_file(const char *path);
-enum server_store_outcome server_disk_sync_folder(const char *folder);
+enum server_outcome server_disk_sync_file(const char *path);
+enum server_outcome server_disk_sync_folder(const char *folder);
 
 /* Copies a file. The bytes are durable; the caller makes the name durable. */
-typedef enum server_store_outcome server_disk_copier(const char *path, const char *copy);
+typedef enum server_outcome server_disk_copier(const char *path, const char *copy);
 server_disk_copier server_disk_copy;
 /* Makes a hard link, or a copy where links are impossible. */
 server_disk_copier server_disk_link;

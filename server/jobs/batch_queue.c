@@ -39,12 +39,12 @@ static void column_copy(char *to, size_t size, const struct server_sql_value *va
 /* --- batches ---------------------------------------------------------------------------------- */
 
 /* Adds the items first: without the batch's row no daemon claims them. */
-enum server_store_outcome server_batch_queue_add(struct server_store_sql *sql,
-                                                 const struct server_batch_order *order)
+enum server_outcome server_batch_queue_add(struct server_store_sql *sql,
+                                           const struct server_batch_order *order)
 {
     const struct server_sql_value id = server_sql_text(order->batch->id),
                                   items = server_sql_integer(order->batch->items);
-    enum server_store_outcome outcome = sql->run(
+    enum server_outcome outcome = sql->run(
         sql,
         SERVER_SQL(
             "WITH RECURSIVE numbers (number) AS"
@@ -68,8 +68,8 @@ static bool on_count(void *user, const struct server_sql_value *row)
     return true;
 }
 
-enum server_store_outcome server_batch_queue_count(struct server_store_sql *sql, const char *tenant,
-                                                   int64_t *count)
+enum server_outcome server_batch_queue_count(struct server_store_sql *sql, const char *tenant,
+                                             int64_t *count)
 {
     *count = 0;
     return sql->run(sql, SERVER_SQL("SELECT count(*) FROM batches WHERE tenant = $1",
@@ -94,19 +94,19 @@ static bool on_batch(void *user, const struct server_sql_value *row)
     " (SELECT count(*) FROM items WHERE batch = id AND number > 0),"                               \
     " (SELECT count(*) FROM items WHERE batch = id AND status >= 400) FROM batches "
 
-enum server_store_outcome server_batch_queue_find(struct server_store_sql *sql, const char *tenant,
-                                                  const char *id, struct server_batch *out)
+enum server_outcome server_batch_queue_find(struct server_store_sql *sql, const char *tenant,
+                                            const char *id, struct server_batch *out)
 {
     struct server_batch_list list = {.batches = out, .most = 1};
-    enum server_store_outcome outcome =
+    enum server_outcome outcome =
         sql->run(sql, SERVER_SQL(SELECT_BATCH "WHERE tenant = $1 AND id = $2",
                                  SERVER_VALUES(server_sql_text(tenant), server_sql_text(id)),
                                  on_batch, &list));
     return !outcome && !list.count ? SERVER_STORE_ABSENT : outcome;
 }
 
-enum server_store_outcome server_batch_queue_list(struct server_store_sql *sql, const char *tenant,
-                                                  const char *after, struct server_batch_list *list)
+enum server_outcome server_batch_queue_list(struct server_store_sql *sql, const char *tenant,
+                                            const char *after, struct server_batch_list *list)
 {
     list->count = 0;
     return sql->run(sql,
@@ -132,11 +132,11 @@ static bool on_document(void *user, const struct server_sql_value *row)
     return false;
 }
 
-enum server_store_outcome server_batch_queue_document(struct server_store_sql *sql, const char *id,
-                                                      void **document, size_t *size)
+enum server_outcome server_batch_queue_document(struct server_store_sql *sql, const char *id,
+                                                void **document, size_t *size)
 {
     struct document found = {0};
-    enum server_store_outcome outcome =
+    enum server_outcome outcome =
         sql->run(sql, SERVER_SQL("SELECT document FROM batches WHERE id = $1",
                                  SERVER_VALUES(server_sql_text(id)), on_document, &found));
     if (outcome) return outcome;
@@ -147,9 +147,9 @@ enum server_store_outcome server_batch_queue_document(struct server_store_sql *s
     return SERVER_STORE_DONE;
 }
 
-enum server_store_outcome server_batch_queue_answers(struct server_store_sql *sql,
-                                                     const struct server_batch_place *place,
-                                                     server_sql_visit *visit, void *user)
+enum server_outcome server_batch_queue_answers(struct server_store_sql *sql,
+                                               const struct server_batch_place *place,
+                                               server_sql_visit *visit, void *user)
 {
     const char *text = place->is_by_number
                            ? "SELECT item, status, answer, number FROM items WHERE batch = $1"
@@ -163,7 +163,7 @@ enum server_store_outcome server_batch_queue_answers(struct server_store_sql *sq
                         visit, user));
 }
 
-enum server_store_outcome server_batch_queue_cancel(struct server_store_sql *sql, const char *id)
+enum server_outcome server_batch_queue_cancel(struct server_store_sql *sql, const char *id)
 {
     return sql->run(sql, SERVER_SQL("UPDATE batches SET cancelled = 1 WHERE id = $1",
                                     SERVER_VALUES(server_sql_text(id))));
@@ -171,12 +171,12 @@ enum server_store_outcome server_batch_queue_cancel(struct server_store_sql *sql
 
 /* Removes the batch's row last, so that after a failure the batch is found and can be removed
  * again. Cancels the batch first, so that it counts as ended without its items. */
-enum server_store_outcome server_batch_queue_remove(struct server_store_sql *sql, const char *id)
+enum server_outcome server_batch_queue_remove(struct server_store_sql *sql, const char *id)
 {
     static const char *const steps[] = {
         "UPDATE batches SET cancelled = 1 WHERE id = $1 AND cancelled = 0",
         "DELETE FROM items WHERE batch = $1", "DELETE FROM batches WHERE id = $1"};
-    enum server_store_outcome outcome = SERVER_STORE_DONE;
+    enum server_outcome outcome = SERVER_STORE_DONE;
     for (size_t i = 0; !outcome && i < sizeof steps / sizeof *steps; i++)
         outcome = sql->run(sql, SERVER_SQL(steps[i], SERVER_VALUES(server_sql_text(id))));
     return outcome;
@@ -203,9 +203,9 @@ static bool on_owner(void *user, const struct server_sql_value *row)
 
 /* Claims an item of the oldest batch of the first tenant that the condition admits; leaves `*out`
  * unchanged if there is none. */
-static enum server_store_outcome claim_where(struct server_store_sql *sql, const char *node,
-                                             const char *condition, const char *after,
-                                             struct server_batch_claim *out)
+static enum server_outcome claim_where(struct server_store_sql *sql, const char *node,
+                                       const char *condition, const char *after,
+                                       struct server_batch_claim *out)
 {
     int64_t now = now_ms();
     char text[1024];
@@ -225,12 +225,11 @@ static enum server_store_outcome claim_where(struct server_store_sql *sql, const
                                     on_claim, out));
 }
 
-enum server_store_outcome server_batch_queue_claim(struct server_store_sql *sql, const char *node,
-                                                   const char *after,
-                                                   struct server_batch_claim *out)
+enum server_outcome server_batch_queue_claim(struct server_store_sql *sql, const char *node,
+                                             const char *after, struct server_batch_claim *out)
 {
     struct server_batch_claim claim = {.id = ""};
-    enum server_store_outcome outcome = claim_where(sql, node, "b.tenant > $4", after, &claim);
+    enum server_outcome outcome = claim_where(sql, node, "b.tenant > $4", after, &claim);
     if (!outcome && !claim.id[0]) outcome = claim_where(sql, node, "b.tenant <= $4", after, &claim);
     if (outcome) return outcome;
     if (!claim.id[0]) return SERVER_STORE_ABSENT;
@@ -240,12 +239,12 @@ enum server_store_outcome server_batch_queue_claim(struct server_store_sql *sql,
     return outcome;
 }
 
-enum server_store_outcome server_batch_queue_renew(struct server_store_sql *sql,
-                                                   const struct server_batch_claim *claim,
-                                                   const char *node)
+enum server_outcome server_batch_queue_renew(struct server_store_sql *sql,
+                                             const struct server_batch_claim *claim,
+                                             const char *node)
 {
     int64_t renewed = -1;
-    enum server_store_outcome outcome = sql->run(
+    enum server_outcome outcome = sql->run(
         sql,
         SERVER_SQL(
             "UPDATE items SET lease = $4 WHERE batch = $1 AND item = $2 AND node = $3"
@@ -257,10 +256,9 @@ enum server_store_outcome server_batch_queue_renew(struct server_store_sql *sql,
     return !outcome && renewed < 0 ? SERVER_STORE_ABSENT : outcome;
 }
 
-enum server_store_outcome server_batch_queue_return(struct server_store_sql *sql,
-                                                    const struct server_batch_claim *claim,
-                                                    const char *node, bool was_tried,
-                                                    int64_t pause_ms)
+enum server_outcome server_batch_queue_return(struct server_store_sql *sql,
+                                              const struct server_batch_claim *claim,
+                                              const char *node, bool was_tried, int64_t pause_ms)
 {
     int64_t lease = pause_ms ? now_ms() + pause_ms : 0;
     int64_t attempts = was_tried ? claim->attempts : claim->attempts - 1;
@@ -272,17 +270,16 @@ enum server_store_outcome server_batch_queue_return(struct server_store_sql *sql
                                       server_sql_integer(attempts))));
 }
 
-enum server_store_outcome server_batch_queue_return_all(struct server_store_sql *sql)
+enum server_outcome server_batch_queue_return_all(struct server_store_sql *sql)
 {
     return sql->run(sql, SERVER_SQL("UPDATE items SET lease = 0 WHERE status = 0 AND lease > 0"));
 }
 
 /* Writes the answer. The unique index rejects a number that another daemon has just written; then
  * the statement runs again. So a number is visible only after all smaller ones. */
-enum server_store_outcome server_batch_queue_answer(struct server_store_sql *sql,
-                                                    const struct server_batch_claim *claim,
-                                                    unsigned status, const void *answer,
-                                                    size_t size)
+enum server_outcome server_batch_queue_answer(struct server_store_sql *sql,
+                                              const struct server_batch_claim *claim,
+                                              unsigned status, const void *answer, size_t size)
 {
     return sql->run(
         sql, SERVER_SQL("UPDATE items SET status = $3, answer = $4, lease = 0, number = 1 +"

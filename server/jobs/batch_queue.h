@@ -47,16 +47,16 @@ struct server_batch_order {
 };
 
 /* Adds a batch; has no effect if it exists. */
-enum server_store_outcome server_batch_queue_add(struct server_store_sql *sql,
-                                                 const struct server_batch_order *order);
+enum server_outcome server_batch_queue_add(struct server_store_sql *sql,
+                                           const struct server_batch_order *order);
 
 /* Counts the tenant's batches. */
-enum server_store_outcome server_batch_queue_count(struct server_store_sql *sql, const char *tenant,
-                                                   int64_t *count);
+enum server_outcome server_batch_queue_count(struct server_store_sql *sql, const char *tenant,
+                                             int64_t *count);
 
 /* Finds the tenant's batch. ABSENT: there is none. */
-enum server_store_outcome server_batch_queue_find(struct server_store_sql *sql, const char *tenant,
-                                                  const char *id, struct server_batch *out);
+enum server_outcome server_batch_queue_find(struct server_store_sql *sql, const char *tenant,
+                                            const char *id, struct server_batch *out);
 
 struct server_batch_list {
     struct server_batch *batches; /* room for `most` */
@@ -64,13 +64,12 @@ struct server_batch_list {
 };
 
 /* Lists the tenant's batches with ids above `after` ("": from the first). */
-enum server_store_outcome server_batch_queue_list(struct server_store_sql *sql, const char *tenant,
-                                                  const char *after,
-                                                  struct server_batch_list *list);
+enum server_outcome server_batch_queue_list(struct server_store_sql *sql, const char *tenant,
+                                            const char *after, struct server_batch_list *list);
 
 /* Reads the document of a batch, malloc'ed. ABSENT: there is no such batch. */
-enum server_store_outcome server_batch_queue_document(struct server_store_sql *sql, const char *id,
-                                                      void **document, size_t *size);
+enum server_outcome server_batch_queue_document(struct server_store_sql *sql, const char *id,
+                                                void **document, size_t *size);
 
 /* A position in the answers of a batch. */
 struct server_batch_place {
@@ -80,13 +79,13 @@ struct server_batch_place {
 };
 
 /* Visits the next SERVER_BATCH_ANSWERS answers, sorted: item, status, answer, item or number. */
-enum server_store_outcome server_batch_queue_answers(struct server_store_sql *sql,
-                                                     const struct server_batch_place *place,
-                                                     server_sql_visit *visit, void *user);
+enum server_outcome server_batch_queue_answers(struct server_store_sql *sql,
+                                               const struct server_batch_place *place,
+                                               server_sql_visit *visit, void *user);
 
 /* Cancels a batch: no more of its items are claimed. Remove deletes it. */
-enum server_store_outcome server_batch_queue_cancel(struct server_store_sql *sql, const char *id);
-enum server_store_outcome server_batch_queue_remove(struct server_store_sql *sql, const char *id);
+enum server_outcome server_batch_queue_cancel(struct server_store_sql *sql, const char *id);
+enum server_outcome server_batch_queue_remove(struct server_store_sql *sql, const char *id);
 
 struct server_batch_claim {
     char id[SERVER_BATCH_ID], tenant[SERVER_TENANT + 1], etag[SERVER_ETAG];
@@ -96,30 +95,27 @@ struct server_batch_claim {
 /* Claims the next item for the daemon `node`. Tenants take turns: claims an item of the oldest
  * batch of the first tenant above `after` with an item to do; `after` is the tenant of the last
  * item. ABSENT: no item for now. */
-enum server_store_outcome server_batch_queue_claim(struct server_store_sql *sql, const char *node,
-                                                   const char *after,
-                                                   struct server_batch_claim *out);
+enum server_outcome server_batch_queue_claim(struct server_store_sql *sql, const char *node,
+                                             const char *after, struct server_batch_claim *out);
 
 /* Renews the lease of an item. ABSENT: the item is claimed by another daemon, answered, or
  * cancelled. */
-enum server_store_outcome server_batch_queue_renew(struct server_store_sql *sql,
-                                                   const struct server_batch_claim *claim,
-                                                   const char *node);
+enum server_outcome server_batch_queue_renew(struct server_store_sql *sql,
+                                             const struct server_batch_claim *claim,
+                                             const char *node);
 
 /* Returns an item to the queue, to be claimed after `pause_ms`. `was_tried`: the attempt counts. */
-enum server_store_outcome server_batch_queue_return(struct server_store_sql *sql,
-                                                    const struct server_batch_claim *claim,
-                                                    const char *node, bool was_tried,
-                                                    int64_t pause_ms);
+enum server_outcome server_batch_queue_return(struct server_store_sql *sql,
+                                              const struct server_batch_claim *claim,
+                                              const char *node, bool was_tried, int64_t pause_ms);
 
 /* Returns all items without an answer to the queue. Called at the start of a daemon that does not
  * share the queue. */
-enum server_store_outcome server_batch_queue_return_all(struct server_store_sql *sql);
+enum server_outcome server_batch_queue_return_all(struct server_store_sql *sql);
 
 /* Writes the item's answer, unless it has one or the batch is cancelled. */
-enum server_store_outcome server_batch_queue_answer(struct server_store_sql *sql,
-                                                    const struct server_batch_claim *claim,
-                                                    unsigned status, const void *answer,
-                                                    size_t size);
+enum server_outcome server_batch_queue_answer(struct server_store_sql *sql,
+                                              const struct server_batch_claim *claim,
+                                              unsigned status, const void *answer, size_t size);
 
 #endif

@@ -124,7 +124,7 @@ static bool registry_follow(struct server_exchange *exchange)
     char name[PROTO_MESH_NAME + 1];
     struct server_key key;
     struct server_listed listed;
-    enum server_store_outcome outcome = server_registry_follow(registry, exchange->started_ns);
+    enum server_outcome outcome = server_registry_follow(registry, exchange->started_ns);
     if (outcome && exchange->match.capture_count > 0) {
         if (!server_request_key(exchange, name, &key)) return true;
         if (!server_registry_find(registry, &key, &listed)) {
@@ -322,7 +322,7 @@ void server_request_go_on(struct server_exchange *rest)
     server_workers_resume(rest->host->workers, &rest->job);
 }
 
-void server_request_fail(struct server_exchange *exchange, enum server_store_outcome outcome)
+void server_request_fail(struct server_exchange *exchange, enum server_outcome outcome)
 {
     static const char *const full[] = {
         [SERVER_STORE_FULL] = "the server's disk is full; nothing was changed: delete surfaces, or "

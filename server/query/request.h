@@ -75,6 +75,6 @@ struct server_exchange *server_request_stream(struct server_exchange *exchange,
 void server_request_go_on(struct server_exchange *rest);
 
 /* Replies with the problem of a store's outcome. */
-void server_request_fail(struct server_exchange *exchange, enum server_store_outcome outcome);
+void server_request_fail(struct server_exchange *exchange, enum server_outcome outcome);
 
 #endif

@@ -84,7 +84,7 @@ void server_surface_resource_reply(struct server_exchange *exchange, unsigned st
 
 void server_surface_resource_reply_stored(struct server_exchange *exchange,
                                           struct server_surface *surface,
-                                          enum server_store_outcome outcome)
+                                          enum server_outcome outcome)
 {
     const struct server_record *record = surface->record;
     const struct server_listed listed = {surface->record, surface};
@@ -270,14 +270,14 @@ static void meshes_undo(const struct server_derived_meshes *meshes, uint32_t cou
     }
 }
 
-enum server_store_outcome server_derived_meshes_store(struct server_derived_meshes *meshes)
+enum server_outcome server_derived_meshes_store(struct server_derived_meshes *meshes)
 {
     static const struct server_precondition none;
     bool is_new = true;
     for (uint32_t i = 0; i < meshes->count; i++) {
         struct server_derived_mesh *mesh = &meshes->list[i];
-        enum server_store_outcome outcome = server_registry_put(
-            meshes->exchange->host->api->registry, mesh->surface, mesh->file, &none);
+        enum server_outcome outcome = server_registry_put(meshes->exchange->host->api->registry,
+                                                          mesh->surface, mesh->file, &none);
         if (outcome != SERVER_STORE_CREATED && outcome != SERVER_STORE_REPLACED) {
             meshes_undo(meshes, i);
             return outcome;
@@ -289,7 +289,7 @@ enum server_store_outcome server_derived_meshes_store(struct server_derived_mesh
 }
 
 void server_derived_meshes_reply(const struct server_derived_meshes *meshes,
-                                 enum server_store_outcome outcome)
+                                 enum server_outcome outcome)
 {
     struct proto_writer writer;
     if (outcome != SERVER_STORE_CREATED && outcome != SERVER_STORE_REPLACED) {

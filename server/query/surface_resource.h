@@ -28,7 +28,7 @@ void server_surface_resource_reply(struct server_exchange *exchange, unsigned st
  * problem of the outcome. */
 void server_surface_resource_reply_stored(struct server_exchange *exchange,
                                           struct server_surface *surface,
-                                          enum server_store_outcome outcome);
+                                          enum server_outcome outcome);
 
 /* --- derived meshes --------------------------------------------------------------------------- */
 
@@ -85,10 +85,10 @@ GD_MUST_USE enum gd_status server_derived_mesh_copy(void *to, const void *from, 
 /* Stores all meshes and replaces surfaces of the same names: CREATED (all names were free) or
  * REPLACED. Runs on the registry's writer thread. After an error, the outcome of
  * server_registry_put, it removes the meshes that it has created. */
-enum server_store_outcome server_derived_meshes_store(struct server_derived_meshes *meshes);
+enum server_outcome server_derived_meshes_store(struct server_derived_meshes *meshes);
 
 /* Replies with the descriptions of all meshes, 201 or 200, or with the problem of the outcome. */
 void server_derived_meshes_reply(const struct server_derived_meshes *meshes,
-                                 enum server_store_outcome outcome);
+                                 enum server_outcome outcome);
 
 #endif

@@ -100,8 +100,8 @@ static inline bool server_sql_on_surface(void *user, const struct server_sql_val
  * after a lost connection, so repeating it must be harmless. */
 struct server_store_sql {
     /* Runs a statement. DONE, UNAVAILABLE, FULL, NO_MEMORY, REFUSED, READ_ONLY. */
-    enum server_store_outcome (*run)(struct server_store_sql *sql,
-                                     const struct server_statement *statement);
+    enum server_outcome (*run)(struct server_store_sql *sql,
+                               const struct server_statement *statement);
     bool is_shared; /* several daemons share the database */
     /* The end of a statement that locks rows; skips rows that other daemons have locked. SQLite
      * needs none. */

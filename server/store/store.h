@@ -51,43 +51,39 @@ typedef bool server_pace(void *user, size_t bytes); /* called for each piece tha
 struct server_store {
     /* Visits all surfaces, in any order. DONE, UNAVAILABLE, NO_MEMORY. Of a shared store it is
      * called again when follow returns STALE. */
-    enum server_store_outcome (*each)(struct server_store *store, server_stored_visit *visit,
-                                      void *user);
+    enum server_outcome (*each)(struct server_store *store, server_stored_visit *visit, void *user);
     /* Writes the objects and verifies those that exist; may be slow. The caller calls put or keep
      * next. */
-    enum server_store_outcome (*stage)(struct server_store *store,
-                                       const struct server_record *record,
-                                       const struct server_content *content);
+    enum server_outcome (*stage)(struct server_store *store, const struct server_record *record,
+                                 const struct server_content *content);
     /* Stores a surface, or replaces it; durable when it returns DONE. `content` NULL: only the
      * record changes, to one of the same upload (record.h). `*version`: in, the known version of
      * the key, 0 for none; out, the new one. */
-    enum server_store_outcome (*put)(struct server_store *store, const struct server_record *record,
-                                     const struct server_content *content, uint64_t *version);
+    enum server_outcome (*put)(struct server_store *store, const struct server_record *record,
+                               const struct server_content *content, uint64_t *version);
     /* Verifies the objects of a stored surface and rewrites damaged ones. */
-    enum server_store_outcome (*keep)(struct server_store *store,
-                                      const struct server_record *record,
-                                      const struct server_content *content);
+    enum server_outcome (*keep)(struct server_store *store, const struct server_record *record,
+                                const struct server_content *content);
     /* Removes a surface; durable when it returns DONE. `*version` as for put. */
-    enum server_store_outcome (*remove)(struct server_store *store,
-                                        const struct server_record *record, uint64_t *version);
+    enum server_outcome (*remove)(struct server_store *store, const struct server_record *record,
+                                  uint64_t *version);
     /* Deletes objects that the last put or remove left unused. Called after the registry has
      * unlisted the surface. */
     void (*tidy)(struct server_store *store);
     /* Reads and verifies an object, malloc'ed. DAMAGED; ABSENT; NO_MEMORY; REFUSED. */
-    enum server_store_outcome (*fetch)(struct server_store *store,
-                                       const struct server_object *object, void **bytes);
+    enum server_outcome (*fetch)(struct server_store *store, const struct server_object *object,
+                                 void **bytes);
     /* Verifies an object in little memory. DAMAGED: it is in quarantine now, and fetch refuses it
      * without reading. ABSENT; REFUSED: the system can't read it; UNAVAILABLE: ended early,
      * rewritten meanwhile, or out of memory. */
-    enum server_store_outcome (*verify)(struct server_store *store,
-                                        const struct server_object *object, server_pace *pace,
-                                        void *user);
+    enum server_outcome (*verify)(struct server_store *store, const struct server_object *object,
+                                  server_pace *pace, void *user);
     /* Returns the number of objects in quarantine. */
     uint32_t (*damaged)(struct server_store *store);
     /* Visits the changes since the last call, in the order of versions. STALE: too many; call each,
      * and drop surfaces that it does not visit. UNAVAILABLE, NO_MEMORY. */
-    enum server_store_outcome (*follow)(struct server_store *store, server_stored_visit *visit,
-                                        void *user);
+    enum server_outcome (*follow)(struct server_store *store, server_stored_visit *visit,
+                                  void *user);
     /* Blocks until there is a change, at most for `ns`. */
     void (*await)(struct server_store *store, uint64_t ns);
     void (*note_uses)(struct server_store *store, const struct server_record *const *records,

@@ -151,11 +151,11 @@ static bool on_stored(void *user, const struct server_stored *stored)
 }
 
 /* Collects slots of all surfaces in the store. On failure `*out` has some of them. */
-static enum server_store_outcome slots_collect(struct server_registry *registry,
-                                               struct server_sorted *out)
+static enum server_outcome slots_collect(struct server_registry *registry,
+                                         struct server_sorted *out)
 {
     struct collection all = {.slots = {.compare = slot_compare}};
-    enum server_store_outcome outcome = SERVER_STORE_DONE;
+    enum server_outcome outcome = SERVER_STORE_DONE;
     if (registry->store->each) outcome = registry->store->each(registry->store, on_stored, &all);
     *out = all.slots;
     for (uint32_t i = 0; i < out->count; i++)
@@ -445,10 +445,10 @@ static void slots_keep_unchanged(struct server_sorted *all, struct server_sorted
 
 /* Reads the whole store again: after a long absence, or when a backup was restored, the store no
  * longer knows the changes. */
-static enum server_store_outcome registry_reread(struct server_registry *registry)
+static enum server_outcome registry_reread(struct server_registry *registry)
 {
     struct server_sorted fresh;
-    enum server_store_outcome outcome = slots_collect(registry, &fresh);
+    enum server_outcome outcome = slots_collect(registry, &fresh);
     if (!outcome) {
         pthread_rwlock_wrlock(&registry->lock);
         slots_keep_unchanged(&registry->all, &fresh);
@@ -468,10 +468,9 @@ bool server_registry_is_shared(const struct server_registry *registry)
     return registry->store->follow != NULL;
 }
 
-enum server_store_outcome server_registry_follow(struct server_registry *registry,
-                                                 uint64_t since_ns)
+enum server_outcome server_registry_follow(struct server_registry *registry, uint64_t since_ns)
 {
-    enum server_store_outcome outcome = SERVER_STORE_DONE;
+    enum server_outcome outcome = SERVER_STORE_DONE;
     if (!server_registry_is_shared(registry)) return outcome;
     SERVER_LOCK(&registry->following);
     if (atomic_load(&registry->followed_ns) <= since_ns) {
@@ -532,9 +531,8 @@ bool server_registry_allows(const struct server_precondition *precondition,
 }
 
 /* Stores a copy of the present record with the new caption; `*version` as for the store's put. */
-static enum server_store_outcome change_amend(struct server_store *store, struct change *change,
-                                              const struct server_record *present,
-                                              uint64_t *version)
+static enum server_outcome change_amend(struct server_store *store, struct change *change,
+                                        const struct server_record *present, uint64_t *version)
 {
     server_record_release(change->amended); /* the record of an earlier attempt */
     change->amended = server_record_copy(present, change->caption);
@@ -544,9 +542,9 @@ static enum server_store_outcome change_amend(struct server_store *store, struct
 
 /* Makes the store apply the change to `now`, which has `*version`; sets `*version` to the new
  * one. */
-static enum server_store_outcome change_store(const struct server_registry *registry,
-                                              struct change *change,
-                                              const struct server_listed *now, uint64_t *version)
+static enum server_outcome change_store(const struct server_registry *registry,
+                                        struct change *change, const struct server_listed *now,
+                                        uint64_t *version)
 {
     struct server_store *store = registry->store;
     struct server_record *record = change->surface ? change->surface->record : NULL;
@@ -591,12 +589,11 @@ static void change_apply(struct server_registry *registry, struct change *change
 }
 
 /* Makes a change. STALE: another daemon has changed the surface meanwhile. */
-static enum server_store_outcome change_make(struct server_registry *registry,
-                                             struct change *change)
+static enum server_outcome change_make(struct server_registry *registry, struct change *change)
 {
     struct server_store *store = registry->store;
     struct server_surface *surface = change->surface;
-    enum server_store_outcome outcome = SERVER_STORE_DONE;
+    enum server_outcome outcome = SERVER_STORE_DONE;
     struct server_listed now = {0};
     uint64_t version = 0;
     if (surface && store->stage) outcome = store->stage(store, surface->record, &change->content);
@@ -621,9 +618,9 @@ static enum server_store_outcome change_make(struct server_registry *registry,
     return !surface ? SERVER_STORE_DONE : exists ? SERVER_STORE_REPLACED : SERVER_STORE_CREATED;
 }
 
-static enum server_store_outcome change_run(struct server_registry *registry, struct change *change)
+static enum server_outcome change_run(struct server_registry *registry, struct change *change)
 {
-    enum server_store_outcome outcome = SERVER_STORE_STALE;
+    enum server_outcome outcome = SERVER_STORE_STALE;
     pthread_mutex_lock(&registry->writing);
     for (int i = 0; i < ATTEMPTS && outcome == SERVER_STORE_STALE; i++)
         outcome = change_make(registry, change);
@@ -634,9 +631,9 @@ static enum server_store_outcome change_run(struct server_registry *registry, st
     return outcome == SERVER_STORE_STALE ? SERVER_STORE_UNAVAILABLE : outcome;
 }
 
-enum server_store_outcome server_registry_put(struct server_registry *registry,
-                                              struct server_surface *surface, const void *bytes,
-                                              const struct server_precondition *precondition)
+enum server_outcome server_registry_put(struct server_registry *registry,
+                                        struct server_surface *surface, const void *bytes,
+                                        const struct server_precondition *precondition)
 {
     struct change change = {
         .key = server_record_key(surface->record),
@@ -647,25 +644,25 @@ enum server_store_outcome server_registry_put(struct server_registry *registry,
     if (!server_record_take(surface->record, registry->budget)) return SERVER_STORE_NO_MEMORY;
     change.slot = slot_create(surface->record, surface);
     if (!change.slot) return SERVER_STORE_NO_MEMORY;
-    enum server_store_outcome outcome = change_run(registry, &change);
+    enum server_outcome outcome = change_run(registry, &change);
     slot_free(change.slot);
     return outcome;
 }
 
-enum server_store_outcome server_registry_remove(struct server_registry *registry,
-                                                 const struct server_key *key,
-                                                 const struct server_precondition *precondition)
+enum server_outcome server_registry_remove(struct server_registry *registry,
+                                           const struct server_key *key,
+                                           const struct server_precondition *precondition)
 {
     struct change change = {.key = *key, .precondition = precondition};
     return change_run(registry, &change);
 }
 
-enum server_store_outcome server_registry_caption(struct server_registry *registry,
-                                                  const struct server_key *key, const char *caption,
-                                                  const struct server_precondition *precondition)
+enum server_outcome server_registry_caption(struct server_registry *registry,
+                                            const struct server_key *key, const char *caption,
+                                            const struct server_precondition *precondition)
 {
     struct change change = {.key = *key, .caption = caption, .precondition = precondition};
-    enum server_store_outcome outcome = change_run(registry, &change);
+    enum server_outcome outcome = change_run(registry, &change);
     server_record_release(change.amended);
     return outcome;
 }

@@ -42,18 +42,18 @@ void server_registry_watch(struct server_registry *registry,
  * need be, and returns REPLACED. Without a precondition (NULL) it does nothing else, and returns
  * ABSENT if the key has another record or none. Errors: PRECONDITION, NO_MEMORY, FULL, REFUSED,
  * READ_ONLY, UNAVAILABLE. remove returns DONE, ABSENT or one of these errors. */
-enum server_store_outcome server_registry_put(struct server_registry *registry,
-                                              struct server_surface *surface, const void *bytes,
-                                              const struct server_precondition *precondition);
-enum server_store_outcome server_registry_remove(struct server_registry *registry,
-                                                 const struct server_key *key,
-                                                 const struct server_precondition *precondition);
+enum server_outcome server_registry_put(struct server_registry *registry,
+                                        struct server_surface *surface, const void *bytes,
+                                        const struct server_precondition *precondition);
+enum server_outcome server_registry_remove(struct server_registry *registry,
+                                           const struct server_key *key,
+                                           const struct server_precondition *precondition);
 
 /* Changes the caption of the surface of that key, durably; keeps its fields. Waits for the disk.
  * DONE, ABSENT or an error of put. */
-enum server_store_outcome server_registry_caption(struct server_registry *registry,
-                                                  const struct server_key *key, const char *caption,
-                                                  const struct server_precondition *precondition);
+enum server_outcome server_registry_caption(struct server_registry *registry,
+                                            const struct server_key *key, const char *caption,
+                                            const struct server_precondition *precondition);
 
 /* Returns whether the preconditions allow a change of that record (NULL: there is none). */
 bool server_registry_allows(const struct server_precondition *precondition,
@@ -100,8 +100,7 @@ bool server_registry_is_fresh(struct server_registry *registry, const struct ser
 
 /* Applies the changes that other daemons made up to `since_ns`, unless that is done. HTTP threads
  * don't call it. DONE, also if the store is not shared; UNAVAILABLE, NO_MEMORY. */
-enum server_store_outcome server_registry_follow(struct server_registry *registry,
-                                                 uint64_t since_ns);
+enum server_outcome server_registry_follow(struct server_registry *registry, uint64_t since_ns);
 
 /* Returns whether the key still has this record; applies changes of a shared store first. The store
  * removes bytes only after the registry has dropped the record. So if bytes are missing and this is

@@ -49,7 +49,7 @@ static void scrub_object(struct server_scrub *scrub, const struct server_record 
         [SERVER_STORE_ABSENT] = "its stored file is missing; upload it again, or restore a backup",
         [SERVER_STORE_REFUSED] = "its stored file can't be read; check the disk"};
     struct server_store *store = server_registry_store(scrub->registry);
-    enum server_store_outcome outcome = store->verify(store, object, scrub_on_piece, scrub);
+    enum server_outcome outcome = store->verify(store, object, scrub_on_piece, scrub);
     struct server_log_line line;
     if (outcome && !messages[outcome]) return;
     atomic_fetch_add(&scrub->files, 1);

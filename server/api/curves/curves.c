@@ -375,7 +375,7 @@ static bool pieces_store(struct server_exchange *exchange)
                              taken);
         return true;
     }
-    enum server_store_outcome outcome = server_derived_meshes_store(&cut->meshes);
+    enum server_outcome outcome = server_derived_meshes_store(&cut->meshes);
     if (outcome != SERVER_STORE_CREATED && outcome != SERVER_STORE_REPLACED) {
         server_request_fail(exchange, outcome);
         return true;

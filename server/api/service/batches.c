@@ -28,7 +28,7 @@ static struct server_store_sql *open_queue(struct server_exchange *exchange)
     return sql;
 }
 
-static bool check_outcome(struct server_exchange *exchange, enum server_store_outcome outcome)
+static bool check_outcome(struct server_exchange *exchange, enum server_outcome outcome)
 {
     if (!outcome) return true;
     if (outcome == SERVER_STORE_ABSENT)
@@ -287,7 +287,7 @@ static bool on_answer(void *user, const struct server_sql_value *row)
 static void reply_answers(struct server_exchange *exchange, struct server_store_sql *sql,
                           struct answers *answers)
 {
-    enum server_store_outcome outcome;
+    enum server_outcome outcome;
     const struct proto_many_state state = batch_state(&answers->batch);
     server_reply_writer(exchange, &answers->writer);
     proto_page_begin(&answers->writer, "results");

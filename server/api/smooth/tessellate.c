@@ -159,7 +159,7 @@ static bool meshing_add(struct meshing *meshing, const struct mesher *mesher,
 static bool meshing_store(struct server_exchange *exchange)
 {
     struct server_derived_meshes *meshes = &((struct meshing *)exchange->state)->meshes;
-    enum server_store_outcome outcome = server_derived_meshes_store(meshes);
+    enum server_outcome outcome = server_derived_meshes_store(meshes);
     server_surface_resource_reply_stored(exchange, meshes->list[0].surface, outcome);
     return true;
 }

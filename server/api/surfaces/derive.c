@@ -46,7 +46,7 @@ static bool derivation_store(struct server_exchange *exchange)
 {
     struct derivation *derivation = (struct derivation *)exchange->state;
     struct server_derived_meshes *meshes = &derivation->meshes;
-    enum server_store_outcome outcome = server_derived_meshes_store(meshes);
+    enum server_outcome outcome = server_derived_meshes_store(meshes);
     if (derivation->wanted.is_split)
         server_derived_meshes_reply(meshes, outcome);
     else

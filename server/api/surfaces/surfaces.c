@@ -70,7 +70,7 @@ static bool remove_surface(struct server_exchange *exchange)
     char name[PROTO_MESH_NAME + 1];
     struct server_key key;
     if (!server_request_key(exchange, name, &key)) return true;
-    enum server_store_outcome outcome =
+    enum server_outcome outcome =
         server_registry_remove(exchange->host->api->registry, &key, &precondition);
     if (outcome == SERVER_STORE_DONE)
         server_reply_empty(exchange, 204);
@@ -115,7 +115,7 @@ static bool update_surface(struct server_exchange *exchange)
     struct server_key key;
     struct server_listed listed;
     if (!server_request_key(exchange, name, &key)) return true;
-    enum server_store_outcome outcome = SERVER_STORE_DONE;
+    enum server_outcome outcome = SERVER_STORE_DONE;
     if (caption->is_given)
         outcome = server_registry_caption(exchange->host->api->registry, &key, caption->text,
                                           &precondition);

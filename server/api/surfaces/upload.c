@@ -121,7 +121,7 @@ static bool upload_compare(struct server_exchange *exchange, struct upload *uplo
 
 /* --- storing ---------------------------------------------------------------------------------- */
 
-static bool upload_reply(struct server_exchange *exchange, enum server_store_outcome outcome)
+static bool upload_reply(struct server_exchange *exchange, enum server_outcome outcome)
 {
     const struct upload *upload = exchange->state;
     server_body_drop(&exchange->body);
@@ -168,10 +168,10 @@ static bool upload_confirm(struct server_exchange *exchange)
     struct server_registry *registry = exchange->host->api->registry;
     struct upload *upload = exchange->state;
     const struct server_key key = server_record_key(upload->record);
-    enum server_store_outcome outcome =
+    enum server_outcome outcome =
         server_registry_put(registry, upload->surface, upload_file(exchange), NULL);
     if (outcome == SERVER_STORE_REPLACED && upload->has_caption) {
-        enum server_store_outcome amended =
+        enum server_outcome amended =
             server_registry_caption(registry, &key, upload->caption, &none);
         if (amended) outcome = amended;
     }

@@ -16,13 +16,13 @@ struct backup {
     FILE *out;
     struct server_files from, to; /* `from` is not locked */
     server_disk_copier *copy;
-    enum server_store_outcome outcome;
+    enum server_outcome outcome;
     unsigned surfaces;
     unsigned long long bytes;
 };
 
 /* Ends the visit of rows. Does not print ABSENT, which leads to another attempt. */
-static bool give_up(struct backup *backup, enum server_store_outcome outcome, const char *what,
+static bool give_up(struct backup *backup, enum server_outcome outcome, const char *what,
                     const char *name)
 {
     backup->outcome = outcome;
@@ -44,7 +44,7 @@ static bool on_row_objects(void *user, const struct server_sql_value *row)
 {
     struct backup *backup = user;
     struct server_record *record = row_read(backup, row);
-    enum server_store_outcome outcome = SERVER_STORE_DONE;
+    enum server_outcome outcome = SERVER_STORE_DONE;
     if (!record) return false;
     for (int part = 0; !outcome && part < SERVER_PARTS; part++) {
         const struct server_object *object = &record->objects[part];
@@ -63,14 +63,14 @@ static bool on_row_manifest(void *user, const struct server_sql_value *row)
     struct backup *backup = user;
     struct server_record *record = row_read(backup, row);
     if (!record) return false;
-    enum server_store_outcome outcome = server_files_write_manifest(&backup->to, record);
+    enum server_outcome outcome = server_files_write_manifest(&backup->to, record);
     server_record_release(record);
     return !outcome ||
            give_up(backup, outcome, "a manifest can't be written", row[SERVER_ROW_KEY].bytes);
 }
 
-static enum server_store_outcome database_copy(const struct backup *backup, const char *name,
-                                               enum server_database_use use)
+static enum server_outcome database_copy(const struct backup *backup, const char *name,
+                                         enum server_database_use use)
 {
     struct server_database *database;
     const struct server_path from = server_files_path(&backup->from, "%s", name),
@@ -79,14 +79,14 @@ static enum server_store_outcome database_copy(const struct backup *backup, cons
         fprintf(backup->out, "the database '%s' is damaged, or can't be read\n", from.text);
         return SERVER_STORE_REFUSED;
     }
-    enum server_store_outcome outcome = server_database_copy(database, to.text);
+    enum server_outcome outcome = server_database_copy(database, to.text);
     if (outcome) fprintf(backup->out, "the database can't be copied to '%s'\n", to.text);
     server_database_close(database, false);
     return outcome == SERVER_STORE_ABSENT ? SERVER_STORE_REFUSED : outcome;
 }
 
 /* Copies the store as of one moment. ABSENT: an object was deleted meanwhile. */
-static enum server_store_outcome moment_copy(struct backup *backup)
+static enum server_outcome moment_copy(struct backup *backup)
 {
     struct server_database *database;
     const struct server_path path = server_files_path(&backup->to, SERVER_STORE_DATABASE);
@@ -94,7 +94,7 @@ static enum server_store_outcome moment_copy(struct backup *backup)
     backup->surfaces = 0;
     backup->bytes = 0;
     backup->outcome = SERVER_STORE_DONE;
-    enum server_store_outcome outcome =
+    enum server_outcome outcome =
         database_copy(backup, SERVER_STORE_DATABASE, SERVER_DATABASE_READ);
     if (!outcome) outcome = server_database_open(path.text, SERVER_DATABASE_WRITE, &database);
     if (outcome) return outcome;
@@ -107,7 +107,7 @@ static enum server_store_outcome moment_copy(struct backup *backup)
 
 static bool store_copy(struct backup *backup)
 {
-    enum server_store_outcome outcome = SERVER_STORE_ABSENT;
+    enum server_outcome outcome = SERVER_STORE_ABSENT;
     bool has_batches =
         server_disk_exists(server_files_path(&backup->from, SERVER_SQL_BATCHES).text);
     if (has_batches && database_copy(backup, SERVER_SQL_BATCHES, SERVER_DATABASE_COPY))

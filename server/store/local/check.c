@@ -105,7 +105,7 @@ static void check_objects(struct check *check, const struct server_record *recor
         void *bytes = NULL;
         if (!object->id[0] || server_names_has(&check->sound, object->id)) continue;
         server_names_add(&check->named, object->id);
-        enum server_store_outcome outcome = server_files_read_object(&check->files, object, &bytes);
+        enum server_outcome outcome = server_files_read_object(&check->files, object, &bytes);
         free(bytes);
         if (outcome) {
             check_fault(check, faults[part][outcome != SERVER_STORE_ABSENT], record->key);
@@ -173,7 +173,7 @@ static bool check_row(void *user, const struct server_sql_value *row)
 static void check_database(struct check *check)
 {
     const struct server_path path = server_files_path(&check->files, SERVER_STORE_DATABASE);
-    enum server_store_outcome outcome =
+    enum server_outcome outcome =
         server_database_open(path.text, SERVER_DATABASE_READ, &check->database);
     if (!outcome) outcome = server_database_each(check->database, check_row, check);
     struct server_listing manifests = check_folder(check, "manifests");
@@ -192,8 +192,7 @@ static void check_batches(struct check *check)
 {
     struct server_database *database = NULL;
     const struct server_path path = server_files_path(&check->files, SERVER_SQL_BATCHES);
-    enum server_store_outcome outcome =
-        server_database_open(path.text, SERVER_DATABASE_COPY, &database);
+    enum server_outcome outcome = server_database_open(path.text, SERVER_DATABASE_COPY, &database);
     if (outcome && outcome != SERVER_STORE_ABSENT)
         check_fault(check,
                     "the database of batches is damaged or can't be read; the next start renames "

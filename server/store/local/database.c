@@ -33,7 +33,7 @@ struct server_database {
 
 /* --- SQLite ----------------------------------------------------------------------------------- */
 
-enum server_store_outcome server_sqlite_outcome(int code)
+enum server_outcome server_sqlite_outcome(int code)
 {
     /* the only I/O error that means a full disk */
     if (code == SQLITE_IOERR_SHMSIZE) return SERVER_STORE_FULL;
@@ -173,8 +173,8 @@ static int run_steps(sqlite3 *connection, const char *const *steps, int64_t from
     return code;
 }
 
-enum server_store_outcome server_sqlite_migrate(sqlite3 *connection, const char *const *steps,
-                                                int version, const char *copy_path)
+enum server_outcome server_sqlite_migrate(sqlite3 *connection, const char *const *steps,
+                                          int version, const char *copy_path)
 {
     int64_t from;
     int code = read_version(connection, &from);
@@ -230,8 +230,8 @@ static int migrate_in_memory(struct server_database *database, int64_t version)
     return code;
 }
 
-static enum server_store_outcome open_to_read(struct server_database *database, const char *path,
-                                              bool is_store)
+static enum server_outcome open_to_read(struct server_database *database, const char *path,
+                                        bool is_store)
 {
     char log[SERVER_DISK_PATH + sizeof "-wal"];
     int64_t version = SCHEMA_VERSION;
@@ -247,16 +247,16 @@ static enum server_store_outcome open_to_read(struct server_database *database, 
     return server_sqlite_outcome(code);
 }
 
-enum server_store_outcome server_database_open(const char *path, enum server_database_use use,
-                                               struct server_database **out)
+enum server_outcome server_database_open(const char *path, enum server_database_use use,
+                                         struct server_database **out)
 {
     char copy[SERVER_DISK_PATH + sizeof ".before-migration"];
     struct server_database *database = calloc(1, sizeof *database);
     if (!database) return SERVER_STORE_NO_MEMORY;
     snprintf(copy, sizeof copy, "%s.before-migration", path);
-    enum server_store_outcome outcome =
-        use == SERVER_DATABASE_WRITE ? server_sqlite_outcome(open_to_write(database, path))
-                                     : open_to_read(database, path, use == SERVER_DATABASE_READ);
+    enum server_outcome outcome = use == SERVER_DATABASE_WRITE
+                                      ? server_sqlite_outcome(open_to_write(database, path))
+                                      : open_to_read(database, path, use == SERVER_DATABASE_READ);
     if (!outcome && use == SERVER_DATABASE_WRITE)
         outcome = server_sqlite_migrate(database->connection, schema, SCHEMA_VERSION, copy);
     if (outcome)
@@ -288,7 +288,7 @@ const char *server_database_error(struct server_database *database)
  * durable. */
 static void database_checkpoint(struct server_database *database, int mode)
 {
-    enum server_store_outcome outcome = server_sqlite_outcome(
+    enum server_outcome outcome = server_sqlite_outcome(
         sqlite3_wal_checkpoint_v2(database->connection, NULL, mode, NULL, NULL));
     database->cant_checkpoint |=
         outcome == SERVER_STORE_READ_ONLY || outcome == SERVER_STORE_DAMAGED;
@@ -300,21 +300,21 @@ static void checkpoint_when_due(struct server_database *database)
         database_checkpoint(database, SQLITE_CHECKPOINT_PASSIVE);
 }
 
-static enum server_store_outcome database_write(struct server_database *database,
-                                                const struct server_statement *statement)
+static enum server_outcome database_write(struct server_database *database,
+                                          const struct server_statement *statement)
 {
     if (database->cant_checkpoint) return SERVER_STORE_READ_ONLY;
     return server_sqlite_outcome(sqlite_run(database->connection, statement));
 }
 
-enum server_store_outcome server_database_put(struct server_database *database,
-                                              const struct server_record *record)
+enum server_outcome server_database_put(struct server_database *database,
+                                        const struct server_record *record)
 {
     size_t size;
     char *text = server_record_write(record, &size);
     if (!text) return SERVER_STORE_NO_MEMORY;
     const char *attachment = record->objects[SERVER_PART_ATTACHMENT].id;
-    enum server_store_outcome outcome = database_write(
+    enum server_outcome outcome = database_write(
         database,
         SERVER_SQL("INSERT INTO surfaces (key, record, file, attachment) VALUES ($1, $2, $3, $4)"
                    " ON CONFLICT (key) DO UPDATE SET record = $2, file = $3, attachment = $4",
@@ -328,17 +328,17 @@ enum server_store_outcome server_database_put(struct server_database *database,
 
 /* Deletes the row and empties the log, because damage can truncate a log undetected. A lost insert
  * is repaired from the manifest, but a lost deletion would not be noticed. */
-enum server_store_outcome server_database_remove(struct server_database *database, const char *key)
+enum server_outcome server_database_remove(struct server_database *database, const char *key)
 {
-    enum server_store_outcome outcome =
+    enum server_outcome outcome =
         database_write(database, SERVER_SQL("DELETE FROM surfaces WHERE key = $1",
                                             SERVER_VALUES(server_sql_text(key))));
     if (!outcome) database_checkpoint(database, SQLITE_CHECKPOINT_TRUNCATE);
     return outcome;
 }
 
-enum server_store_outcome server_database_count(struct server_database *database,
-                                                const char *object, int64_t *count)
+enum server_outcome server_database_count(struct server_database *database, const char *object,
+                                          int64_t *count)
 {
     struct server_sql_integers found = {0};
     int code = sqlite_run(database->connection,
@@ -350,8 +350,8 @@ enum server_store_outcome server_database_count(struct server_database *database
     return server_sqlite_outcome(code);
 }
 
-enum server_store_outcome server_database_find(struct server_database *database, const char *key,
-                                               struct server_sql_surface *out)
+enum server_outcome server_database_find(struct server_database *database, const char *key,
+                                         struct server_sql_surface *out)
 {
     *out = (struct server_sql_surface){0};
     int code =
@@ -361,12 +361,11 @@ enum server_store_outcome server_database_find(struct server_database *database,
     return code || out->rows ? server_sqlite_outcome(code) : SERVER_STORE_ABSENT;
 }
 
-enum server_store_outcome server_database_note_uses(struct server_database *database,
-                                                    const struct server_record *const *records,
-                                                    const struct server_store_uses *uses,
-                                                    uint32_t count)
+enum server_outcome server_database_note_uses(struct server_database *database,
+                                              const struct server_record *const *records,
+                                              const struct server_store_uses *uses, uint32_t count)
 {
-    enum server_store_outcome outcome = database_write(database, SERVER_SQL("BEGIN IMMEDIATE"));
+    enum server_outcome outcome = database_write(database, SERVER_SQL("BEGIN IMMEDIATE"));
     for (uint32_t i = 0; !outcome && i < count; i++)
         outcome = database_write(
             database, SERVER_SQL("UPDATE surfaces SET uses = $2, used = $3 WHERE key = $1",
@@ -381,8 +380,8 @@ enum server_store_outcome server_database_note_uses(struct server_database *data
     return outcome;
 }
 
-enum server_store_outcome server_database_each(struct server_database *database,
-                                               server_sql_visit *visit, void *user)
+enum server_outcome server_database_each(struct server_database *database, server_sql_visit *visit,
+                                         void *user)
 {
     return server_sqlite_outcome(sqlite_run(
         database->connection,
@@ -391,7 +390,7 @@ enum server_store_outcome server_database_each(struct server_database *database,
                    NULL, 0, visit, user)));
 }
 
-enum server_store_outcome server_database_copy(struct server_database *database, const char *path)
+enum server_outcome server_database_copy(struct server_database *database, const char *path)
 {
     sqlite3 *copy;
     int code = sqlite_copy(database->connection, path, &copy);
@@ -446,8 +445,8 @@ static int batches_ensure(struct batches *own)
 }
 
 /* Does not repeat a statement that finds damage: its visitor may have seen rows. */
-static enum server_store_outcome batches_run(struct server_store_sql *sql,
-                                             const struct server_statement *statement)
+static enum server_outcome batches_run(struct server_store_sql *sql,
+                                       const struct server_statement *statement)
 {
     struct batches *own = (struct batches *)sql;
     pthread_mutex_lock(&own->lock);
@@ -455,7 +454,7 @@ static enum server_store_outcome batches_run(struct server_store_sql *sql,
     if (!code) code = sqlite_run(own->connection, statement);
     (void)batches_judge(own, code);
     pthread_mutex_unlock(&own->lock);
-    enum server_store_outcome outcome = server_sqlite_outcome(code);
+    enum server_outcome outcome = server_sqlite_outcome(code);
     return outcome == SERVER_STORE_DAMAGED ? SERVER_STORE_READ_ONLY : outcome;
 }
 

@@ -67,19 +67,19 @@ static bool files_refuse_path(struct server_files *files, const char *path)
 
 /* Makes the names in a folder durable. Skips a folder that the process can't write to, since it
  * can't have created a name there. In the sandbox (sandbox.h) the folder may be inaccessible. */
-static enum server_store_outcome sync_names(const char *folder)
+static enum server_outcome sync_names(const char *folder)
 {
     if (access(folder, W_OK) != 0) return SERVER_STORE_DONE;
-    enum server_store_outcome outcome = server_disk_sync_folder(folder);
+    enum server_outcome outcome = server_disk_sync_folder(folder);
     return outcome == SERVER_STORE_READ_ONLY && errno == EACCES ? SERVER_STORE_DONE : outcome;
 }
 
 /* Creates a folder and its parents. Makes all names durable, also existing ones: a killed process
  * may have created one without that. */
-static enum server_store_outcome make_path(const char *folder)
+static enum server_outcome make_path(const char *folder)
 {
     char path[SERVER_STORE_FOLDER];
-    enum server_store_outcome outcome = sync_names(*folder == '/' ? "/" : ".");
+    enum server_outcome outcome = sync_names(*folder == '/' ? "/" : ".");
     snprintf(path, sizeof path, "%s", folder);
     for (char *slash = path; !outcome && (slash = strchr(slash + 1, '/')); *slash = '/') {
         *slash = '\0';
@@ -93,7 +93,7 @@ static enum server_store_outcome make_path(const char *folder)
 static bool make_layout(struct server_files *files)
 {
     static const char *const folders[] = {"", "temporary", "manifests", "objects"};
-    enum server_store_outcome outcome = make_path(files->folder);
+    enum server_outcome outcome = make_path(files->folder);
     for (size_t i = 0; !outcome && i < sizeof folders / sizeof *folders; i++)
         outcome = server_disk_make_folder(server_files_path(files, "%s", folders[i]).text);
     if (!outcome) outcome = server_disk_sync_folder(files->folder);
@@ -246,20 +246,20 @@ bool server_files_open_copy(struct server_files *files, const char *folder)
     return false;
 }
 
-enum server_store_outcome server_files_finish(const struct server_files *files)
+enum server_outcome server_files_finish(const struct server_files *files)
 {
-    enum server_store_outcome outcome = server_disk_sync_folder(files->folder);
+    enum server_outcome outcome = server_disk_sync_folder(files->folder);
     return outcome ? outcome : server_disk_remove(server_files_path(files, UNFINISHED).text);
 }
 
 /* --- objects ---------------------------------------------------------------------------------- */
 
-enum server_store_outcome server_files_read_object(const struct server_files *files,
-                                                   const struct server_object *object, void **bytes)
+enum server_outcome server_files_read_object(const struct server_files *files,
+                                             const struct server_object *object, void **bytes)
 {
     char found[SERVER_SHA256_HEX];
     size_t size;
-    enum server_store_outcome outcome =
+    enum server_outcome outcome =
         server_disk_read(server_files_object_path(files, object->id).text, bytes, &size);
     if (outcome) return outcome;
     server_sha256(*bytes, size, found);
@@ -272,7 +272,7 @@ enum server_store_outcome server_files_read_object(const struct server_files *fi
 static bool has_object(const struct server_files *files, const struct server_object *object)
 {
     void *bytes = NULL;
-    enum server_store_outcome outcome = server_files_read_object(files, object, &bytes);
+    enum server_outcome outcome = server_files_read_object(files, object, &bytes);
     free(bytes);
     return outcome == SERVER_STORE_DONE;
 }
@@ -294,15 +294,15 @@ static bool verification_on_piece(void *user, const void *bytes, size_t size)
     return !verification->was_ended;
 }
 
-enum server_store_outcome server_files_verify_object(const struct server_files *files,
-                                                     const struct server_object *object,
-                                                     server_pace *pace, void *user)
+enum server_outcome server_files_verify_object(const struct server_files *files,
+                                               const struct server_object *object,
+                                               server_pace *pace, void *user)
 {
     char found[SERVER_SHA256_HEX];
     struct verification verification = {.sum = server_sha256_begin(), .pace = pace, .user = user};
     if (!verification.sum) return SERVER_STORE_UNAVAILABLE;
-    enum server_store_outcome outcome = server_disk_scan(
-        server_files_object_path(files, object->id).text, verification_on_piece, &verification);
+    enum server_outcome outcome = server_disk_scan(server_files_object_path(files, object->id).text,
+                                                   verification_on_piece, &verification);
     server_sha256_end(verification.sum, found);
     if (outcome == SERVER_STORE_NO_MEMORY || verification.was_ended)
         return SERVER_STORE_UNAVAILABLE;
@@ -317,15 +317,15 @@ static struct server_path object_folder(const struct server_files *files,
     return server_files_path(files, "objects/%.2s", object->id);
 }
 
-enum server_store_outcome server_files_copy_object(const struct server_files *files,
-                                                   const struct server_files *from,
-                                                   const struct server_object *object,
-                                                   server_disk_copier *copy)
+enum server_outcome server_files_copy_object(const struct server_files *files,
+                                             const struct server_files *from,
+                                             const struct server_object *object,
+                                             server_disk_copier *copy)
 {
     const struct server_path folder = object_folder(files, object),
                              path = server_files_object_path(files, object->id);
     void *bytes = NULL;
-    enum server_store_outcome outcome = server_disk_make_folder(folder.text);
+    enum server_outcome outcome = server_disk_make_folder(folder.text);
     if (outcome) return outcome;
     bool is_there = has_object(files, object);
     /* an interrupted attempt may have left part of the file */
@@ -338,21 +338,20 @@ enum server_store_outcome server_files_copy_object(const struct server_files *fi
     return outcome;
 }
 
-static enum server_store_outcome store_file_write(struct server_files *files,
-                                                  const struct server_path *path, const void *bytes,
-                                                  size_t size)
+static enum server_outcome store_file_write(struct server_files *files,
+                                            const struct server_path *path, const void *bytes,
+                                            size_t size)
 {
     const struct server_path temporary = server_files_path(files, "temporary/%u", files->serial++);
     return server_disk_write(path->text, temporary.text, bytes, size);
 }
 
-enum server_store_outcome server_files_write_object(struct server_files *files,
-                                                    const struct server_object *object,
-                                                    const void *bytes)
+enum server_outcome server_files_write_object(struct server_files *files,
+                                              const struct server_object *object, const void *bytes)
 {
     const struct server_path folder = object_folder(files, object),
                              path = server_files_object_path(files, object->id);
-    enum server_store_outcome outcome = server_disk_make_folder(folder.text);
+    enum server_outcome outcome = server_disk_make_folder(folder.text);
     if (outcome) return outcome;
     return has_object(files, object) ? server_disk_sync_folder(folder.text)
                                      : store_file_write(files, &path, bytes, (size_t)object->size);
@@ -372,7 +371,7 @@ enum server_record_reading server_files_read_manifest(const struct server_files 
 {
     void *text;
     size_t size;
-    enum server_store_outcome outcome =
+    enum server_outcome outcome =
         server_disk_read(server_files_manifest_path(files, key).text, &text, &size);
     if (outcome)
         return outcome == SERVER_STORE_NO_MEMORY ? SERVER_RECORD_NO_MEMORY : SERVER_RECORD_DAMAGED;
@@ -382,8 +381,8 @@ enum server_record_reading server_files_read_manifest(const struct server_files 
     return reading;
 }
 
-enum server_store_outcome server_files_write_manifest(struct server_files *files,
-                                                      const struct server_record *record)
+enum server_outcome server_files_write_manifest(struct server_files *files,
+                                                const struct server_record *record)
 {
     const struct server_path path = server_files_manifest_path(files, record->key),
                              aside = server_files_path(files, ASIDE);
@@ -391,7 +390,7 @@ enum server_store_outcome server_files_write_manifest(struct server_files *files
     char *text = server_record_write(record, &size);
     if (!text) return SERVER_STORE_NO_MEMORY;
     (void)unlink(aside.text);
-    enum server_store_outcome outcome = server_disk_link(path.text, aside.text);
+    enum server_outcome outcome = server_disk_link(path.text, aside.text);
     if (!outcome || outcome == SERVER_STORE_ABSENT)
         outcome = store_file_write(files, &path, text, size);
     free(text);
@@ -403,8 +402,7 @@ void server_files_settle_manifest(const struct server_files *files)
     (void)unlink(server_files_path(files, ASIDE).text);
 }
 
-enum server_store_outcome server_files_undo_manifest(const struct server_files *files,
-                                                     const char *key)
+enum server_outcome server_files_undo_manifest(const struct server_files *files, const char *key)
 {
     const struct server_path path = server_files_manifest_path(files, key);
     if (rename(server_files_path(files, ASIDE).text, path.text) != 0)
@@ -412,23 +410,21 @@ enum server_store_outcome server_files_undo_manifest(const struct server_files *
     return server_disk_sync_folder(server_files_path(files, "manifests").text);
 }
 
-enum server_store_outcome server_files_remove_manifest(const struct server_files *files,
-                                                       const char *key)
+enum server_outcome server_files_remove_manifest(const struct server_files *files, const char *key)
 {
-    enum server_store_outcome outcome =
-        server_disk_remove(server_files_manifest_path(files, key).text);
+    enum server_outcome outcome = server_disk_remove(server_files_manifest_path(files, key).text);
     return outcome == SERVER_STORE_ABSENT ? SERVER_STORE_DONE : outcome;
 }
 
 /* --- ballast ---------------------------------------------------------------------------------- */
 
-enum server_store_outcome server_files_load_ballast(struct server_files *files)
+enum server_outcome server_files_load_ballast(struct server_files *files)
 {
     const struct server_path path = server_files_path(files, "ballast");
     if (server_disk_exists(path.text)) return SERVER_STORE_DONE;
     void *zeros = calloc(1, BALLAST_BYTES);
     if (!zeros) return SERVER_STORE_NO_MEMORY;
-    enum server_store_outcome outcome = store_file_write(files, &path, zeros, BALLAST_BYTES);
+    enum server_outcome outcome = store_file_write(files, &path, zeros, BALLAST_BYTES);
     free(zeros);
     return outcome;
 }

@@ -56,7 +56,7 @@ bool server_files_open_existing(struct server_files *files, const char *folder);
 /* As server_files_open, for a new copy, or an unfinished one, whose objects it keeps. The copy is
  * unfinished until server_files_finish. */
 bool server_files_open_copy(struct server_files *files, const char *folder);
-enum server_store_outcome server_files_finish(const struct server_files *files);
+enum server_outcome server_files_finish(const struct server_files *files);
 
 /* Returns whether the folder is an unfinished copy; if so, sets files->error. */
 bool server_files_is_unfinished(struct server_files *files);
@@ -70,22 +70,21 @@ void server_files_close(struct server_files *files);
 /* --- objects ---------------------------------------------------------------------------------- */
 
 /* Writes the object, unless it exists undamaged. */
-enum server_store_outcome server_files_write_object(struct server_files *files,
-                                                    const struct server_object *object,
-                                                    const void *bytes);
+enum server_outcome server_files_write_object(struct server_files *files,
+                                              const struct server_object *object,
+                                              const void *bytes);
 /* Reads and verifies the object; `*bytes` is malloc'ed. */
-enum server_store_outcome server_files_read_object(const struct server_files *files,
-                                                   const struct server_object *object,
-                                                   void **bytes);
+enum server_outcome server_files_read_object(const struct server_files *files,
+                                             const struct server_object *object, void **bytes);
 /* Copies the object from another folder, unless it exists undamaged, and verifies it. */
-enum server_store_outcome server_files_copy_object(const struct server_files *files,
-                                                   const struct server_files *from,
-                                                   const struct server_object *object,
-                                                   server_disk_copier *copy);
+enum server_outcome server_files_copy_object(const struct server_files *files,
+                                             const struct server_files *from,
+                                             const struct server_object *object,
+                                             server_disk_copier *copy);
 /* Verifies the object piece by piece, as the store's verify. */
-enum server_store_outcome server_files_verify_object(const struct server_files *files,
-                                                     const struct server_object *object,
-                                                     server_pace *pace, void *user);
+enum server_outcome server_files_verify_object(const struct server_files *files,
+                                               const struct server_object *object,
+                                               server_pace *pace, void *user);
 void server_files_remove_object(const struct server_files *files, const char *object);
 
 /* --- manifests -------------------------------------------------------------------------------- */
@@ -97,17 +96,15 @@ enum server_record_reading server_files_read_manifest(const struct server_files 
                                                       char sha256[SERVER_SHA256_HEX]);
 
 /* Writes the record's manifest, and keeps the old one until settle or undo is called. */
-enum server_store_outcome server_files_write_manifest(struct server_files *files,
-                                                      const struct server_record *record);
+enum server_outcome server_files_write_manifest(struct server_files *files,
+                                                const struct server_record *record);
 void server_files_settle_manifest(const struct server_files *files);
-enum server_store_outcome server_files_undo_manifest(const struct server_files *files,
-                                                     const char *key);
-enum server_store_outcome server_files_remove_manifest(const struct server_files *files,
-                                                       const char *key);
+enum server_outcome server_files_undo_manifest(const struct server_files *files, const char *key);
+enum server_outcome server_files_remove_manifest(const struct server_files *files, const char *key);
 
 /* --- ballast ---------------------------------------------------------------------------------- */
 
-enum server_store_outcome server_files_load_ballast(struct server_files *files);
+enum server_outcome server_files_load_ballast(struct server_files *files);
 bool server_files_drop_ballast(const struct server_files *files); /* true: it made room */
 
 /* --- the database ----------------------------------------------------------------------------- */
@@ -130,8 +127,8 @@ enum server_database_use {
 };
 
 /* Opens the database. DAMAGED: the caller renames the file and opens a new one. */
-enum server_store_outcome server_database_open(const char *path, enum server_database_use use,
-                                               struct server_database **out);
+enum server_outcome server_database_open(const char *path, enum server_database_use use,
+                                         struct server_database **out);
 
 /* Closes the database. `is_sound`: a checkpoint may move the log into the database. NULL is
  * harmless. */
@@ -141,28 +138,27 @@ void server_database_close(struct server_database *database, bool is_sound);
 enum { SERVER_ROW_KEY, SERVER_ROW_RECORD, SERVER_ROW_USES, SERVER_ROW_USED };
 
 /* Visits the rows in the order of keys, until `visit` returns false. */
-enum server_store_outcome server_database_each(struct server_database *database,
-                                               server_sql_visit *visit, void *user);
+enum server_outcome server_database_each(struct server_database *database, server_sql_visit *visit,
+                                         void *user);
 
-enum server_store_outcome server_database_put(struct server_database *database,
-                                              const struct server_record *record);
-enum server_store_outcome server_database_remove(struct server_database *database, const char *key);
+enum server_outcome server_database_put(struct server_database *database,
+                                        const struct server_record *record);
+enum server_outcome server_database_remove(struct server_database *database, const char *key);
 
 /* Counts the rows that name this object, as file or attachment. */
-enum server_store_outcome server_database_count(struct server_database *database,
-                                                const char *object, int64_t *count);
+enum server_outcome server_database_count(struct server_database *database, const char *object,
+                                          int64_t *count);
 
 /* Finds the objects of a key; ABSENT. */
-enum server_store_outcome server_database_find(struct server_database *database, const char *key,
-                                               struct server_sql_surface *out);
+enum server_outcome server_database_find(struct server_database *database, const char *key,
+                                         struct server_sql_surface *out);
 
-enum server_store_outcome server_database_note_uses(struct server_database *database,
-                                                    const struct server_record *const *records,
-                                                    const struct server_store_uses *uses,
-                                                    uint32_t count);
+enum server_outcome server_database_note_uses(struct server_database *database,
+                                              const struct server_record *const *records,
+                                              const struct server_store_uses *uses, uint32_t count);
 
 /* Copies the database, as of one moment, to a new file. */
-enum server_store_outcome server_database_copy(struct server_database *database, const char *path);
+enum server_outcome server_database_copy(struct server_database *database, const char *path);
 
 /* Returns false after a failed checkpoint: then every write is refused. */
 bool server_database_is_sound(const struct server_database *database);
@@ -173,13 +169,12 @@ const char *server_database_error(struct server_database *database);
 /* --- for tests -------------------------------------------------------------------------------- */
 
 /* Returns the outcome of a result code. */
-enum server_store_outcome server_sqlite_outcome(int code);
+enum server_outcome server_sqlite_outcome(int code);
 
 /* Migrates a database from its user_version to `version` in one transaction. steps[i] makes version
  * i + 1 of version i; steps are added at the end and never changed. Copies a database that is not
  * new to `copy_path` first. DAMAGED: an impossible version, or a step fails. */
-enum server_store_outcome server_sqlite_migrate(struct sqlite3 *connection,
-                                                const char *const *steps, int version,
-                                                const char *copy_path);
+enum server_outcome server_sqlite_migrate(struct sqlite3 *connection, const char *const *steps,
+                                          int version, const char *copy_path);
 
 #endif

@@ -80,8 +80,8 @@ static const char *local_health(struct server_store *store)
 }
 
 /* Logs a failed write, and makes the store read-only if another write could do harm. */
-static enum server_store_outcome local_judge(struct local *local, enum server_store_outcome outcome,
-                                             const char *what)
+static enum server_outcome local_judge(struct local *local, enum server_outcome outcome,
+                                       const char *what)
 {
     if (outcome == SERVER_STORE_REFUSED)
         server_log_message(SERVER_LOG_ERROR, "store_refused",
@@ -131,11 +131,11 @@ static uint32_t local_damaged(struct server_store *store)
 
 /* --- changes ---------------------------------------------------------------------------------- */
 
-static enum server_store_outcome local_write_objects(struct local *local,
-                                                     const struct server_record *record,
-                                                     const struct server_content *content)
+static enum server_outcome local_write_objects(struct local *local,
+                                               const struct server_record *record,
+                                               const struct server_content *content)
 {
-    enum server_store_outcome outcome = SERVER_STORE_DONE;
+    enum server_outcome outcome = SERVER_STORE_DONE;
     for (int part = 0; !outcome && part < SERVER_PARTS; part++) {
         const struct server_object *object = &record->objects[part];
         if (!object->id[0]) continue;
@@ -180,10 +180,9 @@ static void local_leave(struct local *local, const struct server_record *record)
 }
 
 /* Writes manifest and row. The objects are durable already. */
-static enum server_store_outcome local_put_record(struct local *local,
-                                                  const struct server_record *record)
+static enum server_outcome local_put_record(struct local *local, const struct server_record *record)
 {
-    enum server_store_outcome outcome =
+    enum server_outcome outcome =
         local_judge(local, server_files_write_manifest(&local->files, record), "a manifest");
     if (outcome) return outcome;
     outcome =
@@ -195,15 +194,14 @@ static enum server_store_outcome local_put_record(struct local *local,
     return outcome;
 }
 
-static enum server_store_outcome local_put(struct server_store *store,
-                                           const struct server_record *record,
-                                           const struct server_content *content, uint64_t *version)
+static enum server_outcome local_put(struct server_store *store, const struct server_record *record,
+                                     const struct server_content *content, uint64_t *version)
 {
     struct local *local = (struct local *)store;
     (void)version;
     struct server_sql_surface before;
     if (local->is_read_only) return SERVER_STORE_READ_ONLY;
-    enum server_store_outcome outcome = local_judge(
+    enum server_outcome outcome = local_judge(
         local, server_database_find(local->database, record->key, &before), "the database");
     if (outcome && outcome != SERVER_STORE_ABSENT) return outcome;
     outcome = content ? local_write_objects(local, record, content) : SERVER_STORE_DONE;
@@ -219,21 +217,21 @@ static enum server_store_outcome local_put(struct server_store *store,
 
 /* Confirms the stored objects. A read-only store verifies nothing here, because it can't repair;
  * loading verifies the objects. */
-static enum server_store_outcome local_keep(struct server_store *store,
-                                            const struct server_record *record,
-                                            const struct server_content *content)
+static enum server_outcome local_keep(struct server_store *store,
+                                      const struct server_record *record,
+                                      const struct server_content *content)
 {
     struct local *local = (struct local *)store;
     return local->is_read_only ? SERVER_STORE_DONE : local_write_objects(local, record, content);
 }
 
-static enum server_store_outcome local_remove(struct server_store *store,
-                                              const struct server_record *record, uint64_t *version)
+static enum server_outcome local_remove(struct server_store *store,
+                                        const struct server_record *record, uint64_t *version)
 {
     struct local *local = (struct local *)store;
     (void)version;
     if (local->is_read_only) return SERVER_STORE_READ_ONLY;
-    enum server_store_outcome outcome = server_database_remove(local->database, record->key);
+    enum server_outcome outcome = server_database_remove(local->database, record->key);
     /* a delete makes the database's log grow: drops the ballast if the disk is full */
     if (outcome == SERVER_STORE_FULL && server_files_drop_ballast(&local->files))
         outcome = server_database_remove(local->database, record->key);
@@ -260,27 +258,26 @@ static void local_note_uses(struct server_store *store, const struct server_reco
 
 /* --- reading ---------------------------------------------------------------------------------- */
 
-static enum server_store_outcome local_fetch(struct server_store *store,
-                                             const struct server_object *object, void **bytes)
+static enum server_outcome local_fetch(struct server_store *store,
+                                       const struct server_object *object, void **bytes)
 {
     struct local *local = (struct local *)store;
     uint64_t turn;
     if (quarantine_holds(local, object->id, &turn)) return SERVER_STORE_DAMAGED;
-    enum server_store_outcome outcome = server_files_read_object(&local->files, object, bytes);
+    enum server_outcome outcome = server_files_read_object(&local->files, object, bytes);
     if (outcome == SERVER_STORE_DAMAGED) (void)quarantine_condemn(local, object->id, turn);
     return outcome;
 }
 
 /* Verifies an object, and lifts the quarantine of a repaired one. */
-static enum server_store_outcome local_verify(struct server_store *store,
-                                              const struct server_object *object, server_pace *pace,
-                                              void *user)
+static enum server_outcome local_verify(struct server_store *store,
+                                        const struct server_object *object, server_pace *pace,
+                                        void *user)
 {
     struct local *local = (struct local *)store;
     uint64_t turn;
     bool was_held = quarantine_holds(local, object->id, &turn);
-    enum server_store_outcome outcome =
-        server_files_verify_object(&local->files, object, pace, user);
+    enum server_outcome outcome = server_files_verify_object(&local->files, object, pace, user);
     if (!outcome && was_held) quarantine_lift(local, object->id);
     if (outcome == SERVER_STORE_DAMAGED && !quarantine_condemn(local, object->id, turn))
         return SERVER_STORE_UNAVAILABLE;
@@ -298,8 +295,8 @@ static void findings_forget(struct local *local)
     local->count = local->capacity = 0;
 }
 
-static enum server_store_outcome local_each(struct server_store *store, server_stored_visit *visit,
-                                            void *user)
+static enum server_outcome local_each(struct server_store *store, server_stored_visit *visit,
+                                      void *user)
 {
     struct local *local = (struct local *)store;
     for (uint32_t i = 0; i < local->count; i++)
@@ -360,10 +357,10 @@ static bool finding_add(void *user, const struct server_sql_value *row)
     return true;
 }
 
-static enum server_store_outcome read_database(struct recovery *recovery, const char *path)
+static enum server_outcome read_database(struct recovery *recovery, const char *path)
 {
     struct local *local = recovery->local;
-    enum server_store_outcome outcome =
+    enum server_outcome outcome =
         server_database_open(path, SERVER_DATABASE_WRITE, &local->database);
     return outcome ? outcome : server_database_each(local->database, finding_add, recovery);
 }
@@ -373,7 +370,7 @@ static void open_database(struct recovery *recovery)
 {
     struct local *local = recovery->local;
     const struct server_path path = server_files_path(&local->files, SERVER_STORE_DATABASE);
-    enum server_store_outcome outcome = read_database(recovery, path.text);
+    enum server_outcome outcome = read_database(recovery, path.text);
     if (outcome == SERVER_STORE_FULL && server_files_drop_ballast(&local->files))
         outcome = read_database(recovery, path.text);
     if (outcome == SERVER_STORE_DAMAGED || outcome == SERVER_STORE_READ_ONLY) {
@@ -401,7 +398,7 @@ static void open_database(struct recovery *recovery)
 
 /* Logs a repair; `what`: the file or row that was written. */
 static void log_repair(struct local *local, const struct finding *finding,
-                       enum server_store_outcome outcome, const char *what, const char *message)
+                       enum server_outcome outcome, const char *what, const char *message)
 {
     struct server_log_line line;
     if (server_log_begin(&line, SERVER_LOG_WARN, "store_mended")) {
@@ -418,9 +415,9 @@ static void log_repair(struct local *local, const struct finding *finding,
 
 static void repair_row(struct local *local, const struct finding *finding)
 {
-    enum server_store_outcome outcome =
-        local->database ? server_database_put(local->database, finding->stored.record)
-                        : SERVER_STORE_READ_ONLY;
+    enum server_outcome outcome = local->database
+                                      ? server_database_put(local->database, finding->stored.record)
+                                      : SERVER_STORE_READ_ONLY;
     local->lacks_rows |= outcome != SERVER_STORE_DONE;
     log_repair(local, finding, outcome, "a row of the database",
                "its row in the database was written again from its manifest");

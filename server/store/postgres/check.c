@@ -29,12 +29,12 @@ static bool pg_check_row(void *user, const struct server_sql_value *row)
     return true;
 }
 
-static enum server_store_outcome pg_check_object(struct server_pg *pg, struct check *check,
-                                                 const struct server_object *object)
+static enum server_outcome pg_check_object(struct server_pg *pg, struct check *check,
+                                           const struct server_object *object)
 {
     void *bytes = malloc(object->size ? object->size : 1);
     if (!bytes) return SERVER_STORE_NO_MEMORY;
-    enum server_store_outcome outcome = server_pg_read_object(pg, object, bytes);
+    enum server_outcome outcome = server_pg_read_object(pg, object, bytes);
     free(bytes);
     check->objects++;
     check->bytes += object->size;
@@ -46,11 +46,11 @@ static enum server_store_outcome pg_check_object(struct server_pg *pg, struct ch
 }
 
 /* Checks the surface after the last one; ABSENT: there is none. */
-static enum server_store_outcome pg_check_next(struct server_pg *pg, struct check *check)
+static enum server_outcome pg_check_next(struct server_pg *pg, struct check *check)
 {
     uint32_t before = check->surfaces;
     check->record = NULL;
-    enum server_store_outcome outcome = server_pg_run(
+    enum server_outcome outcome = server_pg_run(
         pg, SERVER_SQL("SELECT key, record FROM surfaces WHERE key > $1"
                        " AND record IS NOT NULL ORDER BY key LIMIT 1",
                        SERVER_VALUES(server_sql_text(check->last)), pg_check_row, check));
@@ -61,10 +61,10 @@ static enum server_store_outcome pg_check_next(struct server_pg *pg, struct chec
     return outcome || check->surfaces != before ? outcome : SERVER_STORE_ABSENT;
 }
 
-static enum server_store_outcome pg_check_all(struct server_pg *pg, struct check *check,
-                                              struct server_sql_integers *unused)
+static enum server_outcome pg_check_all(struct server_pg *pg, struct check *check,
+                                        struct server_sql_integers *unused)
 {
-    enum server_store_outcome outcome;
+    enum server_outcome outcome;
     do outcome = pg_check_next(pg, check);
     while (!outcome);
     if (outcome != SERVER_STORE_ABSENT) return outcome;
@@ -80,7 +80,7 @@ bool server_store_check_postgres(const char *url, FILE *out)
     struct check check = {.out = out};
     struct server_sql_integers unused = {0};
     struct server_pg_pool *pool = server_pg_pool_create(url);
-    enum server_store_outcome outcome = SERVER_STORE_NO_MEMORY;
+    enum server_outcome outcome = SERVER_STORE_NO_MEMORY;
     if (pool) {
         struct server_pg_attempt attempt = server_pg_reading(pool, PATIENCE_NS);
         while (server_pg_next(&attempt))

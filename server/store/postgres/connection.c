@@ -63,7 +63,7 @@ static void error_note(struct server_pg *pg, const char *message)
     snprintf(pg->error, sizeof pg->error, "%.*s", (int)strcspn(message, "\n"), message);
 }
 
-static enum server_store_outcome connection_lose(struct server_pg *pg)
+static enum server_outcome connection_lose(struct server_pg *pg)
 {
     const char *message = PQerrorMessage(pg->link);
     if (!pg->is_lost) error_note(pg, *message ? message : "it did not answer in time");
@@ -72,11 +72,11 @@ static enum server_store_outcome connection_lose(struct server_pg *pg)
 }
 
 /* Returns the outcome of an error, by its SQLSTATE (PostgreSQL's documentation, appendix A). */
-static enum server_store_outcome error_outcome(struct server_pg *pg, const PGresult *result)
+static enum server_outcome error_outcome(struct server_pg *pg, const PGresult *result)
 {
     static const struct {
         const char *state; /* or its beginning */
-        enum server_store_outcome outcome;
+        enum server_outcome outcome;
     } outcomes[] = {
         /* these four codes: the server stops, starts or is a standby */
         {"08", SERVER_STORE_UNAVAILABLE},    {"57P", SERVER_STORE_UNAVAILABLE},
@@ -87,7 +87,7 @@ static enum server_store_outcome error_outcome(struct server_pg *pg, const PGres
         {"57014", SERVER_STORE_UNAVAILABLE},
     };
     const char *state = PQresultErrorField(result, PG_DIAG_SQLSTATE);
-    enum server_store_outcome outcome = SERVER_STORE_REFUSED;
+    enum server_outcome outcome = SERVER_STORE_REFUSED;
     error_note(pg, PQresultErrorMessage(result));
     if (!state && strstr(pg->error, "out of memory")) return SERVER_STORE_NO_MEMORY;
     if (!state || PQstatus(pg->link) == CONNECTION_BAD) outcome = SERVER_STORE_UNAVAILABLE;
@@ -150,11 +150,11 @@ static void rows_visit(const PGresult *result, server_sql_visit *visit, void *us
 }
 
 /* Sends the queued statement and visits the rows of all results. */
-static enum server_store_outcome results_receive(struct server_pg *pg, uint64_t until_ns,
-                                                 server_sql_visit *visit, void *user)
+static enum server_outcome results_receive(struct server_pg *pg, uint64_t until_ns,
+                                           server_sql_visit *visit, void *user)
 {
     PGconn *link = pg->link;
-    enum server_store_outcome outcome = SERVER_STORE_DONE;
+    enum server_outcome outcome = SERVER_STORE_DONE;
     if (!send_all(link, until_ns)) return connection_lose(pg);
     while (!pg->is_lost) {
         while (PQisBusy(link))
@@ -172,8 +172,7 @@ static enum server_store_outcome results_receive(struct server_pg *pg, uint64_t 
     return outcome;
 }
 
-enum server_store_outcome server_pg_run(struct server_pg *pg,
-                                        const struct server_statement *statement)
+enum server_outcome server_pg_run(struct server_pg *pg, const struct server_statement *statement)
 {
     Oid types[SERVER_SQL_VALUES];
     const char *values[SERVER_SQL_VALUES];
@@ -260,11 +259,11 @@ static void connection_close(struct server_pg *pg)
     free(pg);
 }
 
-static enum server_store_outcome connection_open(const char *url, struct server_pg **out,
-                                                 char error[SERVER_PG_ERROR])
+static enum server_outcome connection_open(const char *url, struct server_pg **out,
+                                           char error[SERVER_PG_ERROR])
 {
     struct server_pg *pg = calloc(1, sizeof *pg);
-    enum server_store_outcome outcome = SERVER_STORE_NO_MEMORY;
+    enum server_outcome outcome = SERVER_STORE_NO_MEMORY;
     snprintf(error, SERVER_PG_ERROR, "out of memory");
     if (!pg) return outcome;
     if ((pg->link = connect_begin(url))) {
@@ -328,8 +327,8 @@ static void pool_return(struct server_pg_pool *pool, struct server_pg *pg)
     pthread_cond_signal(&pool->change);
 }
 
-enum server_store_outcome server_pg_pool_take(struct server_pg_pool *pool, struct server_pg **out,
-                                              char error[SERVER_PG_ERROR])
+enum server_outcome server_pg_pool_take(struct server_pg_pool *pool, struct server_pg **out,
+                                        char error[SERVER_PG_ERROR])
 {
     uint64_t until_ns = gd_now_ns() + TAKE_NS;
     bool has_time = true;
@@ -343,7 +342,7 @@ enum server_store_outcome server_pg_pool_take(struct server_pg_pool *pool, struc
     if (*out) pool->idle = (*out)->next;
     pthread_mutex_unlock(&pool->lock);
     if (!is_reserved || *out) return is_reserved ? SERVER_STORE_DONE : SERVER_STORE_UNAVAILABLE;
-    enum server_store_outcome outcome = connection_open(pool->url, out, error);
+    enum server_outcome outcome = connection_open(pool->url, out, error);
     if (outcome) pool_return(pool, NULL);
     atomic_store(&pool->is_away, outcome == SERVER_STORE_UNAVAILABLE);
     return outcome;
@@ -370,10 +369,10 @@ struct server_pg_attempt server_pg_reading(struct server_pg_pool *pool, uint64_t
         .pool = pool, .patience_ns = patience_ns, .longest_ns = patience_ns};
 }
 
-static enum server_store_outcome attempt_commit(struct server_pg_attempt *attempt)
+static enum server_outcome attempt_commit(struct server_pg_attempt *attempt)
 {
     struct server_sql_integers number = {0};
-    enum server_store_outcome outcome =
+    enum server_outcome outcome =
         server_pg_run(attempt->pg, SERVER_SQL("SELECT pg_current_xact_id()::text::bigint", NULL, 0,
                                               server_sql_on_integers, &number));
     if (!outcome) outcome = server_pg_run(attempt->pg, SERVER_SQL("COMMIT"));
@@ -383,7 +382,7 @@ static enum server_store_outcome attempt_commit(struct server_pg_attempt *attemp
 
 /* Queries the status of a COMMIT that has no answer. DONE: committed; STALE: aborted; UNAVAILABLE:
  * unknown for now, or in progress. */
-static enum server_store_outcome attempt_ask(struct server_pg_attempt *attempt)
+static enum server_outcome attempt_ask(struct server_pg_attempt *attempt)
 {
     struct server_sql_integers ended = {0};
     if (server_pg_run(attempt->pg,
@@ -464,8 +463,8 @@ bool server_pg_next(struct server_pg_attempt *attempt)
 
 /* --- statements for the batches (sql.h) ------------------------------------------------------- */
 
-static enum server_store_outcome pg_sql_run(struct server_store_sql *sql,
-                                            const struct server_statement *statement)
+static enum server_outcome pg_sql_run(struct server_store_sql *sql,
+                                      const struct server_statement *statement)
 {
     struct server_pg_attempt attempt = server_pg_reading((struct server_pg_pool *)sql, TAKE_NS);
     while (server_pg_next(&attempt)) attempt.outcome = server_pg_run(attempt.pg, statement);

@@ -38,8 +38,8 @@ void server_pg_pool_destroy(struct server_pg_pool *pool);
 
 /* Takes an idle connection or opens one, even if the database is away. UNAVAILABLE, NO_MEMORY, with
  * a message. */
-enum server_store_outcome server_pg_pool_take(struct server_pg_pool *pool, struct server_pg **out,
-                                              char error[SERVER_PG_ERROR]);
+enum server_outcome server_pg_pool_take(struct server_pg_pool *pool, struct server_pg **out,
+                                        char error[SERVER_PG_ERROR]);
 /* Gives a connection back. Closes it if it is lost. */
 void server_pg_pool_give(struct server_pg_pool *pool, struct server_pg *pg);
 
@@ -49,14 +49,13 @@ void server_pg_pool_has_answered(struct server_pg_pool *pool);
 
 /* Runs one statement. UNAVAILABLE: the connection is lost or missed the deadline; STALE: a
  * conflict, retry the transaction; FULL; NO_MEMORY; REFUSED: any other error. */
-enum server_store_outcome server_pg_run(struct server_pg *pg,
-                                        const struct server_statement *statement);
+enum server_outcome server_pg_run(struct server_pg *pg, const struct server_statement *statement);
 
 /* The attempts at a transaction or a reading. The body of the loop may run several times. */
 struct server_pg_attempt {
-    struct server_pg *pg;              /* the connection of this attempt */
-    enum server_store_outcome outcome; /* the loop sets that of an attempt; in the end, of all */
-    struct server_pg_pool *pool;       /* this and the rest are private */
+    struct server_pg *pg;        /* the connection of this attempt */
+    enum server_outcome outcome; /* the loop sets that of an attempt; in the end, of all */
+    struct server_pg_pool *pool; /* this and the rest are private */
     bool is_transaction;
     uint64_t patience_ns, longest_ns; /* limits of all attempts, and of one statement */
     uint64_t until_ns, pause_ns;
@@ -85,23 +84,22 @@ bool server_pg_await(struct server_pg *pg, uint64_t ns);
 /* Each is part of a transaction or a reading, and returns the outcomes of server_pg_run. */
 
 /* Writes the chunks that are missing or damaged; the database verifies the others. */
-enum server_store_outcome
-server_pg_write_object(struct server_pg *pg, const struct server_object *object, const void *bytes);
+enum server_outcome server_pg_write_object(struct server_pg *pg, const struct server_object *object,
+                                           const void *bytes);
 
 /* Reads and verifies the object. `bytes` has its size. ABSENT; DAMAGED. */
-enum server_store_outcome server_pg_read_object(struct server_pg *pg,
-                                                const struct server_object *object, void *bytes);
+enum server_outcome server_pg_read_object(struct server_pg *pg, const struct server_object *object,
+                                          void *bytes);
 
 /* Makes the database verify one chunk, and returns the chunk's size. ABSENT; DAMAGED. */
-enum server_store_outcome server_pg_check_chunk(struct server_pg *pg,
-                                                const struct server_object *object, uint64_t number,
-                                                size_t *size);
+enum server_outcome server_pg_check_chunk(struct server_pg *pg, const struct server_object *object,
+                                          uint64_t number, size_t *size);
 
 /* Returns the number of chunks of the object. */
 uint64_t server_pg_chunks(const struct server_object *object);
 
 /* Makes the tables (schema.c), or migrates them; one process at a time. PRECONDITION: a later
  * version made them. Else as a transaction. */
-enum server_store_outcome server_pg_migrate(struct server_pg_pool *pool);
+enum server_outcome server_pg_migrate(struct server_pg_pool *pool);
 
 #endif

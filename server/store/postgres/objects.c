@@ -14,9 +14,8 @@ static size_t chunk_size(const struct server_object *object, uint64_t number)
     return left < CHUNK ? (size_t)left : CHUNK;
 }
 
-static enum server_store_outcome chunk_write(struct server_pg *pg,
-                                             const struct server_object *object, uint64_t number,
-                                             const char *bytes, bool is_new)
+static enum server_outcome chunk_write(struct server_pg *pg, const struct server_object *object,
+                                       uint64_t number, const char *bytes, bool is_new)
 {
     char digest[SERVER_SHA256_HEX];
     size_t size = chunk_size(object, number);
@@ -25,7 +24,7 @@ static enum server_store_outcome chunk_write(struct server_pg *pg,
         server_sql_text(object->id), server_sql_integer((int64_t)number), server_sql_text(digest),
         server_sql_bytes(bytes, size)};
     struct server_sql_integers sound = {0};
-    enum server_store_outcome outcome = SERVER_STORE_DONE;
+    enum server_outcome outcome = SERVER_STORE_DONE;
     if (!is_new)
         outcome = server_pg_run(
             pg,
@@ -39,11 +38,11 @@ static enum server_store_outcome chunk_write(struct server_pg *pg,
                        values, 4));
 }
 
-enum server_store_outcome
-server_pg_write_object(struct server_pg *pg, const struct server_object *object, const void *bytes)
+enum server_outcome server_pg_write_object(struct server_pg *pg, const struct server_object *object,
+                                           const void *bytes)
 {
     struct server_sql_integers made = {0};
-    enum server_store_outcome outcome =
+    enum server_outcome outcome =
         server_pg_run(pg, SERVER_SQL("INSERT INTO objects (id, size) VALUES ($1, $2)"
                                      " ON CONFLICT (id) DO NOTHING RETURNING true",
                                      SERVER_VALUES(server_sql_text(object->id),
@@ -69,11 +68,11 @@ static bool on_chunk(void *user, const struct server_sql_value *row)
     return true;
 }
 
-static enum server_store_outcome
-chunk_read(struct server_pg *pg, const struct server_object *object, uint64_t number, char *bytes)
+static enum server_outcome chunk_read(struct server_pg *pg, const struct server_object *object,
+                                      uint64_t number, char *bytes)
 {
     struct chunk_reading reading = {.bytes = bytes, .size = chunk_size(object, number)};
-    enum server_store_outcome outcome = server_pg_run(
+    enum server_outcome outcome = server_pg_run(
         pg,
         SERVER_SQL("SELECT bytes FROM chunks WHERE object = $1 AND number = $2",
                    SERVER_VALUES(server_sql_text(object->id), server_sql_integer((int64_t)number)),
@@ -82,11 +81,11 @@ chunk_read(struct server_pg *pg, const struct server_object *object, uint64_t nu
     return reading.is_there || number ? SERVER_STORE_DAMAGED : SERVER_STORE_ABSENT;
 }
 
-enum server_store_outcome server_pg_read_object(struct server_pg *pg,
-                                                const struct server_object *object, void *bytes)
+enum server_outcome server_pg_read_object(struct server_pg *pg, const struct server_object *object,
+                                          void *bytes)
 {
     char sha256[SERVER_SHA256_HEX];
-    enum server_store_outcome outcome = SERVER_STORE_DONE;
+    enum server_outcome outcome = SERVER_STORE_DONE;
     for (uint64_t i = 0; !outcome && i < server_pg_chunks(object); i++)
         outcome = chunk_read(pg, object, i, (char *)bytes + i * CHUNK);
     if (outcome) return outcome;
@@ -95,12 +94,11 @@ enum server_store_outcome server_pg_read_object(struct server_pg *pg,
                                                             : SERVER_STORE_DAMAGED;
 }
 
-enum server_store_outcome server_pg_check_chunk(struct server_pg *pg,
-                                                const struct server_object *object, uint64_t number,
-                                                size_t *size)
+enum server_outcome server_pg_check_chunk(struct server_pg *pg, const struct server_object *object,
+                                          uint64_t number, size_t *size)
 {
     struct server_sql_integers found = {0}; /* is the chunk sound; its size */
-    enum server_store_outcome outcome = server_pg_run(
+    enum server_outcome outcome = server_pg_run(
         pg,
         SERVER_SQL("SELECT (encode(sha256(bytes), 'hex') = digest)::int::bigint,"
                    " length(bytes)::bigint FROM chunks"

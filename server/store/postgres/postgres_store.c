@@ -30,9 +30,9 @@ struct shared {
 
 /* --- changes ---------------------------------------------------------------------------------- */
 
-static enum server_store_outcome shared_stage(struct server_store *store,
-                                              const struct server_record *record,
-                                              const struct server_content *content)
+static enum server_outcome shared_stage(struct server_store *store,
+                                        const struct server_record *record,
+                                        const struct server_content *content)
 {
     struct server_pg_attempt attempt = server_pg_transaction(((struct shared *)store)->pool);
     while (server_pg_next(&attempt))
@@ -53,10 +53,10 @@ struct change {
 };
 
 /* Finds the key's row. PRECONDITION: it has another version than the registry knows. */
-static enum server_store_outcome pg_change_check(struct server_pg *pg, struct change *change)
+static enum server_outcome pg_change_check(struct server_pg *pg, struct change *change)
 {
     change->found = (struct server_sql_surface){0};
-    enum server_store_outcome outcome =
+    enum server_outcome outcome =
         server_pg_run(pg, SERVER_SQL("SELECT version, file, attachment FROM surfaces"
                                      " WHERE key = $1 AND record IS NOT NULL",
                                      SERVER_VALUES(server_sql_text(change->record->key)),
@@ -67,7 +67,7 @@ static enum server_store_outcome pg_change_check(struct server_pg *pg, struct ch
 }
 
 /* Writes the change. PRECONDITION: a staged object was deleted. */
-static enum server_store_outcome pg_change_write(struct server_pg *pg, const struct change *change)
+static enum server_outcome pg_change_write(struct server_pg *pg, const struct change *change)
 {
     const struct server_object *objects = change->record->objects;
     struct server_sql_value values[] = {
@@ -75,7 +75,7 @@ static enum server_store_outcome pg_change_write(struct server_pg *pg, const str
         server_sql_text(NULL), server_sql_text(NULL), server_sql_bytes(change->text, change->size)};
     for (int part = 0; change->text && part < SERVER_PARTS; part++)
         if (objects[part].id[0]) values[2 + part] = server_sql_text(objects[part].id);
-    enum server_store_outcome outcome = server_pg_run(
+    enum server_outcome outcome = server_pg_run(
         pg, change->text
                 ? SERVER_SQL("INSERT INTO surfaces (key, version, file, attachment, record)"
                              " VALUES ($1, $2, $3, $4, $5) ON CONFLICT (key) DO UPDATE"
@@ -88,7 +88,7 @@ static enum server_store_outcome pg_change_write(struct server_pg *pg, const str
 }
 
 /* Deletes rows of old removals. */
-static enum server_store_outcome pg_change_forget(struct server_pg *pg, const struct change *change)
+static enum server_outcome pg_change_forget(struct server_pg *pg, const struct change *change)
 {
     const int64_t version = change->version.at[0];
     return server_pg_run(
@@ -102,9 +102,9 @@ static enum server_store_outcome pg_change_forget(struct server_pg *pg, const st
 
 /* Applies a change. The first statement locks the clock, so that no other daemon makes a change
  * until the transaction ends. */
-static enum server_store_outcome pg_change_apply(struct server_pg *pg, struct change *change)
+static enum server_outcome pg_change_apply(struct server_pg *pg, struct change *change)
 {
-    enum server_store_outcome outcome =
+    enum server_outcome outcome =
         server_pg_run(pg, SERVER_SQL("UPDATE clock SET version = version + 1 RETURNING version",
                                      NULL, 0, server_sql_on_integers, &change->version));
     if (!outcome) outcome = pg_change_check(pg, change);
@@ -121,8 +121,8 @@ static enum server_store_outcome pg_change_apply(struct server_pg *pg, struct ch
     return outcome ? outcome : server_pg_run(pg, SERVER_SQL("NOTIFY " CHANNEL));
 }
 
-static enum server_store_outcome pg_change_make(struct server_store *store, struct change *change,
-                                                uint64_t *version)
+static enum server_outcome pg_change_make(struct server_store *store, struct change *change,
+                                          uint64_t *version)
 {
     struct server_pg_attempt attempt = server_pg_transaction(((struct shared *)store)->pool);
     change->before = *version;
@@ -131,30 +131,30 @@ static enum server_store_outcome pg_change_make(struct server_store *store, stru
     return attempt.outcome == SERVER_STORE_PRECONDITION ? SERVER_STORE_STALE : attempt.outcome;
 }
 
-static enum server_store_outcome shared_put(struct server_store *store,
-                                            const struct server_record *record,
-                                            const struct server_content *content, uint64_t *version)
+static enum server_outcome shared_put(struct server_store *store,
+                                      const struct server_record *record,
+                                      const struct server_content *content, uint64_t *version)
 {
     struct change change = {.record = record};
     (void)content; /* staged */
     char *text = server_record_write(record, &change.size);
     if (!text) return SERVER_STORE_NO_MEMORY;
     change.text = text;
-    enum server_store_outcome outcome = pg_change_make(store, &change, version);
+    enum server_outcome outcome = pg_change_make(store, &change, version);
     free(text);
     return outcome;
 }
 
-static enum server_store_outcome
-shared_remove(struct server_store *store, const struct server_record *record, uint64_t *version)
+static enum server_outcome shared_remove(struct server_store *store,
+                                         const struct server_record *record, uint64_t *version)
 {
     return pg_change_make(store, &(struct change){.record = record}, version);
 }
 
 /* --- reading ---------------------------------------------------------------------------------- */
 
-static enum server_store_outcome shared_fetch(struct server_store *store,
-                                              const struct server_object *object, void **bytes)
+static enum server_outcome shared_fetch(struct server_store *store,
+                                        const struct server_object *object, void **bytes)
 {
     void *read = malloc(object->size ? object->size : 1);
     if (!read) return SERVER_STORE_NO_MEMORY;
@@ -168,11 +168,11 @@ static enum server_store_outcome shared_fetch(struct server_store *store,
     return attempt.outcome;
 }
 
-static enum server_store_outcome shared_verify(struct server_store *store,
-                                               const struct server_object *object,
-                                               server_pace *pace, void *user)
+static enum server_outcome shared_verify(struct server_store *store,
+                                         const struct server_object *object, server_pace *pace,
+                                         void *user)
 {
-    enum server_store_outcome outcome = SERVER_STORE_DONE;
+    enum server_outcome outcome = SERVER_STORE_DONE;
     size_t size = 0;
     for (uint64_t i = 0; !outcome && i < server_pg_chunks(object); i++) {
         struct server_pg_attempt attempt =
@@ -231,7 +231,7 @@ static bool on_page_row(void *user, const struct server_sql_value *row)
     return true;
 }
 
-static enum server_store_outcome read_clock(struct server_pg *pg, struct server_sql_integers *clock)
+static enum server_outcome read_clock(struct server_pg *pg, struct server_sql_integers *clock)
 {
     return server_pg_run(pg, SERVER_SQL("SELECT version, forgotten FROM clock", NULL, 0,
                                         server_sql_on_integers, clock));
@@ -239,10 +239,10 @@ static enum server_store_outcome read_clock(struct server_pg *pg, struct server_
 
 /* Visits changes. After a lost connection it continues with the change after the last visited
  * one. */
-static enum server_store_outcome visit_changes(struct server_pg *pg, struct page *page)
+static enum server_outcome visit_changes(struct server_pg *pg, struct page *page)
 {
     struct server_sql_integers clock = {0};
-    enum server_store_outcome outcome = read_clock(pg, &clock);
+    enum server_outcome outcome = read_clock(pg, &clock);
     if (outcome) return outcome;
     uint64_t now = (uint64_t)clock.at[0], forgotten = (uint64_t)clock.at[1];
     page->is_forgotten = forgotten > page->seen || now < page->seen;
@@ -258,8 +258,8 @@ static enum server_store_outcome visit_changes(struct server_pg *pg, struct page
     return outcome;
 }
 
-static enum server_store_outcome shared_follow(struct server_store *store,
-                                               server_stored_visit *visit, void *user)
+static enum server_outcome shared_follow(struct server_store *store, server_stored_visit *visit,
+                                         void *user)
 {
     struct shared *own = (struct shared *)store;
     struct page page = {.visit = visit, .user = user, .is_following = true, .seen = own->seen};
@@ -271,8 +271,8 @@ static enum server_store_outcome shared_follow(struct server_store *store,
 }
 
 /* Visits all surfaces. The next follow visits changes that are made meanwhile. */
-static enum server_store_outcome shared_each(struct server_store *store, server_stored_visit *visit,
-                                             void *user)
+static enum server_outcome shared_each(struct server_store *store, server_stored_visit *visit,
+                                       void *user)
 {
     struct shared *own = (struct shared *)store;
     struct page page = {.visit = visit, .user = user};
@@ -377,7 +377,7 @@ static bool postgres_prepare(struct server_pg_pool *pool, char error[SERVER_ERRO
     struct server_pg *pg;
     char reason[SERVER_PG_ERROR];
     uint64_t until_ns = gd_now_ns() + START_NS;
-    enum server_store_outcome outcome, reached;
+    enum server_outcome outcome, reached;
     do {
         outcome = reached = server_pg_pool_take(pool, &pg, reason);
         if (!reached) server_pg_pool_give(pool, pg);

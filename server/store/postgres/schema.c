@@ -55,10 +55,10 @@ static const char *const steps[] = {
 
 /* Creates the schema unless it exists. CREATE … IF NOT EXISTS would need the right to create one
  * even if it exists. */
-static enum server_store_outcome schema_make(struct server_pg *pg)
+static enum server_outcome schema_make(struct server_pg *pg)
 {
     struct server_sql_integers is_there = {0};
-    enum server_store_outcome outcome = server_pg_run(
+    enum server_outcome outcome = server_pg_run(
         pg, SERVER_SQL("SELECT (to_regclass('geodesicd.migrations') IS NOT NULL)::int::bigint",
                        NULL, 0, server_sql_on_integers, &is_there));
     if (outcome || is_there.at[0]) return outcome;
@@ -69,10 +69,10 @@ static enum server_store_outcome schema_make(struct server_pg *pg)
                                     " applied timestamptz NOT NULL DEFAULT now())"));
 }
 
-static enum server_store_outcome schema_migrate(struct server_pg *pg)
+static enum server_outcome schema_migrate(struct server_pg *pg)
 {
     struct server_sql_integers version = {0};
-    enum server_store_outcome outcome =
+    enum server_outcome outcome =
         server_pg_run(pg, SERVER_SQL("SELECT pg_advisory_xact_lock(" MIGRATING ")"));
     if (!outcome) outcome = schema_make(pg);
     if (!outcome)
@@ -88,7 +88,7 @@ static enum server_store_outcome schema_migrate(struct server_pg *pg)
     return outcome;
 }
 
-enum server_store_outcome server_pg_migrate(struct server_pg_pool *pool)
+enum server_outcome server_pg_migrate(struct server_pg_pool *pool)
 {
     struct server_pg_attempt attempt = server_pg_transaction(pool);
     while (server_pg_next(&attempt)) attempt.outcome = schema_migrate(attempt.pg);

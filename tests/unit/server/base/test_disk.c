@@ -37,7 +37,7 @@ static void path_in(const char *folder, char path[SERVER_DISK_PATH], const char 
 }
 
 /* Writes the text as that file of the folder. */
-static enum server_store_outcome write_text(const char *folder, const char *name, const char *text)
+static enum server_outcome write_text(const char *folder, const char *name, const char *text)
 {
     char path[SERVER_DISK_PATH], temporary[SERVER_DISK_PATH];
     path_in(folder, path, name);
@@ -180,10 +180,9 @@ static void without_descriptors_nothing_changes(void **state)
     path_in(folder, inner, "inner");
     assert_int_equal(write_text(folder, "a", "first"), SERVER_STORE_DONE);
     struct rlimit limit = use_up_descriptors();
-    enum server_store_outcome written = write_text(folder, "a", "second"),
-                              removed = server_disk_remove(file),
-                              made = server_disk_make_folder(inner),
-                              there = server_disk_make_folder(folder);
+    enum server_outcome written = write_text(folder, "a", "second"),
+                        removed = server_disk_remove(file), made = server_disk_make_folder(inner),
+                        there = server_disk_make_folder(folder);
     assert_int_equal(setrlimit(RLIMIT_NOFILE, &limit), 0);
     assert_int_equal(written, SERVER_STORE_REFUSED);
     assert_int_equal(removed, SERVER_STORE_REFUSED);

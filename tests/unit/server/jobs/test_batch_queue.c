@@ -65,7 +65,7 @@ static struct server_batch_claim claim_after(struct server_store_sql *sql, const
                                              const char *after)
 {
     struct server_batch_claim claim = {.id = ""};
-    enum server_store_outcome outcome = server_batch_queue_claim(sql, node, after, &claim);
+    enum server_outcome outcome = server_batch_queue_claim(sql, node, after, &claim);
     assert_true(outcome == SERVER_STORE_DONE || outcome == SERVER_STORE_ABSENT);
     if (outcome) claim.item = -1;
     return claim;

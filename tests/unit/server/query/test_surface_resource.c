@@ -49,7 +49,7 @@ static bool store(struct server_exchange *exchange)
 {
     struct server_derived_meshes *making = exchange->state;
     struct proto_writer writer;
-    enum server_store_outcome outcome = server_derived_meshes_store(making);
+    enum server_outcome outcome = server_derived_meshes_store(making);
     if (outcome != SERVER_STORE_CREATED && outcome != SERVER_STORE_REPLACED) {
         server_request_fail(exchange, outcome);
         return true;
@@ -124,15 +124,13 @@ const size_t proto_route_count = COUNT(proto_routes);
 /* --- a daemon with a folder ------------------------------------------------------------------- */
 
 static char folder[FOLDER_PATH];
-static enum server_store_outcome (*put)(struct server_store *store,
-                                        const struct server_record *record,
-                                        const struct server_content *content, uint64_t *version);
+static enum server_outcome (*put)(struct server_store *store, const struct server_record *record,
+                                  const struct server_content *content, uint64_t *version);
 static int puts_left; /* writes before one fails */
 
-static enum server_store_outcome put_or_fail(struct server_store *store,
-                                             const struct server_record *record,
-                                             const struct server_content *content,
-                                             uint64_t *version)
+static enum server_outcome put_or_fail(struct server_store *store,
+                                       const struct server_record *record,
+                                       const struct server_content *content, uint64_t *version)
 {
     return puts_left-- > 0 ? put(store, record, content, version) : SERVER_STORE_FULL;
 }

@@ -97,12 +97,12 @@ static int tear_down(void **state)
 /* --- what is done ----------------------------------------------------------------------------- */
 
 /* Stores a surface; `*version`: the known version of its key. */
-static enum server_store_outcome put(struct server_store *store, const struct server_record *record,
-                                     const char *bytes, const char *attachment, uint64_t *version)
+static enum server_outcome put(struct server_store *store, const struct server_record *record,
+                               const char *bytes, const char *attachment, uint64_t *version)
 {
     const struct server_content content = {
         .parts = {[SERVER_PART_FILE] = bytes, [SERVER_PART_ATTACHMENT] = attachment}};
-    enum server_store_outcome outcome =
+    enum server_outcome outcome =
         store->stage ? store->stage(store, record, &content) : SERVER_STORE_DONE;
     if (!outcome) outcome = store->put(store, record, &content, version);
     if (!outcome) tidy(store);

@@ -23,7 +23,7 @@ static struct gd_mesh *sphere(uint32_t level)
     return mesh;
 }
 
-static enum server_store_outcome remove_sphere(uint32_t level)
+static enum server_outcome remove_sphere(uint32_t level)
 {
     char name[2] = {(char)('0' + level), '\0'};
     const struct server_key key = mesh_key(name);

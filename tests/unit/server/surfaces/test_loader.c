@@ -8,20 +8,20 @@ struct slow_store {
     struct server_store store; /* first */
     struct server_record *records[2];
     sem_t began, may_end;
-    enum server_store_outcome outcome;
+    enum server_outcome outcome;
 };
 
-static enum server_store_outcome each(struct server_store *base,
-                                      bool (*visit)(void *user, const struct server_stored *stored),
-                                      void *user)
+static enum server_outcome each(struct server_store *base,
+                                bool (*visit)(void *user, const struct server_stored *stored),
+                                void *user)
 {
     struct slow_store *slow = (struct slow_store *)base;
     for (int i = 0; i < 2; i++) visit(user, &(struct server_stored){.record = slow->records[i]});
     return SERVER_STORE_DONE;
 }
 
-static enum server_store_outcome fetch(struct server_store *base,
-                                       const struct server_object *object, void **bytes)
+static enum server_outcome fetch(struct server_store *base, const struct server_object *object,
+                                 void **bytes)
 {
     struct slow_store *slow = (struct slow_store *)base;
     (void)object, (void)bytes;

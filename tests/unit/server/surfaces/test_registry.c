@@ -53,14 +53,14 @@ static bool find(struct fixture *fixture, const char *name, struct server_listed
     return server_registry_find(fixture->registry, &key, out);
 }
 
-static enum server_store_outcome drop_if(struct fixture *fixture, const char *name,
-                                         const struct server_precondition *precondition)
+static enum server_outcome drop_if(struct fixture *fixture, const char *name,
+                                   const struct server_precondition *precondition)
 {
     const struct server_key key = mesh_key(name);
     return server_registry_remove(fixture->registry, &key, precondition);
 }
 
-static enum server_store_outcome drop(struct fixture *fixture, const char *name)
+static enum server_outcome drop(struct fixture *fixture, const char *name)
 {
     return drop_if(fixture, name, &none);
 }
@@ -87,17 +87,17 @@ static uint32_t count(struct fixture *fixture)
     return (uint32_t)server_registry_statistics(fixture->registry).surfaces;
 }
 
-static enum server_store_outcome put_if(struct fixture *fixture, const char *name,
-                                        const char *bytes, struct server_precondition precondition)
+static enum server_outcome put_if(struct fixture *fixture, const char *name, const char *bytes,
+                                  struct server_precondition precondition)
 {
     struct server_surface *surface = new_surface(fixture, name, bytes);
-    enum server_store_outcome outcome =
+    enum server_outcome outcome =
         server_registry_put(fixture->registry, surface, bytes, &precondition);
     server_surface_release(surface);
     return outcome;
 }
 
-static enum server_store_outcome put(struct fixture *fixture, const char *name, const char *bytes)
+static enum server_outcome put(struct fixture *fixture, const char *name, const char *bytes)
 {
     return put_if(fixture, name, bytes, none);
 }
@@ -255,33 +255,33 @@ static void the_watcher_is_called_with_the_last_name(void **state)
 
 /* --- with a store that can give back what it was given ---------------------------------------- */
 
-static enum server_store_outcome answer; /* outcome of the next writes */
+static enum server_outcome answer; /* outcome of the next writes */
 
-static enum server_store_outcome answer_put(struct server_store *store,
-                                            const struct server_record *record,
-                                            const struct server_content *content, uint64_t *version)
+static enum server_outcome answer_put(struct server_store *store,
+                                      const struct server_record *record,
+                                      const struct server_content *content, uint64_t *version)
 {
     (void)store, (void)record, (void)content, (void)version;
     return answer;
 }
 
-static enum server_store_outcome answer_keep(struct server_store *store,
-                                             const struct server_record *record,
-                                             const struct server_content *content)
+static enum server_outcome answer_keep(struct server_store *store,
+                                       const struct server_record *record,
+                                       const struct server_content *content)
 {
     (void)store, (void)record, (void)content;
     return answer;
 }
 
-static enum server_store_outcome
-answer_remove(struct server_store *store, const struct server_record *record, uint64_t *version)
+static enum server_outcome answer_remove(struct server_store *store,
+                                         const struct server_record *record, uint64_t *version)
 {
     (void)store, (void)record, (void)version;
     return answer;
 }
 
-static enum server_store_outcome give_back(struct server_store *store,
-                                           const struct server_object *object, void **bytes)
+static enum server_outcome give_back(struct server_store *store, const struct server_object *object,
+                                     void **bytes)
 {
     (void)store, (void)object, (void)bytes;
     return SERVER_STORE_ABSENT; /* not called */
@@ -311,8 +311,8 @@ static bool is_loaded(struct fixture *fixture, const char *name)
 
 static void a_refusal_of_the_store_changes_nothing(void **state)
 {
-    static const enum server_store_outcome refusals[] = {
-        SERVER_STORE_FULL, SERVER_STORE_READ_ONLY, SERVER_STORE_REFUSED, SERVER_STORE_NO_MEMORY};
+    static const enum server_outcome refusals[] = {SERVER_STORE_FULL, SERVER_STORE_READ_ONLY,
+                                                   SERVER_STORE_REFUSED, SERVER_STORE_NO_MEMORY};
     struct fixture *fixture = *state;
     put(fixture, "a", "1");
     struct server_surface *before = get(fixture, "a");

@@ -50,48 +50,47 @@ static struct server_content content_of(const char *bytes, const char *attachmen
 }
 
 /* Stores a surface with any key, and an attachment if there is one. */
-static enum server_store_outcome put_of(struct fixture *fixture, struct server_key key,
-                                        const char *bytes, const char *attachment)
+static enum server_outcome put_of(struct fixture *fixture, struct server_key key, const char *bytes,
+                                  const char *attachment)
 {
     struct server_record *record = new_record_of(key, MESH_OPTIONS, bytes, attachment);
     const struct server_content content = content_of(bytes, attachment);
-    enum server_store_outcome outcome =
-        fixture->store->put(fixture->store, record, &content, &version);
+    enum server_outcome outcome = fixture->store->put(fixture->store, record, &content, &version);
     if (!outcome) fixture->store->tidy(fixture->store);
     server_record_release(record);
     return outcome;
 }
 
-static enum server_store_outcome put(struct fixture *fixture, const char *name, const char *bytes)
+static enum server_outcome put(struct fixture *fixture, const char *name, const char *bytes)
 {
     return put_of(fixture, mesh_key(name), bytes, NULL);
 }
 
-static enum server_store_outcome drop_of(struct fixture *fixture, struct server_key key,
-                                         const char *bytes, const char *attachment)
+static enum server_outcome drop_of(struct fixture *fixture, struct server_key key,
+                                   const char *bytes, const char *attachment)
 {
     struct server_record *record = new_record_of(key, MESH_OPTIONS, bytes, attachment);
-    enum server_store_outcome outcome = fixture->store->remove(fixture->store, record, &version);
+    enum server_outcome outcome = fixture->store->remove(fixture->store, record, &version);
     if (!outcome) fixture->store->tidy(fixture->store);
     server_record_release(record);
     return outcome;
 }
 
-static enum server_store_outcome drop(struct fixture *fixture, const char *name, const char *bytes)
+static enum server_outcome drop(struct fixture *fixture, const char *name, const char *bytes)
 {
     return drop_of(fixture, mesh_key(name), bytes, NULL);
 }
 
 /* Fetches an object of that tenant, given its bytes. */
-static enum server_store_outcome fetch_of(struct fixture *fixture, const char *tenant,
-                                          enum server_part part, const char *bytes)
+static enum server_outcome fetch_of(struct fixture *fixture, const char *tenant,
+                                    enum server_part part, const char *bytes)
 {
     struct server_key key = mesh_key("any");
     key.tenant = tenant;
     struct server_record *record =
         new_record_of(key, MESH_OPTIONS, bytes, part == SERVER_PART_ATTACHMENT ? bytes : NULL);
     void *found = NULL;
-    enum server_store_outcome outcome =
+    enum server_outcome outcome =
         fixture->store->fetch(fixture->store, &record->objects[part], &found);
     if (!outcome) assert_memory_equal(found, bytes, strlen(bytes));
     free(found);
@@ -99,7 +98,7 @@ static enum server_store_outcome fetch_of(struct fixture *fixture, const char *t
     return outcome;
 }
 
-static enum server_store_outcome fetch(struct fixture *fixture, const char *bytes)
+static enum server_outcome fetch(struct fixture *fixture, const char *bytes)
 {
     return fetch_of(fixture, "", SERVER_PART_FILE, bytes);
 }
@@ -271,11 +270,10 @@ static bool on_piece(void *user, size_t bytes)
     return pacing->bytes <= pacing->most;
 }
 
-static enum server_store_outcome verify(struct fixture *fixture, const char *bytes,
-                                        struct pacing pacing)
+static enum server_outcome verify(struct fixture *fixture, const char *bytes, struct pacing pacing)
 {
     struct server_record *record = new_record("a", bytes);
-    enum server_store_outcome outcome = fixture->store->verify(
+    enum server_outcome outcome = fixture->store->verify(
         fixture->store, &record->objects[SERVER_PART_FILE], on_piece, &pacing);
     server_record_release(record);
     return outcome;
