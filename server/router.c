@@ -1,4 +1,3 @@
-/* See router.h. */
 #include "server/router.h"
 
 #include <stdatomic.h>

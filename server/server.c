@@ -1,4 +1,3 @@
-/* See server.h. */
 #include "server/server.h"
 
 #include <malloc.h>
@@ -185,8 +184,8 @@ static struct server_store *open_store(const struct server_config *config, char 
     return server_store_local_open(config->data_dir, error);
 }
 
-/* Opens the field store. With a database, the data folder is optional and holds only data that can
- * be computed again. */
+/* Opens the field store. With a database the data folder is optional: its data can be
+ * recomputed. */
 static bool open_field_store(struct server *server, char error[SERVER_ERROR])
 {
     const struct server_config *config = &server->config;

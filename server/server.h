@@ -43,8 +43,7 @@ void server_connect(struct server *server);
  * heap. False: no memory or thread. */
 bool server_start_jobs(struct server *server);
 
-/* Destroys the registry, the caches of surfaces and their threads. Call it after the workers were
- * cancelled. */
+/* Destroys registry, caches of surfaces and their threads, after the workers were cancelled. */
 void server_surfaces_destroy(struct server *server);
 
 /* Reads keys and certificates again. On failure the old ones stay in use, and the log says why.

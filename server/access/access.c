@@ -1,4 +1,3 @@
-/* See access.h. */
 #include "server/access/access.h"
 
 #include <arpa/inet.h>

@@ -25,8 +25,7 @@ struct server_grant {
 struct server_access *server_access_create(const char *path, char error[SERVER_ERROR]);
 void server_access_destroy(struct server_access *access); /* NULL is harmless */
 
-/* Reads the file again. On failure returns false with a sentence in `error`, and the old keys stay
- * in use. Thread-safe. */
+/* Reads the file again. False with a sentence in `error`: the old keys stay in use. Thread-safe. */
 bool server_access_reload(struct server_access *access, char error[SERVER_ERROR]);
 
 struct server_access_request {
@@ -48,16 +47,14 @@ const char *server_grant_name(const struct server_grant *grant);
 const char *server_grant_tenant(const struct server_grant *grant);
 
 /* Returns whether the grant may change jobs, batches and fields that the given key of its tenant
- * made. The role write may change those of all keys of its tenant, other roles only their own.
- * False with forbidden. */
+ * made. The role write may change all of its tenant's, others only their own. False: forbidden. */
 bool server_grant_may_change(const struct server_grant *grant, const char *key,
                              struct proto_problem *problem);
 
 /* Returns whether the grant may see all tenants; true without keys. */
 bool server_grant_is_operator(const struct server_grant *grant);
 
-/* Copies the grant. Afterwards `to` instead of `from` counts as the concurrent request. The caller
- * ends both. */
+/* Copies the grant; `to`, not `from`, is now the concurrent request. The caller ends both. */
 void server_grant_pass(struct server_grant *from, struct server_grant *to);
 void server_grant_end(struct server_grant *grant);
 

@@ -1,4 +1,3 @@
-/* See credentials.h. */
 #include "server/access/credentials.h"
 
 #include <errno.h>

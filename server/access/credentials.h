@@ -90,8 +90,7 @@ struct server_credentials *server_credentials_load(const char *path,
 struct server_credentials *server_credentials_retain(struct server_credentials *keys);
 void server_credentials_release(struct server_credentials *keys); /* NULL is harmless */
 
-/* Returns the key with that text, owned by the set, or NULL. The time does not depend on the
- * text. */
+/* Returns the set's key with that text, or NULL, in a time that does not depend on the text. */
 const struct server_credential *server_credentials_find(const struct server_credentials *keys,
                                                         const char *text, size_t size);
 

@@ -1,4 +1,3 @@
-/* See sandbox.h. */
 #include "server/access/sandbox.h"
 
 #include <errno.h>
@@ -140,8 +139,7 @@ static bool ruleset_allow(struct ruleset *ruleset, const struct server_sandbox_n
     return !needs->database || ruleset_allow_database(ruleset, needs, has_ports);
 }
 
-/* Restricts the calling thread and the threads that it starts. NULL, or why nothing is
- * restricted. */
+/* Restricts this thread and the threads that it starts. NULL, or why nothing is restricted. */
 static const char *landlock_enter(const struct server_sandbox_needs *needs)
 {
     struct ruleset ruleset;

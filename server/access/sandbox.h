@@ -41,8 +41,7 @@ struct server_sandbox_needs {
                       void *user);
 };
 
-/* State of the sandbox. Each string that is not NULL is a static sentence that says why that part
- * is off. */
+/* State of the sandbox. A string that is not NULL is static and says why that part is off. */
 struct server_sandbox {
     bool is_wanted; /* false: nothing is on */
     bool connects;  /* the daemon may connect to a database at any time */

@@ -1,4 +1,3 @@
-/* See disk.h. */
 #include "server/base/disk.h"
 
 #include <dirent.h>
@@ -44,8 +43,7 @@ static int folder_open(const char *folder)
     return open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
 }
 
-/* Opens the folder of a file. Callers open it before they change the folder, so that nothing has
- * changed if this fails. */
+/* Opens the folder of a file. Callers do that first, so that nothing has changed if it fails. */
 static int parent_open(const char *path)
 {
     char text[SERVER_DISK_PATH];

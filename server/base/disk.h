@@ -35,13 +35,11 @@ bool server_disk_exists(const char *path);
  * folder durable, even if the process that created it was killed. */
 enum server_outcome server_disk_make_folder(const char *path);
 
-/* Writes a file as `temporary` and renames it to `path`, which it replaces, durably. Both paths are
- * in one file system. */
+/* Writes a file as `temporary` and renames it to `path`, on the same file system, durably. */
 enum server_outcome server_disk_write(const char *path, const char *temporary, const void *bytes,
                                       size_t size);
 
-/* Opens a regular file to read; never blocks on a FIFO or a device. Returns NULL on failure, see
- * server_disk_why. */
+/* Opens a regular file to read; never blocks on a FIFO or a device. NULL: see server_disk_why. */
 FILE *server_disk_stream(const char *path);
 
 /* Describes errno after a failed call of this file. */
@@ -50,8 +48,7 @@ const char *server_disk_why(void);
 /* Reads the file and appends a NUL. The caller frees `*bytes`. */
 enum server_outcome server_disk_read(const char *path, void **bytes, size_t *size);
 
-/* Reads a file in pieces, from the disk and not from the page cache where possible. `visit` returns
- * false to stop. */
+/* Reads a file in pieces, if possible not from the page cache. `visit` returns false to stop. */
 enum server_outcome server_disk_scan(const char *path,
                                      bool (*visit)(void *user, const void *bytes, size_t size),
                                      void *user);
@@ -87,8 +84,7 @@ server_disk_copier server_disk_link;
 #define SERVER_DISK_ASIDE        ".damaged" /* part of the names of damaged files set aside */
 #define SERVER_DISK_ASIDE_SUFFIX 64         /* most bytes added to a name */
 
-/* Renames a damaged file, and the -wal and -shm files of a damaged SQLite database: appends the
- * unique `suffix`. */
+/* Appends the unique `suffix` to a damaged file, and to the -wal and -shm files of a database. */
 void server_disk_set_aside(const char *path, char suffix[SERVER_DISK_ASIDE_SUFFIX]);
 
 #endif

@@ -1,4 +1,3 @@
-/* See gzip.h. */
 #include "server/base/gzip.h"
 
 #include <limits.h>

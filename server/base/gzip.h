@@ -1,5 +1,4 @@
-/* Gzip (RFC 1952): compression of a buffer or of a text in pieces, and decompression within
- * limits. */
+/* Gzip (RFC 1952): compression of a buffer or a text, and decompression within limits. */
 #ifndef SERVER_BASE_GZIP_H
 #define SERVER_BASE_GZIP_H
 
@@ -23,8 +22,7 @@ void server_packer_destroy(struct server_packer *packer); /* NULL is harmless */
 void server_packer_write(struct server_packer *packer, const char *text, size_t size, bool is_last,
                          struct proto_writer *out);
 
-/* A decompressor. It limits the ratio of output to input, against zip bombs. The input may have
- * several members. */
+/* A decompressor. It limits the ratio of output to input (zip bombs), and reads all members. */
 struct server_inflater;
 
 #define SERVER_INFLATE_BYTES ((size_t)48 << 10) /* memory of an inflater */

@@ -1,4 +1,3 @@
-/* See log.h. */
 #include "server/base/log.h"
 
 #include <errno.h>
@@ -148,8 +147,7 @@ uint64_t server_log_dropped(void)
     return atomic_load_explicit(&output.dropped, memory_order_relaxed);
 }
 
-/* Waits until standard error has room; a negative time means no limit. Returns false on a timeout
- * or an error. */
+/* Waits until standard error has room; a negative time: without limit. False: timeout or error. */
 static bool stderr_wait(int milliseconds)
 {
     struct pollfd state = {.fd = STDERR_FILENO, .events = POLLOUT};
@@ -236,8 +234,7 @@ static void write_lines(void *user, struct server_thread *thread)
     }
 }
 
-/* Appends a line under the lock. Wakes the thread at the first line of a text and at the line that
- * makes it urgent. */
+/* Appends a line under the lock. A text's first line, and one that is urgent, wake the thread. */
 static void line_gather(const struct server_log_line *line, bool is_urgent)
 {
     struct text *text = output.gathering;
@@ -318,7 +315,7 @@ void server_log_stop(void)
 static const int crashes[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
 static struct sigaction earlier[sizeof crashes / sizeof *crashes];
 
-/* Waits a moment for the log's thread, then restores the earlier action, which ends the process.
+/* Waits a moment for the thread, then restores the action that ends the process.
  * Async-signal-safe. */
 static void on_crash(int number, siginfo_t *info, void *context)
 {

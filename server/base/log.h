@@ -35,8 +35,7 @@ struct server_log_line {
 /* Lines below `level` are not logged. Call it before any thread starts. */
 void server_log_set_level(enum server_log_level level);
 
-/* Begins a line with time, level and event. Returns false if the level is not logged; then do not
- * use the line. */
+/* Begins a line with time, level and event. False: the level is not logged; don't use the line. */
 bool server_log_begin(struct server_log_line *line, enum server_log_level level, const char *event);
 
 /* Append a member, unless the line is full or `value` is NULL. */

@@ -1,4 +1,3 @@
-/* See names.h. */
 #include "server/base/names.h"
 
 #include <search.h>

@@ -1,4 +1,3 @@
-/* See thread.h. */
 #include "server/base/thread.h"
 
 #include <errno.h>

@@ -1,4 +1,3 @@
-/* See address.h. */
 #include "server/config/address.h"
 
 #include <arpa/inet.h>
@@ -87,8 +86,7 @@ void server_address_format(const struct server_address *address, char text[SERVE
     snprintf(text, SERVER_ADDRESS_TEXT, strchr(host, ':') ? "[%s]:%s" : "%s:%s", host, port);
 }
 
-/* Removes a unix socket that a dead process left. A live one, or any other file, stays and makes
- * bind fail. */
+/* Removes a unix socket that a dead process left. Anything else stays and makes bind fail. */
 static void stale_socket_remove(const struct server_address *address)
 {
     const char *path = ((const struct sockaddr_un *)&address->socket)->sun_path;

@@ -21,8 +21,7 @@ struct server_address {
  * end. False: it has another form. */
 bool server_address_split(const char *text, char host[SERVER_ADDRESS_HOST], const char **port);
 
-/* Parses "127.0.0.1:8080", "[::1]:8080", "localhost:8080" or "unix:PATH", without DNS. False with a
- * sentence in `error`. */
+/* Parses "127.0.0.1:80", "[::1]:80", "localhost:80" or "unix:PATH", without DNS. False: `error`. */
 bool server_address_parse(const char *text, struct server_address *out, char error[SERVER_ERROR]);
 
 /* Returns whether only this machine can reach it: 127.0.0.0/8, ::1 and unix sockets. */
@@ -31,8 +30,7 @@ bool server_address_is_local(const struct server_address *address);
 void server_address_format(const struct server_address *address, char text[SERVER_ADDRESS_TEXT]);
 
 /* Returns a non-blocking socket, owned by the caller, or -1 with a sentence in `error`. Binds a TCP
- * socket, which may need a privilege, and writes the bound address to `*address`: port 0 is
- * replaced. */
+ * socket, which may need a privilege; replaces port 0 in `*address`. */
 int server_address_bind(struct server_address *address, char error[SERVER_ERROR]);
 
 /* Listens on the socket; false with a sentence in `error`. Binds a unix socket, and replaces one

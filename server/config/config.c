@@ -1,4 +1,3 @@
-/* See config.h. */
 #include "server/config/config.h"
 
 #include <ctype.h>
@@ -406,8 +405,7 @@ static bool load_file(struct loader *loader, const char *path)
     return ok;
 }
 
-/* Returns the value of the option's variable, such as GEODESICD_MAX_BODY; `name` receives the
- * variable's name. */
+/* Returns the value and in `name` the name of the option's variable (GEODESICD_MAX_BODY). */
 static const char *environment_get(const struct option *option, char name[TEXT_LIMIT])
 {
     snprintf(name, TEXT_LIMIT, "GEODESICD_%s", option->name);
@@ -430,8 +428,7 @@ struct flag {
     const char *value; /* NULL of switches */
 };
 
-/* Reads argv[*at], and argv[*at + 1] if that is the value. Advances `*at` past both. `argv` is
- * NULL-terminated. */
+/* Reads argv[*at], and argv[*at + 1] if that is the value, and advances `*at`. NULL ends `argv`. */
 static bool flag_read(struct loader *loader, char *const argv[], int *at, struct flag *out)
 {
     const char *text = argv[(*at)++];
@@ -472,8 +469,7 @@ static void print_help(FILE *out)
                  "flags win over the environment, the environment over the file.\n");
 }
 
-/* Sets the values of the flags. With `file` it sets nothing: it runs --help or --version, and finds
- * the file of --config. */
+/* Sets the values of the flags. With `file`: only runs --help or --version and finds --config. */
 static enum server_config_outcome load_flags(struct loader *loader, char *const argv[], FILE *out,
                                              const char **file)
 {

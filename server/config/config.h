@@ -1,5 +1,4 @@
-/* Config: the operator's settings. One table drives flags, environment, file, --help and
- * validation. */
+/* Config: the operator's settings. One table makes flags, environment, file, --help and checks. */
 #ifndef SERVER_CONFIG_CONFIG_H
 #define SERVER_CONFIG_CONFIG_H
 

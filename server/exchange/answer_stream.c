@@ -1,4 +1,3 @@
-/* See answer_stream.h. */
 #include "server/exchange/answer_stream.h"
 
 #include <stdatomic.h>
@@ -111,8 +110,7 @@ static struct answer_stream *stream_take(struct server_host *host, bool is_packe
     return NULL;
 }
 
-/* Moves the state to the stream and counts it as an answer. Returns false if answers have no room
- * for it. */
+/* Moves the state to the stream and counts it as an answer. False: answers have no room for it. */
 static bool stream_take_state(struct answer_stream *stream, struct server_exchange *from,
                               size_t *held)
 {

@@ -1,4 +1,3 @@
-/* See etag.h. */
 #include "server/exchange/etag.h"
 
 #include <stdio.h>

@@ -1,4 +1,3 @@
-/* See events.h. */
 #include "server/exchange/events.h"
 
 #include <pthread.h>
@@ -11,8 +10,7 @@
 #include "server/base/thread.h"
 
 #define PROGRESS_NS UINT64_C(100000000) /* between two messages of a stream, unless it is woken */
-/* longest time without a message: proxies and clients treat a longer silence as a broken
- * connection */
+/* longest silence: proxies and clients treat a longer one as a broken connection */
 #define HEARTBEAT_NS UINT64_C(15000000000)
 #define LOOK_NS      UINT64_C(1000000000) /* between two checks of the sockets of paused readers */
 #define MESSAGE_MOST 65536                /* bytes */

@@ -1,4 +1,3 @@
-/* See exchange.h. */
 #include "server/exchange/exchange.h"
 
 #include <ctype.h>
@@ -26,8 +25,7 @@ static int hex_digit(char c)
                                         : -1;
 }
 
-/* Decodes %XX in place, but not the plus sign: numbers have exponents. False at a broken escape or
- * an encoded NUL. */
+/* Decodes %XX in place, but no plus: numbers have exponents. False: a broken escape or a NUL. */
 static bool percent_decode(char *text)
 {
     char *out = strchr(text, '%');
@@ -46,8 +44,7 @@ static bool percent_decode(char *text)
     return true;
 }
 
-/* Decodes the path. Returns why it is malformed, or NULL. An encoded slash would split a
- * segment. */
+/* Decodes the path. Returns why it is malformed, or NULL. (An encoded slash splits a segment.) */
 static const char *path_decode(char *path)
 {
     if (strchr(path, '%') && strcasestr(path, "%2f"))
@@ -234,8 +231,7 @@ static bool head_copy(struct server_exchange *to, const struct server_exchange *
     return true;
 }
 
-/* Moves the target, and all that points into it, to `to`. `from` keeps `path`, a copy of its
- * path. */
+/* Moves the target, and all that points into it, to `to`. `from` keeps the copy `path`. */
 static void target_pass(struct server_exchange *from, struct server_exchange *to, char *path)
 {
     to->target = from->target;
@@ -497,8 +493,7 @@ static bool length_read(const char *text, uint64_t *out)
     return errno == 0 && *out != SERVER_BODY_CHUNKED;
 }
 
-/* Reads the framing of the body. Also refuses two equal lengths: readers differ in which one they
- * use. */
+/* Reads the framing of the body. Refuses two lengths, even if equal, as some readers do not. */
 static const char *framing_read(struct server_exchange *exchange)
 {
     uint32_t lengths = server_exchange_count_headers(exchange, "Content-Length");

@@ -56,8 +56,7 @@ struct server_body {
     size_t refused;                   /* bytes that the budget refused */
     struct server_inflater *inflater; /* decompressor of a compressed body, or NULL */
     const char *fault;                /* sentence why decompression failed, or NULL */
-    /* problem of the exceeded limit: the rest of the body is dropped, and the problem is sent at
-     * its end */
+    /* problem of the exceeded limit, sent at the end of the body; the rest is dropped */
     enum proto_problem_code failure;
 };
 
@@ -65,8 +64,7 @@ struct server_body {
 bool server_body_prepare(struct server_body *body, struct server_budget *budget, uint64_t declared,
                          uint64_t limit, struct proto_problem *problem);
 
-/* Prepares to decompress a gzip body: size and limit then apply to the result. Call it before the
- * first byte. */
+/* Prepares to decompress a gzip body, before its first byte. Size and limit apply to the result. */
 bool server_body_unpack(struct server_body *body, struct proto_problem *problem);
 
 /* Appends bytes. If the limit or the budget is exceeded, sets `failure` and drops the rest. */
@@ -119,8 +117,7 @@ struct server_response {
 struct server_transport {
     /* A deferred exchange is answered, and belongs to the transport again. */
     void (*finish)(struct server_exchange *exchange);
-    /* Returns whether the client of a deferred exchange has gone. Called every millisecond, by any
-     * thread. */
+    /* Returns whether a deferred exchange's client has gone. Called each millisecond, anywhere. */
     bool (*is_gone)(struct server_exchange *exchange);
     /* Called when a worker starts or resumes a deferred exchange. May be NULL. */
     void (*begin)(struct server_exchange *exchange);
@@ -144,8 +141,7 @@ struct server_host {
     /* Sets the deadline and calls the handler of the exchange's route. Returns with a reply, or
      * with `work` set: then the caller submits the exchange. */
     void (*dispatch)(struct server_exchange *exchange);
-    /* Called when the first exchange is deferred or a stream is opened: starts to watch
-     * deadlines. */
+    /* Starts to watch deadlines: when the first exchange is deferred or a stream is opened. */
     void (*watch)(void *user);
     void *watcher;
     atomic_uint deferred; /* exchanges that connections and jobs have submitted */
@@ -200,8 +196,7 @@ struct server_exchange {
 /* --- for the transport (http.c) and the router ------------------------------------------------ */
 
 /* Begins an exchange of a raw target ("/v1/meshes?limit=3") in memory that may be used again when
- * it has ended. False: out of memory; then it has not begun. If the target is malformed, sets
- * `fault`. */
+ * it has ended. False: out of memory. A malformed target sets `fault`. */
 bool server_exchange_begin(struct server_exchange *exchange, struct server_host *host,
                            const struct server_transport *transport, const char *target);
 void server_exchange_end(struct server_exchange *exchange);
@@ -216,8 +211,7 @@ void server_exchange_destroy(struct server_exchange *exchange); /* NULL is harml
 void server_exchange_drop_state(struct server_exchange *exchange);
 void server_exchange_drop_body(struct server_exchange *exchange);
 
-/* Adds a request header; borrows the strings until the exchange ends. If there are too many, sets
- * `fault`. */
+/* Adds a request header; borrows the strings. If there are too many, sets `fault`. */
 void server_exchange_add_header(struct server_exchange *exchange, const char *name,
                                 const char *value);
 
@@ -240,9 +234,8 @@ struct server_exchange *server_exchange_detach(struct server_exchange *exchange,
 void server_exchange_run(struct server_exchange *exchange);
 bool server_exchange_is_unwanted(struct server_exchange *exchange);
 
-/* Hands a deferred exchange to the workers (reply.c); the caller does not touch it any more. If the
- * queue is full, it is answered with overloaded. count_deferred counts one more deferred
- * exchange. */
+/* Hands a deferred exchange to the workers (reply.c); the caller does not touch it any more. A full
+ * queue: the answer is overloaded. count_deferred counts one more deferred exchange. */
 void server_exchange_submit(struct server_exchange *exchange);
 void server_exchange_count_deferred(struct server_host *host);
 void server_exchange_job_run(struct server_job *job);
@@ -263,8 +256,7 @@ const char *server_exchange_sent_name(const struct server_exchange *exchange,
 const char *server_exchange_header(const struct server_exchange *exchange, const char *name);
 uint32_t server_exchange_count_headers(const struct server_exchange *exchange, const char *name);
 
-/* Returns whether a Prefer header (RFC 7240) lists `preference`, in any case, without a value or
- * with an empty one. */
+/* Returns whether a Prefer header (RFC 7240) lists `preference`, in any case, without a value. */
 bool server_exchange_prefers(const struct server_exchange *exchange, const char *preference);
 
 /* Returns the decoded query string, borrowed from the exchange. */
@@ -279,8 +271,7 @@ bool server_exchange_is(const struct server_exchange *exchange, const char *meth
 /* Shortens the deadline to `timeout_ms` after the start of the work; 0: leaves it. */
 void server_exchange_shorten(struct server_exchange *exchange, uint64_t timeout_ms);
 
-/* Sets the handler's state. It is freed when a deferred exchange is answered, else with the
- * exchange. */
+/* Sets the handler's state. It is freed with the exchange, or when a deferred one is answered. */
 void server_exchange_keep(struct server_exchange *exchange, void *state,
                           void (*free_state)(void *state));
 

@@ -1,4 +1,3 @@
-/* See metrics.h. */
 #include "server/exchange/metrics.h"
 
 #include <stdalign.h>

@@ -1,4 +1,3 @@
-/* See relay.h. */
 #include "server/exchange/relay.h"
 
 #include <pthread.h>

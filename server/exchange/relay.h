@@ -31,8 +31,7 @@ struct server_host;
 struct server_relay;
 struct server_stream;
 
-/* Creates a relay with one reference. `is_packed`: compress the text. NULL: no memory in the budget
- * or the system. */
+/* Creates a relay with one reference. `is_packed`: compress the text. NULL: no memory. */
 struct server_relay *server_relay_create(struct server_host *host, bool is_packed);
 void server_relay_release(struct server_relay *relay); /* NULL is harmless */
 
@@ -46,8 +45,7 @@ void server_relay_write(struct server_relay *relay, const char *text, size_t siz
  * more. False: there is room, or the client has gone. */
 bool server_relay_wait(struct server_relay *relay, struct server_job *job);
 
-/* Blocks while too much is unread. False: the client has gone, the answer was cut, or the daemon
- * ends. */
+/* Blocks while too much is unread. False: the client has gone, or the answer or daemon ends. */
 bool server_relay_block(struct server_relay *relay);
 
 /* Ends the text. `is_whole` false: the client sees that the answer was cut. */

@@ -1,4 +1,3 @@
-/* See reply.h. */
 #include "server/exchange/reply.h"
 
 #include <stdarg.h>
@@ -21,8 +20,7 @@
 /* a browser that shows data as a document must load nothing for it */
 #define DATA_POLICY "default-src 'none'; frame-ancestors 'none'"
 
-/* Answers with bytes that outlive the answer. Returns the response, so that callers can set
- * `owned`. */
+/* Answers with bytes that outlive the answer. Returns the response, to set `owned`. */
 static struct server_response *response_set(struct server_exchange *exchange, unsigned status,
                                             const char *media_type, const void *body, size_t size)
 {

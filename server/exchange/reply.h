@@ -7,8 +7,7 @@
 #include "proto/json/writer.h"
 #include "server/exchange/exchange.h"
 
-/* Begins the text of an answer: at most --max-answer bytes, counted by the memory budget from the
- * first byte on. */
+/* Begins the text of an answer: at most --max-answer bytes, which the memory budget counts. */
 void server_reply_writer(struct server_exchange *exchange, struct proto_writer *writer);
 
 /* Adds a response header, cut to SERVER_HEADER_VALUE. `name` is static. */

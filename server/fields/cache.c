@@ -1,4 +1,3 @@
-/* See cache.h. */
 #include "server/fields/cache.h"
 
 #include <assert.h>
@@ -274,8 +273,7 @@ static const struct server_cached *entry_pin(struct entry *entry)
 
 /* --- eviction --------------------------------------------------------------------------------- */
 
-/* Returns the entry of the lowest priority among the next SAMPLE ones without pins; NULL: all are
- * pinned. */
+/* Returns the entry of the lowest priority among the next SAMPLE ones without pins, or NULL. */
 static struct entry *entry_choose(struct server_cache *cache)
 {
     struct entry *entry, *chosen = NULL;
@@ -433,8 +431,7 @@ void server_cache_note(struct server_mesh_cache *fields, const struct gd_point *
     server_hot_points_note(&fields->hot_points, key.hash);
 }
 
-/* Under the lock: returns the build of these seeds that reaches farthest, but not farther than
- * `key`; or NULL. */
+/* Under the lock: returns the farthest build of these seeds that is not beyond `key`, or NULL. */
 static struct server_pending_build *pending_find(const struct server_mesh_cache *fields,
                                                  const struct field_key *key)
 {
@@ -521,8 +518,7 @@ bool server_cache_is_awaited(struct server_pending_build *build)
 
 /* --- ending a build --------------------------------------------------------------------------- */
 
-/* Under the lock: removes a build, so that no more jobs are parked at it. Only a whole field resets
- * the count of queries. */
+/* Under the lock: removes a build. Only a whole field resets the count of queries. */
 static void pending_remove(struct server_pending_build *build, bool resets_count)
 {
     LIST_REMOVE(build, next);

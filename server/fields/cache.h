@@ -46,8 +46,7 @@ struct server_cached {
     double cost; /* private: nanoseconds of a rebuild */
 };
 
-/* Becomes a reclaimer of `budget`; jobs are parked with `workers`. Both are borrowed. NULL: out of
- * memory. */
+/* Becomes a reclaimer of `budget`; parks jobs with `workers`. Borrows both. NULL: out of memory. */
 struct server_cache *server_cache_create(struct server_budget *budget,
                                          struct server_workers *workers);
 
@@ -72,9 +71,8 @@ uint32_t server_mesh_cache_count(struct server_mesh_cache *fields);
 void server_cache_restore(struct server_mesh_cache *fields, struct gd_field *field);
 
 /* Returns a field of the seeds of this request, of its reach or a larger one (gd_field_within
- * limits it); or the whole field of this point. The request has no target. The field is pinned
- * and counted as used. Returns NULL if there is none. Takes tens of nanoseconds, more for many
- * seeds. */
+ * limits it); or the whole field of this point. The request has no target. The field is pinned and
+ * counted as used. NULL: there is none. O(seeds), tens of nanoseconds for one. */
 const struct server_cached *server_cache_find_field(struct server_mesh_cache *fields,
                                                     const struct gd_field_request *request);
 const struct server_cached *server_cache_find(struct server_mesh_cache *fields,

@@ -1,4 +1,3 @@
-/* See discretizations.h. */
 #include "server/fields/discretizations.h"
 
 #include <pthread.h>

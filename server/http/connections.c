@@ -86,8 +86,7 @@ static uint64_t deadline_earlier(uint64_t a, uint64_t b)
 
 /* --- deadlines -------------------------------------------------------------------------------- */
 
-/* Shuts down a connection, under the mutex. Returns false if the connection's thread has set
- * another deadline. */
+/* Shuts down a connection, under the mutex. False: its thread has set another deadline. */
 static bool connection_shut(struct server_connection *connection, uint64_t deadline_ns)
 {
     struct server_connections *connections = connection->connections;
@@ -118,8 +117,7 @@ static bool is_read(const struct tcp_info *info)
 enum reading { READING_NOTHING, READING, READ_ALL };
 
 /* Returns how much the client has acknowledged since the last call. The library's writes do not
- * show that, because the kernel buffers megabytes. Unix sockets have no acknowledgements; they rely
- * on the library's timer. */
+ * show that, because the kernel buffers megabytes. Unix sockets rely on the library's timer. */
 static enum reading connection_look(struct server_connection *connection)
 {
     struct tcp_info info;
@@ -172,8 +170,7 @@ void server_connections_check(struct server_connections *connections, uint64_t n
 
 /* --- the reserve ------------------------------------------------------------------------------ */
 
-/* Returns how many connections must close until `free` places are free. Connections that were shut
- * down count as closed. */
+/* Returns how many connections must close for `free` free places; those shut down are closed. */
 static uint32_t connections_excess(struct server_connections *connections, uint32_t free)
 {
     uint64_t open = atomic_load(&connections->open),
@@ -224,8 +221,7 @@ static void connections_complain(struct server_connections *connections, uint64_
         connections->reserve, connections->most);
 }
 
-/* Shuts down more than necessary, by half of the reserve, so that the next connection does not sort
- * all of them again. */
+/* Shuts down half of the reserve more than necessary, so that the next one need not sort again. */
 void server_connections_relieve(struct server_connections *connections, uint64_t now_ns)
 {
     uint32_t reserve = connections->reserve, scarce = reserve / SCARCE_PART, done = 0;
@@ -252,8 +248,7 @@ void server_connections_relieve(struct server_connections *connections, uint64_t
 
 /* --- the thread ------------------------------------------------------------------------------- */
 
-/* Records how much the client has read. Returns whether it has read nothing for HASTE_NS although
- * there is data. */
+/* Records how much the client has read. Returns whether it left data unread for HASTE_NS. */
 static bool connection_stalls(struct server_connection *connection, uint64_t now_ns)
 {
     struct tcp_info info;

@@ -25,8 +25,7 @@
 struct server_budget;
 struct server_connections;
 
-/* The record of one connection. Its functions are called by the HTTP thread that serves the
- * connection. */
+/* The record of one connection, for the HTTP thread that serves it. */
 struct server_connection;
 
 struct server_connections_statistics {
@@ -36,12 +35,11 @@ struct server_connections_statistics {
 };
 
 /* Starts the thread. While `budget` (NULL: none) has no room for answers, the thread shuts down one
- * connection a second: the slowest of the clients that have acknowledged nothing for 10 s. NULL: no
- * memory or thread. */
+ * connection a second: the slowest that acknowledged nothing for 10 s. NULL: no memory or
+ * thread. */
 struct server_connections *server_connections_create(const struct server_budget *budget);
 
-/* Sets the most connections that can be open at a time, before the first is opened. 0, the default:
- * any number. */
+/* Sets the most open connections, before the first is opened. 0, the default: any number. */
 void server_connections_limit(struct server_connections *connections, uint32_t most);
 
 /* Call it when no connection is open. NULL is harmless. */

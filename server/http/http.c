@@ -118,8 +118,7 @@ static bool peer_is_local(const struct sockaddr *peer)
            ntohl(((const struct sockaddr_in *)peer)->sin_addr.s_addr) >> 24 == IN_LOOPBACKNET;
 }
 
-/* Returns whether the client has closed its side. A client that still waits for the answer does
- * not. */
+/* Returns whether the client has closed its side: it does not wait for the answer. */
 static bool client_has_hung_up(void *user)
 {
     const struct client *client = user;

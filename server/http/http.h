@@ -1,5 +1,4 @@
-/* HTTP: the boundary to libmicrohttpd. Turns requests into exchanges, and responses into answers.
- * Knows no routes. */
+/* HTTP: the boundary to libmicrohttpd. Turns requests into exchanges. Knows no routes. */
 #ifndef SERVER_HTTP_HTTP_H
 #define SERVER_HTTP_HTTP_H
 
@@ -12,8 +11,7 @@ struct server_host;
 struct server_http;
 struct server_tls;
 
-/* The parts that HTTP uses, borrowed until server_http_stop. HTTP threads call the functions, which
- * must not block. */
+/* The parts that HTTP uses, borrowed until server_http_stop. The functions must not block. */
 struct server_http_parts {
     const struct server_config *config;
     struct server_host *host; /* shared by all exchanges */

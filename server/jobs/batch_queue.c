@@ -1,4 +1,3 @@
-/* See batch_queue.h. */
 #include "server/jobs/batch_queue.h"
 
 #include <stdio.h>

@@ -98,8 +98,7 @@ struct server_batch_claim {
 enum server_outcome server_batch_queue_claim(struct server_store_sql *sql, const char *node,
                                              const char *after, struct server_batch_claim *out);
 
-/* Renews the lease of an item. ABSENT: the item is claimed by another daemon, answered, or
- * cancelled. */
+/* Renews the lease of an item. ABSENT: claimed elsewhere, answered or cancelled. */
 enum server_outcome server_batch_queue_renew(struct server_store_sql *sql,
                                              const struct server_batch_claim *claim,
                                              const char *node);
@@ -109,8 +108,7 @@ enum server_outcome server_batch_queue_return(struct server_store_sql *sql,
                                               const struct server_batch_claim *claim,
                                               const char *node, bool was_tried, int64_t pause_ms);
 
-/* Returns all items without an answer to the queue. Called at the start of a daemon that does not
- * share the queue. */
+/* Returns all items without an answer to the queue, at the start of its only daemon. */
 enum server_outcome server_batch_queue_return_all(struct server_store_sql *sql);
 
 /* Writes the item's answer, unless it has one or the batch is cancelled. */

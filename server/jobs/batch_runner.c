@@ -1,4 +1,3 @@
-/* See batch_runner.h. */
 #include "server/jobs/batch_runner.h"
 
 #include <limits.h>
@@ -88,8 +87,7 @@ struct server_store_sql *server_batch_runner_sql(struct server_batch_runner *run
     return runner->sql;
 }
 
-/* Opens the queue if there is one. A folder that never had a batch has no database, and this
- * creates none. */
+/* Opens the queue if there is one: a folder that never had a batch has no database. */
 static bool runner_has_queue(struct server_batch_runner *runner)
 {
     char error[SERVER_ERROR];
@@ -217,8 +215,7 @@ static void item_settle(struct server_batch_runner *runner, const struct item *i
     }
 }
 
-/* Returns the index of the place at which jobs wait for news of that batch: the last digit of its
- * id. */
+/* Returns the place at which jobs wait for news of that batch: the last digit of its id. */
 static unsigned place_of(const char *id)
 {
     return (unsigned)strtoul(id + SERVER_BATCH_ID - 2, NULL, 16) % PLACES;
@@ -357,8 +354,7 @@ static void runner_start(struct server_batch_runner *runner, const struct server
     server_exchange_run(item->exchange);
 }
 
-/* Returns whether an item may start: requests have precedence, so no request may wait, and one
- * worker must stay free. */
+/* Returns whether an item may start: no request may wait, and one worker must stay free. */
 static bool runner_has_time(const struct server_batch_runner *runner)
 {
     struct server_workers_load load = server_workers_load(runner->host->workers);

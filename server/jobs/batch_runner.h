@@ -39,8 +39,7 @@ const char *server_batch_runner_health(struct server_batch_runner *runner);
 /* Signals that the queue has a new batch. */
 void server_batch_runner_wake(struct server_batch_runner *runner);
 
-/* Cancels this daemon's items of a batch (NULL: of all batches) and wakes the jobs that wait for
- * it. */
+/* Cancels this daemon's items of a batch (NULL: of all) and wakes the jobs that wait for it. */
 void server_batch_runner_cancel(struct server_batch_runner *runner, const char *id);
 
 /* Returns the number of answers and changes that this daemon has written. */

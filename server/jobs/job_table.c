@@ -1,4 +1,3 @@
-/* See job_table.h. */
 #include "server/jobs/job_table.h"
 
 #include <pthread.h>
@@ -293,8 +292,7 @@ static void answer_count(struct server_deferred_job *job, size_t bytes)
     job->held = bytes;
 }
 
-/* Drops ended jobs until the bytes of the job's answer fit, and counts them. Returns false if there
- * is no room. */
+/* Drops ended jobs until the bytes of the job's answer fit, and counts them. False: no room. */
 static bool answer_reserve(struct server_deferred_job *job, size_t bytes)
 {
     struct server_job_table *table = job->table;

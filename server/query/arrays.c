@@ -1,4 +1,3 @@
-/* See arrays.h. */
 #include "server/query/arrays.h"
 
 #include <endian.h>
@@ -347,8 +346,7 @@ static void zip_write_central(const struct zip_entry *entry, struct proto_writer
     proto_append(writer, entry->name, strlen(entry->name));
 }
 
-/* Writes the archive, which must be shorter than 4 GiB, as the largest answer is by default; a
- * longer one fails. */
+/* Writes the archive; one of 4 GiB or more, four times the default limit of answers, fails. */
 static void npz_write(const struct server_arrays *arrays, struct proto_writer *writer)
 {
     struct zip_entry entries[SERVER_ARRAYS_MOST] = {0};

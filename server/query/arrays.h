@@ -69,8 +69,7 @@ struct server_lines {
 /* Fills in `first`. Returns false if there are more points than an index can count. */
 bool server_lines_count(struct server_lines *lines);
 
-/* Adds "points", x y z for each point, and "first", each line's first point followed by the
- * total. */
+/* Adds "points", x y z for each point, and "first", each line's first point, then the total. */
 void server_arrays_add_lines(struct server_arrays *arrays, const struct server_lines *lines);
 
 /* --- an answer -------------------------------------------------------------------------------- */

@@ -157,8 +157,7 @@ static enum gd_status field_make(struct server_query *query, struct server_monit
     return GD_OK;
 }
 
-/* Builds the field from its seeds if memory for two fields is lacking, or if rounding has spoilt
- * the nearer field. */
+/* Builds the field from its seeds if memory for two lacks, or rounding spoilt the nearer. */
 enum gd_status server_query_build_field(struct server_query *query, struct server_monitor part,
                                         const struct server_cached **out)
 {

@@ -517,8 +517,7 @@ static void query_start_stream(struct server_query *query)
     server_request_go_on(rest);
 }
 
-/* Sends the draft. Returns false if the query is parked until the client has read some of the
- * answer. */
+/* Sends the draft. False: the query is parked until the client has read some of the answer. */
 static bool query_flush(struct server_query *query)
 {
     struct server_exchange *exchange = query->exchange;

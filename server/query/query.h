@@ -42,8 +42,7 @@ enum server_query_turn {
     SERVER_QUERY_PARKED  /* the exchange waits for an event; solve is called afterwards */
 };
 
-/* A form of an answer other than JSON: a file for another program, selected by ?format= or
- * Accept. */
+/* A form of an answer other than JSON: a file, selected by ?format= or Accept. */
 struct server_form {
     const char *name; /* in ?format= and the entity tag, and the file's suffix; NULL ends a list */
     const char *media_type;
@@ -116,16 +115,14 @@ struct server_query_kind {
     bool (*prepare)(struct server_query *query, struct proto_problem *problem);
     /* Runs when the pending set is located; may be NULL. */
     bool (*located)(struct server_query *query, struct proto_problem *problem);
-    /* Answers from the field; `part` is for long calls. Returns DONE, FAILED, or AGAIN with another
-     * field named. */
+    /* Answers from the field; `part` is for long calls. AGAIN: another field is named. */
     enum server_query_turn (*answer)(struct server_query *query, const struct gd_field *field,
                                      struct server_monitor *part, struct proto_problem *problem);
     void (*encode)(const struct server_query *query, struct proto_writer *writer);
     void (*reply)(struct server_query *query); /* for answers in a form other than JSON */
     const char *reply_form;                    /* form in the entity tag of such an answer: "png" */
     bool has_bytes; /* application/octet-stream is the first array without a head */
-    /* Writes the answer in the query's form; the exchange's `held` counts it. False with the
-     * problem. */
+    /* Writes the answer in the query's form; the exchange's `held` counts it. */
     bool (*write)(const struct server_query *query, struct server_answer_file *out,
                   struct proto_problem *problem);
     /* Lists the arrays of an answer that is DONE, for the forms of arrays.h; they live as long as
@@ -197,8 +194,7 @@ bool server_query_list_lines(struct server_query *query, const struct server_lin
 bool server_query_list_line(struct server_query *query, const struct gd_point *points,
                             uint32_t count, struct proto_problem *problem);
 
-/* take: takes bytes of the budget, which the query holds until give or its end. Error:
- * GD_BUDGET. */
+/* Takes bytes of the budget, which the query holds until give or its end. Error: GD_BUDGET. */
 GD_MUST_USE enum gd_status server_query_take(struct server_query *query, size_t bytes);
 void server_query_give(struct server_query *query, size_t bytes);
 
@@ -218,8 +214,7 @@ struct server_budgeted_call server_query_begin_call(struct server_query *query,
 /* Returns the landmarks of the mesh, valid as long as the query; NULL: there are none. */
 const struct gd_landmarks *server_query_landmarks(struct server_query *query);
 
-/* Returns an executor of two threads for a call; end it by server_executor_stop. NULL: no second
- * thread. */
+/* Returns an executor of two threads, to end by server_executor_stop. NULL: no second thread. */
 const struct gd_executor *server_query_executor(const struct server_query *query);
 
 /* --- pairs of points -------------------------------------------------------------------------- */
@@ -277,8 +272,7 @@ enum server_query_turn server_field_query_solve(struct server_query *query,
                                                 struct proto_problem *problem);
 void server_field_query_release(struct server_query *query);
 
-/* Returns the resource that the path names on the record's mesh, retained; NULL: not_found or
- * field_evicted. */
+/* Returns the resource of the path, retained; NULL: not_found or field_evicted. */
 struct server_resource *server_find_resource(const struct server_exchange *exchange,
                                              struct server_record *record,
                                              struct proto_problem *problem);
@@ -294,8 +288,7 @@ size_t server_field_build_grant(const struct gd_mesh *mesh);
 
 /* Builds the field of query->field.request and publishes it as query->field.build, which ends in
  * any case. If the cache has a nearer field of these seeds, it is resumed. `*out` is pinned.
- * Errors: those of gd_field_build; GD_BUDGET: all available memory was too little, or the limit of
- * `part` has passed. */
+ * Errors: gd_field_build's; GD_BUDGET: memory was too little, or `part` ended. */
 GD_MUST_USE enum gd_status server_query_build_field(struct server_query *query,
                                                     struct server_monitor part,
                                                     const struct server_cached **out);

@@ -90,8 +90,7 @@ static void reply_store_unavailable(struct server_exchange *exchange, const char
     server_reply_problem(exchange, &problem);
 }
 
-/* Replies not_found. The answer is the same for every name, so that it does not show which names
- * other tenants have. */
+/* Replies not_found, alike for every name, so that other tenants' names don't show. */
 static void reply_absent(struct server_exchange *exchange)
 {
     const struct server_kind *kind = server_request_kind(exchange);

@@ -16,16 +16,14 @@ const struct server_kind *server_request_kind(const struct server_exchange *exch
 bool server_request_key(struct server_exchange *exchange, char name[PROTO_MESH_NAME + 1],
                         struct server_key *key);
 
-/* For operations without query-string parameters: returns false, with a problem replied, if there
- * are any. */
+/* For operations without parameters. False: the request has some; a problem is replied. */
 bool server_request_is_plain(struct server_exchange *exchange);
 
 /* Returns the time (as of gd_now_ns, in ns) at which a wait of `wait_s` seconds ends, or an earlier
  * time if the deadline requires it. */
 uint64_t server_request_wait_end(const struct server_exchange *exchange, uint64_t wait_s);
 
-/* Reads the requested page of a list, or of a list of names, which `prefix` may narrow. False: a
- * problem is replied. */
+/* Reads the page of a list, or of names, which `prefix` narrows. False: a problem is replied. */
 bool server_request_page(struct server_exchange *exchange, struct proto_page *page);
 bool server_request_page_of_names(struct server_exchange *exchange, struct proto_page *page);
 
@@ -46,8 +44,7 @@ bool server_request_follows_first(struct server_exchange *exchange);
 bool server_request_write(struct server_exchange *exchange,
                           bool (*work)(struct server_exchange *exchange));
 
-/* Runs `work`, which makes a list, on the registry's reader thread. Call it last in a
- * handler. */
+/* Runs `work`, which makes a list, on the registry's reader thread. Last call of a handler. */
 void server_request_list(struct server_exchange *exchange,
                          bool (*work)(struct server_exchange *exchange));
 

@@ -7,8 +7,7 @@
 
 #define WHAT "the file"
 
-/* A strip's faces and edges, twice because arrays are copied as they grow; a path passes around few
- * vertices. */
+/* A strip's faces and edges, twice as arrays are copied when they grow; few vertices are passed. */
 #define STRIP_BYTES_A_POINT 512
 #define STRIP_BYTES_LEAST   ((size_t)1 << 20)
 

@@ -1,4 +1,3 @@
-/* See surface_resource.h. */
 #include "server/query/surface_resource.h"
 
 #include <stdio.h>
@@ -131,8 +130,7 @@ static bool name_check(const struct server_derived_meshes *meshes, const char *n
     return true;
 }
 
-/* Returns an upper bound of the file's bytes: doubles, and for each polygon its corners and their
- * number. */
+/* Bounds the bytes of the file: doubles, and for each polygon its corners and their number. */
 static size_t file_cost(const struct gd_polygons *polygons)
 {
     return polygons->position_count * 3 * sizeof(double) +
@@ -255,8 +253,7 @@ bool server_derived_meshes_add(struct server_derived_meshes *meshes, const char 
     return surface != NULL;
 }
 
-/* Removes the created ones of the first `count` meshes, unless their names hold other surfaces by
- * now. */
+/* Removes those of the first `count` meshes that were created, unless others have their names. */
 static void meshes_undo(const struct server_derived_meshes *meshes, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) {

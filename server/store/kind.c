@@ -1,4 +1,3 @@
-/* See kind.h. */
 #include "server/store/kind.h"
 
 #include <stdio.h>

@@ -109,8 +109,7 @@ void server_key_write(const struct server_key *key, char text[SERVER_KEY_TEXT]);
 /* Returns whether `size` bytes have the form of a key; the kind need not exist. */
 bool server_key_check(const char *text, size_t size);
 
-/* Parses a text in place: the strings of `*out` point into `text`. False: the text is not a key, or
- * its kind is unknown. */
+/* Parses a text in place; `*out` points into it. False: not a key, or an unknown kind. */
 bool server_key_read(char text[SERVER_KEY_TEXT], struct server_key *out);
 
 /* Returns whether this is a valid tenant: 1 to SERVER_TENANT characters of names. */

@@ -1,4 +1,3 @@
-/* See record.h. */
 #include "server/store/record.h"
 
 #include <inttypes.h>
@@ -27,8 +26,7 @@ static void object_set(struct server_object *object, const char *sha256, uint64_
     object->size = size;
 }
 
-/* Sets objects, key and ETag. The ETag omits absent parts, so that those of version 1 stay
- * valid. */
+/* Sets objects, key and ETag, which omits absent parts, so that version 1's stay valid. */
 static void record_complete(struct server_record *record)
 {
     const struct server_key key = server_record_key(record);

@@ -103,8 +103,7 @@ struct server_store_sql {
     enum server_outcome (*run)(struct server_store_sql *sql,
                                const struct server_statement *statement);
     bool is_shared; /* several daemons share the database */
-    /* The end of a statement that locks rows; skips rows that other daemons have locked. SQLite
-     * needs none. */
+    /* The end of a statement that locks rows and skips rows locked elsewhere. SQLite needs none. */
     const char *skip_locked;
     void (*close)(struct server_store_sql *sql); /* frees it */
 };

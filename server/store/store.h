@@ -52,8 +52,7 @@ struct server_store {
     /* Visits all surfaces, in any order. DONE, UNAVAILABLE, NO_MEMORY. Of a shared store it is
      * called again when follow returns STALE. */
     enum server_outcome (*each)(struct server_store *store, server_stored_visit *visit, void *user);
-    /* Writes the objects and verifies those that exist; may be slow. The caller calls put or keep
-     * next. */
+    /* Writes the objects, or verifies existing ones. The caller calls put or keep next. */
     enum server_outcome (*stage)(struct server_store *store, const struct server_record *record,
                                  const struct server_content *content);
     /* Stores a surface, or replaces it; durable when it returns DONE. `content` NULL: only the
@@ -67,8 +66,7 @@ struct server_store {
     /* Removes a surface; durable when it returns DONE. `*version` as for put. */
     enum server_outcome (*remove)(struct server_store *store, const struct server_record *record,
                                   uint64_t *version);
-    /* Deletes objects that the last put or remove left unused. Called after the registry has
-     * unlisted the surface. */
+    /* Deletes objects that the last put or remove left unused, once the surface is unlisted. */
     void (*tidy)(struct server_store *store);
     /* Reads and verifies an object, malloc'ed. DAMAGED; ABSENT; NO_MEMORY; REFUSED. */
     enum server_outcome (*fetch)(struct server_store *store, const struct server_object *object,
@@ -88,8 +86,7 @@ struct server_store {
     void (*await)(struct server_store *store, uint64_t ns);
     void (*note_uses)(struct server_store *store, const struct server_record *const *records,
                       const struct server_store_uses *uses, uint32_t count);
-    /* Returns why the store can't write or be reached, a sentence owned by the store; NULL: it
-     * works. */
+    /* Returns why the store can't write or be reached, the store's sentence; NULL: it works. */
     const char *(*health)(struct server_store *store);
     void (*close)(struct server_store *store); /* frees it */
 };
@@ -112,8 +109,7 @@ struct server_store *server_store_postgres_open(const char *url, char error[SERV
 bool server_postgres_each_port(const char *url, bool (*visit)(void *user, uint16_t port),
                                void *user);
 
-/* For the sandbox. Visits each file that libpq may read: certificates, keys, passwords. False: the
- * address is malformed. */
+/* For the sandbox. As above, for each file that libpq may read: certificates, keys, passwords. */
 bool server_postgres_each_file(const char *url, void (*visit)(void *user, const char *file),
                                void *user);
 
@@ -125,8 +121,7 @@ bool server_postgres_each_file(const char *url, void (*visit)(void *user, const 
  * there are faults, or the folder can't be checked. */
 bool server_store_check(const char *folder, FILE *out);
 
-/* As server_store_check, for a PostgreSQL store, in use or not: checks every row and every object
- * that a row names. */
+/* As server_store_check, for a PostgreSQL store, in use or not: each row and each named object. */
 bool server_store_check_postgres(const char *url, FILE *out);
 
 /* Copies the data folder `folder`, which may be in use, as of one moment, to the new folder `copy`.

@@ -1,4 +1,3 @@
-/* See catalogue.h. */
 #include "server/surfaces/catalogue.h"
 
 #include <pthread.h>

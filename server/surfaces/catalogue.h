@@ -55,8 +55,7 @@ struct server_catalogue;
 struct server_catalogue *server_catalogue_create(void);
 void server_catalogue_destroy(struct server_catalogue *catalogue); /* NULL is harmless */
 
-/* Returns the catalogue of a record, which owns it; creates it on the first call. NULL: out of
- * memory. */
+/* Returns the catalogue of a record, its owner; the first call creates it. NULL: out of memory. */
 struct server_catalogue *server_record_catalogue(struct server_record *record);
 
 enum server_catalogue_finding {

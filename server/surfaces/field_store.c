@@ -1,4 +1,3 @@
-/* See field_store.h. */
 #include "server/surfaces/field_store.h"
 
 #include <math.h>

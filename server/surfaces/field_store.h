@@ -26,8 +26,7 @@ struct server_field_store *server_field_store_open(const char *folder,
                                                    struct server_budget *budget);
 void server_field_store_close(struct server_field_store *store); /* NULL is harmless */
 
-/* Deletes the files of surfaces that are not in the registry, now and whenever a surface leaves
- * it. */
+/* Deletes the files of surfaces outside the registry, now and whenever a surface leaves it. */
 void server_field_store_follow(struct server_field_store *store, struct server_registry *registry);
 
 /* Loads the stored fields of a surface into its mesh cache, as far as free memory permits. Checks
@@ -46,8 +45,7 @@ struct gd_landmarks *server_field_store_read_landmarks(struct server_field_store
                                                        const struct server_surface *surface,
                                                        uint32_t count);
 
-/* Replaces the stored landmarks of a surface if that is still in the registry, and memory and disk
- * permit. */
+/* Replaces the stored landmarks of a surface in the registry, if memory and disk permit. */
 void server_field_store_write_landmarks(struct server_field_store *store,
                                         struct server_registry *registry,
                                         const struct server_surface *surface,
@@ -68,8 +66,7 @@ bool server_field_store_read_preview(struct server_field_store *store,
                                      const struct server_surface *surface,
                                      struct server_stored_preview *preview);
 
-/* Replaces the stored preview of a surface if that is still in the registry, and memory and disk
- * permit. */
+/* As server_field_store_write_landmarks, for the preview. */
 void server_field_store_write_preview(struct server_field_store *store,
                                       struct server_registry *registry,
                                       const struct server_surface *surface,

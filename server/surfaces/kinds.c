@@ -46,8 +46,7 @@ static bool build_progress(void *user, double fraction)
     return !whole->progress || whole->progress(whole->user, build->begun + build->share * fraction);
 }
 
-/* Runs a step with a budget of `cost` bytes. The cost of reading is an upper bound, so reading has
- * no limit. */
+/* Runs a step with a budget of `cost` bytes; for reading an upper bound, which sets no limit. */
 static enum gd_status step_run(struct build *build, step *run, size_t cost)
 {
     const struct server_builder *builder = build->builder;
@@ -146,8 +145,7 @@ static size_t json_cost(const struct server_builder *builder)
 
 /* --- meshes ----------------------------------------------------------------------------------- */
 
-/* Omits unset options, so that options of later versions do not change the ETags of other
- * meshes. */
+/* Omits unset options, so that new options do not change the ETags of old meshes. */
 static bool mesh_read_options(const struct proto_parameters *parameters,
                               const struct server_file *file, char text[SERVER_OPTIONS],
                               struct proto_problem *problem)

@@ -1,4 +1,3 @@
-/* See landmarks.h. */
 #include "server/surfaces/landmarks.h"
 
 #include <pthread.h>

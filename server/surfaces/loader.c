@@ -1,4 +1,3 @@
-/* See loader.h. */
 #include "server/surfaces/loader.h"
 
 #include <pthread.h>

@@ -36,8 +36,7 @@ enum server_loader_outcome {
     SERVER_LOADER_FAILED   /* with the problem; if memory is short, parked jobs are refused, too */
 };
 
-/* Fetches, verifies and builds a surface for a job (NULL: no deadline, and no waiting), and hands
- * it to the registry. */
+/* Fetches, verifies, builds and registers a surface for a job (NULL: no deadline, no wait). */
 enum server_loader_outcome server_loader_load(struct server_loader *loader,
                                               struct server_record *record, struct server_job *job,
                                               struct server_surface **out,

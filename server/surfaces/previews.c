@@ -1,4 +1,3 @@
-/* See previews.h. */
 #include "server/surfaces/previews.h"
 
 #include <pthread.h>

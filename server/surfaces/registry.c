@@ -1,4 +1,3 @@
-/* See registry.h. */
 #include "server/surfaces/registry.h"
 
 #include <pthread.h>
@@ -102,8 +101,7 @@ static struct server_listed slot_share(const struct slot *slot)
 
 /* --- slots, without a lock -------------------------------------------------------------------- */
 
-/* Creates a slot of that record and surface (NULL: not in memory), both retained. NULL: out of
- * memory. */
+/* Creates a slot of record and surface (or NULL), both retained. NULL: out of memory. */
 static struct slot *slot_create(struct server_record *record, struct server_surface *surface)
 {
     struct slot *slot = calloc(1, sizeof *slot);
@@ -184,8 +182,7 @@ static size_t registry_unloadable(void *user)
     return bytes;
 }
 
-/* Removes the least recently used surface that can be unloaded from its slot, and returns it; NULL:
- * there is none. */
+/* Takes the least recently used surface that can be unloaded from its slot; NULL: there is none. */
 static struct server_surface *surface_take_coldest(struct server_registry *registry,
                                                    bool without_fields)
 {
@@ -350,8 +347,7 @@ struct server_record *server_registry_hottest(struct server_registry *registry)
     return hottest ? server_record_retain(hottest->now.record) : NULL;
 }
 
-/* Collects up to NOTED_AT_ONCE changed numbers of uses, under the writer lock, which keeps the
- * records. */
+/* Collects up to NOTED_AT_ONCE changed numbers of uses. The writer lock keeps the records. */
 static uint32_t slots_collect_uses(struct server_registry *registry,
                                    const struct server_record **records,
                                    struct server_store_uses *uses)
@@ -429,8 +425,7 @@ static bool on_change(void *user, const struct server_stored *change)
     return is_applied;
 }
 
-/* Moves slots whose version did not change from `all` to `fresh`, so that their surfaces stay in
- * memory. */
+/* Moves slots of unchanged versions from `all` to `fresh`: their surfaces stay in memory. */
 static void slots_keep_unchanged(struct server_sorted *all, struct server_sorted *fresh)
 {
     for (uint32_t i = 0; i < fresh->count; i++) {
@@ -540,8 +535,7 @@ static enum server_outcome change_amend(struct server_store *store, struct chang
     return store->put ? store->put(store, change->amended, NULL, version) : SERVER_STORE_DONE;
 }
 
-/* Makes the store apply the change to `now`, which has `*version`; sets `*version` to the new
- * one. */
+/* Makes the store apply the change to `now`, whose `*version` becomes the new one. */
 static enum server_outcome change_store(const struct server_registry *registry,
                                         struct change *change, const struct server_listed *now,
                                         uint64_t *version)
@@ -560,8 +554,7 @@ static enum server_outcome change_store(const struct server_registry *registry,
                   : store->remove(store, now->record, version);
 }
 
-/* Applies a stored change to the slots, unless they already have it or a later one. Version 0: the
- * store is not shared. */
+/* Applies a stored change to the slots, unless they have it or a later one. Version 0: unshared. */
 static void change_apply(struct server_registry *registry, struct change *change, uint64_t version)
 {
     struct server_sorted *all = &registry->all;

@@ -68,8 +68,7 @@ void server_listed_release(struct server_listed *listed); /* accepts all zero */
 /* Returns whether a record has that ETag. O(records). */
 bool server_registry_holds(struct server_registry *registry, const char *etag);
 
-/* Finds the record and, if it is in memory, the surface of that key, both retained. False: there is
- * none. */
+/* Finds the record and, if in memory, the surface of that key, both retained. False: none. */
 bool server_registry_find(struct server_registry *registry, const struct server_key *key,
                           struct server_listed *out);
 
@@ -111,8 +110,7 @@ bool server_registry_is_current(struct server_registry *registry,
 /* Returns the registry's store, for fetch and verify (store.h). */
 struct server_store *server_registry_store(const struct server_registry *registry);
 
-/* Keeps a loaded surface in memory, unless its key has another record or another surface is in
- * memory already. */
+/* Keeps a loaded surface in memory, unless its key has another record or another surface. */
 void server_registry_keep(struct server_registry *registry, struct server_surface *surface);
 
 /* Returns the record of the most used surface that is not in memory, retained; NULL: there is none.

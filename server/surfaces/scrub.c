@@ -1,4 +1,3 @@
-/* See scrub.h. */
 #include "server/surfaces/scrub.h"
 
 #include <stdatomic.h>

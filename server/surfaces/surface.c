@@ -1,4 +1,3 @@
-/* See surface.h. */
 #include "server/surfaces/surface.h"
 
 #include <stddef.h>

@@ -108,8 +108,7 @@ GD_MUST_USE enum gd_status server_build_surface(const struct server_builder *bui
 /* For kinds: takes bytes of SERVER_BUDGET_FLIGHT. GD_BUDGET with the problem. */
 GD_MUST_USE enum gd_status server_build_take(const struct server_builder *builder, size_t bytes);
 
-/* For kinds: sets the problem for a status of the engine, which it returns. `detail` may be
- * NULL. */
+/* For kinds: sets the problem of an engine status, which it returns. `detail` may be NULL. */
 enum gd_status server_build_refuse(const struct server_builder *builder, enum gd_status status,
                                    const struct gd_detail *detail);
 

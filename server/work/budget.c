@@ -1,4 +1,3 @@
-/* See budget.h. */
 #include "server/work/budget.h"
 
 #include <assert.h>

@@ -88,8 +88,7 @@ void server_budget_give(struct server_budget *budget, enum server_budget_class c
 void server_budget_move(struct server_budget *budget, enum server_budget_class from,
                         enum server_budget_class to, size_t bytes);
 
-/* Corrects an estimate: the class counts `actual` bytes instead of `held`, even beyond the
- * limit. */
+/* Counts `actual` bytes instead of the estimated `held`, even beyond the limit. */
 void server_budget_adjust(struct server_budget *budget, enum server_budget_class class, size_t held,
                           size_t actual);
 

@@ -1,4 +1,3 @@
-/* See budgeted_call.h. */
 #include "server/work/budgeted_call.h"
 
 #include <pthread.h>
@@ -126,8 +125,7 @@ static bool other_calls_run(struct server_workspaces *workspaces)
     return workspaces->running > 1;
 }
 
-/* Waits until no other call runs; one of several waiting calls continues. Errors: GD_DEADLINE,
- * GD_CANCELLED. */
+/* Waits until no other call runs; one of the waiting continues. GD_DEADLINE, GD_CANCELLED. */
 static enum gd_status other_calls_wait(struct server_workspaces *workspaces,
                                        const struct gd_control *control)
 {
@@ -163,8 +161,7 @@ static bool call_attempt_begin(struct server_budgeted_call *call)
     return true;
 }
 
-/* The budget counts the workspace in addition to the grant. The two overlap, but only the engine
- * knows by how much. */
+/* The budget counts the workspace in addition to the grant, though they overlap in part. */
 static void call_attempt_end(struct server_budgeted_call *call)
 {
     struct server_space *space = &call->space;

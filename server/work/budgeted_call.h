@@ -58,8 +58,7 @@ struct server_budgeted_call {
 
 /* Ends an attempt and begins the next. False: the call has succeeded or failed. The loop must not
  * end before. On success the caller owns the `kept` bytes of SERVER_BUDGET_FLIGHT, to move them to
- * another class or to give them back. Errors: those of the call; GD_BUDGET: all available memory
- * was too little. */
+ * another class or to give them back. Errors: the call's; GD_BUDGET: all memory was too little. */
 bool server_budgeted_call_next(struct server_budgeted_call *call);
 
 #endif

@@ -1,4 +1,3 @@
-/* See executor.h. */
 #include "server/work/executor.h"
 
 #include <pthread.h>

@@ -1,4 +1,3 @@
-/* See lanes.h. */
 #include "server/work/lanes.h"
 
 #include <stdlib.h>

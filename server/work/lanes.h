@@ -81,8 +81,7 @@ struct server_lane *server_lanes_of(struct server_lanes *lanes, const char *tena
 bool server_lanes_push(struct server_lanes *lanes, struct server_lane *lane, struct server_job *job,
                        bool is_first);
 
-/* Takes the next job, which counts as running until server_lanes_end. NULL: none for this
- * worker. */
+/* Takes the next job, which runs until server_lanes_end. NULL: none for this worker. */
 struct server_job *server_lanes_take(struct server_lanes *lanes, bool is_spare);
 
 /* Records that a job of that lane and kind has run for `ns`. */

@@ -1,4 +1,3 @@
-/* See thread_priority.h. */
 #include "server/work/thread_priority.h"
 
 #include <sched.h>

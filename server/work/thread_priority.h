@@ -21,15 +21,13 @@
 #define SERVER_HTTP_NICE   (-3) /* the lowest nice value of the daemon's threads */
 #define SERVER_WORKER_NICE 10
 
-/* Called by each of `threads` HTTP threads when it begins a request: sets the cores that it may
- * use. */
+/* Called by each of `threads` HTTP threads at a request: sets the cores that it may use. */
 void server_thread_place(uint32_t threads, bool are_workers_busy, uint64_t now_ns);
 
 /* Lowers the calling thread, a new worker. */
 void server_worker_lower(void);
 
-/* Gives the calling thread idle or normal priority. Does nothing if it could not leave idle
- * priority. */
+/* Gives the calling thread idle or normal priority; does nothing if idle would be for good. */
 void server_worker_set_idle(bool is_idle);
 
 /* The priority of one job; not shared. */

@@ -1,4 +1,3 @@
-/* See workers.h. */
 #include "server/work/workers.h"
 
 #include <pthread.h>
@@ -223,8 +222,7 @@ bool server_workers_park(struct server_workers *workers, struct server_job *job,
     return true;
 }
 
-/* Under the lock: returns the link to the first job that is parked at that address; the link is
- * NULL if there is none. */
+/* Under the lock: returns the link to the first job that is parked there; the link may be NULL. */
 static struct server_job **parked_find(struct server_workers *workers, const void *at)
 {
     struct server_job **link = &workers->parked;

@@ -54,8 +54,7 @@ void server_workers_expire(struct server_workers *workers, uint64_t now_ns);
 void server_workers_cancel(struct server_workers *workers);
 bool server_workers_cancelled(struct server_workers *workers);
 
-/* Called by running jobs and guests about every millisecond. Adjusts the thread's priority; returns
- * false after a cancel. */
+/* Running jobs and guests call it each millisecond. Adjusts the priority; false: cancelled. */
 bool server_workers_go_on(struct server_workers *workers);
 
 struct server_workers_load {

@@ -33,8 +33,7 @@ struct curve_query {
     struct gd_detail detail; /* detail of a failure */
 };
 
-/* Resolves the curve and uses it in one long call. An unresolvable curve is refused at its
- * place. */
+/* Resolves the curve and uses it in one long call. Refuses an unresolvable curve at its place. */
 static bool curve_solve(struct curve_query *own, size_t grant, const char *what,
                         struct proto_problem *problem)
 {

@@ -323,8 +323,7 @@ static void traces_read_lengths(const void *source, uint64_t first, uint64_t cou
     for (uint64_t i = 0; i < count; i++) ((double *)out)[i] = own->traces[first + i].path.length;
 }
 
-/* Lists the arrays. A null vector has a line without points. Without paths each line is its last
- * point. */
+/* A null vector has a line without points. Without paths each line is its last point. */
 static bool traces_list_arrays(struct server_query *query, struct proto_problem *problem)
 {
     struct trace_query *own = (struct trace_query *)query;

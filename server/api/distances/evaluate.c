@@ -1,5 +1,4 @@
-/* Evaluation: distances, nearest members, paths and gradients of points, from a field or to a
- * set. */
+/* Distances, nearest members, paths and gradients of points, from a field or to a set. */
 #include "server/query/handlers.h"
 
 #include <math.h>
@@ -74,8 +73,7 @@ static bool set_evaluation_decode(struct server_query *query, const json_t *docu
 
 /* --- the answer ------------------------------------------------------------------------------- */
 
-/* Replaces distances beyond the field's radius by NAN, or by INFINITY on components without a
- * seed. */
+/* Sets distances beyond the field's radius to NAN, or to INFINITY on components without a seed. */
 static enum gd_status distances_limit(struct evaluation *evaluation)
 {
     const struct gd_mesh *mesh = evaluation->query.surface->mesh;

@@ -27,8 +27,7 @@ static size_t trace_grant(const struct server_query *query, size_t bytes_an_edge
     return BYTES_A_TRACE + gd_mesh_summary(query->surface->mesh)->edges * bytes_an_edge;
 }
 
-/* Writes `count` points of a line. A closed line stores its points without the repeated last
- * one. */
+/* Writes `count` points of a line. A closed line does not store the repeated last one. */
 static enum gd_status points_write(struct server_query *query, const struct gd_point *points,
                                    uint32_t stored, uint32_t count,
                                    const struct gd_control *control)
@@ -125,8 +124,7 @@ static bool lines_admit(struct isolines_query *own, const struct gd_isoline *iso
         PROTO_ISOLINES_POINTS);
 }
 
-/* Stores the line for a file, or writes it; in the latter case the query holds its bytes only until
- * then. */
+/* Stores the line for a file, or writes it and gives its bytes back. */
 static enum gd_status line_flatten(struct isolines_query *own, const struct gd_isoline_line *line,
                                    const struct gd_control *control)
 {

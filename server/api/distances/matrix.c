@@ -166,8 +166,7 @@ static enum gd_status row_evaluate(const struct matrix_row *row, const struct gd
     return status;
 }
 
-/* Returns the request of a row's field. Its radius is slightly above the limit, so that distances
- * at the limit are final. */
+/* Returns the request of a row's field, to just above the limit: distances at it are final. */
 static struct gd_field_request row_request(const struct matrix_row *row, struct gd_seed *seed)
 {
     double limit = row->matrix->max_distance;
@@ -176,8 +175,7 @@ static struct gd_field_request row_request(const struct matrix_row *row, struct 
         .seeds = seed, .seed_count = 1, .radius = isfinite(limit) ? nextafter(limit, INFINITY) : 0};
 }
 
-/* Computes a row from a field that is dropped afterwards. Rows are alike, so the next row begins
- * with this row's grant. */
+/* Computes a row from a field, then drops it. The next row begins with this row's grant. */
 static enum gd_status row_from_field(const struct matrix_row *row, const struct gd_control *control)
 {
     struct gd_seed seed;

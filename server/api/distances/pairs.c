@@ -149,8 +149,7 @@ static uint64_t edge_count(const struct pair_query *pair)
     return gd_mesh_summary(pair->query.surface->mesh)->edges;
 }
 
-/* Enters the cache. BUILD: this query has a pending build. WAIT: it is parked; the caller must not
- * touch it. */
+/* Enters the cache. BUILD: this query has a build. WAIT: it is parked and must not be touched. */
 static enum server_cache_turn leg_enter(struct pair_query *pair)
 {
     const struct server_pair ends = leg_of(pair);
@@ -161,8 +160,7 @@ static enum server_cache_turn leg_enter(struct pair_query *pair)
     return turn == SERVER_CACHE_SEARCH ? field_enter(pair, ends.to) : turn;
 }
 
-/* Builds the field. If that fails, searches the leg, unless the query's own deadline or cancel
- * ended the build. */
+/* Builds the field. If that fails for another reason than the query's own end, searches the leg. */
 static enum server_query_turn leg_build(struct pair_query *pair, struct proto_problem *problem)
 {
     struct server_query *query = &pair->query;

@@ -1,5 +1,4 @@
-/* Points: the point of the surface that is nearest to a given one, the weighted mean of points, and
- * farthest points. */
+/* Points: the surface point nearest to a point, the weighted mean, and farthest points. */
 #include "server/query/handlers.h"
 
 #include <math.h>

@@ -216,8 +216,7 @@ static bool stream_start(struct batch *batch)
     return true;
 }
 
-/* Passes answers to the stream. True: the work has ended for now: the exchange is answered
- * (`is_done`) or parked. */
+/* Passes answers to the stream. True: the exchange is answered (`is_done`) or parked. */
 static bool stream_pass(struct batch *batch, bool *is_done)
 {
     size_t ready = batch_ready(batch);

@@ -87,8 +87,7 @@ static void reply_batch(struct server_exchange *exchange, unsigned status,
 
 /* --- create ----------------------------------------------------------------------------------- */
 
-/* All items of all-pairs use one version of the mesh: fixes the current version, and writes its
- * etag. */
+/* Fixes the version of the mesh that all items of all-pairs use, and writes its etag. */
 static bool fix_version(struct server_exchange *exchange, const struct proto_many *many,
                         char etag[SERVER_ETAG])
 {
@@ -107,8 +106,7 @@ static bool fix_version(struct server_exchange *exchange, const struct proto_man
     return false;
 }
 
-/* Checks the number of batches. Too many are a conflict, because only a DELETE makes room: waiting
- * would not help. */
+/* Checks the number of batches. Too many are a conflict: only a DELETE makes room, not waiting. */
 static bool check_room(struct server_exchange *exchange, struct server_store_sql *sql)
 {
     int64_t count;
@@ -172,8 +170,7 @@ static struct server_batch_wait wait_begin(const struct server_exchange *exchang
                                       .until_ns = server_request_wait_end(exchange, wait_s)};
 }
 
-/* Parks the exchange until the queue may have changed. Returns false if the exchange must be
- * answered now. */
+/* Parks the exchange until the queue may have changed. False: it must be answered now. */
 static bool wait_for_news(struct server_exchange *exchange, struct server_batch_wait *wait,
                           const struct server_batch *batch)
 {
@@ -211,8 +208,7 @@ void server_handle_list_batches(struct server_exchange *exchange)
     if (server_reply_accepts_json(exchange)) server_exchange_defer(exchange, list_batches, NULL);
 }
 
-/* Describes the batch. Returns false if the exchange is parked until the batch has ended or the
- * wait is over. */
+/* Describes the batch. False: the exchange is parked until the batch or the wait ends. */
 static bool describe_batch(struct server_exchange *exchange)
 {
     struct server_batch batch;
@@ -282,8 +278,7 @@ static bool on_answer(void *user, const struct server_sql_value *row)
     return true;
 }
 
-/* Replies with a page. In the order of answers there is a next page as long as more answers may
- * follow. */
+/* In the order of answers there is a next page as long as more answers may follow. */
 static void reply_answers(struct server_exchange *exchange, struct server_store_sql *sql,
                           struct answers *answers)
 {

@@ -1,5 +1,4 @@
-/* Meshes: their file and their boundaries, in addition to the operations of all surfaces
- * (surfaces.c). */
+/* Meshes: their file and boundaries, in addition to the operations of all surfaces (surfaces.c). */
 #include "server/query/handlers.h"
 
 #include <stdlib.h>
@@ -28,8 +27,7 @@ static bool content_read_format(struct server_exchange *exchange, enum gd_format
     return false;
 }
 
-/* Returns an upper bound of the bytes of polygons and text together: a double has at most 25
- * characters, an index 11. */
+/* Bounds the bytes of polygons and text: a double has at most 25 characters, an index 11. */
 static size_t content_cost(const struct gd_mesh *mesh)
 {
     const struct gd_mesh_summary *summary = gd_mesh_summary(mesh);

@@ -69,8 +69,7 @@ static bool generate_name(struct upload *upload, const char *sha256)
     return is_written;
 }
 
-/* Makes the record of the body. An upload that starts over (upload_confirm) replaces its old
- * record. */
+/* Makes the record of the body, also of an upload that starts over (upload_confirm). */
 static bool upload_identify(struct server_exchange *exchange, struct upload *upload)
 {
     const struct server_body *body = &exchange->body;

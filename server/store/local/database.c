@@ -119,8 +119,7 @@ static int sqlite_script(sqlite3 *connection, const char *text)
     return sqlite3_exec(connection, text, NULL, NULL, NULL);
 }
 
-/* Opens a connection, to write if the flags have SQLITE_OPEN_CREATE. The caller closes `*out` in
- * any case. */
+/* Opens a connection, to write if the flags have SQLITE_OPEN_CREATE. The caller closes `*out`. */
 static int sqlite_connect(const char *path, int flags, sqlite3 **out)
 {
     int code = sqlite3_open_v2(path, out, flags, NULL);
@@ -284,8 +283,7 @@ const char *server_database_error(struct server_database *database)
 
 /* --- statements ------------------------------------------------------------------------------- */
 
-/* Moves the log into the database. After a failure later writes are refused; earlier ones are
- * durable. */
+/* Moves the log into the database. A failure refuses later writes; earlier ones are durable. */
 static void database_checkpoint(struct server_database *database, int mode)
 {
     enum server_outcome outcome = server_sqlite_outcome(
@@ -424,8 +422,7 @@ static int batches_connect(struct batches *own)
     return code;
 }
 
-/* If the code means damage, replaces the database by a new one. Returns the code, or that of the
- * new one. */
+/* Replaces a damaged database by a new one. Returns the code, or that of the new one. */
 static int batches_judge(struct batches *own, int code)
 {
     char suffix[SERVER_DISK_ASIDE_SUFFIX];

@@ -1,4 +1,3 @@
-/* See local.h. */
 #include "server/store/local/local.h"
 
 #include <errno.h>

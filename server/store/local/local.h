@@ -89,8 +89,7 @@ void server_files_remove_object(const struct server_files *files, const char *ob
 
 /* --- manifests -------------------------------------------------------------------------------- */
 
-/* Reads a manifest, and the SHA-256 of its text. DAMAGED also if it is missing or has another
- * key. */
+/* Reads a manifest, and its text's SHA-256. DAMAGED also if it is missing or has another key. */
 enum server_record_reading server_files_read_manifest(const struct server_files *files,
                                                       const char *key, struct server_record **out,
                                                       char sha256[SERVER_SHA256_HEX]);
@@ -130,8 +129,7 @@ enum server_database_use {
 enum server_outcome server_database_open(const char *path, enum server_database_use use,
                                          struct server_database **out);
 
-/* Closes the database. `is_sound`: a checkpoint may move the log into the database. NULL is
- * harmless. */
+/* Closes the database (NULL: nothing). `is_sound`: a checkpoint may move the log into it. */
 void server_database_close(struct server_database *database, bool is_sound);
 
 /* The columns of a row. The record is not checked yet. */

@@ -322,8 +322,7 @@ static void recovery_note(struct recovery *recovery, enum server_record_reading 
     recovery->no_memory |= reading == SERVER_RECORD_NO_MEMORY;
 }
 
-/* Adds a finding: compares a row (without a record: there is no row) with its manifest. False: out
- * of memory. */
+/* Compares a row (without a record: there is none) with its manifest. False: out of memory. */
 static bool finding_add(void *user, const struct server_sql_value *row)
 {
     struct recovery *recovery = user;

@@ -1,4 +1,3 @@
-/* See connection.h. */
 #include "server/store/postgres/connection.h"
 
 #include <endian.h>

@@ -18,8 +18,7 @@
  * server_pg_pool_take, which the store's follower calls, still connects, and so detects that the
  * database is back.
  *
- * Thread-safe, but never called by HTTP threads, since calls block. Messages of libpq don't contain
- * the password. */
+ * Thread-safe, but calls block, so never in HTTP threads. Messages of libpq omit the password. */
 #ifndef SERVER_STORE_POSTGRES_CONNECTION_H
 #define SERVER_STORE_POSTGRES_CONNECTION_H
 
@@ -30,14 +29,12 @@
 struct server_pg_pool;
 struct server_pg;
 
-/* Copies the address ("postgresql://user@host/database?…"). Does not connect yet. NULL: out of
- * memory. */
+/* Copies the address ("postgresql://user@host/database?…"). Connects later. NULL: out of memory. */
 struct server_pg_pool *server_pg_pool_create(const char *url);
 /* Call it after all connections were given back. NULL is harmless. */
 void server_pg_pool_destroy(struct server_pg_pool *pool);
 
-/* Takes an idle connection or opens one, even if the database is away. UNAVAILABLE, NO_MEMORY, with
- * a message. */
+/* Takes an idle connection or opens one, even if the database is away. Errors have a message. */
 enum server_outcome server_pg_pool_take(struct server_pg_pool *pool, struct server_pg **out,
                                         char error[SERVER_PG_ERROR]);
 /* Gives a connection back. Closes it if it is lost. */
@@ -65,19 +62,17 @@ struct server_pg_attempt {
 
 /* The loop sets the outcome: DONE commits the transaction, STALE retries it, and PRECONDITION ends
  * it because another daemon made a change. UNAVAILABLE at the end: nothing changed, or that is
- * unknown for now. */
+ * unknown. */
 struct server_pg_attempt server_pg_transaction(struct server_pg_pool *pool);
 
 /* Attempts without a transaction, repeated if the connection is lost, for `patience_ns` at most,
  * which is also the deadline of each statement. */
 struct server_pg_attempt server_pg_reading(struct server_pg_pool *pool, uint64_t patience_ns);
 
-/* Ends an attempt and begins the next. False: the transaction has succeeded or failed. The loop
- * must not end earlier. */
+/* Ends an attempt and begins the next. False: the end of the loop, which must not end earlier. */
 bool server_pg_next(struct server_pg_attempt *attempt);
 
-/* Blocks for `ns`, or until a notification on a channel that the connection listens to. False: the
- * connection is lost. */
+/* Blocks for `ns`, or until a notification that the connection listens to. False: it is lost. */
 bool server_pg_await(struct server_pg *pg, uint64_t ns);
 
 /* --- objects: files and attachments (record.h) as rows of a MiB each -------------------------- */

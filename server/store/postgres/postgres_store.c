@@ -237,8 +237,7 @@ static enum server_outcome read_clock(struct server_pg *pg, struct server_sql_in
                                         server_sql_on_integers, clock));
 }
 
-/* Visits changes. After a lost connection it continues with the change after the last visited
- * one. */
+/* Visits changes. After a lost connection it continues behind the last visited one. */
 static enum server_outcome visit_changes(struct server_pg *pg, struct page *page)
 {
     struct server_sql_integers clock = {0};
@@ -370,8 +369,7 @@ static void shared_close(struct server_store *store)
     free(own);
 }
 
-/* Connects and makes the tables; retries for START_NS unless the database refuses. False with a
- * sentence. */
+/* Connects and makes the tables; retries for START_NS unless refused. False with a sentence. */
 static bool postgres_prepare(struct server_pg_pool *pool, char error[SERVER_ERROR])
 {
     struct server_pg *pg;

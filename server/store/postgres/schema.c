@@ -53,8 +53,7 @@ static const char *const steps[] = {
 };
 #define STEPS ((int64_t)(sizeof steps / sizeof *steps))
 
-/* Creates the schema unless it exists. CREATE … IF NOT EXISTS would need the right to create one
- * even if it exists. */
+/* Creates the schema unless it exists. CREATE … IF NOT EXISTS always needs the right to create. */
 static enum server_outcome schema_make(struct server_pg *pg)
 {
     struct server_sql_integers is_there = {0};
