@@ -214,18 +214,15 @@ static bool create_surfaces(struct server *server, char error[SERVER_ERROR])
     struct server_store *store = open_store(config, error);
     if (store) api->registry = server_registry_create(store, &server->budget);
     if (!api->registry || !open_field_store(server, error)) return false;
-    const struct server_landmarks_parts landmarks = {.workers = server->host.workers,
-                                                     .workspaces = server->host.workspaces,
-                                                     .metrics = server->host.metrics,
-                                                     .registry = api->registry,
-                                                     .field_store = server->field_store,
-                                                     .count = (uint32_t)config->landmarks};
-    if (config->landmarks && !(api->landmarks = server_landmarks_create(&landmarks))) return false;
-    api->previews = server_previews_create(
-        &(struct server_previews_parts){.workers = server->host.workers,
-                                        .workspaces = server->host.workspaces,
-                                        .registry = api->registry,
-                                        .field_store = server->field_store});
+    const struct server_background_parts parts = {.workers = server->host.workers,
+                                                  .workspaces = server->host.workspaces,
+                                                  .registry = api->registry,
+                                                  .field_store = server->field_store};
+    if (config->landmarks)
+        api->landmarks =
+            server_landmarks_create(&parts, server->host.metrics, (uint32_t)config->landmarks);
+    if (config->landmarks && !api->landmarks) return false;
+    api->previews = server_previews_create(&parts);
     api->packed_files = server_packed_files_create(&server->budget);
     if (!api->previews || !api->packed_files) return false;
     api->loader = server_loader_create(&(struct server_loader_parts){

@@ -6,39 +6,27 @@
  *
  * DESIGN. A surface has a *slot* with a place for each level. The first request that finds a level
  * missing builds it. Other requests wait in their workers and check their deadlines every few
- * milliseconds; if the builder fails, one of them becomes the builder. A cached mesh counts as
- * SERVER_BUDGET_DISCRETIZATIONS until the last request that uses it has ended. When memory is
- * short, the least recently used are evicted first, before any mesh: a rebuild takes less than a
- * second.
- *
- * One mutex guards slots and their order. All functions are thread-safe. */
+ * milliseconds; if the builder fails, one of them becomes the builder. Built meshes are kept in a
+ * list (lru.h), and evicted before any mesh of a client: a rebuild takes less than a second. All
+ * functions are thread-safe. */
 #ifndef SERVER_FIELDS_DISCRETIZATIONS_H
 #define SERVER_FIELDS_DISCRETIZATIONS_H
 
-#include <stdatomic.h>
-#include <stdbool.h>
-#include <stdint.h>
-#include <sys/queue.h>
-
 #include "gd/limit_mesh.h"
+#include "server/fields/lru.h"
 #include "server/work/budgeted_call.h"
 
 struct server_discretizations;
 
 struct server_discretization {
-    atomic_uint references;
+    struct server_lru_item item; /* first */
     struct gd_limit_mesh *mesh;
-    struct server_budget *budget;
-    size_t bytes;
-    /* under the owner's lock, while it is kept: */
-    struct server_discretization_slot *slot;
-    TAILQ_ENTRY(server_discretization) by_use;
 };
 
 struct server_discretization_slot {                 /* slot of one surface; all zero: empty */
     _Atomic(struct server_discretizations *) owner; /* NULL: never used by a request */
     /* under the owner's lock: */
-    struct server_discretization *levels[GD_LIMIT_LEVEL_MOST + 1]; /* NULL: not kept */
+    struct server_lru_item *levels[GD_LIMIT_LEVEL_MOST + 1]; /* NULL: not kept */
     bool is_building[GD_LIMIT_LEVEL_MOST + 1];
 };
 

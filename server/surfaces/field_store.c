@@ -263,7 +263,6 @@ static void surface_save(struct saving *saving, const struct server_surface *sur
     free(pinned);
 }
 
-/* Deletes the files of fields that are no longer cached. */
 static void surface_sweep(const struct saving *saving, const struct server_surface *surface)
 {
     const struct folder folder = folder_of(saving->store, surface->record);

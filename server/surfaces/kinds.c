@@ -83,7 +83,6 @@ static enum gd_status build_read(struct build *build, step *run, size_t cost, do
     return status;
 }
 
-/* Allocates an object, all zero. */
 static enum gd_status object_create(struct build *build, size_t size)
 {
     enum gd_status status = server_build_take(build->builder, size);

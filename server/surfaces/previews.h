@@ -3,54 +3,29 @@
  *     status = server_previews_find(previews, surface, faces, &preview, &progress);
  *     if (!status && preview) ... server_preview_release(preview);
  *
- * DESIGN. A surface has a *slot* for one preview. A request that finds no preview with its number
- * of faces queues the slot. A thread then reads the preview from the field store, or makes and
- * stores it. Until then requests get the progress. A preview with another number of faces replaces
- * the cached preview.
- *
- * Memory: the thread uses only free memory. A preview counts as SERVER_BUDGET_PREVIEWS until the
- * last request that uses it has ended. When memory is short, the current build ends, and previews
- * are evicted, the least recently used first. One request gets the failure of a build; the next one
- * queues the slot again.
- *
- * Time: the thread has the priority of a worker with a long job (thread_priority.h). While all
- * workers are busy, it sleeps ten times as long as it computes.
- *
- * One mutex guards slots and their order. All functions are thread-safe. */
+ * A thread (background.h) makes the preview of a surface after the first request: it reads it from
+ * the field store, or thins the mesh and stores the result. Until then requests get the progress. A
+ * preview with another number of faces replaces the cached preview. One request gets the failure of
+ * a build; the next one queues the slot again. All functions are thread-safe. */
 #ifndef SERVER_SURFACES_PREVIEWS_H
 #define SERVER_SURFACES_PREVIEWS_H
 
 #include "gd/polygons.h"
-#include "server/surfaces/surface.h"
-#include "server/work/budgeted_call.h"
-
-struct server_field_store;
-struct server_registry;
-struct server_workers;
+#include "server/surfaces/background.h"
 
 #define SERVER_PREVIEW_FACES 100000 /* default number of faces */
 /* from so many faces on, a mesh's preview is made without a request */
 #define SERVER_PREVIEW_FROM 300000
 
 struct server_preview {
-    atomic_uint references;
-    uint32_t wanted;         /* faces; the preview may have slightly more */
-    double largest_distance; /* from the mesh, in its unit */
+    struct server_lru_item item; /* first */
+    uint32_t wanted;             /* faces; the preview may have slightly more */
+    double largest_distance;     /* from the mesh, in its unit */
     struct gd_polygons polygons;
-    struct server_budget *budget;
-    size_t bytes;
 };
 
-struct server_previews_parts { /* all borrowed */
-    struct server_workers *workers;
-    struct server_workspaces *workspaces;
-    struct server_registry *registry;
-    struct server_field_store *field_store; /* NULL: previews are not stored */
-};
-
-/* Becomes a reclaimer of the workspaces' budget and starts the thread. NULL: no memory or
- * thread. */
-struct server_previews *server_previews_create(const struct server_previews_parts *parts);
+/* Starts the thread. NULL: no memory or thread. */
+struct server_previews *server_previews_create(const struct server_background_parts *parts);
 
 /* Stops the thread, after the last request. NULL is harmless. */
 void server_previews_stop(struct server_previews *previews);

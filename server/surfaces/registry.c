@@ -111,7 +111,6 @@ static struct slot *slot_create(struct server_record *record, struct server_surf
     return slot;
 }
 
-/* Frees a slot; NULL is harmless. */
 static void slot_free(struct slot *slot)
 {
     if (slot) server_listed_release(&slot->now);

@@ -73,7 +73,6 @@ static void scrub_surface(struct server_scrub *scrub, const struct server_record
                  scrub->position < count ? (double)scrub->position / (double)count : 1);
 }
 
-/* Reads all stored files once. */
 static void scrub_round(struct server_scrub *scrub)
 {
     uint64_t begun_ns = gd_now_ns();

@@ -1,6 +1,5 @@
 #include "server/surfaces/surface.h"
 
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -22,7 +21,9 @@ struct server_surface *server_surface_create(struct server_record *record, void 
                                        .object = object,
                                        .bytes = bytes,
                                        .budget = budget,
-                                       .fields = fields};
+                                       .fields = fields,
+                                       .landmarks.base.surface = surface,
+                                       .preview.base.surface = surface};
     server_budget_move(budget, SERVER_BUDGET_FLIGHT, SERVER_BUDGET_MESHES, bytes);
     return surface;
 }
@@ -41,15 +42,13 @@ struct server_surface *server_surface_retain(struct server_surface *surface)
     return surface;
 }
 
-struct server_surface *server_surface_of_slot(struct server_landmark_slot *slot)
+bool server_surface_retain_alive(struct server_surface *surface)
 {
-    struct server_surface *surface =
-        (struct server_surface *)((char *)slot - offsetof(struct server_surface, landmarks));
     unsigned references = atomic_load(&surface->references);
     while (references)
         if (atomic_compare_exchange_weak(&surface->references, &references, references + 1))
-            return surface;
-    return NULL;
+            return true;
+    return false;
 }
 
 void server_surface_release(struct server_surface *surface)
@@ -67,8 +66,8 @@ void server_surface_release(struct server_surface *surface)
 void server_surface_retire(struct server_surface *surface)
 {
     server_mesh_cache_close(surface->fields);
-    server_landmark_slot_close(&surface->landmarks);
-    server_preview_slot_close(&surface->preview);
+    server_background_slot_close(&surface->landmarks.base);
+    server_background_slot_close(&surface->preview.base);
 }
 
 /* Sets the problem that the budget lacks memory for the surface. Returns GD_BUDGET. */

@@ -6,53 +6,42 @@
 #ifndef SERVER_SURFACES_SURFACE_H
 #define SERVER_SURFACES_SURFACE_H
 
-#include <stdatomic.h>
-#include <stdbool.h>
-#include <stdint.h>
-#include <sys/queue.h>
-
-#include "gd/control.h"
 #include "gd/mesh.h"
 #include "server/fields/cache.h"
+#include "server/fields/lru.h"
 #include "server/store/record.h"
 
-struct server_landmarks;
-struct server_landmark_set;
-struct server_preview;
-struct server_previews;
+struct server_background;
 
-struct server_landmark_slot {                 /* see landmarks.h; all zero is empty */
-    _Atomic(struct server_landmarks *) owner; /* NULL: never used by a search */
+#define SERVER_BACKGROUND_DONE 1000000 /* the progress of a build that has ended */
+
+struct server_background_slot {                /* see background.h; all zero but `surface`: empty */
+    struct server_surface *surface;            /* that contains the slot */
+    _Atomic(struct server_background *) owner; /* NULL: never used by a request */
     atomic_bool is_closed;
+    atomic_uint progress; /* progress of the build, up to SERVER_BACKGROUND_DONE */
     /* under the owner's lock: */
-    struct server_landmark_set *set;          /* NULL: empty */
-    TAILQ_ENTRY(server_landmark_slot) by_use; /* while there is a set */
-    bool is_coming;                           /* its set waits to be built, or is being built */
-    LIST_ENTRY(server_landmark_slot) waiting; /* until the build begins */
-    uint64_t cost_ns;                         /* cost of the last build */
-    uint64_t not_before_ns;                   /* the earliest begin of the next one */
+    struct server_lru_item *item;               /* NULL: empty */
+    bool is_coming;                             /* queued, or being built */
+    LIST_ENTRY(server_background_slot) waiting; /* until the build begins */
 };
 
 /* Empties the slot permanently. May be called again. */
-void server_landmark_slot_close(struct server_landmark_slot *slot);
+void server_background_slot_close(struct server_background_slot *slot);
 
-#define SERVER_PREVIEW_DONE 1000000 /* the progress of a build that has ended */
-
-struct server_preview_slot {                 /* see previews.h; all zero is empty */
-    _Atomic(struct server_previews *) owner; /* NULL: never used by a request */
-    atomic_bool is_closed;
-    atomic_uint progress; /* progress of the build, up to SERVER_PREVIEW_DONE */
+struct server_landmark_slot { /* see landmarks.h */
+    struct server_background_slot base;
     /* under the owner's lock: */
-    struct server_preview *preview;          /* NULL: empty */
-    TAILQ_ENTRY(server_preview_slot) by_use; /* while there is a preview */
-    struct server_surface *coming; /* retained while a preview is wanted or made; or NULL */
-    uint32_t wanted;               /* faces of that preview */
-    LIST_ENTRY(server_preview_slot) waiting; /* until the build begins */
+    uint64_t cost_ns;       /* cost of the last build */
+    uint64_t not_before_ns; /* the earliest begin of the next one */
+};
+
+struct server_preview_slot { /* see previews.h */
+    struct server_background_slot base;
+    /* under the owner's lock: */
+    uint32_t wanted;        /* faces of the preview that is coming */
     enum gd_status failure; /* failure of the last build; cleared when a request gets it */
 };
-
-/* Empties the slot permanently. May be called again. */
-void server_preview_slot_close(struct server_preview_slot *slot);
 
 struct server_surface {
     atomic_uint references;
@@ -83,9 +72,9 @@ void server_surface_attach(struct server_surface *surface, void *attachment);
 struct server_surface *server_surface_retain(struct server_surface *surface);
 void server_surface_release(struct server_surface *surface); /* NULL is harmless */
 
-/* Retains the surface of a slot; NULL: it is being freed. Call it before server_landmark_slot_close
- * returns. */
-struct server_surface *server_surface_of_slot(struct server_landmark_slot *slot);
+/* Retains a surface whose references may have ended; false: it is being freed. Call it before
+ * server_background_slot_close returns. */
+bool server_surface_retain_alive(struct server_surface *surface);
 
 /* Drops the surface's fields and landmarks permanently, when it leaves the registry. */
 void server_surface_retire(struct server_surface *surface);

@@ -93,11 +93,11 @@ static void a_level_is_kept_and_found_again(void **state)
     assert_ptr_equal(first, second);
     assert_int_equal(get(0, 2, &other), GD_OK);
     assert_int_equal(gd_limit_mesh_level(other->mesh), 2);
-    assert_int_equal(counted(), first->bytes + other->bytes);
+    assert_int_equal(counted(), first->item.bytes + other->item.bytes);
     server_discretization_release(first);
     server_discretization_release(other);
     server_discretization_slot_close(&slots[0]);
-    assert_int_equal(counted(), second->bytes); /* still in use */
+    assert_int_equal(counted(), second->item.bytes); /* still in use */
     server_discretization_release(second);
     assert_int_equal(counted(), 0);
 }
@@ -120,7 +120,7 @@ static void concurrent_requests_share_one_build(void **state)
         assert_ptr_equal(result, &found[i]);
         assert_ptr_equal(found[i], found[0]);
     }
-    assert_int_equal(counted(), found[0]->bytes);
+    assert_int_equal(counted(), found[0]->item.bytes);
     for (size_t i = 0; i < 4; i++) server_discretization_release(found[i]);
 }
 

@@ -47,13 +47,11 @@ static struct server_surface *put_sphere(uint32_t level)
 
 static struct server_landmarks *create_landmarks(uint32_t count)
 {
-    return server_landmarks_create(
-        &(struct server_landmarks_parts){.workers = server.host.workers,
-                                         .workspaces = server.host.workspaces,
-                                         .metrics = server.host.metrics,
-                                         .registry = server.api.registry,
-                                         .field_store = server.field_store,
-                                         .count = count});
+    const struct server_background_parts parts = {.workers = server.host.workers,
+                                                  .workspaces = server.host.workspaces,
+                                                  .registry = server.api.registry,
+                                                  .field_store = server.field_store};
+    return server_landmarks_create(&parts, server.host.metrics, count);
 }
 
 static int set_up(void **state)
@@ -308,7 +306,7 @@ static void stored_landmarks_are_read(void **state)
     reload_with_file();
     struct server_landmark_set *set = await(surface);
     assert_int_equal(gd_landmarks_count(set->landmarks), 3);
-    assert_int_equal(counted(SERVER_BUDGET_LANDMARKS), set->bytes);
+    assert_int_equal(counted(SERVER_BUDGET_LANDMARKS), set->item.bytes);
     server_landmark_set_release(set);
     assert_statistics(1, 1, 0);
 }

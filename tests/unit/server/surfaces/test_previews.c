@@ -50,11 +50,11 @@ static int set_up(void **state)
     folder_make(folder);
     server.field_store = server_field_store_open(folder, &server.budget);
     server_field_store_follow(server.field_store, server.api.registry);
-    server.api.previews =
-        server_previews_create(&(struct server_previews_parts){.workers = server.host.workers,
-                                                               .workspaces = server.host.workspaces,
-                                                               .registry = server.api.registry,
-                                                               .field_store = server.field_store});
+    server.api.previews = server_previews_create(
+        &(struct server_background_parts){.workers = server.host.workers,
+                                          .workspaces = server.host.workspaces,
+                                          .registry = server.api.registry,
+                                          .field_store = server.field_store});
     surface = put_sphere(4);
     return 0;
 }
@@ -121,10 +121,10 @@ static void it_comes_in_the_background_and_is_counted(void **state)
     assert_ptr_equal(preview, again);
     assert_int_equal(preview->polygons.polygon_count, FACES);
     assert_true(preview->largest_distance > 0 && preview->largest_distance < 0.2);
-    assert_int_equal(counted(SERVER_BUDGET_PREVIEWS), preview->bytes);
+    assert_int_equal(counted(SERVER_BUDGET_PREVIEWS), preview->item.bytes);
     server_preview_release(again);
     server_surface_retire(surface);
-    assert_int_equal(counted(SERVER_BUDGET_PREVIEWS), preview->bytes);
+    assert_int_equal(counted(SERVER_BUDGET_PREVIEWS), preview->item.bytes);
     server_preview_release(preview); /* the last user of the evicted preview */
     assert_int_equal(counted(SERVER_BUDGET_PREVIEWS), 0);
 }
@@ -136,7 +136,7 @@ static void another_number_of_faces_replaces_it(void **state)
     struct server_preview *preview = made(2 * FACES);
     assert_int_equal(preview->polygons.polygon_count, 2 * FACES);
     wait_for_background(); /* which may still hold the replaced one */
-    assert_int_equal(counted(SERVER_BUDGET_PREVIEWS), preview->bytes);
+    assert_int_equal(counted(SERVER_BUDGET_PREVIEWS), preview->item.bytes);
     server_preview_release(preview);
 }
 
@@ -174,7 +174,7 @@ static void small_meshes_do_without(void **state)
 {
     (void)state;
     server_previews_expect(server.api.previews, surface);
-    assert_null(surface->preview.coming);
+    assert_false(surface->preview.base.is_coming);
     assert_false(server_previews_are_building(server.api.previews));
     assert_false(server_previews_are_building(NULL));
     server_previews_stop(NULL);

@@ -1,0 +1,55 @@
+/* LRU: results that can be computed again, kept while memory lasts; the least recently used are
+ * evicted first.
+ *
+ * DESIGN. An item is the first member of a result's own struct. It is reference-counted, and the
+ * budget counts it in the list's class until the last release. A *place* is the owner's pointer to
+ * an item in the list; its eviction empties the place. One mutex guards list and places, and what
+ * else the owner likes. Items are freed without it. Reclaiming locks it, so nothing is taken from
+ * the budget while it is held. */
+#ifndef SERVER_FIELDS_LRU_H
+#define SERVER_FIELDS_LRU_H
+
+#include <pthread.h>
+#include <sys/queue.h>
+
+#include "server/work/budget.h"
+
+struct server_lru;
+
+struct server_lru_item {
+    atomic_uint references;
+    struct server_lru *lru;
+    size_t bytes;
+    /* under the lock, while it is in the list: */
+    struct server_lru_item **place;
+    TAILQ_ENTRY(server_lru_item) by_use;
+};
+
+struct server_lru { /* the first members are set by the owner */
+    struct server_budget *budget;
+    enum server_budget_class class;
+    enum server_reclaim_turn turn;
+    void (*free)(struct server_lru_item *item);
+    /* called under the lock after an eviction; or NULL */
+    void (*evicted)(struct server_lru *lru, struct server_lru_item **place);
+    pthread_mutex_t lock;
+    TAILQ_HEAD(, server_lru_item) by_use; /* the least recently used first */
+    atomic_uint pressures;                /* how often memory was short */
+};
+
+/* Becomes a reclaimer of the budget, until the end. All places must be empty then. */
+void server_lru_begin(struct server_lru *lru);
+void server_lru_end(struct server_lru *lru);
+
+/* Begins an item with one reference; moves its bytes from SERVER_BUDGET_FLIGHT to the class. */
+void server_lru_adopt(struct server_lru *lru, struct server_lru_item *item, size_t bytes);
+void server_lru_release(struct server_lru_item *item); /* NULL is harmless */
+
+/* Under the lock. put moves the caller's reference to an empty place. get returns a reference of
+ * the item, which counts as used; take empties the place and returns its reference, to be released
+ * without the lock. NULL: the place is empty. */
+void server_lru_put(struct server_lru_item **place, struct server_lru_item *item);
+struct server_lru_item *server_lru_get(struct server_lru_item **place);
+struct server_lru_item *server_lru_take(struct server_lru_item **place);
+
+#endif
