@@ -62,14 +62,15 @@ static const char *query_split(struct server_exchange *exchange, char *query)
         rest = strchr(part, '&');
         if (rest) *rest++ = '\0';
         if (!*part) continue;
-        if (exchange->parameter_count == SERVER_EXCHANGE_PARAMETERS)
+        if (exchange->parameters.count == SERVER_EXCHANGE_PARAMETERS)
             return "the query string has too many parameters";
         char *equals = strchr(part, '=');
         if (equals) *equals = '\0';
         char *value = equals ? equals + 1 : part + strlen(part);
         if (has_escapes && (!percent_decode(part) || !percent_decode(value)))
             return "the query string has a broken percent escape";
-        exchange->parameters[exchange->parameter_count++] = (struct proto_parameter){part, value};
+        exchange->parameter_list[exchange->parameters.count++] =
+            (struct proto_parameter){part, value};
     }
     return NULL;
 }
@@ -173,6 +174,7 @@ static void exchange_clear(struct server_exchange *exchange, struct server_host 
     exchange->host = host;
     exchange->transport = transport;
     exchange->tenant = "";
+    exchange->parameters.all = exchange->parameter_list;
     exchange->started_ns = gd_now_ns();
     exchange->job.run = server_exchange_job_run;
     exchange->job.refuse = server_exchange_job_refuse;
@@ -239,10 +241,11 @@ static void target_pass(struct server_exchange *from, struct server_exchange *to
     to->path = from->path;
     to->match = from->match;
     to->deprecation = from->deprecation;
-    to->parameter_count = from->parameter_count;
-    memcpy(to->parameters, from->parameters, from->parameter_count * sizeof *from->parameters);
+    to->parameters.count = from->parameters.count;
+    memcpy(to->parameter_list, from->parameter_list,
+           from->parameters.count * sizeof *from->parameter_list);
     from->path = from->target = path;
-    from->parameter_count = from->match.capture_count = 0;
+    from->parameters.count = from->match.capture_count = 0;
 }
 
 struct server_exchange *server_exchange_detach(struct server_exchange *exchange,
@@ -341,11 +344,6 @@ bool server_exchange_is(const struct server_exchange *exchange, const char *meth
     return strcmp(exchange->method, method) == 0;
 }
 
-struct proto_parameters server_exchange_parameters(const struct server_exchange *exchange)
-{
-    return (struct proto_parameters){exchange->parameters, exchange->parameter_count};
-}
-
 /* --- former names --------------------------------------------------------------------------- */
 
 static bool parameter_rename(struct server_exchange *exchange,
@@ -353,17 +351,16 @@ static bool parameter_rename(struct server_exchange *exchange,
                              struct proto_problem *problem)
 {
     const char *former = deprecation->name, *name = deprecation->replacement;
-    const struct proto_parameters parameters = server_exchange_parameters(exchange);
     struct proto_parameter *found = NULL;
-    for (uint32_t i = 0; i < exchange->parameter_count; i++) {
-        if (strcmp(exchange->parameters[i].name, former) != 0) continue;
+    for (uint32_t i = 0; i < exchange->parameters.count; i++) {
+        if (strcmp(exchange->parameter_list[i].name, former) != 0) continue;
         exchange->deprecation = deprecation;
         if (found)
             return proto_problem_refuse(problem, former,
                                         "the parameter \"%s\" stands more than once", former);
-        found = &exchange->parameters[i];
+        found = &exchange->parameter_list[i];
     }
-    if (found && proto_parameters_get(&parameters, name))
+    if (found && proto_parameters_get(&exchange->parameters, name))
         return proto_problem_refuse(problem, former,
                                     "\"%s\" is the former name of \"%s\"; send only \"%s\"", former,
                                     name, name);
@@ -376,7 +373,7 @@ bool server_exchange_rename(struct server_exchange *exchange, struct proto_probl
     const struct proto_route *route = exchange->match.route;
     const struct proto_deprecation *each = route->deprecated_parameters;
     exchange->deprecation = route->deprecation;
-    for (; each && each->name && exchange->parameter_count; each++)
+    for (; each && each->name && exchange->parameters.count; each++)
         if (!parameter_rename(exchange, each, problem)) return false;
     return true;
 }
@@ -386,8 +383,8 @@ const char *server_exchange_sent_name(const struct server_exchange *exchange, co
     const struct proto_route *route = exchange->match.route;
     const struct proto_deprecation *each = route ? route->deprecated_parameters : NULL;
     for (; each && each->name && exchange->deprecation; each++)
-        for (uint32_t i = 0; i < exchange->parameter_count; i++)
-            if (exchange->parameters[i].name == each->replacement && /* the pointer: renamed */
+        for (uint32_t i = 0; i < exchange->parameters.count; i++)
+            if (exchange->parameter_list[i].name == each->replacement && /* the pointer: renamed */
                 strcmp(parameter, each->replacement) == 0)
                 return each->name;
     return parameter;

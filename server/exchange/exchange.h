@@ -20,6 +20,7 @@
 #include "gd/control.h"
 #include "proto/http/options.h"
 #include "proto/http/route.h"
+#include "proto/values/mesh.h"
 #include "server/access/access.h"
 #include "server/work/budget.h"
 #include "server/work/workers.h"
@@ -161,8 +162,9 @@ struct server_exchange {
     bool has_conditions; /* a header If-Match, If-None-Match or another If-… exists */
     char *target;        /* storage of path and parameters, which are decoded in place */
     size_t target_size;
-    const char *path; /* never NULL */
-    uint32_t parameter_count, header_count;
+    const char *path;                   /* never NULL */
+    struct proto_parameters parameters; /* the decoded query string, in `parameter_list` */
+    uint32_t header_count;
     char *copies;      /* copies of method and headers; NULL: the transport owns them */
     const char *fault; /* sentence why the request is malformed; NULL: it is well-formed */
     struct proto_route_match match; /* route NULL: none found */
@@ -189,8 +191,9 @@ struct server_exchange {
 
     /* These and the response's headers are not initialized, except for counted elements: clearing
      * them takes longer than the rest of a short request. */
-    struct proto_parameter parameters[SERVER_EXCHANGE_PARAMETERS];
+    struct proto_parameter parameter_list[SERVER_EXCHANGE_PARAMETERS];
     struct server_request_header headers[SERVER_EXCHANGE_HEADERS];
+    char name[PROTO_MESH_NAME + 1]; /* of server_request_key */
 };
 
 /* --- for the transport (http.c) and the router ------------------------------------------------ */
@@ -258,9 +261,6 @@ uint32_t server_exchange_count_headers(const struct server_exchange *exchange, c
 
 /* Returns whether a Prefer header (RFC 7240) lists `preference`, in any case, without a value. */
 bool server_exchange_prefers(const struct server_exchange *exchange, const char *preference);
-
-/* Returns the decoded query string, borrowed from the exchange. */
-struct proto_parameters server_exchange_parameters(const struct server_exchange *exchange);
 
 /* Adds the members that all log lines about answered exchanges have. */
 void server_exchange_log(const struct server_exchange *exchange, struct server_log_line *line,

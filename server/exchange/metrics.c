@@ -133,7 +133,6 @@ void server_metrics_write_head(struct proto_writer *writer, const char *name, co
 
 enum { LABELS = 160 };
 
-/* Writes the labels of a row's route. */
 static void row_labels(const struct server_metrics *metrics, size_t row, char out[LABELS])
 {
     static const char *const methods[] = {[PROTO_METHOD_GET] = "GET",

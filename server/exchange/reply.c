@@ -89,19 +89,6 @@ static bool answer_hold(struct server_exchange *exchange, size_t size,
     return proto_writer_check(&counting, problem);
 }
 
-void *server_reply_allocate(struct server_exchange *exchange, size_t size)
-{
-    struct proto_problem problem;
-    if (answer_hold(exchange, size, &problem)) {
-        void *bytes = malloc(size ? size : 1);
-        if (bytes) return bytes;
-        server_exchange_drop_body(exchange);
-        (void)proto_problem_from_status(&problem, GD_NO_MEMORY, NULL);
-    }
-    server_reply_problem(exchange, &problem);
-    return NULL;
-}
-
 void server_reply_bytes(struct server_exchange *exchange, unsigned status, const char *media_type,
                         void *bytes, size_t size)
 {
@@ -189,6 +176,13 @@ void server_reply_problem(struct server_exchange *exchange, const struct proto_p
     if (problem->retry_after)
         server_reply_header(exchange, "Retry-After", "%u", problem->retry_after);
     response_set(exchange, problem->status, PROBLEM_JSON, text, size)->owned = text;
+}
+
+bool server_reply_check(struct server_exchange *exchange, bool is_well,
+                        const struct proto_problem *problem)
+{
+    if (!is_well) server_reply_problem(exchange, problem);
+    return is_well;
 }
 
 void server_reply_refusal(struct server_exchange *exchange, enum proto_problem_code code,
@@ -349,15 +343,6 @@ static void origin_allow(struct server_exchange *exchange)
     header_add(response, "Access-Control-Expose-Headers", EXPOSED_HEADERS);
 }
 
-/* Adds headers if the request uses a former name. */
-static void deprecation_mark(struct server_exchange *exchange)
-{
-    if (!exchange->deprecation) return;
-    server_reply_header(exchange, "Deprecation", "@%lld", (long long)exchange->deprecation->since);
-    server_reply_header(exchange, "Link", "<%s>; rel=\"deprecation\"; type=\"text/html\"",
-                        exchange->match.route->documentation);
-}
-
 /* --frame-ancestors replaces the 'none' of pages, never that of data. */
 static void policy_add(struct server_exchange *exchange)
 {
@@ -384,7 +369,12 @@ void server_reply_seal(struct server_exchange *exchange)
         tag_name_packed(tag);
     if (response->media_type) header_add(response, "Content-Type", response->media_type);
     origin_allow(exchange);
-    deprecation_mark(exchange);
+    if (exchange->deprecation) {
+        server_reply_header(exchange, "Deprecation", "@%lld",
+                            (long long)exchange->deprecation->since);
+        server_reply_header(exchange, "Link", "<%s>; rel=\"deprecation\"; type=\"text/html\"",
+                            exchange->match.route->documentation);
+    }
     header_add(response, "X-Request-Id", exchange->request_id);
     header_add(response, "X-Content-Type-Options", "nosniff");
     policy_add(exchange);

@@ -24,9 +24,6 @@ void server_reply_json(struct server_exchange *exchange, unsigned status,
 void server_reply_text(struct server_exchange *exchange, unsigned status, const char *media_type,
                        struct proto_writer *writer);
 
-/* Allocates an answer of `size` bytes for server_reply_bytes. NULL: a problem is replied. */
-void *server_reply_allocate(struct server_exchange *exchange, size_t size);
-
 /* Replies with bytes from malloc and takes them over. The answer takes over the budget bytes that
  * the exchange holds, and takes the missing ones. If there are too many bytes, frees them and
  * replies with a problem. */
@@ -51,6 +48,10 @@ void server_reply_lent(struct server_exchange *exchange, unsigned status, const 
 
 void server_reply_empty(struct server_exchange *exchange, unsigned status);
 void server_reply_problem(struct server_exchange *exchange, const struct proto_problem *problem);
+
+/* Replies with the problem unless `is_well`. Returns `is_well`. */
+bool server_reply_check(struct server_exchange *exchange, bool is_well,
+                        const struct proto_problem *problem);
 
 /* Replies with a problem whose sentence is formatted here. */
 void server_reply_refusal(struct server_exchange *exchange, enum proto_problem_code code,

@@ -39,6 +39,13 @@ void server_arrays_add_indices(struct server_arrays *arrays, const char *name, u
                                                      .source = indices});
 }
 
+void server_arrays_add_member(struct server_arrays *arrays, const char *name, uint64_t rows,
+                              const double *first, size_t stride)
+{
+    server_arrays_add_numbers(arrays, name, 0, rows, first);
+    arrays->list[arrays->count - 1].stride = stride;
+}
+
 static uint64_t array_numbers(const struct server_array *array)
 {
     return array->rows * (array->columns ? array->columns : 1);
@@ -46,21 +53,23 @@ static uint64_t array_numbers(const struct server_array *array)
 
 /* --- polylines -------------------------------------------------------------------------------- */
 
+static const struct gd_path *lines_path(const struct server_lines *lines, uint32_t line)
+{
+    return (const struct gd_path *)((const char *)lines->paths + line * lines->stride);
+}
+
 bool server_lines_count(struct server_lines *lines)
 {
     uint64_t sum = 0;
     for (uint32_t i = 0; i < lines->count; i++) {
-        uint32_t count = 0;
-        lines->points(lines->user, i, &count);
         lines->first[i] = (uint32_t)sum;
-        sum += count;
+        sum += lines_path(lines, i)->count;
         if (sum > UINT32_MAX) return false;
     }
     lines->first[lines->count] = (uint32_t)sum;
     return true;
 }
 
-/* Returns the line of a point. */
 static uint32_t lines_find(const struct server_lines *lines, uint32_t point)
 {
     uint32_t low = 0, high = lines->count - 1;
@@ -80,9 +89,9 @@ static void lines_read(const void *source, uint64_t first, uint64_t count, void 
     double(*at)[3] = out;
     uint32_t point = (uint32_t)first, end = (uint32_t)(first + count);
     for (uint32_t line = lines_find(lines, point); point < end; line++) {
-        uint32_t stop = lines->first[line + 1] < end ? lines->first[line + 1] : end, unused;
+        uint32_t stop = lines->first[line + 1] < end ? lines->first[line + 1] : end;
         if (stop == point) continue;
-        const struct gd_point *points = lines->points(lines->user, line, &unused);
+        const struct gd_point *points = lines_path(lines, line)->points;
         gd_points_positions(lines->mesh, points + (point - lines->first[line]), stop - point, at);
         at += stop - point;
         point = stop;
@@ -193,6 +202,13 @@ static size_t indices_convert(const uint32_t *indices, size_t count, unsigned ch
     return (size_t)(at - out);
 }
 
+static void rows_gather(const struct server_array *array, uint64_t first, uint64_t count,
+                        size_t row, char *out)
+{
+    const char *from = (const char *)array->source + first * array->stride;
+    for (uint64_t i = 0; i < count; i++) memcpy(out + i * row, from + i * array->stride, row);
+}
+
 static void array_write(const struct server_array *array, enum server_arrays_form form,
                         struct crc_writer *out)
 {
@@ -204,12 +220,16 @@ static void array_write(const struct server_array *array, enum server_arrays_for
     enum server_array_type type = written_type(array, form);
     uint32_t columns = array->columns ? array->columns : 1;
     uint64_t total = array_numbers(array), step = columns < PIECE ? PIECE - PIECE % columns : PIECE;
-    bool is_index = type == SERVER_ARRAY_INDICES;
+    bool is_index = type == SERVER_ARRAY_INDICES, is_copied = array->read || array->stride;
     for (uint64_t i = 0; i < total && !out->writer->failure; i += step) {
         uint64_t count = total - i < step ? total - i : step;
-        const double *numbers = array->read ? room.numbers : (const double *)array->source + i;
-        const uint32_t *indices = array->read ? room.indices : (const uint32_t *)array->source + i;
-        if (array->read) array->read(array->source, i / columns, count / columns, &room);
+        const double *numbers = is_copied ? room.numbers : (const double *)array->source + i;
+        const uint32_t *indices = is_copied ? room.indices : (const uint32_t *)array->source + i;
+        if (array->read)
+            array->read(array->source, i / columns, count / columns, &room);
+        else if (is_copied)
+            rows_gather(array, i / columns, count / columns, columns * type_bytes(array->type),
+                        (char *)&room);
         crc_append(out, bytes,
                    is_index ? indices_convert(indices, count, bytes)
                             : numbers_convert(numbers, count, type, bytes));

@@ -38,6 +38,7 @@ struct server_array {
     /* Copies rows as double or uint32_t; NULL: `source` is such an array. */
     void (*read)(const void *source, uint64_t first, uint64_t count, void *out);
     const void *source; /* borrowed */
+    size_t stride;      /* without `read`: bytes from one row to the next; 0: contiguous */
 };
 
 struct server_arrays { /* all zero: empty */
@@ -54,15 +55,18 @@ void server_arrays_add_numbers(struct server_arrays *arrays, const char *name, u
 void server_arrays_add_indices(struct server_arrays *arrays, const char *name, uint32_t columns,
                                uint64_t rows, const uint32_t *indices);
 
+/* As server_arrays_add_numbers, for a member of structs that are `stride` bytes apart. */
+void server_arrays_add_member(struct server_arrays *arrays, const char *name, uint64_t rows,
+                              const double *first, size_t stride);
+
 /* --- polylines -------------------------------------------------------------------------------- */
 
 /* Points of several lines, one line after the other. */
 struct server_lines {
     const struct gd_mesh *mesh;
+    const struct gd_path *paths; /* the first line; the others follow, `stride` bytes apart */
+    size_t stride;
     uint32_t count;
-    /* Returns the points of a line. */
-    const struct gd_point *(*points)(const void *user, uint32_t line, uint32_t *count);
-    const void *user;
     uint32_t *first; /* count + 1 items: index among all points where each line begins */
 };
 

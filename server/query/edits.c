@@ -55,7 +55,6 @@ static void write_origins(const struct gd_edited *edited, struct server_derived 
     }
 }
 
-/* Writes the attachment. False: out of memory. */
 static bool write_derived(const struct server_edits *edits, const struct gd_edited *edited,
                           struct server_derived *derived)
 {

@@ -18,17 +18,16 @@
 /* --- locating the set ------------------------------------------------------------------------- */
 
 bool server_query_locate_set(struct server_query *query, struct server_monitor *part,
-                             const struct proto_set *set, struct proto_located_set **out,
-                             struct proto_problem *problem)
+                             const struct proto_set *set, struct proto_located_set **out)
 {
     const struct gd_mesh *mesh = query->surface->mesh;
     struct server_budgeted_call call = server_query_begin_call(
         query, part, BYTES_A_CALL + gd_mesh_summary(mesh)->edges * (size_t)SET_BYTES_AN_EDGE);
     while (server_budgeted_call_next(&call)) {
-        call.status = proto_set_locate(mesh, set, &call.control, out, problem);
+        call.status = proto_set_locate(mesh, set, &call.control, out, query->problem);
         if (!call.status) call.kept = (*out)->bytes;
     }
-    if (call.status == GD_BUDGET) server_query_fail(query, call.status, "the set", problem);
+    if (call.status == GD_BUDGET) server_query_fail(query, call.status, "the set");
     return !call.status;
 }
 
@@ -40,17 +39,16 @@ void server_field_query_of_located(struct server_query *query, const struct prot
         .seeds = set->seeds, .seed_count = set->seed_count, .radius = max_distance};
 }
 
-static bool set_end(struct server_query *query, struct proto_located_set *located,
-                    struct proto_problem *problem)
+static bool set_end(struct server_query *query, struct proto_located_set *located)
 {
     query->field.own_set = located;
     proto_set_free(&query->field.pending);
     server_field_query_of_located(query, located, query->field.max_distance);
-    return !query->kind->located || query->kind->located(query, problem);
+    return !query->kind->located || query->kind->located(query);
 }
 
 bool server_field_query_of_set(struct server_query *query, struct proto_set *set,
-                               double max_distance, struct proto_problem *problem)
+                               double max_distance)
 {
     struct proto_located_set *located;
     query->field.pending = *set;
@@ -58,17 +56,17 @@ bool server_field_query_of_set(struct server_query *query, struct proto_set *set
     *set = (struct proto_set){0};
     if (!proto_set_is_quick(&query->field.pending)) return true;
     return !proto_set_locate(query->surface->mesh, &query->field.pending, NULL, &located,
-                             problem) &&
-           set_end(query, located, problem);
+                             query->problem) &&
+           set_end(query, located);
 }
 
-static bool set_prepare(struct server_query *query, struct proto_problem *problem)
+static bool set_prepare(struct server_query *query)
 {
     struct server_monitor part = server_query_monitor(query, 0, SET_SHARE);
     struct proto_located_set *located;
-    if (query->kind->prepare) return query->kind->prepare(query, problem);
-    return server_query_locate_set(query, &part, &query->field.pending, &located, problem) &&
-           set_end(query, located, problem);
+    if (query->kind->prepare) return query->kind->prepare(query);
+    return server_query_locate_set(query, &part, &query->field.pending, &located) &&
+           set_end(query, located);
 }
 
 /* --- field resources -------------------------------------------------------------------------- */
@@ -111,17 +109,17 @@ static bool resource_use(struct server_query *query, struct server_resource *res
     return true;
 }
 
-bool server_field_query_of_resource(struct server_query *query, struct proto_problem *problem)
+bool server_field_query_of_resource(struct server_query *query)
 {
-    return resource_use(query,
-                        server_find_resource(query->exchange, query->surface->record, problem));
+    return resource_use(
+        query, server_find_resource(query->exchange, query->surface->record, query->problem));
 }
 
-bool server_field_query_of_id(struct server_query *query, const char *id,
-                              struct proto_problem *problem)
+bool server_field_query_of_id(struct server_query *query, const char *id)
 {
-    return resource_use(query, resource_find(query->surface->record, id, strlen(id), problem)) ||
-           proto_problem_at(problem, "field");
+    return resource_use(query,
+                        resource_find(query->surface->record, id, strlen(id), query->problem)) ||
+           proto_problem_at(query->problem, "field");
 }
 
 /* --- building --------------------------------------------------------------------------------- */
@@ -187,16 +185,15 @@ enum gd_status server_query_build_field(struct server_query *query, struct serve
 /* Answers from a field and unpins it. The field may reach farther than the query allows; the answer
  * must not show that. `begun`: the part of the query's work that is done. */
 static enum server_query_turn field_answer(struct server_query *query,
-                                           const struct server_cached *cached, double begun,
-                                           struct proto_problem *problem)
+                                           const struct server_cached *cached, double begun)
 {
     struct server_monitor part = server_query_monitor(query, begun, 1 - begun);
     double radius = query->field.request.radius;
     struct gd_field *within = NULL;
     enum gd_status status = radius > 0 ? gd_field_within(cached->field, radius, &within) : GD_OK;
     enum server_query_turn turn =
-        status ? server_query_fail(query, status, WHAT, problem)
-               : query->kind->answer(query, within ? within : cached->field, &part, problem);
+        status ? server_query_fail(query, status, WHAT)
+               : query->kind->answer(query, within ? within : cached->field, &part);
     gd_field_release(within);
     server_cache_unpin(cached);
     return turn;
@@ -210,21 +207,20 @@ static bool field_pin(struct server_query *query)
     return field->pin;
 }
 
-static enum server_query_turn field_answer_by_pin(struct server_query *query,
-                                                  struct proto_problem *problem)
+static enum server_query_turn field_answer_by_pin(struct server_query *query)
 {
     const struct server_cached *pin = query->field.pin;
     query->field.pin = NULL;
-    return field_answer(query, pin, 0, problem);
+    return field_answer(query, pin, 0);
 }
 
-static enum server_query_turn field_build(struct server_query *query, struct proto_problem *problem)
+static enum server_query_turn field_build(struct server_query *query)
 {
     const struct server_cached *cached;
     enum gd_status status =
         server_query_build_field(query, server_query_monitor(query, 0, BUILD_SHARE), &cached);
-    return status ? server_query_fail(query, status, WHAT, problem)
-                  : field_answer(query, cached, BUILD_SHARE, problem);
+    return status ? server_query_fail(query, status, WHAT)
+                  : field_answer(query, cached, BUILD_SHARE);
 }
 
 static enum server_cache_turn field_claim(struct server_query *query, enum gd_status *why)
@@ -233,11 +229,10 @@ static enum server_cache_turn field_claim(struct server_query *query, enum gd_st
                               &query->field.build, why);
 }
 
-enum server_query_turn server_field_query_try_inline(struct server_query *query,
-                                                     struct proto_problem *problem)
+enum server_query_turn server_field_query_try_inline(struct server_query *query)
 {
     return query->field.set && field_pin(query) && query->field.is_quick
-               ? field_answer_by_pin(query, problem)
+               ? field_answer_by_pin(query)
                : SERVER_QUERY_AGAIN;
 }
 
@@ -249,20 +244,19 @@ bool server_field_query_join(struct server_query *query)
     return query->field.set && !query->field.pin && field_claim(query, &why) == SERVER_CACHE_WAIT;
 }
 
-enum server_query_turn server_field_query_solve(struct server_query *query,
-                                                struct proto_problem *problem)
+enum server_query_turn server_field_query_solve(struct server_query *query)
 {
     enum gd_status why;
-    if (!query->field.set && !set_prepare(query, problem)) return SERVER_QUERY_FAILED;
-    if (query->field.build) return field_build(query, problem);
-    if (field_pin(query)) return field_answer_by_pin(query, problem);
+    if (!query->field.set && !set_prepare(query)) return SERVER_QUERY_FAILED;
+    if (query->field.build) return field_build(query);
+    if (field_pin(query)) return field_answer_by_pin(query);
     switch (field_claim(query, &why)) {
     case SERVER_CACHE_WAIT:
         return SERVER_QUERY_PARKED;
     case SERVER_CACHE_BUILD:
-        return field_build(query, problem);
+        return field_build(query);
     case SERVER_CACHE_SEARCH:
-        return server_query_fail(query, why, WHAT, problem);
+        return server_query_fail(query, why, WHAT);
     case SERVER_CACHE_AGAIN:
         break;
     }

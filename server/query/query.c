@@ -59,19 +59,18 @@ void server_query_destroy(struct server_query *query)
     free(query);
 }
 
-enum server_query_turn server_query_try_inline(struct server_query *query,
-                                               struct proto_problem *problem)
+enum server_query_turn server_query_try_inline(struct server_query *query)
 {
     const struct server_query_kind *kind = query->kind;
-    if (kind->try_inline) return kind->try_inline(query, problem);
-    if (kind->answer) return server_field_query_try_inline(query, problem);
+    if (kind->try_inline) return kind->try_inline(query);
+    if (kind->answer) return server_field_query_try_inline(query);
     return kind->solve ? SERVER_QUERY_AGAIN : SERVER_QUERY_DONE;
 }
 
-enum server_query_turn server_query_solve(struct server_query *query, struct proto_problem *problem)
+enum server_query_turn server_query_solve(struct server_query *query)
 {
     const struct server_query_kind *kind = query->kind;
-    return kind->solve ? kind->solve(query, problem) : server_field_query_solve(query, problem);
+    return kind->solve ? kind->solve(query) : server_field_query_solve(query);
 }
 
 struct server_monitor server_monitor_portion(const struct server_monitor *whole, double begun,
@@ -91,8 +90,9 @@ struct server_monitor server_query_monitor(const struct server_query *query, dou
 }
 
 enum server_query_turn server_query_fail(const struct server_query *query, enum gd_status status,
-                                         const char *what, struct proto_problem *problem)
+                                         const char *what)
 {
+    struct proto_problem *problem = query->problem;
     server_metrics_count_status(query->exchange->host->metrics, status);
     if (status != GD_BUDGET)
         proto_problem_from_status(problem, status, NULL);
@@ -101,6 +101,12 @@ enum server_query_turn server_query_fail(const struct server_query *query, enum 
     else
         server_budget_refuse(query->exchange->host->budget, what, 0, problem);
     return SERVER_QUERY_FAILED;
+}
+
+bool server_query_refuse(const struct server_query *query, enum gd_status status, const char *what)
+{
+    server_query_fail(query, status, what);
+    return false;
 }
 
 /* --- memory and long calls -------------------------------------------------------------------- */
@@ -134,10 +140,9 @@ void *server_query_allocate(struct server_query *query, size_t count, size_t siz
     return block + 1;
 }
 
-bool server_query_locate(struct server_query *query, struct proto_points *points,
-                         struct proto_problem *problem)
+bool server_query_locate(struct server_query *query, struct proto_points *points)
 {
-    bool ok = proto_points_locate(query->surface->mesh, points, &query->points, problem);
+    bool ok = proto_points_locate(query->surface->mesh, points, &query->points, query->problem);
     proto_points_free(points);
     return ok;
 }
@@ -249,10 +254,11 @@ enum gd_status server_query_pause(const struct server_query *query,
 }
 
 enum server_query_turn server_query_end_draft(struct server_query *query, enum gd_status status,
-                                              const char *what, struct proto_problem *problem)
+                                              const char *what)
 {
-    if (status) return server_query_fail(query, status, what, problem);
-    return proto_writer_check(&query->draft, problem) ? SERVER_QUERY_DONE : SERVER_QUERY_FAILED;
+    if (status) return server_query_fail(query, status, what);
+    return proto_writer_check(&query->draft, query->problem) ? SERVER_QUERY_DONE
+                                                             : SERVER_QUERY_FAILED;
 }
 
 void server_query_encode(const struct server_query *query, struct proto_writer *writer)
@@ -301,14 +307,14 @@ static unsigned form_count(const struct server_query_kind *kind)
 static bool form_choose(const struct server_query_kind *kind, struct server_exchange *exchange,
                         unsigned *out, struct proto_problem *problem)
 {
-    struct proto_parameters parameters = server_exchange_parameters(exchange);
     const char *accept = server_exchange_header(exchange, "Accept");
     const char *words[MOST_FORMS + 1] = {"json"};
     unsigned word = 0, best = 0, count = form_count(kind);
-    if (kind->forms && proto_parameters_get(&parameters, "format")) {
+    if (kind->forms && proto_parameters_get(&exchange->parameters, "format")) {
         for (unsigned i = SERVER_FORM_FIRST; i < count && i <= MOST_FORMS; i++)
             words[i - SERVER_FORM_BYTES] = form_at(kind, i)->name;
-        if (!proto_parameters_choice(&parameters, "format", words, &word, problem)) return false;
+        if (!proto_parameters_choice(&exchange->parameters, "format", words, &word, problem))
+            return false;
         *out = word ? word + SERVER_FORM_BYTES : SERVER_FORM_JSON;
         return true;
     }
@@ -325,12 +331,11 @@ static bool form_choose(const struct server_query_kind *kind, struct server_exch
 }
 
 /* Reads ?mesh=, which only forms with a mesh accept. */
-static bool form_read_mesh(struct server_query *query, const struct proto_parameters *parameters,
-                           struct proto_problem *problem)
+static bool form_read_mesh(struct server_query *query, const struct proto_parameters *parameters)
 {
-    if (!proto_parameters_flag(parameters, "mesh", &query->with_mesh, problem)) return false;
+    if (!proto_parameters_flag(parameters, "mesh", &query->with_mesh, query->problem)) return false;
     return !query->with_mesh || form_at(query->kind, query->form)->has_mesh ||
-           proto_problem_refuse(problem, "mesh",
+           proto_problem_refuse(query->problem, "mesh",
                                 "this format can't have the mesh with it; glb and obj can");
 }
 
@@ -342,7 +347,6 @@ enum server_arrays_form server_query_arrays_form(const struct server_query *quer
                : SERVER_ARRAYS_NONE;
 }
 
-/* Returns the name of the answer's form in its entity tag. */
 static const char *form_name(const struct server_query *query)
 {
     return query->kind->reply ? query->kind->reply_form : form_at(query->kind, query->form)->name;
@@ -350,42 +354,26 @@ static const char *form_name(const struct server_query *query)
 
 /* --- a request of its own --------------------------------------------------------------------- */
 
-bool server_query_list_lines(struct server_query *query, const struct server_lines *lines,
-                             struct proto_problem *problem)
+bool server_query_list_lines(struct server_query *query, const struct gd_path *paths, size_t stride,
+                             uint32_t count)
 {
-    query->lines = *lines;
-    query->lines.first =
-        server_query_allocate(query, lines->count + (size_t)1, sizeof *lines->first);
-    if (!query->lines.first) {
-        server_query_fail(query, GD_BUDGET, "the answer", problem);
-        return false;
-    }
+    query->lines = (struct server_lines){
+        .mesh = query->surface->mesh, .paths = paths, .stride = stride, .count = count};
+    query->lines.first = server_query_allocate(query, count + (size_t)1, sizeof(uint32_t));
+    if (!query->lines.first) return server_query_refuse(query, GD_BUDGET, "the answer");
     if (!server_lines_count(&query->lines))
         return proto_problem_exceed(
-            problem, NULL, UINT32_MAX,
+            query->problem, NULL, UINT32_MAX,
             "the lines have more points than an array of indices can count");
     server_arrays_add_lines(&query->arrays, &query->lines);
     return true;
 }
 
-static const struct gd_point *line_points(const void *user, uint32_t line, uint32_t *count)
-{
-    const struct server_query *query = user;
-    (void)line;
-    *count = query->line_count;
-    return query->line;
-}
-
 bool server_query_list_line(struct server_query *query, const struct gd_point *points,
-                            uint32_t count, struct proto_problem *problem)
+                            uint32_t count)
 {
-    const struct server_lines lines = {.mesh = query->surface->mesh,
-                                       .count = points != NULL,
-                                       .points = line_points,
-                                       .user = query};
-    query->line = points;
-    query->line_count = count;
-    return server_query_list_lines(query, &lines, problem);
+    query->line = (struct gd_path){.points = (struct gd_point *)points, .count = count};
+    return server_query_list_lines(query, &query->line, 0, points != NULL);
 }
 
 static void query_encode_arrays(struct server_exchange *exchange, struct proto_writer *writer)
@@ -401,12 +389,8 @@ static void query_reply_arrays(struct server_query *query)
     const struct server_answer_encoder encoder = {
         .encode = query_encode_arrays, .held = &query->held, .media_type = form->media_type};
     struct server_exchange *exchange = query->exchange;
-    struct proto_problem problem;
     struct proto_writer writer;
-    if (!query->kind->list_arrays(query, &problem)) {
-        server_reply_problem(exchange, &problem);
-        return;
-    }
+    if (!server_reply_check(exchange, query->kind->list_arrays(query), query->problem)) return;
     if (query->form != SERVER_FORM_BYTES)
         server_reply_header(exchange, "Content-Disposition", "attachment; filename=\"%s.%s\"",
                             query->kind->name, form->name);
@@ -418,12 +402,9 @@ static void query_reply_arrays(struct server_query *query)
 static void query_reply_form(struct server_query *query)
 {
     const struct server_form *form = form_at(query->kind, query->form);
-    struct proto_problem problem;
     struct server_answer_file file;
-    if (!query->kind->write(query, &file, &problem)) {
-        server_reply_problem(query->exchange, &problem);
+    if (!server_reply_check(query->exchange, query->kind->write(query, &file), query->problem))
         return;
-    }
     server_reply_header(query->exchange, "Content-Disposition", "attachment; filename=\"%s.%s\"",
                         query->kind->name, form->name);
     server_reply_bytes(query->exchange, 200, form->media_type, file.bytes, file.size);
@@ -449,7 +430,6 @@ static void query_reply_json(struct server_query *query, unsigned status)
     proto_writer_free(&writer);
 }
 
-/* Adds the headers that belong to the form of the answer. */
 static void query_add_headers(const struct server_query *query, struct server_exchange *exchange)
 {
     const struct server_query_kind *kind = query->kind;
@@ -481,11 +461,10 @@ static void query_reply(struct server_query *query)
 
 /* Processes a turn. Returns false if another thread has the exchange. After AGAIN there is no
  * reply, and the worker calls again. */
-static bool query_take_turn(struct server_query *query, enum server_query_turn turn,
-                            const struct proto_problem *problem)
+static bool query_take_turn(struct server_query *query, enum server_query_turn turn)
 {
     if (turn == SERVER_QUERY_DONE) query_reply(query);
-    if (turn == SERVER_QUERY_FAILED) server_reply_problem(query->exchange, problem);
+    if (turn == SERVER_QUERY_FAILED) server_reply_problem(query->exchange, query->problem);
     return turn != SERVER_QUERY_PARKED;
 }
 
@@ -533,8 +512,9 @@ static bool query_work(struct server_exchange *exchange)
 {
     struct proto_problem problem;
     struct server_query *query = exchange->state;
-    enum server_query_turn turn = server_query_solve(query, &problem);
-    if (turn != SERVER_QUERY_FLUSH) return query_take_turn(query, turn, &problem);
+    query->problem = &problem;
+    enum server_query_turn turn = server_query_solve(query);
+    if (turn != SERVER_QUERY_FLUSH) return query_take_turn(query, turn);
     return query_flush(query);
 }
 
@@ -552,34 +532,34 @@ static bool query_is_arrays(const struct server_query *query)
            strncasecmp(type, SERVER_ARRAYS_MEDIA, strlen(SERVER_ARRAYS_MEDIA)) == 0;
 }
 
-static bool query_read_arrays(struct server_query *query, struct proto_problem *problem)
+static bool query_read_arrays(struct server_query *query)
 {
     const struct server_body *body = &query->exchange->body;
     struct server_arrays arrays;
     return server_arrays_read(body->bytes, body->size, query->kind->array_names, &arrays,
-                              problem) &&
-           query->kind->read_arrays(query, &arrays, problem);
+                              query->problem) &&
+           query->kind->read_arrays(query, &arrays);
 }
 
-static bool query_read(struct server_query *query, struct proto_problem *problem)
+static bool query_read(struct server_query *query)
 {
+    struct proto_problem *problem = query->problem;
     const struct server_query_kind *kind = query->kind;
     bool has_body = query->exchange->match.route->has_body;
-    struct proto_parameters parameters = server_exchange_parameters(query->exchange);
     const struct proto_route *route = query->exchange->match.route;
-    if (!proto_options_parse(&parameters, route->fields, route->parameters, &query->options,
-                             problem))
+    if (!proto_options_parse(&query->exchange->parameters, route->fields, route->parameters,
+                             &query->options, problem))
         return false;
     if (!route->has_lines && query->options.geometry != PROTO_GEOMETRY_FULL)
         return proto_options_refuse_geometry(problem, "geometry");
-    if (kind->has_bare_points && !proto_parameters_get(&parameters, "geometry"))
+    if (kind->has_bare_points && !proto_parameters_get(&query->exchange->parameters, "geometry"))
         query->options.geometry = PROTO_GEOMETRY_XYZ;
-    if (kind->forms && !form_read_mesh(query, &parameters, problem)) return false;
-    if (!has_body) return kind->parse(query, &parameters, problem);
-    if (query_is_arrays(query)) return query_read_arrays(query, problem);
+    if (kind->forms && !form_read_mesh(query, &query->exchange->parameters)) return false;
+    if (!has_body) return kind->parse(query, &query->exchange->parameters);
+    if (query_is_arrays(query)) return query_read_arrays(query);
     json_t *document = server_request_document(query->exchange, problem);
     if (!document) return false;
-    bool ok = kind->decode(query, document, problem);
+    bool ok = kind->decode(query, document);
     json_decref(document);
     server_request_end_parsing(query->exchange);
     return ok;
@@ -606,14 +586,11 @@ static void query_start(struct server_exchange *exchange)
     struct server_query *query = exchange->state;
     struct proto_problem problem;
     enum server_query_turn turn = SERVER_QUERY_AGAIN;
-    if (!query_read(query, &problem)) {
-        server_reply_problem(exchange, &problem);
-        return;
-    }
-    if (query_is_known(query)) return;
+    query->problem = &problem;
+    if (!server_reply_check(exchange, query_read(query), &problem) || query_is_known(query)) return;
     server_exchange_shorten(exchange, query->options.timeout_ms);
-    if (!query->with_mesh) turn = server_query_try_inline(query, &problem);
-    query_take_turn(query, turn, &problem);
+    if (!query->with_mesh) turn = server_query_try_inline(query);
+    query_take_turn(query, turn);
     if (turn == SERVER_QUERY_AGAIN) server_exchange_defer(exchange, query_work, query_join);
 }
 
@@ -621,17 +598,14 @@ void server_query_handle(struct server_exchange *exchange, const struct server_q
 {
     struct proto_problem problem;
     unsigned form = SERVER_FORM_JSON;
-    if (!kind->reply && !form_choose(kind, exchange, &form, &problem)) {
-        server_reply_problem(exchange, &problem);
-        return;
-    }
+    bool is_acceptable = kind->reply || form_choose(kind, exchange, &form, &problem);
+    if (!server_reply_check(exchange, is_acceptable, &problem)) return;
     struct server_surface *surface = server_request_surface(exchange);
     if (!surface) return;
     struct server_query *query = server_query_create(kind, exchange, surface);
     server_surface_release(surface);
     if (!query) {
-        server_reply_refusal(exchange, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
-                             "the system is out of memory");
+        server_request_fail(exchange, SERVER_STORE_NO_MEMORY);
         return;
     }
     query->form = form;

@@ -74,6 +74,8 @@ struct server_query {
     const struct server_query_kind *kind;
     struct server_exchange *exchange;
     struct server_surface *surface; /* a reference */
+    struct proto_problem
+        *problem; /* receives the problem of a step that fails; set by its caller */
     struct proto_options options;
     unsigned form;       /* form of the answer: enum above */
     bool with_mesh;      /* the form includes the mesh */
@@ -87,8 +89,7 @@ struct server_query {
     struct server_landmark_set *landmarks; /* result of server_query_landmarks */
     struct server_arrays arrays;           /* arrays of the answer, if its form is one of arrays */
     struct server_lines lines;             /* lines of server_query_list_lines */
-    const struct gd_point *line;           /* points of server_query_list_line */
-    uint32_t line_count;
+    struct gd_path line;                   /* line of server_query_list_line */
     struct server_relay *relay; /* relay of an answer that is sent while it is computed, or NULL */
     bool is_whole;              /* the relay has the whole answer */
 };
@@ -98,36 +99,32 @@ struct server_query_kind {
     size_t size;                     /* bytes of the kind's own struct */
     const struct server_form *forms; /* the answer's other forms, or NULL */
     bool has_bare_points;            /* geometry is xyz by default, not full */
-    bool (*decode)(struct server_query *query, const json_t *document,
-                   struct proto_problem *problem);
-    bool (*parse)(struct server_query *query, const struct proto_parameters *parameters,
-                  struct proto_problem *problem);
+    bool (*decode)(struct server_query *query, const json_t *document);
+    bool (*parse)(struct server_query *query, const struct proto_parameters *parameters);
     /* Reads a request of arrays (arrays.h) instead of JSON, with names among array_names. Both
      * NULL: requests are JSON only. */
     const char *const *array_names;
-    bool (*read_arrays)(struct server_query *query, const struct server_arrays *arrays,
-                        struct proto_problem *problem);
+    bool (*read_arrays)(struct server_query *query, const struct server_arrays *arrays);
     /* NULL: a default, see above */
-    enum server_query_turn (*try_inline)(struct server_query *query, struct proto_problem *problem);
+    enum server_query_turn (*try_inline)(struct server_query *query);
     bool (*join)(struct server_query *query); /* see server_exchange_defer; may be NULL */
-    enum server_query_turn (*solve)(struct server_query *query, struct proto_problem *problem);
+    enum server_query_turn (*solve)(struct server_query *query);
     /* Runs on a worker: names a set that takes time to locate; NULL: locates the pending set. */
-    bool (*prepare)(struct server_query *query, struct proto_problem *problem);
+    bool (*prepare)(struct server_query *query);
     /* Runs when the pending set is located; may be NULL. */
-    bool (*located)(struct server_query *query, struct proto_problem *problem);
+    bool (*located)(struct server_query *query);
     /* Answers from the field; `part` is for long calls. AGAIN: another field is named. */
     enum server_query_turn (*answer)(struct server_query *query, const struct gd_field *field,
-                                     struct server_monitor *part, struct proto_problem *problem);
+                                     struct server_monitor *part);
     void (*encode)(const struct server_query *query, struct proto_writer *writer);
     void (*reply)(struct server_query *query); /* for answers in a form other than JSON */
     const char *reply_form;                    /* form in the entity tag of such an answer: "png" */
     bool has_bytes; /* application/octet-stream is the first array without a head */
     /* Writes the answer in the query's form; the exchange's `held` counts it. */
-    bool (*write)(const struct server_query *query, struct server_answer_file *out,
-                  struct proto_problem *problem);
+    bool (*write)(const struct server_query *query, struct server_answer_file *out);
     /* Lists the arrays of an answer that is DONE, for the forms of arrays.h; they live as long as
      * the query. False with the problem. NULL: the answer has no such forms. */
-    bool (*list_arrays)(struct server_query *query, struct proto_problem *problem);
+    bool (*list_arrays)(struct server_query *query);
     void (*release)(struct server_query *query);
     /* Returns the answer's status and adds headers; NULL: 200. */
     unsigned (*status)(struct server_query *query);
@@ -140,10 +137,8 @@ struct server_query *server_query_create(const struct server_query_kind *kind,
 void server_query_destroy(struct server_query *query); /* NULL is harmless */
 
 /* Runs the steps up to try_inline. Returns DONE, FAILED or AGAIN. */
-enum server_query_turn server_query_try_inline(struct server_query *query,
-                                               struct proto_problem *problem);
-enum server_query_turn server_query_solve(struct server_query *query,
-                                          struct proto_problem *problem);
+enum server_query_turn server_query_try_inline(struct server_query *query);
+enum server_query_turn server_query_solve(struct server_query *query);
 
 /* Appends the answer of a query that is DONE, for a batch. */
 void server_query_encode(const struct server_query *query, struct proto_writer *writer);
@@ -164,12 +159,15 @@ struct server_monitor server_monitor_portion(const struct server_monitor *whole,
 /* Sets the problem of an engine failure and counts failed self-checks. `what` names the work that
  * needs memory ("the search"). Returns FAILED. */
 enum server_query_turn server_query_fail(const struct server_query *query, enum gd_status status,
-                                         const char *what, struct proto_problem *problem);
+                                         const char *what);
+
+/* As server_query_fail, for steps that return bool. Returns false. */
+bool server_query_refuse(const struct server_query *query, enum gd_status status, const char *what);
 
 /* Returns the last turn of a query: DONE, or FAILED with the problem of `status` or of a draft that
  * is too large. */
 enum server_query_turn server_query_end_draft(struct server_query *query, enum gd_status status,
-                                              const char *what, struct proto_problem *problem);
+                                              const char *what);
 
 /* Returns GD_BUDGET when the draft is full, else the result of the control's (NULL: none) check of
  * deadline and cancellation. Call it from time to time during long work. */
@@ -186,21 +184,20 @@ enum server_arrays_form server_query_arrays_form(const struct server_query *quer
 /* The forms of an answer whose only other forms are arrays. */
 extern const struct server_form server_array_forms[];
 
-/* Adds lines to the answer's arrays: `lines` without `first`. False with the problem. */
-bool server_query_list_lines(struct server_query *query, const struct server_lines *lines,
-                             struct proto_problem *problem);
+/* Adds `count` borrowed paths, `stride` bytes apart, to the arrays. False with the problem. */
+bool server_query_list_lines(struct server_query *query, const struct gd_path *paths, size_t stride,
+                             uint32_t count);
 
 /* As server_query_list_lines, for one line of points, borrowed; NULL: there is no line. */
 bool server_query_list_line(struct server_query *query, const struct gd_point *points,
-                            uint32_t count, struct proto_problem *problem);
+                            uint32_t count);
 
 /* Takes bytes of the budget, which the query holds until give or its end. Error: GD_BUDGET. */
 GD_MUST_USE enum gd_status server_query_take(struct server_query *query, size_t bytes);
 void server_query_give(struct server_query *query, size_t bytes);
 
 /* Locates points of the request as query->points, and frees `points`. False with the problem. */
-bool server_query_locate(struct server_query *query, struct proto_points *points,
-                         struct proto_problem *problem);
+bool server_query_locate(struct server_query *query, struct proto_points *points);
 
 /* Returns an array of zeros; the query holds it and its bytes until it ends. NULL: too little
  * memory, which callers report as GD_BUDGET. */
@@ -252,7 +249,7 @@ GD_MUST_USE enum gd_status server_pair_append(struct gd_pair_answer *route,
 /* Names the field of a set, which the query takes over. Locates the set at once if that takes no
  * time. False with the problem. */
 bool server_field_query_of_set(struct server_query *query, struct proto_set *set,
-                               double max_distance, struct proto_problem *problem);
+                               double max_distance);
 
 /* As server_field_query_of_set, for a located set, which the caller still owns. */
 void server_field_query_of_located(struct server_query *query, const struct proto_located_set *set,
@@ -260,16 +257,13 @@ void server_field_query_of_located(struct server_query *query, const struct prot
 
 /* As server_field_query_of_set, for a field resource: that of the request's path, or of an id, with
  * problems at the parameter `field`. False: not_found or field_evicted. */
-bool server_field_query_of_resource(struct server_query *query, struct proto_problem *problem);
-bool server_field_query_of_id(struct server_query *query, const char *id,
-                              struct proto_problem *problem);
+bool server_field_query_of_resource(struct server_query *query);
+bool server_field_query_of_id(struct server_query *query, const char *id);
 
 /* The default steps, for kinds that replace one of them. */
-enum server_query_turn server_field_query_try_inline(struct server_query *query,
-                                                     struct proto_problem *problem);
+enum server_query_turn server_field_query_try_inline(struct server_query *query);
 bool server_field_query_join(struct server_query *query);
-enum server_query_turn server_field_query_solve(struct server_query *query,
-                                                struct proto_problem *problem);
+enum server_query_turn server_field_query_solve(struct server_query *query);
 void server_field_query_release(struct server_query *query);
 
 /* Returns the resource of the path, retained; NULL: not_found or field_evicted. */
@@ -280,8 +274,7 @@ struct server_resource *server_find_resource(const struct server_exchange *excha
 /* Locates a set on a worker, since curves need searches. The query holds its bytes; the caller
  * frees it by free(). False with the problem. */
 bool server_query_locate_set(struct server_query *query, struct server_monitor *part,
-                             const struct proto_set *set, struct proto_located_set **out,
-                             struct proto_problem *problem);
+                             const struct proto_set *set, struct proto_located_set **out);
 
 /* Returns the bytes that building a field takes on most meshes. */
 size_t server_field_build_grant(const struct gd_mesh *mesh);

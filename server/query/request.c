@@ -5,6 +5,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "proto/queries/many.h"
 #include "server/store/kind.h"
 #include "server/surfaces/loader.h"
 #include "server/exchange/events.h"
@@ -31,33 +32,30 @@ const struct server_kind *server_request_kind(const struct server_exchange *exch
     return kind ? kind : &server_kind_mesh;
 }
 
-/* Replies with the problem unless `is_well`. Returns `is_well`. */
-static bool request_check(struct server_exchange *exchange, bool is_well,
-                          const struct proto_problem *problem)
-{
-    if (!is_well) server_reply_problem(exchange, problem);
-    return is_well;
-}
-
-bool server_request_key(struct server_exchange *exchange, char name[PROTO_MESH_NAME + 1],
-                        struct server_key *key)
+bool server_request_key(struct server_exchange *exchange, struct server_key *key)
 {
     const struct proto_capture *capture = &exchange->match.captures[0];
     struct proto_problem problem;
     bool is_valid = proto_mesh_name_check(capture->text, capture->length, &problem);
-    if (!request_check(exchange, is_valid, &problem)) return false;
-    memcpy(name, capture->text, capture->length);
-    name[capture->length] = '\0';
-    *key = (struct server_key){exchange->tenant, server_request_kind(exchange), name};
+    if (!server_reply_check(exchange, is_valid, &problem)) return false;
+    memcpy(exchange->name, capture->text, capture->length);
+    exchange->name[capture->length] = '\0';
+    *key = (struct server_key){exchange->tenant, server_request_kind(exchange), exchange->name};
     return true;
 }
 
 bool server_request_is_plain(struct server_exchange *exchange)
 {
-    struct proto_parameters parameters = server_exchange_parameters(exchange);
     struct proto_problem problem;
-    bool is_plain = proto_parameters_check(&parameters, NULL, &problem);
-    return request_check(exchange, is_plain, &problem);
+    bool is_plain = proto_parameters_check(&exchange->parameters, NULL, &problem);
+    return server_reply_check(exchange, is_plain, &problem);
+}
+
+bool server_request_wait(struct server_exchange *exchange, uint64_t *wait_s)
+{
+    struct proto_problem problem;
+    return server_reply_check(
+        exchange, proto_many_parse_wait(&exchange->parameters, wait_s, &problem), &problem);
 }
 
 uint64_t server_request_wait_end(const struct server_exchange *exchange, uint64_t wait_s)
@@ -69,16 +67,16 @@ uint64_t server_request_wait_end(const struct server_exchange *exchange, uint64_
 
 bool server_request_page(struct server_exchange *exchange, struct proto_page *page)
 {
-    struct proto_parameters parameters = server_exchange_parameters(exchange);
     struct proto_problem problem;
-    return request_check(exchange, proto_page_parse(&parameters, page, &problem), &problem);
+    return server_reply_check(exchange, proto_page_parse(&exchange->parameters, page, &problem),
+                              &problem);
 }
 
 bool server_request_page_of_names(struct server_exchange *exchange, struct proto_page *page)
 {
-    struct proto_parameters parameters = server_exchange_parameters(exchange);
     struct proto_problem problem;
-    return request_check(exchange, proto_page_parse_names(&parameters, page, &problem), &problem);
+    return server_reply_check(
+        exchange, proto_page_parse_names(&exchange->parameters, page, &problem), &problem);
 }
 
 static void reply_store_unavailable(struct server_exchange *exchange, const char *what)
@@ -106,9 +104,8 @@ static void reply_absent(struct server_exchange *exchange)
 
 bool server_request_record(struct server_exchange *exchange, struct server_listed *out)
 {
-    char name[PROTO_MESH_NAME + 1];
     struct server_key key;
-    if (!server_request_key(exchange, name, &key)) return false;
+    if (!server_request_key(exchange, &key)) return false;
     if (server_registry_find(exchange->host->api->registry, &key, out)) return true;
     reply_absent(exchange);
     return false;
@@ -120,12 +117,11 @@ bool server_request_record(struct server_exchange *exchange, struct server_liste
 static bool registry_follow(struct server_exchange *exchange)
 {
     struct server_registry *registry = exchange->host->api->registry;
-    char name[PROTO_MESH_NAME + 1];
     struct server_key key;
     struct server_listed listed;
     enum server_outcome outcome = server_registry_follow(registry, exchange->started_ns);
     if (outcome && exchange->match.capture_count > 0) {
-        if (!server_request_key(exchange, name, &key)) return true;
+        if (!server_request_key(exchange, &key)) return true;
         if (!server_registry_find(registry, &key, &listed)) {
             server_request_fail(exchange, outcome);
             return true;
@@ -142,12 +138,13 @@ bool server_request_follows_first(struct server_exchange *exchange)
     const struct server_kind *kind = request_find_kind(exchange->match.route);
     const struct proto_capture *capture = &exchange->match.captures[0];
     bool names_one = exchange->match.capture_count > 0;
-    char name[PROTO_MESH_NAME + 1];
     if (!server_registry_is_shared(registry) || !kind) return false;
     /* not a valid name: the handler reports that */
     if (names_one && capture->length > PROTO_MESH_NAME) return false;
-    if (names_one) snprintf(name, sizeof name, "%.*s", (int)capture->length, capture->text);
-    const struct server_key key = {exchange->tenant, kind, name};
+    if (names_one)
+        snprintf(exchange->name, sizeof exchange->name, "%.*s", (int)capture->length,
+                 capture->text);
+    const struct server_key key = {exchange->tenant, kind, exchange->name};
     if (server_registry_is_fresh(registry, names_one ? &key : NULL)) return false;
     server_exchange_defer(exchange, registry_follow, NULL);
     return true;
@@ -184,9 +181,8 @@ static bool surface_bring(struct server_exchange *exchange)
 static bool surface_join(struct server_exchange *exchange)
 {
     struct server_listed listed;
-    char name[PROTO_MESH_NAME + 1];
     struct server_key key;
-    if (!server_request_key(exchange, name, &key) ||
+    if (!server_request_key(exchange, &key) ||
         !server_registry_find(exchange->host->api->registry, &key, &listed))
         return false;
     bool joined = !listed.surface &&
@@ -198,11 +194,10 @@ static bool surface_join(struct server_exchange *exchange)
 /* Returns the surface in memory, or NULL with the exchange deferred or a problem replied. */
 static struct server_surface *surface_find(struct server_exchange *exchange)
 {
-    char name[PROTO_MESH_NAME + 1];
     struct server_key key;
     struct server_surface *surface;
     if (exchange->surface) return server_surface_retain(exchange->surface);
-    if (!server_request_key(exchange, name, &key)) return NULL;
+    if (!server_request_key(exchange, &key)) return NULL;
     if (!server_registry_use(exchange->host->api->registry, &key, &surface)) {
         reply_absent(exchange);
         return NULL;

@@ -11,13 +11,15 @@
 /* Returns the kind of surface that the route is about, "/v1/<plural>…". Other routes: meshes. */
 const struct server_kind *server_request_kind(const struct server_exchange *exchange);
 
-/* Reads the key of the surface (tenant, kind, name) from the path. Writes the surface's name to
- * `name`, which the key borrows. Returns false, with a problem replied, if the name is invalid. */
-bool server_request_key(struct server_exchange *exchange, char name[PROTO_MESH_NAME + 1],
-                        struct server_key *key);
+/* Reads the key of the surface (tenant, kind, name) from the path; borrowed from the exchange.
+ * False, with a problem replied: the name is invalid. */
+bool server_request_key(struct server_exchange *exchange, struct server_key *key);
 
 /* For operations without parameters. False: the request has some; a problem is replied. */
 bool server_request_is_plain(struct server_exchange *exchange);
+
+/* Reads the seconds that the request may wait. False: a problem is replied. */
+bool server_request_wait(struct server_exchange *exchange, uint64_t *wait_s);
 
 /* Returns the time (as of gd_now_ns, in ns) at which a wait of `wait_s` seconds ends, or an earlier
  * time if the deadline requires it. */

@@ -11,56 +11,54 @@
 #define STRIP_BYTES_A_POINT 512
 #define STRIP_BYTES_LEAST   ((size_t)1 << 20)
 
-static bool file_hold(const struct server_query *query, size_t bytes, struct proto_problem *problem)
+static bool file_hold(const struct server_query *query, size_t bytes)
 {
     struct server_budget *budget = query->exchange->host->budget;
     if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, bytes))
-        return server_budget_refuse(budget, WHAT, bytes, problem);
+        return server_budget_refuse(budget, WHAT, bytes, query->problem);
     query->exchange->held += bytes;
     return true;
 }
 
 /* Replaces `bytes` of the held bytes by `actual`, and returns whether there is no failure. */
 static bool file_settle(const struct server_query *query, size_t bytes, size_t actual,
-                        enum gd_status status, struct proto_problem *problem)
+                        enum gd_status status)
 {
     server_budget_adjust(query->exchange->host->budget, SERVER_BUDGET_FLIGHT, bytes, actual);
     query->exchange->held += actual;
     query->exchange->held -= bytes;
-    if (status) server_query_fail(query, status, WHAT, problem);
+    if (status) server_query_fail(query, status, WHAT);
     return !status;
 }
 
 static bool result_write(const struct server_query *query, const struct gd_result *result,
-                         enum gd_result_format format, struct server_answer_file *out,
-                         struct proto_problem *problem)
+                         enum gd_result_format format, struct server_answer_file *out)
 {
     size_t cost = gd_result_cost(result);
-    if (!file_hold(query, cost, problem)) return false;
+    if (!file_hold(query, cost)) return false;
     enum gd_status status = gd_write_result(result, format, &out->bytes, &out->size);
-    return file_settle(query, cost, status ? 0 : out->size, status, problem);
+    return file_settle(query, cost, status ? 0 : out->size, status);
 }
 
 bool server_result_write(const struct server_query *query, const struct gd_result *result,
-                         enum gd_result_format format, struct server_answer_file *out,
-                         struct proto_problem *problem)
+                         enum gd_result_format format, struct server_answer_file *out)
 {
     const struct gd_mesh_summary *summary = gd_mesh_summary(query->surface->mesh);
     size_t cost = summary->index_count * sizeof(double[3]) + summary->faces * sizeof(uint32_t[3]);
     struct gd_polygons polygons;
     struct gd_result whole = *result;
-    if (!query->with_mesh) return result_write(query, result, format, out, problem);
-    if (!file_hold(query, cost, problem)) return false;
+    if (!query->with_mesh) return result_write(query, result, format, out);
+    if (!file_hold(query, cost)) return false;
     enum gd_status status = gd_mesh_polygons(query->surface->mesh, &polygons);
     whole.mesh = &polygons;
-    bool ok = !status && result_write(query, &whole, format, out, problem);
+    bool ok = !status && result_write(query, &whole, format, out);
     if (!status) gd_polygons_free(&polygons);
-    return file_settle(query, cost, 0, status, problem) && ok;
+    return file_settle(query, cost, 0, status) && ok;
 }
 
 bool server_result_write_lines(const struct server_query *query,
                                const struct server_result_lines *lines,
-                               struct server_answer_file *out, struct proto_problem *problem)
+                               struct server_answer_file *out)
 {
     static const enum gd_result_format formats[] = {GD_RESULT_OBJ, GD_RESULT_GLB, GD_RESULT_CSV};
     uint32_t count = lines->count, *first = calloc(count + (size_t)1, sizeof *first);
@@ -68,7 +66,7 @@ bool server_result_write_lines(const struct server_query *query,
     size_t cost = first ? first[count] * sizeof(double[3]) + count * sizeof *first : 0;
     double(*positions)[3] = NULL;
     bool ok = false;
-    if (file_hold(query, cost, problem)) {
+    if (file_hold(query, cost)) {
         positions = first ? malloc(first[count] * sizeof *positions) : NULL;
         for (uint32_t i = 0; i < count && positions; i++)
             gd_points_positions(query->surface->mesh, lines->paths[i].points, lines->paths[i].count,
@@ -78,9 +76,8 @@ bool server_result_write_lines(const struct server_query *query,
                                          .line_count = count,
                                          .levels = lines->levels};
         ok = positions &&
-             server_result_write(query, &result, formats[query->form - SERVER_FORM_FIRST], out,
-                                 problem);
-        file_settle(query, cost, 0, positions ? GD_OK : GD_NO_MEMORY, problem);
+             server_result_write(query, &result, formats[query->form - SERVER_FORM_FIRST], out);
+        file_settle(query, cost, 0, positions ? GD_OK : GD_NO_MEMORY);
     }
     free(positions);
     free(first);
@@ -88,25 +85,25 @@ bool server_result_write_lines(const struct server_query *query,
 }
 
 bool server_result_write_strip(const struct server_query *query, const struct gd_path *path,
-                               struct server_answer_file *out, struct proto_problem *problem)
+                               struct server_answer_file *out)
 {
     size_t cost = STRIP_BYTES_LEAST + (size_t)path->count * STRIP_BYTES_A_POINT;
     struct server_monitor monitor = server_query_monitor(query, 1, 0);
     struct gd_control control = server_exchange_control(&monitor);
     struct gd_flat_strip strip;
     struct proto_writer writer;
-    if (!file_hold(query, 2 * cost, problem)) return false;
+    if (!file_hold(query, 2 * cost)) return false;
     control.budget_bytes = cost;
     enum gd_status status = gd_flat_strip_of(query->surface->mesh, path, &control, &strip);
-    if (status) return file_settle(query, 2 * cost, 0, status, problem);
+    if (status) return file_settle(query, 2 * cost, 0, status);
     proto_writer_init(&writer, query->exchange->host->budget->largest_answer);
     proto_writer_expect(&writer, proto_flat_strip_bytes(&strip));
     proto_flat_strip_svg(&writer, &strip, path->length);
-    bool ok = proto_writer_check(&writer, problem);
+    bool ok = proto_writer_check(&writer, query->problem);
     if (ok) out->bytes = proto_writer_take(&writer, &out->size);
     proto_writer_free(&writer);
     gd_flat_strip_free(&strip);
-    file_settle(query, 2 * cost, ok ? out->size : 0, GD_OK, problem);
+    file_settle(query, 2 * cost, ok ? out->size : 0, GD_OK);
     return ok;
 }
 

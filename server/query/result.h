@@ -9,8 +9,7 @@
 
 /* Writes the result, with the mesh if the query says so. The exchange's `held` counts the bytes. */
 bool server_result_write(const struct server_query *query, const struct gd_result *result,
-                         enum gd_result_format format, struct server_answer_file *out,
-                         struct proto_problem *problem);
+                         enum gd_result_format format, struct server_answer_file *out);
 
 /* The forms of lines, which precede an answer's other forms. */
 #define SERVER_RESULT_LINE_FORMS                                                                   \
@@ -31,11 +30,11 @@ struct server_result_lines {
  * SERVER_RESULT_LINE_FORMS. */
 bool server_result_write_lines(const struct server_query *query,
                                const struct server_result_lines *lines,
-                               struct server_answer_file *out, struct proto_problem *problem);
+                               struct server_answer_file *out);
 
 /* Writes a path and the faces that it crosses, laid flat and drawn (proto/values/flat_strip.h). */
 bool server_result_write_strip(const struct server_query *query, const struct gd_path *path,
-                               struct server_answer_file *out, struct proto_problem *problem);
+                               struct server_answer_file *out);
 
 /* Refuses to write an empty file; `why` begins a sentence. */
 bool server_result_refuse_nothing(struct proto_problem *problem, const char *why);

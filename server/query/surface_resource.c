@@ -97,12 +97,6 @@ void server_surface_resource_reply_stored(struct server_exchange *exchange,
 
 /* --- derived meshes --------------------------------------------------------------------------- */
 
-void server_derived_meshes_begin(struct server_derived_meshes *meshes,
-                                 struct server_exchange *exchange)
-{
-    *meshes = (struct server_derived_meshes){.exchange = exchange};
-}
-
 void server_derived_meshes_free(struct server_derived_meshes *meshes)
 {
     if (!meshes->exchange) return;

@@ -35,7 +35,7 @@ void server_surface_resource_reply_stored(struct server_exchange *exchange,
 /* Meshes that the daemon makes from another surface: the pieces of a cut, a
  * tessellation, a discretization. They are resources like uploads, and as durable.
  *
- *     server_derived_meshes_begin(&meshes, exchange);             a worker
+ *     meshes.exchange = exchange;                                 a worker
  *     server_derived_meshes_add(&meshes, name, &polygons, …);     … for each mesh
  *     return server_request_write(exchange, store);
  *     server_derived_meshes_store(&meshes);                       `store`, by the registry's writer
@@ -59,15 +59,13 @@ struct server_derived_mesh {
 
 #define SERVER_DERIVED_MESHES_MOST 64 /* most meshes of one request */
 
-struct server_derived_meshes { /* all zero: not begun */
-    struct server_exchange *exchange;
+struct server_derived_meshes {        /* all zero at first */
+    struct server_exchange *exchange; /* set by the caller; NULL: no mesh was added */
     struct server_derived_mesh list[SERVER_DERIVED_MESHES_MOST];
     uint32_t count;
     size_t held; /* bytes of SERVER_BUDGET_FLIGHT */
 };
 
-void server_derived_meshes_begin(struct server_derived_meshes *meshes,
-                                 struct server_exchange *exchange);
 void server_derived_meshes_free(struct server_derived_meshes *meshes); /* accepts all zero */
 
 /* Builds a mesh to be stored under that name of the exchange's tenant. Borrows polygons and

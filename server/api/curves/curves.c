@@ -1,14 +1,11 @@
-/* Curves: operations on a curve, cuts along a curve, splines, and the distance between two curves.
- * All run on a worker. */
+/* Curves: operations on a curve, cuts along a curve, and splines. All run on a worker. */
 #include "server/query/handlers.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "gd/frame.h"
-#include "proto/queries/curve_distance.h"
 #include "proto/queries/curve_operation.h"
 #include "proto/queries/cut.h"
 #include "proto/values/curve.h"
@@ -34,8 +31,7 @@ struct curve_query {
 };
 
 /* Resolves the curve and uses it in one long call. Refuses an unresolvable curve at its place. */
-static bool curve_solve(struct curve_query *own, size_t grant, const char *what,
-                        struct proto_problem *problem)
+static bool curve_solve(struct curve_query *own, size_t grant, const char *what)
 {
     struct server_query *query = &own->query;
     const struct gd_landmarks *landmarks = server_query_landmarks(query);
@@ -55,13 +51,12 @@ static bool curve_solve(struct curve_query *own, size_t grant, const char *what,
         gd_curve_free(&curve);
     }
     if (!call.status) return true;
-    if (call.status == GD_BUDGET || !own->detail.text[0]) {
-        server_query_fail(query, call.status, what, problem);
-        return false;
-    }
+    if (call.status == GD_BUDGET || !own->detail.text[0])
+        return server_query_refuse(query, call.status, what);
     server_metrics_count_status(query->exchange->host->metrics, call.status);
-    return is_resolved ? proto_problem_from_status(problem, call.status, &own->detail)
-                       : proto_curve_fail(&own->curve, call.status, &own->detail, problem);
+    return is_resolved
+               ? proto_problem_from_status(own->query.problem, call.status, &own->detail)
+               : proto_curve_fail(&own->curve, call.status, &own->detail, own->query.problem);
 }
 
 /* --- operations ------------------------------------------------------------------------------- */
@@ -70,17 +65,14 @@ struct operation_query {
     struct curve_query own; /* first */
     struct proto_curve_operation_request wanted;
     struct proto_curve_result result;
-    const struct gd_path *lines; /* for an answer as arrays */
-    struct gd_path line;
 };
 
-static bool operation_decode(struct server_query *query, const json_t *document,
-                             struct proto_problem *problem)
+static bool operation_decode(struct server_query *query, const json_t *document)
 {
     struct operation_query *operation = (struct operation_query *)query;
-    return proto_curve_operation_request_decode(document, &operation->wanted, problem) &&
+    return proto_curve_operation_request_decode(document, &operation->wanted, query->problem) &&
            proto_curve_locate(query->surface->mesh, &operation->wanted.curve, &operation->own.curve,
-                              problem);
+                              query->problem);
 }
 
 static enum gd_status curve_resample(struct operation_query *operation,
@@ -184,12 +176,11 @@ static enum gd_status operation_use(struct curve_query *query, struct gd_curve *
     return status;
 }
 
-static enum server_query_turn operation_solve(struct server_query *query,
-                                              struct proto_problem *problem)
+static enum server_query_turn operation_solve(struct server_query *query)
 {
     struct curve_query *own = (struct curve_query *)query;
     own->use = operation_use;
-    return curve_solve(own, server_field_build_grant(query->surface->mesh), "the curve", problem)
+    return curve_solve(own, server_field_build_grant(query->surface->mesh), "the curve")
                ? SERVER_QUERY_DONE
                : SERVER_QUERY_FAILED;
 }
@@ -200,13 +191,6 @@ static void operation_encode(const struct server_query *query, struct proto_writ
                               &((const struct operation_query *)query)->result, &query->options);
 }
 
-static const struct gd_point *operation_points(const void *user, uint32_t line, uint32_t *count)
-{
-    const struct gd_path *path = &((const struct operation_query *)user)->lines[line];
-    *count = path->count;
-    return path->points;
-}
-
 static void points_read(const void *source, uint64_t first, uint64_t count, void *out)
 {
     const struct operation_query *operation = source;
@@ -214,29 +198,26 @@ static void points_read(const void *source, uint64_t first, uint64_t count, void
                         (uint32_t)count, out);
 }
 
-/* Returns the curve as a line. A closed curve's first point is repeated at the end. */
-static const struct gd_path *curve_as_line(struct operation_query *operation)
+/* Lists the curve as a line. A closed curve's first point is repeated at the end. */
+static bool operation_list_curve(struct operation_query *operation)
 {
+    struct server_query *query = &operation->own.query;
     const struct gd_curve *curve = &operation->result.curve;
     uint32_t count = curve->count + (curve->closed && curve->count > 1);
-    struct gd_point *points = server_query_allocate(&operation->own.query, count, sizeof *points);
-    for (uint32_t i = 0; i < count && points; i++) points[i] = curve->points[i % curve->count];
-    operation->line = (struct gd_path){.points = points, .count = count};
-    return points ? &operation->line : NULL;
+    struct gd_point *points = server_query_allocate(query, count, sizeof *points);
+    if (!points) return server_query_refuse(query, GD_NO_MEMORY, "the answer");
+    for (uint32_t i = 0; i < count; i++) points[i] = curve->points[i % curve->count];
+    return server_query_list_line(query, points, count);
 }
 
-static bool operation_list_arrays(struct server_query *query, struct proto_problem *problem)
+static bool operation_list_arrays(struct server_query *query)
 {
     struct operation_query *operation = (struct operation_query *)query;
     const struct proto_curve_result *result = &operation->result;
-    bool is_offset = result->operation == PROTO_OPERATION_OFFSET;
-    operation->lines = is_offset ? result->paths : curve_as_line(operation);
-    if (!operation->lines) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
-    const struct server_lines lines = {.mesh = query->surface->mesh,
-                                       .count = is_offset ? result->path_count : 1,
-                                       .points = operation_points,
-                                       .user = operation};
-    if (!server_query_list_lines(query, &lines, problem)) return false;
+    if (result->operation == PROTO_OPERATION_OFFSET)
+        return server_query_list_lines(query, result->paths, sizeof *result->paths,
+                                       result->path_count);
+    if (!operation_list_curve(operation)) return false;
     if (result->operation == PROTO_OPERATION_RESAMPLE)
         server_arrays_add(&query->arrays, &(struct server_array){.name = "resampled",
                                                                  .type = SERVER_ARRAY_NUMBERS,
@@ -283,9 +264,9 @@ struct cut_query {
     bool (*work)(struct server_exchange *exchange);
 };
 
-static bool cut_decode(struct server_query *query, const json_t *document,
-                       struct proto_problem *problem)
+static bool cut_decode(struct server_query *query, const json_t *document)
 {
+    struct proto_problem *problem = query->problem;
     struct cut_query *cut = (struct cut_query *)query;
     const struct gd_mesh *mesh = query->surface->mesh;
     struct proto_cut_request *wanted = &cut->wanted;
@@ -309,27 +290,27 @@ static enum gd_status cut_use(struct curve_query *query, struct gd_curve *curve,
     return status;
 }
 
-static bool pieces_check(const struct cut_query *cut, struct proto_problem *problem)
+static bool pieces_check(const struct cut_query *cut)
 {
     uint32_t count = cut->cut.piece_count;
     if (cut->wanted.names.count && count != cut->wanted.names.count)
-        return proto_problem_refuse(problem, "/names",
+        return proto_problem_refuse(cut->own.query.problem, "/names",
                                     "the cut gives %u pieces, and there are %u names", count,
                                     cut->wanted.names.count);
     if (count <= SERVER_DERIVED_MESHES_MOST) return true;
     return proto_problem_exceed(
-        problem, NULL, SERVER_DERIVED_MESHES_MOST,
+        cut->own.query.problem, NULL, SERVER_DERIVED_MESHES_MOST,
         "the cut gives %u pieces, and at most %d become meshes at a time; choose one "
         "by \"inside\", or ask with \"select_only\"",
         count, SERVER_DERIVED_MESHES_MOST);
 }
 
 /* Builds the pieces. A piece has the requested name, or the parent's with a number. */
-static bool pieces_build(struct cut_query *cut, struct proto_problem *problem)
+static bool pieces_build(struct cut_query *cut)
 {
     const struct server_query *query = &cut->own.query;
-    if (!pieces_check(cut, problem)) return false;
-    server_derived_meshes_begin(&cut->meshes, query->exchange);
+    if (!pieces_check(cut)) return false;
+    cut->meshes.exchange = query->exchange;
     for (uint32_t i = 0; i < cut->cut.piece_count; i++) {
         char name[PROTO_MESH_NAME + 1];
         int length =
@@ -338,9 +319,10 @@ static bool pieces_build(struct cut_query *cut, struct proto_problem *problem)
                 : snprintf(name, sizeof name, "%s-%u", query->surface->record->name, i + 1);
         if (length > PROTO_MESH_NAME)
             return proto_problem_refuse(
-                problem, "/names", "the mesh's name is too long to be numbered; name the pieces");
+                cut->own.query.problem, "/names",
+                "the mesh's name is too long to be numbered; name the pieces");
         if (!server_derived_meshes_add(&cut->meshes, name, &cut->cut.pieces[i].polygons, NULL,
-                                       problem))
+                                       cut->own.query.problem))
             return false;
     }
     return true;
@@ -385,16 +367,16 @@ static bool pieces_store(struct server_exchange *exchange)
     return false;
 }
 
-static enum server_query_turn cut_solve(struct server_query *query, struct proto_problem *problem)
+static enum server_query_turn cut_solve(struct server_query *query)
 {
     struct cut_query *cut = (struct cut_query *)query;
     size_t edges = gd_mesh_summary(query->surface->mesh)->edges;
     if (cut->is_stored) return SERVER_QUERY_DONE;
     cut->own.use = cut_use;
-    if (!curve_solve(&cut->own, CUT_BYTES + edges * CUT_BYTES_AN_EDGE, "the cut", problem))
+    if (!curve_solve(&cut->own, CUT_BYTES + edges * CUT_BYTES_AN_EDGE, "the cut"))
         return SERVER_QUERY_FAILED;
     if (cut->wanted.select_only) return SERVER_QUERY_DONE;
-    if (!pieces_build(cut, problem)) return SERVER_QUERY_FAILED;
+    if (!pieces_build(cut)) return SERVER_QUERY_FAILED;
     cut->work = query->exchange->work;
     (void)server_request_write(query->exchange, pieces_store);
     return SERVER_QUERY_PARKED;
@@ -414,7 +396,7 @@ static void cut_encode(const struct server_query *query, struct proto_writer *wr
 }
 
 /* Lists a map of all pieces, one after the other, and where each piece begins. */
-static bool cut_list_map(struct cut_query *cut, bool is_of_faces, struct proto_problem *problem)
+static bool cut_list_map(struct cut_query *cut, bool is_of_faces)
 {
     struct server_query *query = &cut->own.query;
     uint32_t count = cut->cut.piece_count;
@@ -425,10 +407,7 @@ static bool cut_list_map(struct cut_query *cut, bool is_of_faces, struct proto_p
             first[i] + (is_of_faces ? piece->face_count : piece->polygons.position_count);
     }
     uint32_t *map = first ? server_query_allocate(query, first[count], sizeof *map) : NULL;
-    if (!map) {
-        server_query_fail(query, GD_BUDGET, "the answer", problem);
-        return false;
-    }
+    if (!map) return server_query_refuse(query, GD_BUDGET, "the answer");
     for (uint32_t i = 0; i < count; i++) {
         const struct gd_cut_piece *piece = &cut->cut.pieces[i];
         memcpy(map + first[i], is_of_faces ? piece->face_map : piece->vertex_map,
@@ -441,22 +420,13 @@ static bool cut_list_map(struct cut_query *cut, bool is_of_faces, struct proto_p
     return true;
 }
 
-static void pieces_read_areas(const void *source, uint64_t first, uint64_t count, void *out)
-{
-    const struct gd_cut *cut = source;
-    for (uint64_t i = 0; i < count; i++) ((double *)out)[i] = cut->pieces[first + i].area;
-}
-
-static bool cut_list_arrays(struct server_query *query, struct proto_problem *problem)
+static bool cut_list_arrays(struct server_query *query)
 {
     struct cut_query *cut = (struct cut_query *)query;
-    server_arrays_add(&query->arrays, &(struct server_array){.name = "area",
-                                                             .type = SERVER_ARRAY_NUMBERS,
-                                                             .rows = cut->cut.piece_count,
-                                                             .read = pieces_read_areas,
-                                                             .source = &cut->cut});
-    return cut_list_map(cut, true, problem) &&
-           (cut->wanted.select_only || cut_list_map(cut, false, problem));
+    const struct gd_cut_piece *pieces = cut->cut.pieces;
+    server_arrays_add_member(&query->arrays, "area", cut->cut.piece_count, &pieces->area,
+                             sizeof *pieces);
+    return cut_list_map(cut, true) && (cut->wanted.select_only || cut_list_map(cut, false));
 }
 
 static void cut_release(struct server_query *query)
@@ -492,12 +462,11 @@ struct spline_query {
     struct gd_detail detail;
 };
 
-static bool spline_decode(struct server_query *query, const json_t *document,
-                          struct proto_problem *problem)
+static bool spline_decode(struct server_query *query, const json_t *document)
 {
     struct spline_query *own = (struct spline_query *)query;
-    return proto_spline_decode(document, &own->wanted, problem) &&
-           proto_spline_locate(query->surface->mesh, &own->wanted, &own->located, problem);
+    return proto_spline_decode(document, &own->wanted, query->problem) &&
+           proto_spline_locate(query->surface->mesh, &own->wanted, &own->located, query->problem);
 }
 
 static size_t spline_bytes(const struct gd_spline *spline, const struct gd_spline_line *line)
@@ -509,7 +478,6 @@ static size_t spline_bytes(const struct gd_spline *spline, const struct gd_splin
            spline->count * (sizeof *spline->segments + sizeof *spline->knots);
 }
 
-/* Builds the spline and samples it. */
 static enum gd_status spline_make(struct spline_query *own, struct server_monitor *part,
                                   const struct gd_control *control)
 {
@@ -527,8 +495,7 @@ static enum gd_status spline_make(struct spline_query *own, struct server_monito
     return status;
 }
 
-static enum server_query_turn spline_solve(struct server_query *query,
-                                           struct proto_problem *problem)
+static enum server_query_turn spline_solve(struct server_query *query)
 {
     struct spline_query *own = (struct spline_query *)query;
     struct server_monitor part = server_query_monitor(query, 0, 1);
@@ -542,9 +509,9 @@ static enum server_query_turn spline_solve(struct server_query *query,
     }
     server_executor_stop(own->located.request.executor);
     if (!call.status || call.status == GD_BUDGET || !own->detail.text[0])
-        return server_query_end_draft(query, call.status, "the spline", problem);
+        return server_query_end_draft(query, call.status, "the spline");
     server_metrics_count_status(query->exchange->host->metrics, call.status);
-    proto_spline_fail("", call.status, &own->detail, problem);
+    proto_spline_fail("", call.status, &own->detail, query->problem);
     return SERVER_QUERY_FAILED;
 }
 
@@ -553,12 +520,6 @@ static void spline_encode(const struct server_query *query, struct proto_writer 
     const struct spline_query *own = (const struct spline_query *)query;
     proto_spline_encode(writer, query->surface->mesh, &own->spline, &own->line, own->wanted.frames,
                         &query->options);
-}
-
-static void spline_read_parameters(const void *source, uint64_t first, uint64_t count, void *out)
-{
-    const struct gd_spline *spline = source;
-    for (uint64_t i = 0; i < count; i++) ((double *)out)[i] = spline->knots[first + i].parameter;
 }
 
 #define FRAME_NUMBERS 14 /* parameter, xyz, tangent, normal, binormal, speed */
@@ -581,17 +542,14 @@ static void spline_read_frames(const void *source, uint64_t first, uint64_t coun
     }
 }
 
-static bool spline_list_arrays(struct server_query *query, struct proto_problem *problem)
+static bool spline_list_arrays(struct server_query *query)
 {
     struct spline_query *own = (struct spline_query *)query;
     const struct gd_path *path = &own->line.path;
-    if (!server_query_list_line(query, path->points, path->count, problem)) return false;
-    server_arrays_add(&query->arrays,
-                      &(struct server_array){.name = "parameters",
-                                             .type = SERVER_ARRAY_NUMBERS,
-                                             .rows = own->spline.count + UINT64_C(1),
-                                             .read = spline_read_parameters,
-                                             .source = &own->spline});
+    if (!server_query_list_line(query, path->points, path->count)) return false;
+    const struct gd_spline_knot *knots = own->spline.knots;
+    server_arrays_add_member(&query->arrays, "parameters", own->spline.count + UINT64_C(1),
+                             &knots->parameter, sizeof *knots);
     if (own->wanted.frames)
         server_arrays_add(&query->arrays, &(struct server_array){.name = "frames",
                                                                  .type = SERVER_ARRAY_NUMBERS,
@@ -619,120 +577,3 @@ const struct server_query_kind server_query_spline = {.name = "spline",
                                                       .forms = server_array_forms,
                                                       .list_arrays = spline_list_arrays,
                                                       .release = spline_release};
-
-/* --- distance between two curves -------------------------------------------------------------- */
-
-#define SETS_SHARE 0.2 /* share of the work, for locating the curves */
-
-enum { A, B };
-
-struct curves_query {
-    struct server_query query; /* first */
-    struct proto_curve_distance wanted;
-    struct proto_located_set *set[2];
-    struct gd_curve curve[2];
-    int source;                        /* the curve whose field is being used */
-    struct gd_curve_distance found[2]; /* index: the curve of the field */
-};
-
-static bool curves_decode(struct server_query *query, const json_t *document,
-                          struct proto_problem *problem)
-{
-    return proto_curve_distance_decode(document, &((struct curves_query *)query)->wanted, problem);
-}
-
-/* Makes a curve from the seeds of a set: points, each followed by its segment. The last point of an
- * open curve has no segment. */
-static bool curve_of_set(const struct proto_located_set *set, struct gd_curve *out)
-{
-    struct gd_curve curve = {.count = (set->seed_count + 1) / 2,
-                             .closed = set->seed_count % 2 == 0};
-    curve.points = malloc(curve.count * sizeof *curve.points);
-    for (uint32_t i = 0; i < curve.count && curve.points; i++)
-        curve.points[i] = set->seeds[2 * i].point;
-    *out = curve;
-    return curve.points;
-}
-
-static bool curves_prepare(struct server_query *query, struct proto_problem *problem)
-{
-    struct curves_query *curves = (struct curves_query *)query;
-    const struct proto_set *wanted[] = {&curves->wanted.a, &curves->wanted.b};
-    for (int i = A; i <= B; i++) {
-        struct server_monitor part =
-            server_query_monitor(query, i * SETS_SHARE / 2, SETS_SHARE / 2);
-        if (!server_query_locate_set(query, &part, wanted[i], &curves->set[i], problem))
-            return false;
-        if (!curve_of_set(curves->set[i], &curves->curve[i]))
-            return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
-    }
-    proto_curve_distance_free(&curves->wanted);
-    server_field_query_of_located(query, curves->set[A], 0);
-    return true;
-}
-
-/* Answers from a field. The least distance is symmetric; the Hausdorff distance also needs the
- * field of the other curve. */
-static enum server_query_turn curves_answer(struct server_query *query,
-                                            const struct gd_field *field,
-                                            struct server_monitor *part,
-                                            struct proto_problem *problem)
-{
-    struct curves_query *curves = (struct curves_query *)query;
-    const struct gd_control control = server_exchange_control(part);
-    int source = curves->source;
-    const struct gd_curve *of = &curves->curve[source], *other = &curves->curve[!source];
-    enum gd_status status =
-        curves->wanted.hausdorff
-            ? gd_curve_farthest(field, of, other, &control, &curves->found[source])
-            : gd_curve_distance(field, of, other, &control, &curves->found[source]);
-    if (status || !curves->wanted.hausdorff || source == B)
-        return server_query_end_draft(query, status, "the curves", problem);
-    curves->source = B;
-    server_field_query_of_located(query, curves->set[B], 0);
-    return SERVER_QUERY_AGAIN;
-}
-
-static void curves_encode(const struct server_query *query, struct proto_writer *writer)
-{
-    const struct curves_query *curves = (const struct curves_query *)query;
-    if (curves->wanted.hausdorff)
-        proto_hausdorff_encode(writer, query->surface->mesh, &curves->found[B], &curves->found[A],
-                               &query->options);
-    else
-        proto_curve_distance_encode(writer, query->surface->mesh, &curves->found[A],
-                                    &query->options);
-}
-
-/* Lists the arrays, without a line if there is no path. */
-static bool curves_list_arrays(struct server_query *query, struct proto_problem *problem)
-{
-    const struct curves_query *curves = (const struct curves_query *)query;
-    const struct gd_curve_distance *found = curves->found, *told = &found[A];
-    if (curves->wanted.hausdorff && found[B].distance > found[A].distance) told = &found[B];
-    const struct gd_point *points = isfinite(told->distance) ? told->path.points : NULL;
-    if (!server_query_list_line(query, points, told->path.count, problem)) return false;
-    server_arrays_add_numbers(&query->arrays, "distance", 0, 1, &told->distance);
-    return true;
-}
-
-static void curves_release(struct server_query *query)
-{
-    struct curves_query *curves = (struct curves_query *)query;
-    for (int i = A; i <= B; i++) {
-        gd_curve_distance_free(&curves->found[i]);
-        gd_curve_free(&curves->curve[i]);
-        free(curves->set[i]);
-    }
-    proto_curve_distance_free(&curves->wanted);
-}
-
-const struct server_query_kind server_query_curve_distance = {.name = "curve-distance",
-                                                              .size = sizeof(struct curves_query),
-                                                              .decode = curves_decode,
-                                                              .prepare = curves_prepare,
-                                                              .answer = curves_answer,
-                                                              .encode = curves_encode,
-                                                              .forms = server_array_forms,
-                                                              .list_arrays = curves_list_arrays,
-                                                              .release = curves_release};

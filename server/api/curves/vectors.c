@@ -95,28 +95,27 @@ struct trace_query {
     struct gd_trace *traces;     /* without paths, each has only its last point */
 };
 
-static bool directions_locate(struct trace_query *own, struct proto_problem *problem)
+static bool directions_locate(struct trace_query *own)
 {
     const struct gd_mesh *mesh = own->query.surface->mesh;
     const struct proto_direction *wanted = own->wanted.directions.items;
     own->count = wanted ? own->wanted.directions.count : own->wanted.fan;
     own->directions = server_query_allocate(&own->query, own->count, sizeof *own->directions);
-    if (!own->directions) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
+    if (!own->directions) return proto_problem_from_status(own->query.problem, GD_NO_MEMORY, NULL);
     for (uint32_t i = 0; i < own->count; i++) {
         if (!wanted)
             own->directions[i] = gd_trace_fan(mesh, &own->start, own->count, i);
         else if (!proto_direction_locate(mesh, &own->start, &wanted[i], &own->directions[i],
-                                         problem))
+                                         own->query.problem))
             return false;
     }
     return true;
 }
 
-static bool options_decode(struct trace_query *own, const json_t *document,
-                           struct proto_problem *problem)
+static bool options_decode(struct trace_query *own, const json_t *document)
 {
     struct proto_trace_request *wanted = &own->wanted;
-    if (!proto_trace_request_decode(document, wanted, problem)) return false;
+    if (!proto_trace_request_decode(document, wanted, own->query.problem)) return false;
     own->options = (struct gd_trace_options){
         .vertex_rule = wanted->vertex_rule == PROTO_VERTEX_RULE_LIMIT_NORMAL
                            ? GD_VERTEX_RULE_NORMAL
@@ -128,29 +127,28 @@ static bool options_decode(struct trace_query *own, const json_t *document,
     return true;
 }
 
-static bool trace_decode(struct server_query *query, const json_t *document,
-                         struct proto_problem *problem)
+static bool trace_decode(struct server_query *query, const json_t *document)
 {
     struct trace_query *own = (struct trace_query *)query;
     own->has_paths = query->options.fields & PROTO_TRACE_FIELD_PATHS;
-    return options_decode(own, document, problem) &&
+    return options_decode(own, document) &&
            proto_point_locate(query->surface->mesh, &own->wanted.start, &own->start, &own->snap,
-                              problem) &&
-           directions_locate(own, problem);
+                              query->problem) &&
+           directions_locate(own);
 }
 
-static bool segments_locate(struct trace_query *own, uint32_t i, struct proto_problem *problem)
+static bool segments_locate(struct trace_query *own, uint32_t i)
 {
     const struct proto_vectors *vectors = &own->vectors;
     uint32_t first = vectors->first[i], end = vectors->first[i + 1];
     if (first == end) return true;
     if (!proto_segment_locate(own->query.surface->mesh, &own->start, &vectors->segments[first],
-                              &own->segments[first], problem))
+                              &own->segments[first], own->query.problem))
         return false;
     for (uint32_t k = first + 1; k < end; k++) {
         const struct proto_segment *segment = &vectors->segments[k];
         if (!segment->direction.has_angle)
-            return proto_problem_refuse(problem, segment->direction.place,
+            return proto_problem_refuse(own->query.problem, segment->direction.place,
                                         "after the first one a segment takes an angle: where it "
                                         "begins is known only on the way");
         own->segments[k] = (struct gd_vector){{.angle = segment->direction.angle}, segment->length};
@@ -158,9 +156,9 @@ static bool segments_locate(struct trace_query *own, uint32_t i, struct proto_pr
     return true;
 }
 
-static bool exp_decode(struct server_query *query, const json_t *document,
-                       struct proto_problem *problem)
+static bool exp_decode(struct server_query *query, const json_t *document)
 {
+    struct proto_problem *problem = query->problem;
     struct trace_query *own = (struct trace_query *)query;
     struct proto_vectors *vectors = &own->vectors;
     struct proto_exp wanted = {0};
@@ -175,7 +173,7 @@ static bool exp_decode(struct server_query *query, const json_t *document,
                                           sizeof *own->segments);
     if (!own->segments) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
     for (uint32_t i = 0; i < vectors->count; i++)
-        if (!segments_locate(own, i, problem)) return false;
+        if (!segments_locate(own, i)) return false;
     vectors_combine(query->surface->mesh, &own->start, vectors, own->segments);
     own->count = vectors->count;
     return true;
@@ -216,19 +214,18 @@ static enum gd_status trace_follow(struct trace_query *own, uint32_t i,
 }
 
 static enum server_query_turn trace_fail(const struct server_query *query, enum gd_status status,
-                                         const struct gd_detail *detail,
-                                         struct proto_problem *problem)
+                                         const struct gd_detail *detail)
 {
     if (!((const struct trace_query *)query)->segments ||
         (status != GD_NOT_ON_SURFACE && status != GD_INVALID_ARGUMENT))
-        return server_query_fail(query, status, "the trace", problem);
-    proto_problem_from_status(problem, status, detail);
-    proto_problem_at(problem, "/vectors");
+        return server_query_fail(query, status, "the trace");
+    proto_problem_from_status(query->problem, status, detail);
+    proto_problem_at(query->problem, "/vectors");
     return SERVER_QUERY_FAILED;
 }
 
 /* Takes memory for two copies of a path, since arrays are copied as they grow. */
-static enum server_query_turn trace_solve(struct server_query *query, struct proto_problem *problem)
+static enum server_query_turn trace_solve(struct server_query *query)
 {
     struct trace_query *own = (struct trace_query *)query;
     size_t growing = 2 * (size_t)own->options.step_limit * sizeof(struct gd_point);
@@ -236,7 +233,7 @@ static enum server_query_turn trace_solve(struct server_query *query, struct pro
     if (own->directions && !own->has_paths) return SERVER_QUERY_DONE;
     own->traces = server_query_allocate(query, own->count, sizeof *own->traces);
     enum gd_status status = own->traces ? server_query_take(query, growing) : GD_BUDGET;
-    if (status) return server_query_fail(query, status, "the trace", problem);
+    if (status) return server_query_fail(query, status, "the trace");
     for (uint32_t i = 0; i < own->count && !status; i++) {
         struct server_monitor part =
             server_query_monitor(query, (double)i / own->count, 1.0 / own->count);
@@ -245,7 +242,7 @@ static enum server_query_turn trace_solve(struct server_query *query, struct pro
         if (!status) status = gd_control_check(&control, 1);
     }
     server_query_give(query, growing);
-    return status ? trace_fail(query, status, &detail, problem) : SERVER_QUERY_DONE;
+    return status ? trace_fail(query, status, &detail) : SERVER_QUERY_DONE;
 }
 
 static void paths_encode(const struct trace_query *own, struct proto_writer *writer)
@@ -310,33 +307,15 @@ static void exp_encode(const struct server_query *query, struct proto_writer *wr
     proto_write_object_end(writer);
 }
 
-static const struct gd_point *trace_points(const void *user, uint32_t line, uint32_t *count)
-{
-    const struct trace_query *own = user;
-    *count = own->traces[line].path.count;
-    return own->traces[line].path.points;
-}
-
-static void traces_read_lengths(const void *source, uint64_t first, uint64_t count, void *out)
-{
-    const struct trace_query *own = source;
-    for (uint64_t i = 0; i < count; i++) ((double *)out)[i] = own->traces[first + i].path.length;
-}
-
 /* A null vector has a line without points. Without paths each line is its last point. */
-static bool traces_list_arrays(struct server_query *query, struct proto_problem *problem)
+static bool traces_list_arrays(struct server_query *query)
 {
-    struct trace_query *own = (struct trace_query *)query;
-    const struct server_lines lines = {.mesh = query->surface->mesh,
-                                       .count = own->traces ? own->count : 0,
-                                       .points = trace_points,
-                                       .user = own};
-    if (!server_query_list_lines(query, &lines, problem)) return false;
-    server_arrays_add(&query->arrays, &(struct server_array){.name = "length",
-                                                             .type = SERVER_ARRAY_NUMBERS,
-                                                             .rows = lines.count,
-                                                             .read = traces_read_lengths,
-                                                             .source = own});
+    const struct trace_query *own = (const struct trace_query *)query;
+    const struct gd_path *paths = own->traces ? &own->traces->path : NULL;
+    uint32_t count = paths ? own->count : 0;
+    if (!server_query_list_lines(query, paths, sizeof *own->traces, count)) return false;
+    server_arrays_add_member(&query->arrays, "length", count, paths ? &paths->length : NULL,
+                             sizeof *own->traces);
     return true;
 }
 
@@ -386,19 +365,18 @@ struct log_query {
     uint32_t *is_cut;            /* for each target: 0 or 1 */
 };
 
-static bool log_decode(struct server_query *query, const json_t *document,
-                       struct proto_problem *problem)
+static bool log_decode(struct server_query *query, const json_t *document)
 {
     struct log_query *own = (struct log_query *)query;
     struct proto_log wanted;
-    if (!proto_log_decode(document, &wanted, problem)) return false;
+    if (!proto_log_decode(document, &wanted, query->problem)) return false;
     own->has_targets = wanted.to.count;
-    if (own->has_targets && !server_query_locate(query, &wanted.to, problem)) return false;
+    if (own->has_targets && !server_query_locate(query, &wanted.to)) return false;
     own->first_vector_only = wanted.first_vector_only;
     own->set = (struct proto_located_set){.count = 1, .seed_count = 1, .seeds = &own->from};
     server_field_query_of_located(query, &own->set, 0);
     return proto_point_locate(query->surface->mesh, &wanted.from, &own->from.point, &own->snap,
-                              problem);
+                              query->problem);
 }
 
 /* Writes a vector, or keeps it for an answer as arrays. */
@@ -496,7 +474,7 @@ static enum gd_status log_reserve(struct log_query *own)
 
 /* Writes the answer. `field` may be NULL if there are few targets. */
 static enum server_query_turn log_answer(struct server_query *query, const struct gd_field *field,
-                                         struct server_monitor *part, struct proto_problem *problem)
+                                         struct server_monitor *part)
 {
     struct log_query *own = (struct log_query *)query;
     struct proto_writer *writer = &query->draft;
@@ -513,7 +491,7 @@ static enum server_query_turn log_answer(struct server_query *query, const struc
         proto_write_array_end(writer);
     }
     proto_write_object_end(writer);
-    return server_query_end_draft(query, status, "the answer", problem);
+    return server_query_end_draft(query, status, "the answer");
 }
 
 static bool log_needs_field(const struct server_query *query)
@@ -528,18 +506,17 @@ static bool log_join(struct server_query *query)
     return log_needs_field(query) && server_field_query_join(query);
 }
 
-static enum server_query_turn log_solve(struct server_query *query, struct proto_problem *problem)
+static enum server_query_turn log_solve(struct server_query *query)
 {
     struct server_monitor whole = server_query_monitor(query, 0, 1);
-    return log_needs_field(query) ? server_field_query_solve(query, problem)
-                                  : log_answer(query, NULL, &whole, problem);
+    return log_needs_field(query) ? server_field_query_solve(query)
+                                  : log_answer(query, NULL, &whole);
 }
 
 /* Lists the arrays. Only JSON has the segments. */
-static bool log_list_arrays(struct server_query *query, struct proto_problem *problem)
+static bool log_list_arrays(struct server_query *query)
 {
     struct log_query *own = (struct log_query *)query;
-    (void)problem;
     vector_arrays_list(&own->arrays, own->count, &query->arrays);
     if (own->has_targets)
         server_arrays_add_indices(&query->arrays, "cut_locus", 0, own->count, own->is_cut);
@@ -565,8 +542,9 @@ struct transport_query {
     double distance;           /* INFINITY: no path */
 };
 
-static bool transport_locate(struct transport_query *own, struct proto_problem *problem)
+static bool transport_locate(struct transport_query *own)
 {
+    struct proto_problem *problem = own->query.problem;
     const struct gd_mesh *mesh = own->query.surface->mesh;
     const struct gd_point *from = own->query.points.points;
     struct proto_vectors *wanted = &own->wanted;
@@ -586,18 +564,16 @@ static bool transport_locate(struct transport_query *own, struct proto_problem *
     return true;
 }
 
-static bool transport_decode(struct server_query *query, const json_t *document,
-                             struct proto_problem *problem)
+static bool transport_decode(struct server_query *query, const json_t *document)
 {
     struct transport_query *own = (struct transport_query *)query;
     struct proto_transport wanted;
-    if (!proto_transport_decode(document, &wanted, problem)) return false;
+    if (!proto_transport_decode(document, &wanted, query->problem)) return false;
     own->wanted = wanted.vectors;
-    return server_query_locate(query, &wanted.ends, problem) && transport_locate(own, problem);
+    return server_query_locate(query, &wanted.ends) && transport_locate(own);
 }
 
-static enum server_query_turn transport_solve(struct server_query *query,
-                                              struct proto_problem *problem)
+static enum server_query_turn transport_solve(struct server_query *query)
 {
     struct transport_query *own = (struct transport_query *)query;
     struct server_monitor whole = server_query_monitor(query, 0, 1);
@@ -605,13 +581,13 @@ static enum server_query_turn transport_solve(struct server_query *query,
                                      GD_PAIR_PATH};
     struct gd_pair_answer answer;
     enum gd_status status = server_pair_solve(&whole, query->surface, &pair, &answer);
-    if (status) return server_query_fail(query, status, "the search", problem);
+    if (status) return server_query_fail(query, status, "the search");
     own->distance = answer.distance;
     if (isfinite(answer.distance))
         status = gd_vector_transport(query->surface->mesh, &answer.path, own->vectors,
                                      own->wanted.count, NULL);
     gd_pair_answer_free(&answer);
-    return server_query_end_draft(query, status, "the search", problem);
+    return server_query_end_draft(query, status, "the search");
 }
 
 static void transport_encode(const struct server_query *query, struct proto_writer *writer)
@@ -638,7 +614,7 @@ static void transport_encode(const struct server_query *query, struct proto_writ
     proto_write_object_end(writer);
 }
 
-static bool transport_list_arrays(struct server_query *query, struct proto_problem *problem)
+static bool transport_list_arrays(struct server_query *query)
 {
     struct transport_query *own = (struct transport_query *)query;
     struct vector_arrays arrays = {0};
@@ -646,7 +622,7 @@ static bool transport_list_arrays(struct server_query *query, struct proto_probl
          has_vectors = has_path && query->options.fields & PROTO_TRANSPORT_FIELD_VECTORS;
     uint32_t count = has_vectors ? own->wanted.count : 0;
     enum gd_status status = vector_arrays_reserve(query, count, &arrays);
-    if (status) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
+    if (status) return proto_problem_from_status(query->problem, GD_NO_MEMORY, NULL);
     for (uint32_t i = 0; i < count; i++)
         vector_arrays_set(&arrays, i,
                           vector_has_direction(&own->wanted, i) ? &own->vectors[i].direction : NULL,

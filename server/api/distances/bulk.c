@@ -28,19 +28,6 @@
 #define COLUMN 16                          /* bytes of an evaluation for each point */
 #define PLACE  PROTO_KEPT_PLACE
 
-static bool refuse_most(const char *place, struct proto_problem *problem)
-{
-    return proto_problem_exceed(problem, place, MOST,
-                                "at most %d points are taken here; send them in parts", MOST);
-}
-
-/* Sets the problem of insufficient memory. Returns false. */
-static bool refuse_memory(const struct server_query *query, struct proto_problem *problem)
-{
-    server_query_fail(query, GD_BUDGET, "the request", problem);
-    return false;
-}
-
 /* --- a list of points ------------------------------------------------------------------------- */
 
 struct point_list {
@@ -50,44 +37,44 @@ struct point_list {
 };
 
 static bool list_reserve(struct server_query *query, uint64_t count, const char *place,
-                         struct point_list *list, struct proto_problem *problem)
+                         struct point_list *list)
 {
-    if (count == 0) return proto_problem_refuse(problem, place, "name at least one point");
-    if (count > MOST) return refuse_most(place, problem);
+    if (count == 0) return proto_problem_refuse(query->problem, place, "name at least one point");
+    if (count > MOST)
+        return proto_problem_exceed(query->problem, place, MOST,
+                                    "at most %d points are taken here; send them in parts", MOST);
     list->count = (uint32_t)count;
     list->points = server_query_allocate(query, count, sizeof *list->points);
     list->snaps = server_query_allocate(query, count, sizeof *list->snaps);
-    return (list->points && list->snaps) || refuse_memory(query, problem);
+    return (list->points && list->snaps) || server_query_refuse(query, GD_BUDGET, "the request");
 }
 
-/* A point in JSON and its place in the request. */
 struct point_text {
     const json_t *value;
     char place[PLACE];
 };
 
-/* Reads a point to index `i` of the list. */
 static bool list_decode_point(const struct server_query *query, const struct point_text *text,
-                              struct point_list *list, uint32_t i, struct proto_problem *problem)
+                              struct point_list *list, uint32_t i)
 {
     struct proto_point point;
-    return proto_point_decode(text->value, text->place, &point, problem) &&
+    return proto_point_decode(text->value, text->place, &point, query->problem) &&
            proto_point_locate(query->surface->mesh, &point, &list->points[i], &list->snaps[i],
-                              problem);
+                              query->problem);
 }
 
 static bool list_decode(struct server_query *query, const json_t *document, const char *pointer,
-                        struct point_list *list, struct proto_problem *problem)
+                        struct point_list *list)
 {
-    const json_t *value = proto_decode_member(document, "", pointer + 1, problem);
+    const json_t *value = proto_decode_member(document, "", pointer + 1, query->problem);
     if (!value) return false;
     if (!json_is_array(value))
-        return proto_problem_refuse(problem, pointer, "expected an array of points here");
-    if (!list_reserve(query, json_array_size(value), pointer, list, problem)) return false;
+        return proto_problem_refuse(query->problem, pointer, "expected an array of points here");
+    if (!list_reserve(query, json_array_size(value), pointer, list)) return false;
     for (uint32_t i = 0; i < list->count; i++) {
         struct point_text text = {.value = json_array_get(value, i)};
         snprintf(text.place, sizeof text.place, "%s/%u", pointer, i);
-        if (!list_decode_point(query, &text, list, i, problem)) return false;
+        if (!list_decode_point(query, &text, list, i)) return false;
     }
     return true;
 }
@@ -170,8 +157,9 @@ static bool arrays_check(const struct list_arrays *arrays, const char *name,
 }
 
 static bool list_read(struct server_query *query, const struct server_arrays *all,
-                      const char *pointer, struct point_list *list, struct proto_problem *problem)
+                      const char *pointer, struct point_list *list)
 {
+    struct proto_problem *problem = query->problem;
     char faces[SERVER_ARRAYS_NAME], places[SERVER_ARRAYS_NAME], place[PLACE];
     struct gd_detail detail = {0};
     snprintf(faces, sizeof faces, "%s_face", pointer + 1);
@@ -183,7 +171,7 @@ static bool list_read(struct server_query *query, const struct server_arrays *al
                                  .list = list};
     if (!arrays_check(&arrays, pointer, problem)) return false;
     uint64_t count = arrays.points ? arrays.points->rows : arrays.faces->rows;
-    if (!list_reserve(query, count, pointer, list, problem)) return false;
+    if (!list_reserve(query, count, pointer, list)) return false;
     pieces_run(query, list->count, arrays_locate_piece, &arrays);
     if (!atomic_load(&arrays.status)) return true;
     uint32_t at = atomic_load(&arrays.failed_at);
@@ -221,64 +209,62 @@ struct pairs_query {
 static const char *const pairs_arrays[] = {
     "from", "from_face", "from_barycentric", "to", "to_face", "to_barycentric", NULL};
 
-static bool pairs_settle(struct pairs_query *own, struct proto_problem *problem)
+static bool pairs_settle(struct pairs_query *own)
 {
     uint32_t from = own->from.count, to = own->to.count;
     own->count = from > to ? from : to;
     return from == to || from == 1 || to == 1 ||
-           proto_problem_refuse(problem, "/to",
+           proto_problem_refuse(own->query.problem, "/to",
                                 "there are %u points in from and %u in to; send as many, or one "
                                 "on a side",
                                 from, to);
 }
 
-/* Reads the list `pairs`, two points each. */
-static bool pairs_decode_list(struct pairs_query *own, const json_t *value,
-                              struct proto_problem *problem)
+static bool pairs_decode_list(struct pairs_query *own, const json_t *value)
 {
     struct server_query *query = &own->query;
     struct point_list *ends[] = {&own->from, &own->to};
     if (!json_is_array(value))
-        return proto_problem_refuse(problem, "/pairs", "expected an array of pairs here");
+        return proto_problem_refuse(own->query.problem, "/pairs",
+                                    "expected an array of pairs here");
     for (int end = 0; end < 2; end++)
-        if (!list_reserve(query, json_array_size(value), "/pairs", ends[end], problem))
-            return false;
+        if (!list_reserve(query, json_array_size(value), "/pairs", ends[end])) return false;
     for (uint32_t i = 0; i < own->from.count; i++) {
         const json_t *pair = json_array_get(value, i);
         struct point_text text;
         snprintf(text.place, sizeof text.place, "/pairs/%u", i);
         if (json_array_size(pair) != 2)
-            return proto_problem_refuse(problem, text.place, "expected an array of two points");
+            return proto_problem_refuse(own->query.problem, text.place,
+                                        "expected an array of two points");
         for (uint32_t end = 0; end < 2; end++) {
             text.value = json_array_get(pair, end);
             snprintf(text.place, sizeof text.place, "/pairs/%u/%u", i, end);
-            if (!list_decode_point(query, &text, ends[end], i, problem)) return false;
+            if (!list_decode_point(query, &text, ends[end], i)) return false;
         }
     }
     own->count = own->from.count;
     return true;
 }
 
-static bool pairs_decode(struct server_query *query, const json_t *document,
-                         struct proto_problem *problem)
+static bool pairs_decode(struct server_query *query, const json_t *document)
 {
     struct pairs_query *own = (struct pairs_query *)query;
-    if (!proto_decode_object(document, "", proto_pairs_request_members, problem)) return false;
+    if (!proto_decode_object(document, "", proto_pairs_request_members, query->problem))
+        return false;
     const json_t *pairs = json_object_get(document, "pairs");
     if (!pairs)
-        return list_decode(query, document, "/from", &own->from, problem) &&
-               list_decode(query, document, "/to", &own->to, problem) && pairs_settle(own, problem);
+        return list_decode(query, document, "/from", &own->from) &&
+               list_decode(query, document, "/to", &own->to) && pairs_settle(own);
     if (json_object_size(document) > 1)
-        return proto_problem_refuse(problem, "/pairs", "send either pairs, or from and to");
-    return pairs_decode_list(own, pairs, problem);
+        return proto_problem_refuse(query->problem, "/pairs", "send either pairs, or from and to");
+    return pairs_decode_list(own, pairs);
 }
 
-static bool pairs_read(struct server_query *query, const struct server_arrays *arrays,
-                       struct proto_problem *problem)
+static bool pairs_read(struct server_query *query, const struct server_arrays *arrays)
 {
     struct pairs_query *own = (struct pairs_query *)query;
-    return list_read(query, arrays, "/from", &own->from, problem) &&
-           list_read(query, arrays, "/to", &own->to, problem) && pairs_settle(own, problem);
+    return list_read(query, arrays, "/from", &own->from) &&
+           list_read(query, arrays, "/to", &own->to) && pairs_settle(own);
 }
 
 /* --- pairs: groups ---------------------------------------------------------------------------- */
@@ -303,11 +289,6 @@ static int order_compare(const void *a, const void *b, void *points)
     return (x->pair > y->pair) - (x->pair < y->pair);
 }
 
-static uint64_t element_of(const struct gd_point *point)
-{
-    return (uint64_t)point->kind << 32 | point->element;
-}
-
 /* Sorts the pairs by one of their ends. Returns the number of different points there. */
 static uint32_t pairs_sort(struct pairs_query *own, const struct point_list *row)
 {
@@ -315,8 +296,10 @@ static uint32_t pairs_sort(struct pairs_query *own, const struct point_list *row
     uint32_t count = own->count, groups = 0;
     own->row = row;
     own->column = row == &own->from ? &own->to : &own->from;
-    for (uint32_t i = 0; i < count; i++)
-        own->order[i] = (struct pair_order){row->count == 1 ? 0 : element_of(&points[i]), i};
+    for (uint32_t i = 0; i < count; i++) {
+        uint64_t element = (uint64_t)points[i].kind << 32 | points[i].element;
+        own->order[i] = (struct pair_order){row->count == 1 ? 0 : element, i};
+    }
     if (row->count > 1)
         qsort_r(own->order, count, sizeof *own->order, order_compare, (void *)points);
     for (uint32_t i = 0; i < count; i++) {
@@ -464,12 +447,12 @@ static enum gd_status pairs_work(struct pairs_query *own)
     return (enum gd_status)atomic_load(&own->status);
 }
 
-static enum server_query_turn pairs_solve(struct server_query *query, struct proto_problem *problem)
+static enum server_query_turn pairs_solve(struct server_query *query)
 {
     struct pairs_query *own = (struct pairs_query *)query;
     enum gd_status status = pairs_reserve(own);
     if (!status) status = pairs_work(own);
-    return server_query_end_draft(query, status, "the pairs", problem);
+    return server_query_end_draft(query, status, "the pairs");
 }
 
 static void pairs_encode(const struct server_query *query, struct proto_writer *writer)
@@ -483,10 +466,9 @@ static void pairs_encode(const struct server_query *query, struct proto_writer *
     proto_write_object_end(writer);
 }
 
-static bool pairs_list_arrays(struct server_query *query, struct proto_problem *problem)
+static bool pairs_list_arrays(struct server_query *query)
 {
     const struct pairs_query *own = (const struct pairs_query *)query;
-    (void)problem;
     server_arrays_add_numbers(&query->arrays, "distances", 0, own->count, own->distances);
     return true;
 }
@@ -510,19 +492,18 @@ struct nearest_points_query {
 
 static const char *const nearest_arrays[] = {"points", "points_face", "points_barycentric", NULL};
 
-static bool nearest_points_decode(struct server_query *query, const json_t *document,
-                                  struct proto_problem *problem)
+static bool nearest_points_decode(struct server_query *query, const json_t *document)
 {
     struct nearest_points_query *own = (struct nearest_points_query *)query;
-    return proto_decode_object(document, "", proto_nearest_points_request_members, problem) &&
-           list_decode(query, document, "/points", &own->list, problem);
+    return proto_decode_object(document, "", proto_nearest_points_request_members,
+                               query->problem) &&
+           list_decode(query, document, "/points", &own->list);
 }
 
-static bool nearest_points_read(struct server_query *query, const struct server_arrays *arrays,
-                                struct proto_problem *problem)
+static bool nearest_points_read(struct server_query *query, const struct server_arrays *arrays)
 {
     struct nearest_points_query *own = (struct nearest_points_query *)query;
-    return list_read(query, arrays, "/points", &own->list, problem);
+    return list_read(query, arrays, "/points", &own->list);
 }
 
 static void nearest_read_faces(const void *source, uint64_t first, uint64_t count, void *out)
@@ -593,15 +574,14 @@ static void nearest_points_encode(const struct server_query *query, struct proto
     proto_write_object_end(writer);
 }
 
-static bool nearest_points_list_arrays(struct server_query *query, struct proto_problem *problem)
+static bool nearest_points_list_arrays(struct server_query *query)
 {
     struct nearest_points_query *own = (struct nearest_points_query *)query;
     const struct server_array all[] = {
-        {"faces", SERVER_ARRAY_INDICES, 0, own->list.count, nearest_read_faces, own},
-        {"barycentric", SERVER_ARRAY_NUMBERS, 3, own->list.count, nearest_read_places, own},
-        {"xyz", SERVER_ARRAY_NUMBERS, 3, own->list.count, nearest_read_xyz, own},
-        {"snap_distances", SERVER_ARRAY_NUMBERS, 0, own->list.count, NULL, own->list.snaps}};
-    (void)problem;
+        {"faces", SERVER_ARRAY_INDICES, 0, own->list.count, nearest_read_faces, own, 0},
+        {"barycentric", SERVER_ARRAY_NUMBERS, 3, own->list.count, nearest_read_places, own, 0},
+        {"xyz", SERVER_ARRAY_NUMBERS, 3, own->list.count, nearest_read_xyz, own, 0},
+        {"snap_distances", SERVER_ARRAY_NUMBERS, 0, own->list.count, NULL, own->list.snaps, 0}};
     for (uint32_t i = 0; i < sizeof all / sizeof *all; i++)
         if (query->options.fields >> i & 1) server_arrays_add(&query->arrays, &all[i]);
     return true;

@@ -38,35 +38,32 @@ static bool evaluation_is_quick(const struct evaluation *evaluation)
 
 /* Locates the points, and frees the unlocated ones. */
 static bool evaluation_locate(struct server_query *query, struct proto_points *points,
-                              uint32_t wanted, struct proto_problem *problem)
+                              uint32_t wanted)
 {
     struct evaluation *evaluation = (struct evaluation *)query;
-    bool ok = server_query_locate(query, points, problem);
+    bool ok = server_query_locate(query, points);
     evaluation->wanted = wanted;
     query->field.is_quick = ok && evaluation_is_quick(evaluation);
     return ok;
 }
 
-static bool field_evaluation_decode(struct server_query *query, const json_t *document,
-                                    struct proto_problem *problem)
+static bool field_evaluation_decode(struct server_query *query, const json_t *document)
 {
     struct proto_evaluation_request wanted;
-    return server_field_query_of_resource(query, problem) &&
-           proto_evaluation_request_decode(document, &wanted, problem) &&
-           evaluation_locate(query, &wanted.points,
-                             proto_evaluation_wanted(&query->options, wanted.path, wanted.gradient),
-                             problem);
+    return server_field_query_of_resource(query) &&
+           proto_evaluation_request_decode(document, &wanted, query->problem) &&
+           evaluation_locate(
+               query, &wanted.points,
+               proto_evaluation_wanted(&query->options, wanted.path, wanted.gradient));
 }
 
-static bool set_evaluation_decode(struct server_query *query, const json_t *document,
-                                  struct proto_problem *problem)
+static bool set_evaluation_decode(struct server_query *query, const json_t *document)
 {
     struct proto_set_distance_request wanted;
-    if (!proto_set_distance_request_decode(document, &wanted, problem)) return false;
-    if (server_field_query_of_set(query, &wanted.set, 0, problem))
+    if (!proto_set_distance_request_decode(document, &wanted, query->problem)) return false;
+    if (server_field_query_of_set(query, &wanted.set, 0))
         return evaluation_locate(query, &wanted.points,
-                                 proto_evaluation_wanted(&query->options, wanted.path, false),
-                                 problem);
+                                 proto_evaluation_wanted(&query->options, wanted.path, false));
     proto_points_free(&wanted.points);
     return false;
 }
@@ -226,31 +223,19 @@ static enum gd_status evaluation_reserve(struct evaluation *evaluation)
 
 static enum server_query_turn evaluation_answer(struct server_query *query,
                                                 const struct gd_field *field,
-                                                struct server_monitor *part,
-                                                struct proto_problem *problem)
+                                                struct server_monitor *part)
 {
     struct evaluation *evaluation = (struct evaluation *)query;
     enum gd_status status = evaluation_reserve(evaluation);
     if (!status) status = evaluation_write(evaluation, field, part);
-    return server_query_end_draft(query, status, "the answer", problem);
-}
-
-static const struct gd_point *evaluation_points(const void *user, uint32_t line, uint32_t *count)
-{
-    const struct gd_path *path = &((const struct evaluation *)user)->paths[line];
-    *count = path->count;
-    return path->points;
+    return server_query_end_draft(query, status, "the answer");
 }
 
 /* Lists the arrays. A result without a path has a line without points. */
-static bool evaluation_list_arrays(struct server_query *query, struct proto_problem *problem)
+static bool evaluation_list_arrays(struct server_query *query)
 {
     const struct evaluation *evaluation = (const struct evaluation *)query;
     uint32_t count = query->points.count;
-    const struct server_lines lines = {.mesh = query->surface->mesh,
-                                       .count = count,
-                                       .points = evaluation_points,
-                                       .user = evaluation};
     server_arrays_add_numbers(&query->arrays, "distance", 0, count, evaluation->distances);
     if (evaluation->wanted & PROTO_EVALUATION_FIELD_NEAREST) {
         server_arrays_add_indices(&query->arrays, "member", 0, count, evaluation->members);
@@ -258,7 +243,8 @@ static bool evaluation_list_arrays(struct server_query *query, struct proto_prob
     }
     if (evaluation->wanted & PROTO_EVALUATION_FIELD_GRADIENT)
         server_arrays_add_numbers(&query->arrays, "gradient", 3, count, *evaluation->gradient);
-    return !evaluation->paths || server_query_list_lines(query, &lines, problem);
+    return !evaluation->paths ||
+           server_query_list_lines(query, evaluation->paths, sizeof *evaluation->paths, count);
 }
 
 static void evaluation_release(struct server_query *query)

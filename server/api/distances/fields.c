@@ -25,16 +25,15 @@ struct field_creation {
     bool is_new;
 };
 
-static bool creation_decode(struct server_query *query, const json_t *document,
-                            struct proto_problem *problem)
+static bool creation_decode(struct server_query *query, const json_t *document)
 {
     struct field_creation *creation = (struct field_creation *)query;
     struct proto_field_request wanted;
-    if (!proto_field_request_decode(document, &wanted, problem) ||
-        !server_field_query_of_set(query, &wanted.set, wanted.max_distance, problem))
+    if (!proto_field_request_decode(document, &wanted, query->problem) ||
+        !server_field_query_of_set(query, &wanted.set, wanted.max_distance))
         return false;
     return proto_field_write_set(json_object_get(document, "set"), &creation->set_text) ||
-           proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
+           proto_problem_from_status(query->problem, GD_NO_MEMORY, NULL);
 }
 
 static void creation_release(struct server_query *query)
@@ -51,11 +50,11 @@ static bool creation_is_listed(struct server_query *query)
                                                &query->field.resource) == SERVER_CATALOGUE_FOUND);
 }
 
-static bool creation_name(struct server_query *query, struct proto_problem *problem)
+static bool creation_name(struct server_query *query)
 {
     if (!server_resource_name(query->surface->record->etag, query->field.set,
                               query->field.request.radius, ((struct field_creation *)query)->id))
-        return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
+        return proto_problem_from_status(query->problem, GD_NO_MEMORY, NULL);
     query->field.is_quick = creation_is_listed(query);
     return true;
 }
@@ -81,8 +80,7 @@ static enum gd_status creation_list(struct field_creation *creation,
 
 static enum server_query_turn creation_answer(struct server_query *query,
                                               const struct gd_field *field,
-                                              struct server_monitor *part,
-                                              struct proto_problem *problem)
+                                              struct server_monitor *part)
 {
     const struct gd_field_statistics *statistics = gd_field_statistics(field);
     const struct gd_control control = server_exchange_control(part);
@@ -101,7 +99,7 @@ static enum server_query_turn creation_answer(struct server_query *query,
         status = GD_OK;
     }
     if (!status) status = creation_list((struct field_creation *)query, &description);
-    return server_query_end_draft(query, status, "the field", problem);
+    return server_query_end_draft(query, status, "the field");
 }
 
 static void resource_encode(const struct server_query *query, struct proto_writer *writer)
@@ -129,11 +127,10 @@ const struct server_query_kind server_query_create_field = {.name = "fields",
 
 /* --- describe --------------------------------------------------------------------------------- */
 
-static bool resource_parse(struct server_query *query, const struct proto_parameters *parameters,
-                           struct proto_problem *problem)
+static bool resource_parse(struct server_query *query, const struct proto_parameters *parameters)
 {
     (void)parameters;
-    return server_field_query_of_resource(query, problem);
+    return server_field_query_of_resource(query);
 }
 
 const struct server_query_kind server_query_get_field = {.name = "field",
@@ -229,27 +226,24 @@ static uint32_t values_count(const struct server_query *query)
     return gd_mesh_summary(query->surface->mesh)->index_count;
 }
 
-static bool values_parse(struct server_query *query, const struct proto_parameters *parameters,
-                         struct proto_problem *problem)
+static bool values_parse(struct server_query *query, const struct proto_parameters *parameters)
 {
     (void)parameters;
     query->with_mesh = query->form >= SERVER_FORM_FIRST &&
                        !server_query_arrays_form(query); /* regardless of ?mesh= */
     query->field.is_quick = values_count(query) <= QUICK_VERTICES;
-    return server_field_query_of_resource(query, problem);
+    return server_field_query_of_resource(query);
 }
 
-static enum server_query_turn values_answer(struct server_query *query,
-                                            const struct gd_field *field,
-                                            struct server_monitor *part,
-                                            struct proto_problem *problem)
+static enum server_query_turn
+values_answer(struct server_query *query, const struct gd_field *field, struct server_monitor *part)
 {
     struct values_query *own = (struct values_query *)query;
     uint32_t count = values_count(query);
     double most = query->field.request.radius;
     (void)part;
     own->values = server_query_allocate(query, count, sizeof *own->values);
-    if (!own->values) return server_query_fail(query, GD_BUDGET, "the answer", problem);
+    if (!own->values) return server_query_fail(query, GD_BUDGET, "the answer");
     gd_field_vertex_distances(field, own->values);
     for (uint32_t i = 0; i < count && most > 0; i++)
         if (own->values[i] > most) own->values[i] = INFINITY;
@@ -267,18 +261,15 @@ static const struct server_form values_forms[] = {{"ply", "application/x-ply", f
                                                   SERVER_ARRAYS_FORMS,
                                                   {NULL, NULL, false}};
 
-static bool values_write(const struct server_query *query, struct server_answer_file *out,
-                         struct proto_problem *problem)
+static bool values_write(const struct server_query *query, struct server_answer_file *out)
 {
     static const enum gd_result_format formats[] = {GD_RESULT_PLY, GD_RESULT_GLB, GD_RESULT_CSV};
     const struct gd_result result = {.distances = ((const struct values_query *)query)->values};
-    return server_result_write(query, &result, formats[query->form - SERVER_FORM_FIRST], out,
-                               problem);
+    return server_result_write(query, &result, formats[query->form - SERVER_FORM_FIRST], out);
 }
 
-static bool values_list_arrays(struct server_query *query, struct proto_problem *problem)
+static bool values_list_arrays(struct server_query *query)
 {
-    (void)problem;
     server_arrays_add_numbers(&query->arrays, "values", 0, values_count(query),
                               ((struct values_query *)query)->values);
     return true;
@@ -307,14 +298,13 @@ struct wedges_query {
     uint32_t first[2];        /* first wedge of the one edge, and the end */
 };
 
-static bool wedges_parse(struct server_query *query, const struct proto_parameters *parameters,
-                         struct proto_problem *problem)
+static bool wedges_parse(struct server_query *query, const struct proto_parameters *parameters)
 {
     struct wedges_query *own = (struct wedges_query *)query;
     own->is_of_all = server_query_arrays_form(query) && !proto_parameters_get(parameters, "edge");
     query->field.is_quick = !own->is_of_all;
-    return server_field_query_of_resource(query, problem) &&
-           (own->is_of_all || proto_wedges_parse(parameters, own->ends, problem));
+    return server_field_query_of_resource(query) &&
+           (own->is_of_all || proto_wedges_parse(parameters, own->ends, query->problem));
 }
 
 /* Replaces seeds by members of the set: a curve has a seed for each of its points and segments. */
@@ -327,8 +317,7 @@ static void wedges_name_members(const struct server_query *query, struct gd_wedg
 
 static enum server_query_turn wedges_answer_all(struct wedges_query *own,
                                                 const struct gd_field *field,
-                                                struct server_monitor *part,
-                                                struct proto_problem *problem)
+                                                struct server_monitor *part)
 {
     struct server_query *query = &own->query;
     /* most edges get a few wedges more than are stored; an array grows by copying */
@@ -340,23 +329,21 @@ static enum server_query_turn wedges_answer_all(struct wedges_query *own,
         call.status = gd_field_all_wedges(field, &call.control, &own->all);
         call.kept = gd_all_wedges_memsize(&own->all);
     }
-    if (call.status) return server_query_fail(query, call.status, "the wedges", problem);
+    if (call.status) return server_query_fail(query, call.status, "the wedges");
     wedges_name_members(query, own->all.wedges, own->all.first[own->all.edge_count]);
     return SERVER_QUERY_DONE;
 }
 
-static enum server_query_turn wedges_answer(struct server_query *query,
-                                            const struct gd_field *field,
-                                            struct server_monitor *part,
-                                            struct proto_problem *problem)
+static enum server_query_turn
+wedges_answer(struct server_query *query, const struct gd_field *field, struct server_monitor *part)
 {
     struct wedges_query *own = (struct wedges_query *)query;
-    if (own->is_of_all) return wedges_answer_all(own, field, part, problem);
+    if (own->is_of_all) return wedges_answer_all(own, field, part);
     enum gd_status status =
         gd_field_wedges(field, own->ends[0], own->ends[1], &own->wedges, &own->count);
     if (status) {
-        server_query_fail(query, status, "the answer", problem);
-        if (status == GD_NO_SUCH_EDGE) proto_problem_at(problem, "edge");
+        server_query_fail(query, status, "the answer");
+        if (status == GD_NO_SUCH_EDGE) proto_problem_at(query->problem, "edge");
         return SERVER_QUERY_FAILED;
     }
     wedges_name_members(query, own->wedges, own->count);
@@ -399,7 +386,7 @@ static void wedges_read_sources(const void *source, uint64_t first, uint64_t cou
     }
 }
 
-static bool wedges_list_arrays(struct server_query *query, struct proto_problem *problem)
+static bool wedges_list_arrays(struct server_query *query)
 {
     struct wedges_query *own = (struct wedges_query *)query;
     const struct gd_all_wedges one = {1, &own->ends, own->first, own->wedges};
@@ -427,7 +414,6 @@ static bool wedges_list_arrays(struct server_query *query, struct proto_problem 
                                            .type = SERVER_ARRAY_INDICES,
                                            .rows = all->edge_count + UINT64_C(1),
                                            .source = all->first}};
-    (void)problem;
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         server_arrays_add(&query->arrays, &arrays[i]);
     return true;

@@ -64,7 +64,7 @@ struct isolines_query {
 
 /* Settles what is written. A file always has polylines and nothing else. The points of a line are
  * the ends of its arcs, unless arcs are omitted or a tolerance is given. */
-static bool isolines_settle(struct isolines_query *own, struct proto_problem *problem)
+static bool isolines_settle(struct isolines_query *own)
 {
     struct server_query *query = &own->query;
     own->is_file = query->form >= SERVER_FORM_FIRST;
@@ -74,23 +74,22 @@ static bool isolines_settle(struct isolines_query *own, struct proto_problem *pr
     }
     own->has_flat_points = !own->wanted.wants_arcs || own->wanted.tolerance > 0;
     own->tolerance = proto_isolines_tolerance(own->wanted.tolerance, query->surface->mesh);
-    return proto_isolines_settle(&own->wanted, &query->field.resource->description, problem);
+    return proto_isolines_settle(&own->wanted, &query->field.resource->description,
+                                 own->query.problem);
 }
 
-static bool isolines_decode(struct server_query *query, const json_t *document,
-                            struct proto_problem *problem)
+static bool isolines_decode(struct server_query *query, const json_t *document)
 {
     struct isolines_query *own = (struct isolines_query *)query;
-    return server_field_query_of_resource(query, problem) &&
-           proto_isolines_decode(document, &own->wanted, problem) && isolines_settle(own, problem);
+    return server_field_query_of_resource(query) &&
+           proto_isolines_decode(document, &own->wanted, query->problem) && isolines_settle(own);
 }
 
-static bool isolines_parse(struct server_query *query, const struct proto_parameters *parameters,
-                           struct proto_problem *problem)
+static bool isolines_parse(struct server_query *query, const struct proto_parameters *parameters)
 {
     struct isolines_query *own = (struct isolines_query *)query;
-    return server_field_query_of_resource(query, problem) &&
-           proto_isolines_parse(parameters, &own->wanted, problem) && isolines_settle(own, problem);
+    return server_field_query_of_resource(query) &&
+           proto_isolines_parse(parameters, &own->wanted, query->problem) && isolines_settle(own);
 }
 
 static void isolines_release(struct server_query *query)
@@ -107,8 +106,7 @@ static void isolines_release(struct server_query *query)
 /* --- isolines: the answer --------------------------------------------------------------------- */
 
 /* Counts the points and arcs that the lines add to the answer, and checks the limits. */
-static bool lines_admit(struct isolines_query *own, const struct gd_isoline *isoline,
-                        struct proto_problem *problem)
+static bool lines_admit(struct isolines_query *own, const struct gd_isoline *isoline)
 {
     for (uint32_t i = 0; i < isoline->line_count; i++) {
         const struct gd_isoline_line *line = &isoline->lines[i];
@@ -119,7 +117,7 @@ static bool lines_admit(struct isolines_query *own, const struct gd_isoline *iso
     }
     if (own->points <= PROTO_ISOLINES_POINTS && own->arcs <= PROTO_ISOLINES_POINTS) return true;
     return proto_problem_exceed(
-        problem, NULL, PROTO_ISOLINES_POINTS,
+        own->query.problem, NULL, PROTO_ISOLINES_POINTS,
         "the lines have more than %d points or arcs; ask for fewer levels or a larger tolerance",
         PROTO_ISOLINES_POINTS);
 }
@@ -174,7 +172,6 @@ static enum gd_status line_write(struct isolines_query *own, const struct gd_iso
     return status ? status : server_query_pause(query, control, 1);
 }
 
-/* Makes room for the level's lines in a file. */
 static enum gd_status lines_reserve(struct isolines_query *own, uint32_t level)
 {
     size_t more = own->isolines[level].line_count, count = own->line_count + more;
@@ -191,8 +188,7 @@ static enum gd_status lines_reserve(struct isolines_query *own, uint32_t level)
     return lines && levels ? GD_OK : GD_NO_MEMORY;
 }
 
-/* Writes the next level, and frees its lines. */
-static bool level_write(struct isolines_query *own, struct proto_problem *problem)
+static bool level_write(struct isolines_query *own)
 {
     struct server_query *query = &own->query;
     uint32_t level = own->next++, levels = own->wanted.level_count;
@@ -214,26 +210,24 @@ static bool level_write(struct isolines_query *own, struct proto_problem *proble
     own->traced_bytes -= isoline->bytes;
     server_query_give(query, isoline->bytes);
     gd_isoline_free(isoline);
-    if (status) server_query_fail(query, status, WHAT, problem);
+    if (status) server_query_fail(query, status, WHAT);
     return !status;
 }
 
 /* Writes the remaining levels; a long answer is sent level by level. */
-static enum server_query_turn levels_write(struct isolines_query *own,
-                                           struct proto_problem *problem)
+static enum server_query_turn levels_write(struct isolines_query *own)
 {
     struct server_query *query = &own->query;
     while (own->next < own->wanted.level_count) {
-        if (!level_write(own, problem)) return SERVER_QUERY_FAILED;
+        if (!level_write(own)) return SERVER_QUERY_FAILED;
         if (server_query_can_flush(query)) return SERVER_QUERY_FLUSH;
     }
     proto_write_array_end(&query->draft);
     proto_write_object_end(&query->draft);
-    return server_query_end_draft(query, GD_OK, WHAT, problem);
+    return server_query_end_draft(query, GD_OK, WHAT);
 }
 
-static bool level_trace(struct isolines_query *own, struct server_monitor *part,
-                        struct proto_problem *problem)
+static bool level_trace(struct isolines_query *own, struct server_monitor *part)
 {
     struct gd_isoline *isoline = &own->isolines[own->traced];
     struct server_budgeted_call call =
@@ -243,34 +237,29 @@ static bool level_trace(struct isolines_query *own, struct server_monitor *part,
                                                &call.control, isoline);
         call.kept = isoline->bytes;
     }
-    if (call.status) {
-        server_query_fail(&own->query, call.status, "the isoline", problem);
-        return false;
-    }
+    if (call.status) return server_query_refuse(&own->query, call.status, "the isoline");
     own->traced++;
     own->traced_bytes += isoline->bytes;
-    return lines_admit(own, isoline, problem);
+    return lines_admit(own, isoline);
 }
 
 /* Traces all levels before the first one is sent, so that too many lines are refused as a whole. If
  * their lines take much memory, levels are written to the draft meanwhile. */
-static bool levels_trace(struct isolines_query *own, const struct server_monitor *part,
-                         struct proto_problem *problem)
+static bool levels_trace(struct isolines_query *own, const struct server_monitor *part)
 {
     uint32_t count = own->wanted.level_count;
     for (uint32_t i = 0; i < count; i++) {
         struct server_monitor one = server_monitor_portion(part, (double)i / count, 1.0 / count);
-        if (!level_trace(own, &one, problem)) return false;
+        if (!level_trace(own, &one)) return false;
         while (own->traced_bytes > TRACED_BYTES)
-            if (!level_write(own, problem)) return false;
+            if (!level_write(own)) return false;
     }
     return true;
 }
 
 static enum server_query_turn isolines_answer(struct server_query *query,
                                               const struct gd_field *field,
-                                              struct server_monitor *part,
-                                              struct proto_problem *problem)
+                                              struct server_monitor *part)
 {
     struct isolines_query *own = (struct isolines_query *)query;
     struct server_monitor first = server_monitor_portion(part, 0, INDEX_SHARE),
@@ -280,61 +269,42 @@ static enum server_query_turn isolines_answer(struct server_query *query,
     own->part =
         server_monitor_portion(part, INDEX_SHARE + TRACE_SHARE, 1 - INDEX_SHARE - TRACE_SHARE);
     own->isolines = server_query_allocate(query, own->wanted.level_count, sizeof *own->isolines);
-    if (!own->isolines) return server_query_fail(query, GD_BUDGET, "the isolines", problem);
+    if (!own->isolines) return server_query_fail(query, GD_BUDGET, "the isolines");
     while (server_budgeted_call_next(&call)) {
         call.status = gd_isoline_index_create(field, &call.control, &own->index);
         call.kept = gd_isoline_index_bytes(query->surface->mesh);
     }
-    if (call.status) return server_query_fail(query, call.status, "the isolines", problem);
+    if (call.status) return server_query_fail(query, call.status, "the isolines");
     proto_write_object_begin(&query->draft);
     proto_member_array(&query->draft, "isolines");
-    return levels_trace(own, &second, problem) ? levels_write(own, problem) : SERVER_QUERY_FAILED;
+    return levels_trace(own, &second) ? levels_write(own) : SERVER_QUERY_FAILED;
 }
 
-static enum server_query_turn isolines_solve(struct server_query *query,
-                                             struct proto_problem *problem)
+static enum server_query_turn isolines_solve(struct server_query *query)
 {
     struct isolines_query *own = (struct isolines_query *)query;
-    return own->index ? levels_write(own, problem) : server_field_query_solve(query, problem);
+    return own->index ? levels_write(own) : server_field_query_solve(query);
 }
 
-static bool isolines_write(const struct server_query *query, struct server_answer_file *out,
-                           struct proto_problem *problem)
+static bool isolines_write(const struct server_query *query, struct server_answer_file *out)
 {
     const struct isolines_query *own = (const struct isolines_query *)query;
     const struct server_result_lines lines = {own->lines, own->levels, own->line_count};
     if (!own->line_count)
-        return server_result_refuse_nothing(problem, "there are no lines at these distances");
-    return server_result_write_lines(query, &lines, out, problem);
+        return server_result_refuse_nothing(query->problem,
+                                            "there are no lines at these distances");
+    return server_result_write_lines(query, &lines, out);
 }
 
-static const struct gd_point *isolines_points(const void *user, uint32_t line, uint32_t *count)
+static bool isolines_list_arrays(struct server_query *query)
 {
-    const struct isolines_query *own = user;
-    *count = own->lines[line].count;
-    return own->lines[line].points;
-}
-
-static void isolines_read_lengths(const void *source, uint64_t first, uint64_t count, void *out)
-{
-    const struct isolines_query *own = source;
-    for (uint64_t i = 0; i < count; i++) ((double *)out)[i] = own->lines[first + i].length;
-}
-
-static bool isolines_list_arrays(struct server_query *query, struct proto_problem *problem)
-{
-    struct isolines_query *own = (struct isolines_query *)query;
-    const struct server_lines lines = {.mesh = query->surface->mesh,
-                                       .count = own->line_count,
-                                       .points = isolines_points,
-                                       .user = own};
-    if (!server_query_list_lines(query, &lines, problem)) return false;
-    server_arrays_add_numbers(&query->arrays, "level", 0, own->line_count, own->levels);
-    server_arrays_add(&query->arrays, &(struct server_array){.name = "length",
-                                                             .type = SERVER_ARRAY_NUMBERS,
-                                                             .rows = own->line_count,
-                                                             .read = isolines_read_lengths,
-                                                             .source = own});
+    const struct isolines_query *own = (const struct isolines_query *)query;
+    const struct gd_path *lines = own->lines;
+    uint32_t count = own->line_count;
+    if (!server_query_list_lines(query, lines, sizeof *lines, count)) return false;
+    server_arrays_add_numbers(&query->arrays, "level", 0, count, own->levels);
+    server_arrays_add_member(&query->arrays, "length", count, lines ? &lines->length : NULL,
+                             sizeof *lines);
     return true;
 }
 
@@ -363,14 +333,13 @@ struct voronoi_query {
     struct gd_voronoi found;
 };
 
-static bool voronoi_decode(struct server_query *query, const json_t *document,
-                           struct proto_problem *problem)
+static bool voronoi_decode(struct server_query *query, const json_t *document)
 {
     struct proto_voronoi_request wanted;
-    if (!proto_voronoi_request_decode(document, &wanted, problem)) return false;
+    if (!proto_voronoi_request_decode(document, &wanted, query->problem)) return false;
     ((struct voronoi_query *)query)->tolerance =
         proto_isolines_tolerance(wanted.tolerance, query->surface->mesh);
-    return server_field_query_of_set(query, &wanted.set, 0, problem);
+    return server_field_query_of_set(query, &wanted.set, 0);
 }
 
 /* Computes the labels. The engine allocates as many bytes as the labels take. */
@@ -399,7 +368,7 @@ static enum gd_status bisectors_trace(struct voronoi_query *own, struct server_m
     return call.status;
 }
 
-static bool bisectors_admit(const struct voronoi_query *own, struct proto_problem *problem)
+static bool bisectors_admit(const struct voronoi_query *own)
 {
     uint64_t points = 0;
     for (uint32_t i = 0; i < own->found.bisector_count; i++)
@@ -407,7 +376,7 @@ static bool bisectors_admit(const struct voronoi_query *own, struct proto_proble
     if (own->query.options.geometry == PROTO_GEOMETRY_NONE || points <= BISECTOR_POINTS)
         return true;
     return proto_problem_exceed(
-        problem, NULL, BISECTOR_POINTS,
+        own->query.problem, NULL, BISECTOR_POINTS,
         "the bisectors have %llu points, more than %d; ask for a larger tolerance, "
         "fewer members, or geometry=none",
         (unsigned long long)points, BISECTOR_POINTS);
@@ -415,16 +384,15 @@ static bool bisectors_admit(const struct voronoi_query *own, struct proto_proble
 
 static enum server_query_turn voronoi_answer(struct server_query *query,
                                              const struct gd_field *field,
-                                             struct server_monitor *part,
-                                             struct proto_problem *problem)
+                                             struct server_monitor *part)
 {
     struct voronoi_query *own = (struct voronoi_query *)query;
     uint32_t fields = query->options.fields;
     own->field = field;
     enum gd_status status = fields & PROTO_VORONOI_FIELD_LABELS ? labels_find(own) : GD_OK;
     if (!status && fields & PROTO_VORONOI_FIELD_BISECTORS) status = bisectors_trace(own, part);
-    if (!status && !bisectors_admit(own, problem)) return SERVER_QUERY_FAILED;
-    return server_query_end_draft(query, status, "the diagram", problem);
+    if (!status && !bisectors_admit(own)) return SERVER_QUERY_FAILED;
+    return server_query_end_draft(query, status, "the diagram");
 }
 
 static void bisector_encode(const struct server_query *query, struct proto_writer *writer,
@@ -454,57 +422,35 @@ static void voronoi_encode(const struct server_query *query, struct proto_writer
     proto_write_object_end(writer);
 }
 
-static const struct gd_point *bisector_points(const void *user, uint32_t line, uint32_t *count)
-{
-    const struct voronoi_query *own = user;
-    *count = own->found.bisectors[line].point_count;
-    return own->found.bisectors[line].points;
-}
-
-static void bisectors_read_members(const void *source, uint64_t first, uint64_t count, void *out)
-{
-    const struct voronoi_query *own = source;
-    uint32_t(*members)[2] = out;
-    for (uint64_t i = 0; i < count; i++)
-        memcpy(members[i], own->found.bisectors[first + i].members, sizeof members[i]);
-}
-
-static void bisectors_read_lengths(const void *source, uint64_t first, uint64_t count, void *out)
-{
-    const struct voronoi_query *own = source;
-    for (uint64_t i = 0; i < count; i++)
-        ((double *)out)[i] = own->found.bisectors[first + i].length;
-}
-
-static bool bisectors_list_arrays(struct voronoi_query *own, struct proto_problem *problem)
+static bool bisectors_list_arrays(struct voronoi_query *own)
 {
     struct server_query *query = &own->query;
+    const struct gd_bisector *bisectors = own->found.bisectors;
     uint32_t count = own->found.bisector_count;
-    const struct server_lines lines = {
-        .mesh = query->surface->mesh, .count = count, .points = bisector_points, .user = own};
-    if (!server_query_list_lines(query, &lines, problem)) return false;
+    struct gd_path *paths = server_query_allocate(query, count, sizeof *paths);
+    if (!paths) return server_query_refuse(query, GD_BUDGET, WHAT);
+    for (uint32_t i = 0; i < count; i++)
+        paths[i] = (struct gd_path){.length = bisectors[i].length,
+                                    .points = (struct gd_point *)bisectors[i].points,
+                                    .count = bisectors[i].point_count};
+    if (!server_query_list_lines(query, paths, sizeof *paths, count)) return false;
     server_arrays_add(&query->arrays, &(struct server_array){.name = "members",
                                                              .type = SERVER_ARRAY_INDICES,
                                                              .columns = 2,
                                                              .rows = count,
-                                                             .read = bisectors_read_members,
-                                                             .source = own});
-    server_arrays_add(&query->arrays, &(struct server_array){.name = "length",
-                                                             .type = SERVER_ARRAY_NUMBERS,
-                                                             .rows = count,
-                                                             .read = bisectors_read_lengths,
-                                                             .source = own});
+                                                             .source = bisectors,
+                                                             .stride = sizeof *bisectors});
+    server_arrays_add_member(&query->arrays, "length", count, &paths->length, sizeof *paths);
     return true;
 }
 
-static bool voronoi_list_arrays(struct server_query *query, struct proto_problem *problem)
+static bool voronoi_list_arrays(struct server_query *query)
 {
     struct voronoi_query *own = (struct voronoi_query *)query;
     if (own->labels)
         server_arrays_add_indices(&query->arrays, "labels", 0,
                                   gd_mesh_summary(query->surface->mesh)->index_count, own->labels);
-    return !(query->options.fields & PROTO_VORONOI_FIELD_BISECTORS) ||
-           bisectors_list_arrays(own, problem);
+    return !(query->options.fields & PROTO_VORONOI_FIELD_BISECTORS) || bisectors_list_arrays(own);
 }
 
 static void voronoi_release(struct server_query *query)

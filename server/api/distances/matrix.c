@@ -60,14 +60,13 @@ static void matrix_release(struct server_query *query)
     proto_located_points_free(&((struct matrix_query *)query)->targets);
 }
 
-static bool matrix_decode(struct server_query *query, const json_t *document,
-                          struct proto_problem *problem)
+static bool matrix_decode(struct server_query *query, const json_t *document)
 {
+    struct proto_problem *problem = query->problem;
     struct matrix_query *matrix = (struct matrix_query *)query;
     struct proto_matrix_request wanted;
     if (!proto_matrix_request_decode(document, &wanted, problem)) return false;
-    bool ok = proto_matrix_check(&wanted, problem) &&
-              server_query_locate(query, &wanted.sources, problem) &&
+    bool ok = proto_matrix_check(&wanted, problem) && server_query_locate(query, &wanted.sources) &&
               proto_points_locate(query->surface->mesh, &wanted.targets, &matrix->targets, problem);
     matrix->max_distance = wanted.has_max_distance ? wanted.max_distance : INFINITY;
     proto_matrix_request_free(&wanted);
@@ -315,7 +314,6 @@ static void matrix_spread(struct matrix_query *matrix)
                                                              : row[i] * columns + column[j]];
 }
 
-/* Computes all distances, and frees the memory of the work. */
 static enum gd_status matrix_work(struct matrix_query *matrix)
 {
     const struct gd_mesh *mesh = matrix->query.surface->mesh;
@@ -340,8 +338,7 @@ static enum gd_status matrix_work(struct matrix_query *matrix)
     return status;
 }
 
-static enum server_query_turn matrix_solve(struct server_query *query,
-                                           struct proto_problem *problem)
+static enum server_query_turn matrix_solve(struct server_query *query)
 {
     struct matrix_query *matrix = (struct matrix_query *)query;
     size_t points = (size_t)query->points.count + matrix->targets.count,
@@ -354,26 +351,20 @@ static enum server_query_turn matrix_solve(struct server_query *query,
         status = matrix_work(matrix);
         server_query_give(query, cost);
     }
-    return server_query_end_draft(query, status, "the matrix", problem);
-}
-
-static struct proto_matrix_answer matrix_answer(const struct server_query *query)
-{
-    const struct matrix_query *matrix = (const struct matrix_query *)query;
-    return (struct proto_matrix_answer){matrix->distances, query->points.count,
-                                        matrix->targets.count};
+    return server_query_end_draft(query, status, "the matrix");
 }
 
 static void matrix_encode(const struct server_query *query, struct proto_writer *writer)
 {
-    struct proto_matrix_answer answer = matrix_answer(query);
+    const struct matrix_query *matrix = (const struct matrix_query *)query;
+    const struct proto_matrix_answer answer = {matrix->distances, query->points.count,
+                                               matrix->targets.count};
     proto_matrix_encode(writer, &answer, &query->options);
 }
 
-static bool matrix_list_arrays(struct server_query *query, struct proto_problem *problem)
+static bool matrix_list_arrays(struct server_query *query)
 {
     const struct matrix_query *matrix = (const struct matrix_query *)query;
-    (void)problem;
     server_arrays_add_numbers(&query->arrays, "distances", matrix->targets.count,
                               query->points.count, matrix->distances);
     return true;

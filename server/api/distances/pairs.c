@@ -37,11 +37,10 @@ static void pair_release(struct server_query *query)
     gd_pair_answer_free(&((struct pair_query *)query)->answer);
 }
 
-static bool pair_locate(struct server_query *query, struct proto_points *stops,
-                        struct proto_problem *problem)
+static bool pair_locate(struct server_query *query, struct proto_points *stops)
 {
     struct pair_query *pair = (struct pair_query *)query;
-    if (!server_query_locate(query, stops, problem)) return false;
+    if (!server_query_locate(query, stops)) return false;
     pair->leg_count = query->points.count - 1;
     pair->output = query->options.fields & PROTO_PATH_FIELD_PATH || query->form >= SERVER_FORM_FIRST
                        ? GD_PAIR_PATH
@@ -49,18 +48,16 @@ static bool pair_locate(struct server_query *query, struct proto_points *stops,
     return true;
 }
 
-static bool pair_decode(struct server_query *query, const json_t *document,
-                        struct proto_problem *problem)
+static bool pair_decode(struct server_query *query, const json_t *document)
 {
     struct proto_points stops;
-    return proto_pair_decode(document, &stops, problem) && pair_locate(query, &stops, problem);
+    return proto_pair_decode(document, &stops, query->problem) && pair_locate(query, &stops);
 }
 
-static bool pair_parse(struct server_query *query, const struct proto_parameters *parameters,
-                       struct proto_problem *problem)
+static bool pair_parse(struct server_query *query, const struct proto_parameters *parameters)
 {
     struct proto_points stops;
-    return proto_pair_parse(parameters, &stops, problem) && pair_locate(query, &stops, problem);
+    return proto_pair_parse(parameters, &stops, query->problem) && pair_locate(query, &stops);
 }
 
 /* --- one leg ---------------------------------------------------------------------------------- */
@@ -79,10 +76,10 @@ static struct server_monitor leg_monitor(const struct pair_query *pair)
 
 /* Appends and frees the answer of a leg. AGAIN: legs remain. */
 static enum server_query_turn leg_end(struct pair_query *pair, enum gd_status status,
-                                      struct gd_pair_answer *leg, struct proto_problem *problem)
+                                      struct gd_pair_answer *leg)
 {
     if (!status) status = server_pair_append(&pair->answer, leg);
-    if (status) return server_query_fail(&pair->query, status, WHAT, problem);
+    if (status) return server_query_fail(&pair->query, status, WHAT);
     pair->leg = isinf(pair->answer.distance) ? pair->leg_count : pair->leg + 1;
     pair->is_noted = false;
     return pair->leg == pair->leg_count ? SERVER_QUERY_DONE : SERVER_QUERY_AGAIN;
@@ -90,37 +87,36 @@ static enum server_query_turn leg_end(struct pair_query *pair, enum gd_status st
 
 /* Answers the leg from a field, and unpins the field. */
 static enum server_query_turn leg_answer(struct pair_query *pair,
-                                         const struct server_cached *cached,
-                                         struct proto_problem *problem)
+                                         const struct server_cached *cached)
 {
     const struct server_pair ends = leg_of(pair);
     struct gd_pair_answer leg;
     enum gd_status status =
         gd_pair_from_field(cached->field, ends.from, ends.to, ends.output, &leg);
     server_cache_unpin(cached);
-    return leg_end(pair, status, &leg, problem);
+    return leg_end(pair, status, &leg);
 }
 
 /* Answers legs from cached fields. AGAIN: a leg remains. */
-static enum server_query_turn leg_find(struct pair_query *pair, struct proto_problem *problem)
+static enum server_query_turn leg_find(struct pair_query *pair)
 {
     enum server_query_turn turn = SERVER_QUERY_AGAIN;
     while (turn == SERVER_QUERY_AGAIN) {
         const struct server_pair ends = leg_of(pair);
         const struct server_cached *cached = server_pair_find_field(pair->query.surface, &ends);
         if (!cached) break;
-        turn = leg_answer(pair, cached, problem);
+        turn = leg_answer(pair, cached);
     }
     return turn;
 }
 
-static enum server_query_turn leg_search(struct pair_query *pair, struct proto_problem *problem)
+static enum server_query_turn leg_search(struct pair_query *pair)
 {
     const struct server_pair ends = leg_of(pair);
     struct server_monitor monitor = leg_monitor(pair);
     struct gd_pair_answer leg;
     enum gd_status status = server_pair_search(&monitor, pair->query.surface, &ends, &leg);
-    return leg_end(pair, status, &leg, problem);
+    return leg_end(pair, status, &leg);
 }
 
 /* --- building a field ------------------------------------------------------------------------- */
@@ -161,7 +157,7 @@ static enum server_cache_turn leg_enter(struct pair_query *pair)
 }
 
 /* Builds the field. If that fails for another reason than the query's own end, searches the leg. */
-static enum server_query_turn leg_build(struct pair_query *pair, struct proto_problem *problem)
+static enum server_query_turn leg_build(struct pair_query *pair)
 {
     struct server_query *query = &pair->query;
     const struct server_cached *cached;
@@ -169,22 +165,21 @@ static enum server_query_turn leg_build(struct pair_query *pair, struct proto_pr
     struct server_monitor monitor = leg_monitor(pair);
     monitor.limit_ns = gd_now_ns() + BUILD_NS + BUILD_NS_AN_EDGE * edge_count(pair);
     enum gd_status status = server_query_build_field(query, monitor, &cached);
-    if (!status) return leg_answer(pair, cached, problem);
+    if (!status) return leg_answer(pair, cached);
     if (status == GD_DEADLINE || status == GD_CANCELLED)
-        return server_query_fail(query, status, WHAT, problem);
+        return server_query_fail(query, status, WHAT);
     server_metrics_count_status(query->exchange->host->metrics, status);
-    return leg_search(pair, problem);
+    return leg_search(pair);
 }
 
 /* --- the steps -------------------------------------------------------------------------------- */
 
-static enum server_query_turn pair_try_inline(struct server_query *query,
-                                              struct proto_problem *problem)
+static enum server_query_turn pair_try_inline(struct server_query *query)
 {
     struct pair_query *pair = (struct pair_query *)query;
     uint64_t faces = gd_mesh_summary(pair->query.surface->mesh)->faces;
     bool is_quick = !pair->output || faces * pair->leg_count <= INLINE_PATH_FACES;
-    enum server_query_turn turn = is_quick ? leg_find(pair, problem) : SERVER_QUERY_AGAIN;
+    enum server_query_turn turn = is_quick ? leg_find(pair) : SERVER_QUERY_AGAIN;
     if (turn == SERVER_QUERY_AGAIN) leg_note(pair);
     return turn;
 }
@@ -197,24 +192,24 @@ static bool pair_join(struct server_query *query)
 }
 
 /* Looks into the cache, then runs at most one search or build. */
-static enum server_query_turn pair_solve(struct server_query *query, struct proto_problem *problem)
+static enum server_query_turn pair_solve(struct server_query *query)
 {
     struct pair_query *pair = (struct pair_query *)query;
-    if (query->field.build) return leg_build(pair, problem);
-    enum server_query_turn turn = leg_find(pair, problem);
+    if (query->field.build) return leg_build(pair);
+    enum server_query_turn turn = leg_find(pair);
     if (turn != SERVER_QUERY_AGAIN) return turn;
     leg_note(pair);
     switch (leg_enter(pair)) {
     case SERVER_CACHE_WAIT:
         return SERVER_QUERY_PARKED;
     case SERVER_CACHE_BUILD:
-        return leg_build(pair, problem);
+        return leg_build(pair);
     case SERVER_CACHE_AGAIN:
         return SERVER_QUERY_AGAIN;
     case SERVER_CACHE_SEARCH:
         break;
     }
-    return leg_search(pair, problem);
+    return leg_search(pair);
 }
 
 static void pair_encode(const struct server_query *query, struct proto_writer *writer)
@@ -223,24 +218,23 @@ static void pair_encode(const struct server_query *query, struct proto_writer *w
     proto_pair_encode(writer, &query->points, &pair->answer, &query->options);
 }
 
-static bool path_write(const struct server_query *query, struct server_answer_file *out,
-                       struct proto_problem *problem)
+static bool path_write(const struct server_query *query, struct server_answer_file *out)
 {
     const struct gd_pair_answer *answer = &((const struct pair_query *)query)->answer;
     if (isinf(answer->distance))
-        return server_result_refuse_nothing(problem, "there is no path between the points");
+        return server_result_refuse_nothing(query->problem, "there is no path between the points");
     const struct server_result_lines line = {.paths = &answer->path, .count = 1};
     if (query->form < SERVER_RESULT_LINE_FORMS_END)
-        return server_result_write_lines(query, &line, out, problem);
-    return server_result_write_strip(query, &answer->path, out, problem);
+        return server_result_write_lines(query, &line, out);
+    return server_result_write_strip(query, &answer->path, out);
 }
 
 /* Lists the arrays, without a line if there is no path. */
-static bool path_list_arrays(struct server_query *query, struct proto_problem *problem)
+static bool path_list_arrays(struct server_query *query)
 {
     const struct gd_pair_answer *answer = &((const struct pair_query *)query)->answer;
     const struct gd_point *points = isfinite(answer->distance) ? answer->path.points : NULL;
-    if (!server_query_list_line(query, points, answer->path.count, problem)) return false;
+    if (!server_query_list_line(query, points, answer->path.count)) return false;
     server_arrays_add_numbers(&query->arrays, "distance", 0, 1, &answer->distance);
     return true;
 }

@@ -18,29 +18,26 @@ struct nearest_query {
     double snap_distance;
 };
 
-static bool nearest_locate(struct server_query *query, const struct proto_point *point,
-                           struct proto_problem *problem)
+static bool nearest_locate(struct server_query *query, const struct proto_point *point)
 {
     struct nearest_query *nearest = (struct nearest_query *)query;
     return proto_point_locate(query->surface->mesh, point, &nearest->point, &nearest->snap_distance,
-                              problem);
+                              query->problem);
 }
 
-static bool nearest_decode(struct server_query *query, const json_t *document,
-                           struct proto_problem *problem)
+static bool nearest_decode(struct server_query *query, const json_t *document)
 {
     struct proto_nearest_request wanted;
-    return proto_nearest_request_decode(document, &wanted, problem) &&
-           nearest_locate(query, &wanted.point, problem);
+    return proto_nearest_request_decode(document, &wanted, query->problem) &&
+           nearest_locate(query, &wanted.point);
 }
 
-static bool nearest_parse(struct server_query *query, const struct proto_parameters *parameters,
-                          struct proto_problem *problem)
+static bool nearest_parse(struct server_query *query, const struct proto_parameters *parameters)
 {
     struct proto_point point;
-    const char *text = proto_parameters_require(parameters, "point", problem);
-    return text && proto_point_parse(text, "point", &point, problem) &&
-           nearest_locate(query, &point, problem);
+    const char *text = proto_parameters_require(parameters, "point", query->problem);
+    return text && proto_point_parse(text, "point", &point, query->problem) &&
+           nearest_locate(query, &point);
 }
 
 static void nearest_encode(const struct server_query *query, struct proto_writer *writer)
@@ -65,9 +62,9 @@ struct mean_query {
     struct gd_mean mean;
 };
 
-static bool mean_decode(struct server_query *query, const json_t *document,
-                        struct proto_problem *problem)
+static bool mean_decode(struct server_query *query, const json_t *document)
 {
+    struct proto_problem *problem = query->problem;
     struct mean_query *mean = (struct mean_query *)query;
     const struct gd_mesh *mesh = query->surface->mesh;
     struct proto_mean_request wanted;
@@ -75,7 +72,7 @@ static bool mean_decode(struct server_query *query, const json_t *document,
     bool ok = proto_mean_weights_decode(document, wanted.points.count, &mean->weights, problem);
     mean->one_step = wanted.method == PROTO_METHOD_ONE_STEP;
     if (!ok) proto_mean_request_free(&wanted);
-    if (!ok || !server_query_locate(query, &wanted.points, problem)) return false;
+    if (!ok || !server_query_locate(query, &wanted.points)) return false;
     const struct gd_point *points = query->points.points;
     for (uint32_t i = 1; i < query->points.count; i++)
         if (gd_point_component(mesh, &points[i]) != gd_point_component(mesh, &points[0]))
@@ -86,7 +83,7 @@ static bool mean_decode(struct server_query *query, const json_t *document,
     return true;
 }
 
-static enum server_query_turn mean_solve(struct server_query *query, struct proto_problem *problem)
+static enum server_query_turn mean_solve(struct server_query *query)
 {
     struct mean_query *mean = (struct mean_query *)query;
     const struct gd_mesh *mesh = query->surface->mesh;
@@ -99,7 +96,7 @@ static enum server_query_turn mean_solve(struct server_query *query, struct prot
         server_query_begin_call(query, NULL, server_field_build_grant(mesh));
     while (server_budgeted_call_next(&call))
         call.status = gd_mean_find(mesh, &request, &call.control, &mean->mean, NULL);
-    return server_query_end_draft(query, call.status, "the mean", problem);
+    return server_query_end_draft(query, call.status, "the mean");
 }
 
 static void mean_encode(const struct server_query *query, struct proto_writer *writer)
@@ -132,21 +129,20 @@ struct sampling_query {
     double *radii;
 };
 
-static bool sampling_decode(struct server_query *query, const json_t *document,
-                            struct proto_problem *problem)
+static bool sampling_decode(struct server_query *query, const json_t *document)
 {
     struct sampling_query *sampling = (struct sampling_query *)query;
     struct proto_sampling_request wanted;
-    if (!proto_sampling_request_decode(document, &wanted, problem)) return false;
+    if (!proto_sampling_request_decode(document, &wanted, query->problem)) return false;
     sampling->count = wanted.count;
     sampling->has_start = wanted.has_start;
     sampling->snap = NAN;
-    return !wanted.has_start || proto_point_locate(query->surface->mesh, &wanted.start,
-                                                   &sampling->start, &sampling->snap, problem);
+    return !wanted.has_start ||
+           proto_point_locate(query->surface->mesh, &wanted.start, &sampling->start,
+                              &sampling->snap, query->problem);
 }
 
-static enum server_query_turn sampling_solve(struct server_query *query,
-                                             struct proto_problem *problem)
+static enum server_query_turn sampling_solve(struct server_query *query)
 {
     struct sampling_query *sampling = (struct sampling_query *)query;
     const struct gd_mesh *mesh = query->surface->mesh;
@@ -154,7 +150,7 @@ static enum server_query_turn sampling_solve(struct server_query *query,
     sampling->points = server_query_allocate(query, sampling->count, sizeof *sampling->points);
     sampling->radii = server_query_allocate(query, sampling->count, sizeof *sampling->radii);
     if (!sampling->points || !sampling->radii)
-        return server_query_end_draft(query, GD_BUDGET, "the sampling", problem);
+        return server_query_end_draft(query, GD_BUDGET, "the sampling");
     const struct gd_executor *executor = server_query_executor(query);
     struct server_budgeted_call call =
         server_query_begin_call(query, NULL, server_field_build_grant(mesh));
@@ -164,7 +160,7 @@ static enum server_query_turn sampling_solve(struct server_query *query,
             mesh, start, &call.control,
             &(struct gd_sampling){sampling->count, sampling->points, sampling->radii}, NULL);
     server_executor_stop(executor);
-    return server_query_end_draft(query, call.status, "the sampling", problem);
+    return server_query_end_draft(query, call.status, "the sampling");
 }
 
 static void sampling_encode(const struct server_query *query, struct proto_writer *writer)
@@ -174,10 +170,10 @@ static void sampling_encode(const struct server_query *query, struct proto_write
                           sampling->count, sampling->snap, &query->options);
 }
 
-static bool sampling_list_arrays(struct server_query *query, struct proto_problem *problem)
+static bool sampling_list_arrays(struct server_query *query)
 {
     const struct sampling_query *sampling = (const struct sampling_query *)query;
-    if (!server_query_list_line(query, sampling->points, sampling->count, problem)) return false;
+    if (!server_query_list_line(query, sampling->points, sampling->count)) return false;
     server_arrays_add_numbers(&query->arrays, "radii", 0, sampling->count, sampling->radii);
     return true;
 }

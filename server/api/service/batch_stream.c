@@ -78,16 +78,17 @@ static bool line_decode(struct batch *batch, const struct proto_batch_query *lin
                         struct proto_problem *problem)
 {
     const struct server_body *body = &batch->exchange->body;
-    struct proto_parameters parameters = server_exchange_parameters(batch->exchange);
     const struct proto_route *route = route_find(line->name, problem);
     if (!route) return false;
     struct server_query *query = server_query_create(route->kind, batch->exchange, batch->surface);
     batch->query = query;
     if (!query) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
+    query->problem = problem;
     query->begun = (double)(batch->line.text - body->bytes) / (double)body->size;
     query->share = (double)batch->line.size / (double)body->size;
-    return proto_batch_options(line, &parameters, route, &query->options, problem) &&
-           route->kind->decode(query, line->document, problem);
+    return proto_batch_options(line, &batch->exchange->parameters, route, &query->options,
+                               problem) &&
+           route->kind->decode(query, line->document);
 }
 
 static bool line_read(struct batch *batch, struct proto_problem *problem)
@@ -127,7 +128,6 @@ static bool line_admit(const struct batch *batch, struct proto_problem *problem)
         ANSWER_MOST);
 }
 
-/* Writes the answer or the problem. */
 static void line_end(struct batch *batch, bool ok, struct proto_problem *problem)
 {
     if (ok) {
@@ -149,7 +149,7 @@ static bool line_begin(struct batch *batch)
     if (!proto_batch_next(body->bytes, body->size, &batch->line)) return false;
     batch->begin = proto_batch_begin(&batch->writer);
     if (line_admit(batch, &problem) && line_read(batch, &problem))
-        turn = server_query_try_inline(batch->query, &problem);
+        turn = server_query_try_inline(batch->query);
     if (turn != SERVER_QUERY_AGAIN) line_end(batch, turn == SERVER_QUERY_DONE, &problem);
     return true;
 }
@@ -255,7 +255,8 @@ static bool batch_work(struct server_exchange *exchange)
             if (!line_begin(batch)) break;
             continue;
         }
-        enum server_query_turn turn = server_query_solve(batch->query, &problem);
+        batch->query->problem = &problem;
+        enum server_query_turn turn = server_query_solve(batch->query);
         if (turn == SERVER_QUERY_PARKED) return false;
         if (turn != SERVER_QUERY_AGAIN) line_end(batch, turn == SERVER_QUERY_DONE, &problem);
     }
@@ -266,7 +267,6 @@ static bool batch_work(struct server_exchange *exchange)
 static bool request_check(struct server_exchange *exchange, struct proto_options *options,
                           struct proto_problem *problem)
 {
-    struct proto_parameters parameters = server_exchange_parameters(exchange);
     const char *type = server_exchange_header(exchange, "Content-Type");
     size_t size = type ? strcspn(type, "; \t") : 0;
     if (!proto_accept_quality(server_exchange_header(exchange, "Accept"), NDJSON))
@@ -276,24 +276,22 @@ static bool request_check(struct server_exchange *exchange, struct proto_options
         return proto_problem_set(
             problem, PROTO_PROBLEM_UNSUPPORTED_MEDIA_TYPE,
             "a batch is lines of JSON: send it with the header Content-Type: " NDJSON);
-    return proto_options_parse(&parameters, NULL, proto_post_batch_parameters, options, problem);
+    return proto_options_parse(&exchange->parameters, NULL, proto_post_batch_parameters, options,
+                               problem);
 }
 
 void server_handle_batch(struct server_exchange *exchange)
 {
     struct proto_options options;
     struct proto_problem problem;
-    if (!request_check(exchange, &options, &problem)) {
-        server_reply_problem(exchange, &problem);
+    if (!server_reply_check(exchange, request_check(exchange, &options, &problem), &problem))
         return;
-    }
     struct server_surface *surface = server_request_surface(exchange);
     if (!surface) return;
     struct batch *batch = calloc(1, sizeof *batch);
     if (!batch) {
         server_surface_release(surface);
-        server_reply_refusal(exchange, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
-                             "the system is out of memory");
+        server_request_fail(exchange, SERVER_STORE_NO_MEMORY);
         return;
     }
     *batch = (struct batch){.exchange = exchange, .surface = surface};

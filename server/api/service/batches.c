@@ -40,7 +40,6 @@ static bool check_outcome(struct server_exchange *exchange, enum server_outcome 
     return false;
 }
 
-/* Finds the batch that the path names, and the queue. */
 static struct server_store_sql *find_batch(struct server_exchange *exchange,
                                            struct server_batch *out)
 {
@@ -118,9 +117,7 @@ static bool check_room(struct server_exchange *exchange, struct server_store_sql
         &problem, PROTO_PROBLEM_CONFLICT,
         "there are %d batches already; delete those whose answers are no longer needed",
         BATCHES_MOST);
-    (void)proto_problem_limit(&problem, BATCHES_MOST);
-    server_reply_problem(exchange, &problem);
-    return false;
+    return server_reply_check(exchange, proto_problem_limit(&problem, BATCHES_MOST), &problem);
 }
 
 static void add_batch(struct server_exchange *exchange, const struct proto_many *many)
@@ -212,13 +209,8 @@ void server_handle_list_batches(struct server_exchange *exchange)
 static bool describe_batch(struct server_exchange *exchange)
 {
     struct server_batch batch;
-    struct proto_parameters parameters = server_exchange_parameters(exchange);
-    struct proto_problem problem;
     uint64_t wait_s;
-    if (!proto_many_parse_wait(&parameters, &wait_s, &problem)) {
-        server_reply_problem(exchange, &problem);
-        return true;
-    }
+    if (!server_request_wait(exchange, &wait_s)) return true;
     struct server_batch_wait wait = wait_begin(exchange, wait_s);
     if (!find_batch(exchange, &batch)) return true;
     if (wait_for_news(exchange, &wait, &batch)) return false;
@@ -300,7 +292,6 @@ static void reply_answers(struct server_exchange *exchange, struct server_store_
     server_reply_json(exchange, 200, &answers->writer);
 }
 
-/* Reads the batch's document. */
 static bool read_batch(struct server_exchange *exchange, struct server_store_sql *sql,
                        const char *id, struct proto_many *out)
 {
@@ -310,8 +301,7 @@ static bool read_batch(struct server_exchange *exchange, struct server_store_sql
     if (!check_outcome(exchange, server_batch_queue_document(sql, id, &text, &size))) return false;
     bool is_read = proto_many_read(text, size, out, &problem);
     free(text);
-    if (!is_read) server_reply_problem(exchange, &problem);
-    return is_read;
+    return server_reply_check(exchange, is_read, &problem);
 }
 
 /* Lists answers. Returns false if the exchange is parked until there are answers, the batch has
@@ -320,12 +310,11 @@ static bool list_answers(struct server_exchange *exchange)
 {
     struct answers answers = {.count = 0};
     struct server_batch *batch = &answers.batch;
-    struct proto_parameters parameters = server_exchange_parameters(exchange);
     struct proto_problem problem;
-    if (!proto_many_parse_page(&parameters, &answers.page, &problem)) {
-        server_reply_problem(exchange, &problem);
+    if (!server_reply_check(exchange,
+                            proto_many_parse_page(&exchange->parameters, &answers.page, &problem),
+                            &problem))
         return true;
-    }
     struct server_batch_wait wait = wait_begin(exchange, answers.page.wait_s);
     struct server_store_sql *sql = find_batch(exchange, batch);
     if (!sql) return true;

@@ -64,7 +64,6 @@ static void reply_job(struct server_exchange *exchange, unsigned status,
     server_reply_json(exchange, status, &writer);
 }
 
-/* Replies with the saved answer itself. */
 static void reply_answer(struct server_exchange *exchange, struct server_deferred_job *job,
                          const struct proto_job_answer *answer)
 {
@@ -81,7 +80,6 @@ static void reply_answer(struct server_exchange *exchange, struct server_deferre
     server_reply_text(exchange, answer->status, answer->media_type, &writer);
 }
 
-/* Describes the job, on a worker, after a wait. */
 static bool describe_job(struct server_exchange *exchange)
 {
     struct server_deferred_job *job = find_job(exchange);
@@ -96,13 +94,12 @@ static bool describe_job(struct server_exchange *exchange)
 static bool wait_for_end(struct server_exchange *exchange)
 {
     const struct proto_capture *id = &exchange->match.captures[0];
-    struct proto_parameters parameters = server_exchange_parameters(exchange);
     struct proto_problem problem;
     uint64_t wait_s;
     struct server_deferred_job *job =
         server_job_table_find(exchange->host->api->jobs, exchange->tenant, id->text, id->length);
     bool is_parked =
-        job && proto_many_parse_wait(&parameters, &wait_s, &problem) &&
+        job && proto_many_parse_wait(&exchange->parameters, &wait_s, &problem) &&
         server_deferred_job_wait(job, &exchange->job, server_request_wait_end(exchange, wait_s));
     server_deferred_job_release(job);
     return is_parked;
@@ -110,14 +107,8 @@ static bool wait_for_end(struct server_exchange *exchange)
 
 void server_handle_get_job(struct server_exchange *exchange)
 {
-    struct proto_parameters parameters = server_exchange_parameters(exchange);
-    struct proto_problem problem;
     uint64_t wait_s;
-    if (!server_reply_accepts_json(exchange)) return;
-    if (!proto_many_parse_wait(&parameters, &wait_s, &problem)) {
-        server_reply_problem(exchange, &problem);
-        return;
-    }
+    if (!server_reply_accepts_json(exchange) || !server_request_wait(exchange, &wait_s)) return;
     struct server_deferred_job *job = find_job(exchange);
     if (!job) return;
     bool has_ended = proto_job_has_ended(server_deferred_job_describe(job).state);
@@ -191,10 +182,7 @@ void server_handle_async(struct server_exchange *exchange)
     struct proto_problem problem;
     struct server_job_table *table = exchange->host->api->jobs;
     struct server_deferred_job *job = server_job_table_start(table, exchange, &problem);
-    if (!job) {
-        server_reply_problem(exchange, &problem);
-        return;
-    }
+    if (!server_reply_check(exchange, job, &problem)) return;
     const struct proto_job state = server_deferred_job_describe(job);
     if (state.answer && state.answer->status == 503) { /* refused at once: no job for the client */
         reply_answer(exchange, job, state.answer);
@@ -213,11 +201,11 @@ void server_handle_delete_job(struct server_exchange *exchange)
     if (!server_request_is_plain(exchange)) return;
     struct server_deferred_job *job = find_job(exchange);
     if (!job) return;
-    if (server_grant_may_change(&exchange->grant, server_deferred_job_key(job), &problem)) {
+    bool may_change =
+        server_grant_may_change(&exchange->grant, server_deferred_job_key(job), &problem);
+    if (server_reply_check(exchange, may_change, &problem)) {
         server_job_table_cancel(exchange->host->api->jobs, job);
         server_reply_empty(exchange, 204);
-    } else {
-        server_reply_problem(exchange, &problem);
     }
     server_deferred_job_release(job);
 }

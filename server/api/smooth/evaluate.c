@@ -15,15 +15,13 @@
 #define NEAREST_BYTES ((size_t)1 << 20)
 
 enum server_query_turn server_smooth_fail(const struct server_query *query, enum gd_status status,
-                                          const struct gd_detail *detail, const char *what,
-                                          struct proto_problem *problem)
+                                          const struct gd_detail *detail, const char *what)
 {
-    if (status == GD_BUDGET || !detail->text[0])
-        return server_query_fail(query, status, what, problem);
+    if (status == GD_BUDGET || !detail->text[0]) return server_query_fail(query, status, what);
     if (status == GD_INTERNAL) status = GD_DEGENERATE_FACE;
-    proto_problem_from_status(problem, status, detail);
+    proto_problem_from_status(query->problem, status, detail);
     if (status == GD_TOO_LARGE)
-        proto_problem_limit(problem, query->exchange->host->api->config->max_faces);
+        proto_problem_limit(query->problem, query->exchange->host->api->config->max_faces);
     return SERVER_QUERY_FAILED;
 }
 
@@ -92,11 +90,10 @@ static void evaluation_store(struct evaluation *evaluation, uint32_t i,
     memcpy(evaluation->curvatures + 2 * (size_t)i, curvatures, 2 * sizeof *curvatures);
 }
 
-static bool evaluation_list_arrays(struct server_query *query, struct proto_problem *problem)
+static bool evaluation_list_arrays(struct server_query *query)
 {
     const struct evaluation *evaluation = (const struct evaluation *)query;
     uint32_t count = evaluation->count;
-    (void)problem;
     for (int k = 0; k < VECTORS; k++)
         server_arrays_add_numbers(&query->arrays, vector_names[k], 3, count,
                                   evaluation->vectors[k]);
@@ -117,8 +114,7 @@ static enum gd_status evaluation_write_round(struct evaluation *evaluation, uint
     return status ? status : gd_control_check(&control, 1);
 }
 
-static enum server_query_turn evaluation_solve(struct server_query *query,
-                                               struct proto_problem *problem)
+static enum server_query_turn evaluation_solve(struct server_query *query)
 {
     struct evaluation *evaluation = (struct evaluation *)query;
     struct proto_writer *writer = &query->draft;
@@ -130,16 +126,14 @@ static enum server_query_turn evaluation_solve(struct server_query *query,
         status = evaluation_write_round(evaluation, i);
     proto_write_array_end(writer);
     proto_write_object_end(writer);
-    if (status)
-        return server_smooth_fail(query, status, &evaluation->detail, "the answer", problem);
-    return server_query_end_draft(query, GD_OK, "the answer", problem);
+    if (status) return server_smooth_fail(query, status, &evaluation->detail, "the answer");
+    return server_query_end_draft(query, GD_OK, "the answer");
 }
 
-static enum server_query_turn evaluation_try_inline(struct server_query *query,
-                                                    struct proto_problem *problem)
+static enum server_query_turn evaluation_try_inline(struct server_query *query)
 {
     if (((struct evaluation *)query)->count > evaluator_of(query)->quick) return SERVER_QUERY_AGAIN;
-    return evaluation_solve(query, problem);
+    return evaluation_solve(query);
 }
 
 #define EVALUATION_STEPS                                                                           \
@@ -192,12 +186,11 @@ static enum gd_status nurbs_write(struct evaluation *evaluation, uint32_t first,
     return status;
 }
 
-static bool nurbs_decode(struct server_query *query, const json_t *document,
-                         struct proto_problem *problem)
+static bool nurbs_decode(struct server_query *query, const json_t *document)
 {
     struct evaluation *evaluation = (struct evaluation *)query;
     struct proto_uvs *places = &evaluation->places.nurbs;
-    if (!proto_jets_decode(document, nurbs_of(query), places, problem)) return false;
+    if (!proto_jets_decode(document, nurbs_of(query), places, query->problem)) return false;
     evaluation->count = places->count;
     return true;
 }
@@ -231,12 +224,12 @@ static enum gd_status limit_write(struct evaluation *evaluation, uint32_t first,
     return status;
 }
 
-static bool limit_decode(struct server_query *query, const json_t *document,
-                         struct proto_problem *problem)
+static bool limit_decode(struct server_query *query, const json_t *document)
 {
     struct evaluation *evaluation = (struct evaluation *)query;
     struct proto_limit_places *places = &evaluation->places.limit;
-    if (!proto_limit_jets_decode(document, subdivision_of(query), places, problem)) return false;
+    if (!proto_limit_jets_decode(document, subdivision_of(query), places, query->problem))
+        return false;
     evaluation->count = places->count;
     return true;
 }
@@ -274,28 +267,24 @@ struct finder {
     double (*distance)(const struct nearest *nearest); /* returns the distance of the found point */
 };
 
-static bool nearest_decode(struct server_query *query, const json_t *document,
-                           struct proto_problem *problem)
+static bool nearest_decode(struct server_query *query, const json_t *document)
 {
-    return proto_foot_decode(document, &((struct nearest *)query)->wanted, problem);
+    return proto_foot_decode(document, &((struct nearest *)query)->wanted, query->problem);
 }
 
-static bool nearest_parse(struct server_query *query, const struct proto_parameters *parameters,
-                          struct proto_problem *problem)
+static bool nearest_parse(struct server_query *query, const struct proto_parameters *parameters)
 {
-    return proto_foot_parse(parameters, &((struct nearest *)query)->wanted, problem);
+    return proto_foot_parse(parameters, &((struct nearest *)query)->wanted, query->problem);
 }
 
-static enum server_query_turn nearest_solve(struct server_query *query,
-                                            struct proto_problem *problem)
+static enum server_query_turn nearest_solve(struct server_query *query)
 {
     struct nearest *nearest = (struct nearest *)query;
     const struct finder *finder = (const struct finder *)query->kind;
     struct server_budgeted_call call = server_query_begin_call(query, NULL, NEAREST_BYTES);
     while (server_budgeted_call_next(&call)) call.status = finder->find(nearest, &call.control);
-    if (call.status)
-        return server_smooth_fail(query, call.status, &nearest->detail, "the search", problem);
-    return proto_foot_check(&nearest->wanted, finder->distance(nearest), problem)
+    if (call.status) return server_smooth_fail(query, call.status, &nearest->detail, "the search");
+    return proto_foot_check(&nearest->wanted, finder->distance(nearest), query->problem)
                ? SERVER_QUERY_DONE
                : SERVER_QUERY_FAILED;
 }

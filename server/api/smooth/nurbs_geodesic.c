@@ -32,9 +32,9 @@ struct operation {
 };
 
 /* Decodes the request. A surface without a tessellation has no paths; the problem says why. */
-static bool search_decode(struct server_query *query, const json_t *document,
-                          struct proto_problem *problem)
+static bool search_decode(struct server_query *query, const json_t *document)
 {
+    struct proto_problem *problem = query->problem;
     const struct operation *operation = (const struct operation *)query->kind;
     const struct server_nurbs *nurbs = server_nurbs_of(query->surface);
     if (nurbs->tessellation)
@@ -62,19 +62,15 @@ static size_t found_bytes(const struct gd_geodesics *found)
 }
 
 /* Checks the control after each end: a long curve takes tens of milliseconds. */
-static bool search_locate(struct search *search, struct server_monitor *monitor,
-                          struct proto_problem *problem)
+static bool search_locate(struct search *search, struct server_monitor *monitor)
 {
     const struct gd_parametric *surface = server_nurbs_of(search->query.surface)->surface;
     const struct gd_control control = server_exchange_control(monitor);
     for (int k = 0; k < 2; k++) {
         bool is_located = proto_domain_curve_locate(surface, &search->wanted.ends[k], &control,
-                                                    &search->ends[k], problem);
+                                                    &search->ends[k], search->query.problem);
         enum gd_status status = gd_control_check(&control, 0);
-        if (status) {
-            server_query_fail(&search->query, status, WHAT, problem);
-            return false;
-        }
+        if (status) return server_query_refuse(&search->query, status, WHAT);
         if (!is_located) return false;
     }
     return true;
@@ -87,8 +83,7 @@ static struct proto_geodesic_answer search_answer(const struct search *search)
                                           .found = &search->found};
 }
 
-static enum server_query_turn search_solve(struct server_query *query,
-                                           struct proto_problem *problem)
+static enum server_query_turn search_solve(struct server_query *query)
 {
     struct search *search = (struct search *)query;
     struct server_monitor monitor = server_query_monitor(query, 0, 1);
@@ -96,7 +91,7 @@ static enum server_query_turn search_solve(struct server_query *query,
     size_t faces = gd_mesh_summary(gd_tessellation_mesh(tessellation))->faces;
     struct server_budgeted_call call =
         server_query_begin_call(query, &monitor, SEARCH_BYTES + faces * BYTES_PER_FACE);
-    if (!search_locate(search, &monitor, problem)) return SERVER_QUERY_FAILED;
+    if (!search_locate(search, &monitor)) return SERVER_QUERY_FAILED;
     while (server_budgeted_call_next(&call)) {
         call.status = gd_geodesic_solve(
             tessellation,
@@ -106,13 +101,13 @@ static enum server_query_turn search_solve(struct server_query *query,
         if (!call.status) call.kept = found_bytes(&search->found);
     }
     if (call.status == GD_INVALID_ARGUMENT) {
-        proto_problem_from_status(problem, call.status, &search->detail);
+        proto_problem_from_status(query->problem, call.status, &search->detail);
         return SERVER_QUERY_FAILED;
     }
-    if (call.status) return server_query_fail(query, call.status, WHAT, problem);
+    if (call.status) return server_query_fail(query, call.status, WHAT);
     const struct proto_geodesic_answer answer = search_answer(search);
     enum gd_status status = proto_geodesic_encode(&query->draft, &answer, &query->options);
-    return server_query_end_draft(query, status, "the answer", problem);
+    return server_query_end_draft(query, status, "the answer");
 }
 
 /* --- arrays ----------------------------------------------------------------------------------- */
@@ -178,16 +173,13 @@ static enum gd_status path_arrays_fill(struct search *search, const struct path_
     return status;
 }
 
-static bool search_list_arrays(struct server_query *query, struct proto_problem *problem)
+static bool search_list_arrays(struct server_query *query)
 {
     struct search *search = (struct search *)query;
     struct server_arrays *out = &query->arrays;
     const struct path_arrays *arrays = path_arrays_reserve(search);
     enum gd_status status = arrays ? path_arrays_fill(search, arrays) : GD_BUDGET;
-    if (status) {
-        server_query_fail(query, status, "the answer", problem);
-        return false;
-    }
+    if (status) return server_query_refuse(query, status, "the answer");
     uint32_t count = arrays->count, points = arrays->points_first[count];
     server_arrays_add_numbers(out, "points", 3, points, (const double *)arrays->points);
     server_arrays_add_indices(out, "first", 0, count + UINT64_C(1), arrays->points_first);

@@ -8,7 +8,6 @@
  * surface without a normal somewhere: this is the client's invalid_mesh, not an internal error.
  * Returns FAILED. */
 enum server_query_turn server_smooth_fail(const struct server_query *query, enum gd_status status,
-                                          const struct gd_detail *detail, const char *what,
-                                          struct proto_problem *problem);
+                                          const struct gd_detail *detail, const char *what);
 
 #endif

@@ -57,11 +57,10 @@ static void pair_release(struct server_query *query)
     server_discretization_release(pair->discretization);
 }
 
-static bool pair_decode(struct server_query *query, const json_t *document,
-                        struct proto_problem *problem)
+static bool pair_decode(struct server_query *query, const json_t *document)
 {
     return proto_limit_pair_decode(document, subdivision_of(query), &((struct pair *)query)->wanted,
-                                   problem);
+                                   query->problem);
 }
 
 static enum gd_status pair_search(struct pair *pair)
@@ -81,7 +80,7 @@ static enum gd_status pair_search(struct pair *pair)
     return call.status;
 }
 
-static enum server_query_turn pair_solve(struct server_query *query, struct proto_problem *problem)
+static enum server_query_turn pair_solve(struct server_query *query)
 {
     struct pair *pair = (struct pair *)query;
     const struct gd_limit_point places[2] = {pair->wanted.from, pair->wanted.to};
@@ -92,35 +91,26 @@ static enum server_query_turn pair_solve(struct server_query *query, struct prot
         status = gd_limit_evaluate_many(subdivision_of(query), &(struct gd_limit_places){places, 2},
                                         NULL, jets, &pair->detail);
     if (!status) status = pair_search(pair);
-    if (status) return server_smooth_fail(query, status, &pair->detail, "the search", problem);
+    if (status) return server_smooth_fail(query, status, &pair->detail, "the search");
     const struct gd_vec3 ends[2] = {jets[0].position, jets[1].position};
     proto_limit_pair_encode(&query->draft, &pair->wanted, ends, &pair->found, &query->options);
-    return server_query_end_draft(query, GD_OK, "the answer", problem);
-}
-
-static void steps_read(const void *source, uint64_t first, uint64_t count, void *out)
-{
-    const struct gd_limit_step *steps = source;
-    double(*rows)[3] = out;
-    for (uint64_t i = 0; i < count; i++) {
-        const struct gd_vec3 at = steps[first + i].position;
-        rows[i][0] = at.x, rows[i][1] = at.y, rows[i][2] = at.z;
-    }
+    return server_query_end_draft(query, GD_OK, "the answer");
 }
 
 /* Lists the arrays, without a line if there is no path. */
-static bool path_list_arrays(struct server_query *query, struct proto_problem *problem)
+static bool path_list_arrays(struct server_query *query)
 {
     struct pair *pair = (struct pair *)query;
+    const struct gd_limit_step *steps = pair->found.steps;
     bool is_there = isfinite(pair->found.distance);
-    (void)problem;
     pair->first[1] = is_there ? pair->found.step_count : 0;
-    server_arrays_add(&query->arrays, &(struct server_array){.name = "points",
-                                                             .type = SERVER_ARRAY_NUMBERS,
-                                                             .columns = 3,
-                                                             .rows = pair->first[1],
-                                                             .read = steps_read,
-                                                             .source = pair->found.steps});
+    server_arrays_add(&query->arrays,
+                      &(struct server_array){.name = "points",
+                                             .type = SERVER_ARRAY_NUMBERS,
+                                             .columns = 3,
+                                             .rows = pair->first[1],
+                                             .source = steps ? &steps->position : NULL,
+                                             .stride = sizeof *steps});
     server_arrays_add_indices(&query->arrays, "first", 0, UINT64_C(1) + is_there, pair->first);
     server_arrays_add_numbers(&query->arrays, "distance", 0, 1, &pair->found.distance);
     return true;
@@ -202,13 +192,12 @@ static enum gd_status trace_reserve(struct trace *trace)
     return trace->first && trace->lengths ? GD_OK : GD_BUDGET;
 }
 
-static bool trace_list_arrays(struct server_query *query, struct proto_problem *problem)
+static bool trace_list_arrays(struct server_query *query)
 {
     const struct trace *trace = (const struct trace *)query;
     static const uint32_t none[1];
     uint32_t count = trace->kept;
     const uint32_t *first = trace->first ? trace->first : none;
-    (void)problem;
     server_arrays_add_numbers(&query->arrays, "points", 3, first[count],
                               (const double *)trace->points);
     server_arrays_add_indices(&query->arrays, "first", 0, count + UINT64_C(1), first);
@@ -216,11 +205,10 @@ static bool trace_list_arrays(struct server_query *query, struct proto_problem *
     return true;
 }
 
-static bool trace_decode(struct server_query *query, const json_t *document,
-                         struct proto_problem *problem)
+static bool trace_decode(struct server_query *query, const json_t *document)
 {
     struct trace *trace = (struct trace *)query;
-    if (!proto_limit_trace_decode(document, subdivision_of(query), &trace->wanted, problem))
+    if (!proto_limit_trace_decode(document, subdivision_of(query), &trace->wanted, query->problem))
         return false;
     trace->options.step_limit = PROTO_TRACE_STEPS;
     trace->options.vertex_rule = trace->wanted.request.vertex_rule == PROTO_VERTEX_RULE_LIMIT_NORMAL
@@ -406,7 +394,7 @@ static enum gd_status trace_write_paths(struct trace *trace)
     return status;
 }
 
-static enum server_query_turn trace_solve(struct server_query *query, struct proto_problem *problem)
+static enum server_query_turn trace_solve(struct server_query *query)
 {
     struct trace *trace = (struct trace *)query;
     const struct proto_limit_trace *wanted = &trace->wanted;
@@ -415,7 +403,7 @@ static enum server_query_turn trace_solve(struct server_query *query, struct pro
     enum gd_status status = trace_evaluate(trace, &wanted->start, &trace->jet);
     if (!status && isnan(trace->jet.normal.x)) {
         proto_problem_refuse(
-            problem, "/start",
+            query->problem, "/start",
             "the surface has no tangent plane there, and so no directions: it is the tip of a "
             "spike (a corner inside of a smooth surface), or control points "
             "coincide; start beside it");
@@ -430,8 +418,8 @@ static enum server_query_turn trace_solve(struct server_query *query, struct pro
         proto_member_uint(writer, "level", wanted->level);
     if (!status && fields & PROTO_LIMIT_TRACE_FIELD_PATHS) status = trace_write_paths(trace);
     proto_write_object_end(writer);
-    if (status) return server_smooth_fail(query, status, &trace->detail, "the trace", problem);
-    return server_query_end_draft(query, GD_OK, "the trace", problem);
+    if (status) return server_smooth_fail(query, status, &trace->detail, "the trace");
+    return server_query_end_draft(query, GD_OK, "the trace");
 }
 
 void server_handle_subdivision_trace(struct server_exchange *exchange)

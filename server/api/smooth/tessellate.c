@@ -127,9 +127,9 @@ static void meshing_release(struct server_query *query)
 }
 
 /* Adds the mesh. The attachment is then in memory twice, because derived meshes keep a copy. */
-static bool meshing_add(struct meshing *meshing, const struct mesher *mesher,
-                        struct proto_problem *problem)
+static bool meshing_add(struct meshing *meshing, const struct mesher *mesher)
 {
+    struct proto_problem *problem = meshing->query.problem;
     struct server_exchange *exchange = meshing->query.exchange;
     const struct server_record *record = meshing->query.surface->record;
     struct server_budget *budget = exchange->host->budget;
@@ -164,12 +164,11 @@ static bool meshing_store(struct server_exchange *exchange)
     return true;
 }
 
-static enum server_query_turn meshing_end(struct meshing *meshing, const struct mesher *mesher,
-                                          struct proto_problem *problem)
+static enum server_query_turn meshing_end(struct meshing *meshing, const struct mesher *mesher)
 {
     struct server_exchange *exchange = meshing->query.exchange;
-    server_derived_meshes_begin(&meshing->meshes, exchange);
-    if (!meshing_add(meshing, mesher, problem)) return SERVER_QUERY_FAILED;
+    meshing->meshes.exchange = exchange;
+    if (!meshing_add(meshing, mesher)) return SERVER_QUERY_FAILED;
     (void)server_request_write(exchange, meshing_store);
     return SERVER_QUERY_PARKED;
 }
@@ -178,12 +177,11 @@ static enum server_query_turn meshing_end(struct meshing *meshing, const struct 
 
 /* --- tessellate ------------------------------------------------------------------------------- */
 
-static bool tessellate_decode(struct server_query *query, const json_t *document,
-                              struct proto_problem *problem)
+static bool tessellate_decode(struct server_query *query, const json_t *document)
 {
     uint32_t max_faces = (uint32_t)query->exchange->host->api->config->max_faces;
     return proto_tessellation_decode(document, max_faces, &((struct meshing *)query)->tessellate,
-                                     problem);
+                                     query->problem);
 }
 
 static enum gd_status tessellate_write(const struct meshing *meshing,
@@ -204,8 +202,7 @@ static enum gd_status tessellate_write(const struct meshing *meshing,
     return status;
 }
 
-static enum server_query_turn tessellate_solve(struct server_query *query,
-                                               struct proto_problem *problem)
+static enum server_query_turn tessellate_solve(struct server_query *query)
 {
     struct meshing *meshing = (struct meshing *)query;
     struct server_monitor monitor = server_query_monitor(query, 0, 0.5);
@@ -217,16 +214,17 @@ static enum server_query_turn tessellate_solve(struct server_query *query,
         if (!call.status) call.kept = gd_tessellation_memsize(meshing->tessellation);
     }
     if (call.status) {
-        server_query_fail(query, call.status, "the tessellation", problem);
+        server_query_fail(query, call.status, "the tessellation");
         if (call.status != GD_BUDGET)
-            proto_problem_from_status(problem, call.status, &meshing->detail);
-        if (call.status == GD_TOO_LARGE) proto_problem_limit(problem, GD_TESSELLATION_FACES_MAX);
+            proto_problem_from_status(query->problem, call.status, &meshing->detail);
+        if (call.status == GD_TOO_LARGE)
+            proto_problem_limit(query->problem, GD_TESSELLATION_FACES_MAX);
         return SERVER_QUERY_FAILED;
     }
     const struct mesher mesher = {&nurbs_format, meshing->tessellate.mesh.text,
                                   gd_tessellation_polygons(meshing->tessellation),
                                   tessellate_write};
-    return meshing_end(meshing, &mesher, problem);
+    return meshing_end(meshing, &mesher);
 }
 
 void server_handle_nurbs_tessellate(struct server_exchange *exchange)
@@ -240,12 +238,12 @@ void server_handle_nurbs_tessellate(struct server_exchange *exchange)
 
 /* --- discretize ------------------------------------------------------------------------------- */
 
-static bool discretize_decode(struct server_query *query, const json_t *document,
-                              struct proto_problem *problem)
+static bool discretize_decode(struct server_query *query, const json_t *document)
 {
     uint32_t max_faces = (uint32_t)query->exchange->host->api->config->max_faces;
     return proto_discretization_decode(document, server_subdivision_of(query->surface)->surface,
-                                       max_faces, &((struct meshing *)query)->discretize, problem);
+                                       max_faces, &((struct meshing *)query)->discretize,
+                                       query->problem);
 }
 
 static size_t discretization_bytes(const struct gd_discretization *made)
@@ -264,8 +262,7 @@ static enum gd_status discretize_write(const struct meshing *meshing,
                                     made->polygons.position_count * sizeof *made->places, control);
 }
 
-static enum server_query_turn discretize_solve(struct server_query *query,
-                                               struct proto_problem *problem)
+static enum server_query_turn discretize_solve(struct server_query *query)
 {
     struct meshing *meshing = (struct meshing *)query;
     struct server_monitor monitor = server_query_monitor(query, 0, 0.3);
@@ -278,11 +275,10 @@ static enum server_query_turn discretize_solve(struct server_query *query,
         if (!call.status) call.kept = discretization_bytes(made);
     }
     if (call.status)
-        return server_smooth_fail(query, call.status, &meshing->detail, "the discretization",
-                                  problem);
+        return server_smooth_fail(query, call.status, &meshing->detail, "the discretization");
     const struct mesher mesher = {&limit_format, meshing->discretize.mesh.text,
                                   &meshing->discretization.polygons, discretize_write};
-    return meshing_end(meshing, &mesher, problem);
+    return meshing_end(meshing, &mesher);
 }
 
 void server_handle_subdivision_discretize(struct server_exchange *exchange)
@@ -308,8 +304,7 @@ struct reading {
     uint32_t count; /* number of vertices */
 };
 
-static bool reading_parse(struct server_query *query, const struct proto_parameters *parameters,
-                          struct proto_problem *problem)
+static bool reading_parse(struct server_query *query, const struct proto_parameters *parameters)
 {
     struct reading *reading = (struct reading *)query;
     const struct format *format = ((const struct reader *)query->kind)->format;
@@ -321,15 +316,14 @@ static bool reading_parse(struct server_query *query, const struct proto_paramet
     if (reading->head && mesh->record->attachment_size == attachment_size(format, reading->count) &&
         memcmp(reading->head->word, format->word, sizeof format->word) == 0)
         return true;
-    return proto_problem_set(problem, PROTO_PROBLEM_NOT_FOUND,
+    return proto_problem_set(query->problem, PROTO_PROBLEM_NOT_FOUND,
                              "the mesh '%s' was not made by %s, so its vertices have no %s",
                              mesh->record->name, format->maker, format->noun);
 }
 
-static enum server_query_turn reading_solve(struct server_query *query,
-                                            struct proto_problem *problem)
+static enum server_query_turn reading_solve(struct server_query *query)
 {
-    (void)query, (void)problem;
+    (void)query;
     return SERVER_QUERY_DONE;
 }
 
@@ -343,10 +337,9 @@ static void reading_read(const void *source, uint64_t first, uint64_t count, voi
         format->read(item, at);
 }
 
-static bool reading_list_arrays(struct server_query *query, struct proto_problem *problem)
+static bool reading_list_arrays(struct server_query *query)
 {
     const struct reading *reading = (const struct reading *)query;
-    (void)problem;
     server_arrays_add(&query->arrays, &(struct server_array){.name = reading->format->noun,
                                                              .type = SERVER_ARRAY_NUMBERS,
                                                              .columns = reading->format->numbers,

@@ -26,16 +26,15 @@ static void derivation_release(struct server_query *query)
     free(derivation->file);
 }
 
-static bool derivation_decode(struct server_query *query, const json_t *document,
-                              struct proto_problem *problem)
+static bool derivation_decode(struct server_query *query, const json_t *document)
 {
     struct proto_derive *wanted = &((struct derivation *)query)->wanted;
     const char *accept = server_exchange_header(query->exchange, "Accept");
-    if (!proto_derive_decode(document, wanted, problem)) return false;
+    if (!proto_derive_decode(document, wanted, query->problem)) return false;
     const char *type =
         wanted->mesh.text[0] ? "application/json" : gd_format_media_type(wanted->format);
     return proto_accept_quality(accept, type) > 0 ||
-           proto_problem_set(problem, PROTO_PROBLEM_NOT_ACCEPTABLE,
+           proto_problem_set(query->problem, PROTO_PROBLEM_NOT_ACCEPTABLE,
                              "the answer is %s; send Accept: %s or none", type, type);
 }
 
@@ -54,18 +53,18 @@ static bool derivation_store(struct server_exchange *exchange)
     return true;
 }
 
-static enum server_query_turn end_with_meshes(struct derivation *derivation,
-                                              struct proto_problem *problem)
+static enum server_query_turn end_with_meshes(struct derivation *derivation)
 {
     struct server_query *query = &derivation->query;
     struct server_edits *edits = &derivation->edits;
     const char *name = derivation->wanted.mesh.text;
     struct server_monitor part = server_query_monitor(query, 0.7, 0.1);
-    server_derived_meshes_begin(&derivation->meshes, query->exchange);
-    bool is_added =
-        derivation->wanted.is_split
-            ? server_edits_add_parts(edits, &part, &derivation->meshes, name, problem)
-            : server_edits_add(edits, &edits->edited, &derivation->meshes, name, problem);
+    derivation->meshes.exchange = query->exchange;
+    bool is_added = derivation->wanted.is_split
+                        ? server_edits_add_parts(edits, &part, &derivation->meshes, name,
+                                                 derivation->query.problem)
+                        : server_edits_add(edits, &edits->edited, &derivation->meshes, name,
+                                           derivation->query.problem);
     if (!is_added) return SERVER_QUERY_FAILED;
     (void)server_request_write(query->exchange, derivation_store);
     return SERVER_QUERY_PARKED;
@@ -78,8 +77,7 @@ static size_t file_cost(const struct gd_polygons *polygons)
            4096;
 }
 
-static enum server_query_turn end_with_file(struct derivation *derivation,
-                                            struct proto_problem *problem)
+static enum server_query_turn end_with_file(struct derivation *derivation)
 {
     struct server_query *query = &derivation->query;
     struct server_monitor part = server_query_monitor(query, 0.9, 0.1);
@@ -90,7 +88,7 @@ static enum server_query_turn end_with_file(struct derivation *derivation,
     if (!status)
         status = gd_write_polygons_within(polygons, derivation->wanted.format, &control,
                                           &derivation->file, &derivation->file_size);
-    if (status) return server_query_fail(query, status, "the file", problem);
+    if (status) return server_query_fail(query, status, "the file");
     server_query_give(query, cost - derivation->file_size);
     query->held -= derivation->file_size; /* the response takes over the file */
     query->exchange->held += derivation->file_size;
@@ -111,16 +109,15 @@ static void derivation_reply(struct server_query *query)
 
 /* --- the edits -------------------------------------------------------------------------------- */
 
-static enum server_query_turn derivation_solve(struct server_query *query,
-                                               struct proto_problem *problem)
+static enum server_query_turn derivation_solve(struct server_query *query)
 {
     struct derivation *derivation = (struct derivation *)query;
     bool has_mesh = derivation->wanted.mesh.text[0];
     struct server_monitor monitor = server_query_monitor(query, 0, has_mesh ? 0.7 : 0.9);
     derivation->edits.surface = query->surface;
     derivation->edits.edits = derivation->wanted.edits;
-    if (!server_edits_run(&derivation->edits, &monitor, problem)) return SERVER_QUERY_FAILED;
-    return has_mesh ? end_with_meshes(derivation, problem) : end_with_file(derivation, problem);
+    if (!server_edits_run(&derivation->edits, &monitor, query->problem)) return SERVER_QUERY_FAILED;
+    return has_mesh ? end_with_meshes(derivation) : end_with_file(derivation);
 }
 
 const struct server_query_kind server_query_derive = {.name = "derive",

@@ -19,10 +19,9 @@ static void content_free(void *surface)
 /* Reads the requested format; replies with a problem if there is none. */
 static bool content_read_format(struct server_exchange *exchange, enum gd_format *format)
 {
-    struct proto_parameters parameters = server_exchange_parameters(exchange);
     const char *accept = server_exchange_header(exchange, "Accept");
     struct proto_problem problem;
-    if (proto_mesh_content_format(&parameters, accept, format, &problem)) return true;
+    if (proto_mesh_content_format(&exchange->parameters, accept, format, &problem)) return true;
     server_reply_problem(exchange, &problem);
     return false;
 }

@@ -41,22 +41,20 @@ static void picture_release(struct server_query *query)
     proto_picture_free(&picture->wanted);
 }
 
-static bool picture_parse(struct server_query *query, const struct proto_parameters *parameters,
-                          struct proto_problem *problem)
+static bool picture_parse(struct server_query *query, const struct proto_parameters *parameters)
 {
     struct picture *picture = (struct picture *)query;
     struct proto_picture *wanted = &picture->wanted;
     struct proto_set set;
-    if (!proto_picture_parse(parameters, wanted, problem)) return false;
-    if (wanted->stops.count && !server_query_locate(query, &wanted->stops, problem)) return false;
-    if (wanted->field) return server_field_query_of_id(query, wanted->field, problem);
-    return !wanted->has_source || (proto_set_of_point(&wanted->source, &set, problem) &&
-                                   server_field_query_of_set(query, &set, 0, problem));
+    if (!proto_picture_parse(parameters, wanted, query->problem)) return false;
+    if (wanted->stops.count && !server_query_locate(query, &wanted->stops)) return false;
+    if (wanted->field) return server_field_query_of_id(query, wanted->field);
+    return !wanted->has_source || (proto_set_of_point(&wanted->source, &set, query->problem) &&
+                                   server_field_query_of_set(query, &set, 0));
 }
 
 /* Computes the path through the stops. */
-static bool picture_find_route(struct picture *picture, const struct server_monitor *whole,
-                               struct proto_problem *problem)
+static bool picture_find_route(struct picture *picture, const struct server_monitor *whole)
 {
     struct server_query *query = &picture->query;
     uint32_t legs = query->points.count ? query->points.count - 1 : 0;
@@ -67,21 +65,17 @@ static bool picture_find_route(struct picture *picture, const struct server_moni
         struct gd_pair_answer leg;
         enum gd_status status = server_pair_solve(&part, query->surface, &pair, &leg);
         if (!status) status = server_pair_append(&picture->route, &leg);
-        if (status) {
-            server_query_fail(query, status, "the search", problem);
-            return false;
-        }
+        if (status) return server_query_refuse(query, status, "the search");
     }
     return !isinf(picture->route.distance) ||
            proto_problem_refuse(
-               problem, "to",
+               picture->query.problem, "to",
                "no path leads there: the points lie in different components of the mesh; leave out "
                "from and to, or name others");
 }
 
 static enum server_query_turn picture_draw(struct server_query *query, const struct gd_field *field,
-                                           struct server_monitor *part,
-                                           struct proto_problem *problem)
+                                           struct server_monitor *part)
 {
     struct picture *picture = (struct picture *)query;
     const struct format *format = (const struct format *)query->kind;
@@ -89,7 +83,7 @@ static enum server_query_turn picture_draw(struct server_query *query, const str
                           second = server_monitor_portion(part, PATH_SHARE, 1 - PATH_SHARE);
     struct gd_picture *wanted = &picture->wanted.picture;
     const struct gd_mesh_summary *summary = gd_mesh_summary(query->surface->mesh);
-    if (!picture_find_route(picture, &first, problem)) return SERVER_QUERY_FAILED;
+    if (!picture_find_route(picture, &first)) return SERVER_QUERY_FAILED;
     wanted->mesh = query->surface->mesh;
     wanted->field = field;
     wanted->path = picture->route.path.count ? &picture->route.path : NULL;
@@ -101,20 +95,18 @@ static enum server_query_turn picture_draw(struct server_query *query, const str
         call.status = format->render(wanted, &call.control, &picture->file, &picture->size);
         call.kept = picture->size;
     }
-    if (call.status) return server_query_fail(query, call.status, "the picture", problem);
+    if (call.status) return server_query_fail(query, call.status, "the picture");
     query->held -= picture->size; /* the response takes the file over from the exchange */
     query->exchange->held += picture->size;
     return SERVER_QUERY_DONE;
 }
 
-static enum server_query_turn picture_solve(struct server_query *query,
-                                            struct proto_problem *problem)
+static enum server_query_turn picture_solve(struct server_query *query)
 {
     struct picture *picture = (struct picture *)query;
     struct server_monitor whole = server_query_monitor(query, 0, 1);
-    if (picture->wanted.field || picture->wanted.has_source)
-        return server_field_query_solve(query, problem);
-    return picture_draw(query, NULL, &whole, problem);
+    if (picture->wanted.field || picture->wanted.has_source) return server_field_query_solve(query);
+    return picture_draw(query, NULL, &whole);
 }
 
 static void picture_reply(struct server_query *query)

@@ -40,17 +40,16 @@ static bool negotiate(const char *accept, enum gd_format *out, struct proto_prob
 static bool parameters_read(struct server_exchange *exchange, struct preview_request *out,
                             struct proto_problem *problem)
 {
-    struct proto_parameters parameters = server_exchange_parameters(exchange);
     uint64_t faces = SERVER_PREVIEW_FACES;
     unsigned format = 0;
-    if (!proto_parameters_check(&parameters, proto_get_preview_parameters, problem) ||
-        !proto_parameters_integer(&parameters, "faces", 1000, 1000000, &faces, problem) ||
-        !proto_parameters_choice(&parameters, "format", proto_preview_format_words, &format,
-                                 problem))
+    if (!proto_parameters_check(&exchange->parameters, proto_get_preview_parameters, problem) ||
+        !proto_parameters_integer(&exchange->parameters, "faces", 1000, 1000000, &faces, problem) ||
+        !proto_parameters_choice(&exchange->parameters, "format", proto_preview_format_words,
+                                 &format, problem))
         return false;
     out->faces = (uint32_t)faces;
     out->format = gd_format_by_name(proto_preview_format_words[format]);
-    return proto_parameters_get(&parameters, "format") ||
+    return proto_parameters_get(&exchange->parameters, "format") ||
            negotiate(server_exchange_header(exchange, "Accept"), &out->format, problem);
 }
 

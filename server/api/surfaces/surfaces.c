@@ -67,9 +67,8 @@ void server_handle_get_surface(struct server_exchange *exchange)
 static bool remove_surface(struct server_exchange *exchange)
 {
     const struct server_precondition precondition = server_precondition_read(exchange);
-    char name[PROTO_MESH_NAME + 1];
     struct server_key key;
-    if (!server_request_key(exchange, name, &key)) return true;
+    if (!server_request_key(exchange, &key)) return true;
     enum server_outcome outcome =
         server_registry_remove(exchange->host->api->registry, &key, &precondition);
     if (outcome == SERVER_STORE_DONE)
@@ -100,21 +99,14 @@ struct caption {
     char text[SERVER_CAPTION];
 };
 
-static void caption_set(struct caption *caption, const char *text)
-{
-    caption->is_given = text;
-    snprintf(caption->text, sizeof caption->text, "%s", text ? text : "");
-}
-
 /* Runs on the registry's writer thread. */
 static bool update_surface(struct server_exchange *exchange)
 {
     const struct server_precondition precondition = server_precondition_read(exchange);
     const struct caption *caption = exchange->state;
-    char name[PROTO_MESH_NAME + 1];
     struct server_key key;
     struct server_listed listed;
-    if (!server_request_key(exchange, name, &key)) return true;
+    if (!server_request_key(exchange, &key)) return true;
     enum server_outcome outcome = SERVER_STORE_DONE;
     if (caption->is_given)
         outcome = server_registry_caption(exchange->host->api->registry, &key, caption->text,
@@ -134,10 +126,12 @@ static bool caption_decode(struct server_exchange *exchange, struct caption *cap
     const char *text;
     json_t *document = server_request_document(exchange, &problem);
     bool is_good = document && proto_caption_decode(document, &text, &problem);
-    if (is_good)
-        caption_set(caption, text);
-    else
+    if (is_good) {
+        caption->is_given = text;
+        snprintf(caption->text, sizeof caption->text, "%s", text ? text : "");
+    } else {
         server_reply_problem(exchange, &problem);
+    }
     json_decref(document);
     if (document) server_request_end_parsing(exchange);
     return is_good;

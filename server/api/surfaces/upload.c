@@ -76,10 +76,9 @@ static bool upload_identify(struct server_exchange *exchange, struct upload *upl
     const struct server_kind *kind = server_request_kind(exchange);
     const struct server_file file = {body->bytes, body->size,
                                      server_exchange_header(exchange, "Content-Type")};
-    struct proto_parameters parameters = server_exchange_parameters(exchange);
     struct proto_problem problem;
     char sha256[SERVER_SHA256_HEX], options[SERVER_OPTIONS];
-    if (!kind->read_options(&parameters, &file, options, &problem)) {
+    if (!kind->read_options(&exchange->parameters, &file, options, &problem)) {
         server_reply_problem(exchange, &problem);
         return false;
     }
@@ -192,7 +191,7 @@ static bool upload_edit(struct server_exchange *exchange, struct upload *upload,
     struct server_edits edits = {
         .surface = upload->surface, .is_upload = true, .edits = upload->edits};
     server_derived_meshes_free(&upload->edited);
-    server_derived_meshes_begin(&upload->edited, exchange);
+    upload->edited.exchange = exchange;
     bool is_made = server_edits_run(&edits, &part, problem) &&
                    server_edits_add(&edits, &edits.edited, &upload->edited, upload->name, problem);
     server_edits_free(&edits);
@@ -228,13 +227,12 @@ static bool upload_build(struct server_exchange *exchange)
 static bool upload_parse(struct server_exchange *exchange, struct upload *upload,
                          struct proto_problem *problem)
 {
-    struct proto_parameters parameters = server_exchange_parameters(exchange);
     const char *caption;
-    if (!proto_caption_parse(&parameters, &caption, problem)) return false;
+    if (!proto_caption_parse(&exchange->parameters, &caption, problem)) return false;
     upload->has_caption = caption;
     snprintf(upload->caption, sizeof upload->caption, "%s", caption ? caption : "");
     return server_request_kind(exchange) != &server_kind_mesh ||
-           proto_edits_parse(&parameters, &upload->edits, problem);
+           proto_edits_parse(&exchange->parameters, &upload->edits, problem);
 }
 
 static void upload_start(struct server_exchange *exchange, const char *name)
@@ -261,7 +259,6 @@ void server_handle_create_surface(struct server_exchange *exchange)
 
 void server_handle_put_surface(struct server_exchange *exchange)
 {
-    char name[PROTO_MESH_NAME + 1];
     struct server_key key;
-    if (server_request_key(exchange, name, &key)) upload_start(exchange, name);
+    if (server_request_key(exchange, &key)) upload_start(exchange, key.name);
 }

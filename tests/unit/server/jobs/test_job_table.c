@@ -152,9 +152,9 @@ static void look_at_the_request(struct server_exchange *exchange)
     assert_string_equal(exchange->method, "POST");
     assert_string_equal(exchange->path, "/v1/meshes/cow/x");
     assert_ptr_equal(exchange->match.captures[0].text, exchange->path + 11);
-    assert_int_equal(exchange->parameter_count, 1);
-    assert_string_equal(exchange->parameters[0].name, "a");
-    assert_string_equal(exchange->parameters[0].value, "b c");
+    assert_int_equal(exchange->parameters.count, 1);
+    assert_string_equal(exchange->parameters.all[0].name, "a");
+    assert_string_equal(exchange->parameters.all[0].value, "b c");
     assert_string_equal(exchange->request_id, "id");
     assert_int_equal(exchange->header_count, 1);
     assert_string_equal(server_exchange_header(exchange, "content-type"), "text/plain");

@@ -77,7 +77,7 @@ static bool compute(struct server_exchange *exchange)
 static void handle_make(struct server_exchange *exchange)
 {
     struct server_derived_meshes *making = calloc(1, sizeof *making);
-    server_derived_meshes_begin(making, exchange);
+    making->exchange = exchange;
     server_exchange_keep(exchange, making, free_making);
     server_exchange_defer(exchange, compute, NULL);
 }
