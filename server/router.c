@@ -1,4 +1,4 @@
-#include "server/router.h"
+#include "server/server.h"
 
 #include <stdatomic.h>
 #include <string.h>
@@ -78,7 +78,6 @@ static bool answer_options(struct server_exchange *exchange, const struct proto_
     return true;
 }
 
-/* Answers with a file of the viewer. */
 static bool answer_asset(struct server_exchange *exchange, const struct proto_problem *problem)
 {
     const struct proto_asset *asset = NULL;
@@ -104,7 +103,6 @@ static bool request_authorize(struct server_exchange *exchange, struct proto_pro
     return true;
 }
 
-/* Accepts a body without coding or with gzip. */
 static bool prepare_coding(struct server_exchange *exchange, struct proto_problem *problem)
 {
     const char *coding = server_exchange_header(exchange, "Content-Encoding");

@@ -17,7 +17,6 @@
 #include "server/http/http.h"
 #include "server/jobs/job_table.h"
 #include "server/http/tls.h"
-#include "server/router.h"
 
 /* Arrays of at least so many bytes return to the system when they are freed. By default glibc
  * raises this bound with the size of freed arrays, and so keeps the memory of freed meshes and
@@ -82,15 +81,6 @@ static bool select_cpu(const struct server_config *config, char error[SERVER_ERR
                error,
                "this machine lacks the instructions that --cpu %s needs; write auto or baseline",
                name);
-}
-
-/* Takes from the budget, once, the memory that the allocator may keep of released fields, so that
- * reusing it takes nothing more. */
-static bool set_spare_aside(struct server *server)
-{
-    size_t part = server->budget.limit / SPARE_PART, bytes = part < SPARE_MOST ? part : SPARE_MOST;
-    gd_spare_memory(bytes);
-    return server_budget_take(&server->budget, SERVER_BUDGET_SPARE, bytes);
 }
 
 static bool open_access(struct server *server, char error[SERVER_ERROR])
@@ -246,7 +236,11 @@ static bool create_parts(struct server *server, char error[SERVER_ERROR])
     server_budget_init(&server->budget, config->memory_budget);
     if (config->max_answer < server->budget.largest_answer)
         server->budget.largest_answer = config->max_answer;
-    if (!set_spare_aside(server)) return false;
+    /* Takes, once, the memory that the allocator may keep of released fields, so that reusing it
+     * takes nothing more. */
+    size_t part = server->budget.limit / SPARE_PART, spare = part < SPARE_MOST ? part : SPARE_MOST;
+    gd_spare_memory(spare);
+    if (!server_budget_take(&server->budget, SERVER_BUDGET_SPARE, spare)) return false;
     server->host.workspaces = server_workspaces_create(&server->budget, (uint32_t)config->workers);
     server->host.workers =
         server_workers_create((uint32_t)config->workers, (uint32_t)config->queue_length);
@@ -313,7 +307,6 @@ void server_reload(struct server *server)
 
 /* --- the end ---------------------------------------------------------------------------------- */
 
-/* Waits for running requests and for jobs. */
 static void wait_until_idle(struct server *server, uint64_t until_ns)
 {
     while (

@@ -53,7 +53,22 @@ void server_reload(struct server *server);
 /* Drains, stops and frees the server. Takes at most drain_delay_ms, drain_ms and a few seconds. */
 void server_stop(struct server *server);
 
-/* gauges.c: appends the metrics of a tenant, of its keys and jobs, as text for Prometheus. `tenant`
+/* --- steps of a request, called by HTTP (router.c) -------------------------------------------- */
+
+/* Called after the headers: sets the id, checks framing, Host and Origin, finds the route, checks
+ * the key and prepares the body. If it replies with response.close, the body is not read. */
+void server_router_begin(struct server_exchange *exchange);
+
+/* Called after the body: calls the handler, or starts a job if the client prefers that. Returns
+ * with a reply, or with `work` set: then the caller submits the exchange. */
+void server_router_end(struct server_exchange *exchange);
+
+/* Sets the deadline and calls the handler. Returns as server_router_end. */
+void server_router_dispatch(struct server_exchange *exchange);
+
+/* --- metrics (gauges.c) ----------------------------------------------------------------------- */
+
+/* Appends the metrics of a tenant, of its keys and jobs, as text for Prometheus. `tenant`
  * NULL: the metrics of the whole daemon. `user` is the struct server. Thread-safe. */
 void server_gauges_write(void *user, const char *tenant, struct proto_writer *writer);
 

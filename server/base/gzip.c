@@ -93,7 +93,6 @@ void server_inflater_destroy(struct server_inflater *inflater)
     free(inflater);
 }
 
-/* Runs one step of zlib, with its output in `piece`. */
 static enum server_inflate_outcome inflater_step(struct server_inflater *inflater,
                                                  unsigned char piece[PIECE], size_t *size)
 {

@@ -185,7 +185,6 @@ static const char *name_nearest(const char *name, size_t size)
 
 /* --- values ----------------------------------------------------------------------------------- */
 
-/* The state of server_config_load. */
 struct loader {
     struct server_config *config;
     FILE *error;
@@ -248,7 +247,6 @@ static bool is_origin(const char *text)
     return authority[3] && !strpbrk(authority + 3, "/*@?#;'\t");
 }
 
-/* Adds names that are separated by commas. */
 static bool names_add(const struct loader *loader, const struct option *option, const char *value,
                       struct server_config_list *member)
 {
@@ -319,7 +317,6 @@ static bool store_set(const struct loader *loader, const char *value)
     return true;
 }
 
-/* Sets the option's member, or adds to it. */
 static bool option_set(const struct loader *loader, const struct option *option, const char *value)
 {
     void *member = (char *)loader->config + option->offset;
@@ -422,7 +419,6 @@ static bool load_environment(struct loader *loader)
     return true;
 }
 
-/* A flag of the command line. */
 struct flag {
     const struct option *option;
     const char *value; /* NULL of switches */

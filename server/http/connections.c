@@ -139,17 +139,11 @@ static uint64_t connection_extend(struct server_connection *connection, enum pha
     return phase == PHASE_IDLE && connection_look(connection) == READING ? now_ns + PATIENCE_NS : 0;
 }
 
-/* Returns whether the client has closed its side and the library has read all bytes. */
-static bool connection_is_ended(const struct server_connection *connection)
-{
-    char byte;
-    return recv(connection->descriptor, &byte, 1, MSG_PEEK | MSG_DONTWAIT) == 0;
-}
-
 static void connection_check(struct server_connection *connection, uint64_t now_ns)
 {
     uint64_t deadline_ns = atomic_load(&connection->deadline_ns);
-    if (connection_is_ended(connection))
+    char byte; /* none: the client has closed its side, and the library has read all bytes */
+    if (recv(connection->descriptor, &byte, 1, MSG_PEEK | MSG_DONTWAIT) == 0)
         shutdown(connection->descriptor, SHUT_RD); /* an answer can still leave */
     if (deadline_ns > now_ns) return;
     enum phase phase = phase_of(deadline_ns);

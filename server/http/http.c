@@ -434,14 +434,6 @@ static unsigned connection_limit(const struct server_config *config)
     return most;
 }
 
-/* Returns the most connections of one address; 0: no limit. At most three quarters of all, so that
- * other addresses find a place. */
-static unsigned address_limit(const struct server_config *config, unsigned most)
-{
-    unsigned wanted = (unsigned)config->max_address_connections, all_but_some = most - most / 4;
-    return wanted < all_but_some ? wanted : all_but_some;
-}
-
 /* --- life ------------------------------------------------------------------------------------- */
 
 static void on_library_log(void *user, const char *format, va_list arguments)
@@ -472,13 +464,15 @@ static struct MHD_Daemon *http_start_library(struct server_http *http)
     unsigned flags = MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ITC |
                      MHD_USE_ERROR_LOG | (http->parts.tls ? MHD_USE_TLS : 0);
     unsigned most = connection_limit(config), threads = (unsigned)config->http_threads;
+    /* at most three quarters of all for one address, so that others find a place; 0: no limit */
+    unsigned own = (unsigned)config->max_address_connections, all_but_some = most - most / 4;
     unsigned silence = config->listen.socket.ss_family == AF_UNIX ? SILENCE_SECONDS : 0;
     server_connections_limit(http->parts.connections, most);
     return MHD_start_daemon(
         flags, 0, NULL, NULL, on_request, http, MHD_OPTION_EXTERNAL_LOGGER, on_library_log, NULL,
         MHD_OPTION_LISTEN_SOCKET, http->listening, MHD_OPTION_THREAD_POOL_SIZE,
         threads > 1 ? threads : 0u, DISCIPLINE, 1, MHD_OPTION_CONNECTION_LIMIT, most,
-        MHD_OPTION_PER_IP_CONNECTION_LIMIT, address_limit(config, most),
+        MHD_OPTION_PER_IP_CONNECTION_LIMIT, own < all_but_some ? own : all_but_some,
         MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)CONNECTION_MEMORY,
         MHD_OPTION_CONNECTION_TIMEOUT, silence, MHD_OPTION_NOTIFY_CONNECTION, on_connection, http,
         MHD_OPTION_URI_LOG_CALLBACK, on_target, http, MHD_OPTION_UNESCAPE_CALLBACK, on_escapes,

@@ -46,7 +46,6 @@ static void identity_free(struct identity *identity)
     free(identity);
 }
 
-/* Reads the certificate with its issuers, or the private key. */
 static bool identity_load_file(struct identity *identity, const char *path, bool is_key,
                                char error[SERVER_ERROR])
 {
@@ -73,7 +72,6 @@ static bool identity_load_file(struct identity *identity, const char *path, bool
            server_refuse(error, "'%s' can't be used for TLS: %s", path, gnutls_strerror(code));
 }
 
-/* Returns whether the private key belongs to the certificate. */
 static bool identity_is_pair(const struct identity *identity)
 {
     unsigned char certificate[64], key[64];

@@ -20,7 +20,6 @@
 #define PROBLEM_MOST 65536 /* bytes of a problem's text */
 #define PLACES       16
 
-/* An item that this daemon works on. */
 struct item {
     struct server_transport transport; /* first: the exchange's transport is the item */
     struct server_batch_runner *runner;
@@ -129,7 +128,6 @@ static void item_on_finish(struct server_exchange *exchange)
     server_thread_wake(runner->thread);
 }
 
-/* Sets up the request that a client would send. */
 static bool item_set_request(struct item *item, const struct proto_writer *body,
                              struct proto_problem *problem)
 {
@@ -168,7 +166,6 @@ static bool item_set_exchange(struct item *item, const struct proto_many *many,
     return is_set;
 }
 
-/* Creates an item. Returns NULL with the problem on failure. */
 static struct item *item_create(struct server_batch_runner *runner,
                                 const struct server_batch_claim *claim,
                                 struct proto_problem *problem)
@@ -261,7 +258,6 @@ bool server_batch_runner_wait(struct server_batch_runner *runner, struct server_
                                wait->until_ns);
 }
 
-/* Settles all answered items. */
 static void runner_settle(struct server_batch_runner *runner)
 {
     for (;;) {

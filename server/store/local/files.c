@@ -1,3 +1,4 @@
+/* See local.h. */
 #include "server/store/local/local.h"
 
 #include <errno.h>
@@ -88,7 +89,6 @@ static enum server_outcome make_path(const char *folder)
     return outcome ? outcome : server_disk_make_folder(path);
 }
 
-/* Creates the folders of the store. */
 static bool make_layout(struct server_files *files)
 {
     static const char *const folders[] = {"", "temporary", "manifests", "objects"};
@@ -191,7 +191,6 @@ bool server_files_is_unfinished(struct server_files *files)
                           files->folder);
 }
 
-/* Creates the marker, durably. */
 static bool mark_unfinished(const struct server_files *files, const char *path)
 {
     int file = open(path, O_WRONLY | O_CREAT | O_CLOEXEC, 0600);

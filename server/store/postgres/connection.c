@@ -405,7 +405,6 @@ static bool attempt_pause(struct server_pg_attempt *attempt)
     return true;
 }
 
-/* Gives the connection back. */
 static void attempt_release(struct server_pg_attempt *attempt)
 {
     if (attempt->outcome) snprintf(attempt->error, sizeof attempt->error, "%s", attempt->pg->error);

@@ -87,7 +87,6 @@ static enum server_outcome pg_change_write(struct server_pg *pg, const struct ch
     return outcome == SERVER_STORE_STALE ? SERVER_STORE_PRECONDITION : outcome;
 }
 
-/* Deletes rows of old removals. */
 static enum server_outcome pg_change_forget(struct server_pg *pg, const struct change *change)
 {
     const int64_t version = change->version.at[0];

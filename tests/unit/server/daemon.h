@@ -13,7 +13,6 @@
 #include "server/jobs/job_table.h"
 #include "server/surfaces/registry.h"
 #include "server/exchange/reply.h"
-#include "server/router.h"
 #include "server/server.h"
 
 static struct server daemon_server;
