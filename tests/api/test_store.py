@@ -9,7 +9,7 @@ import signal
 import threading
 import unittest
 
-from harness import SQUARE, TETRAHEDRON, Daemon, TestCase, form_tag, header_fields, sample
+from harness import SQUARE, TETRAHEDRON, Daemon, TestCase, form_tag, header_fields, sample, wait_until
 from stored import Stored
 from test_batches import begin, results, wait
 
@@ -195,7 +195,7 @@ class Fields(Stored):
         with self.start("--persist-fields") as daemon:
             self.assertAlmostEqual(daemon.get(self.URL).json["distance"], json.loads(answer)["distance"], 12)
             self.assertEqual(daemon.metric("searches_total"), 1)
-            self.assertEqual(self.events(daemon).count("field_discarded"), 6)
+            wait_until(lambda: self.events(daemon).count("field_discarded") == 6)
 
     def test_what_becomes_of_the_files_later_does_no_harm(self):
         answer = self.warm()
