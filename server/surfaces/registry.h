@@ -19,8 +19,7 @@
 #define SERVER_SURFACES_REGISTRY_H
 
 #include "server/exchange/etag.h"
-#include "server/store/store.h"
-#include "server/surfaces/surface.h"
+#include "server/surfaces/slot.h"
 
 struct server_registry;
 
@@ -49,8 +48,7 @@ enum server_outcome server_registry_remove(struct server_registry *registry,
                                            const struct server_key *key,
                                            const struct server_precondition *precondition);
 
-/* Changes the caption of the surface of that key, durably; keeps its fields. Waits for the disk.
- * DONE, ABSENT or an error of put. */
+/* Changes the caption of that surface, durably; keeps its fields. DONE, ABSENT or put's errors. */
 enum server_outcome server_registry_caption(struct server_registry *registry,
                                             const struct server_key *key, const char *caption,
                                             const struct server_precondition *precondition);
@@ -58,12 +56,6 @@ enum server_outcome server_registry_caption(struct server_registry *registry,
 /* Returns whether the preconditions allow a change of that record (NULL: there is none). */
 bool server_registry_allows(const struct server_precondition *precondition,
                             const struct server_record *record);
-
-struct server_listed {
-    struct server_record *record;
-    struct server_surface *surface; /* NULL: not in memory */
-};
-void server_listed_release(struct server_listed *listed); /* accepts all zero */
 
 /* Returns whether a record has that ETag. O(records). */
 bool server_registry_holds(struct server_registry *registry, const char *etag);
@@ -113,8 +105,7 @@ struct server_store *server_registry_store(const struct server_registry *registr
 /* Keeps a loaded surface in memory, unless its key has another record or another surface. */
 void server_registry_keep(struct server_registry *registry, struct server_surface *surface);
 
-/* Returns the record of the most used surface that is not in memory, retained; NULL: there is none.
- * Returns each record once. */
+/* Returns the record of the most used surface not in memory, each once, retained; or NULL. */
 struct server_record *server_registry_hottest(struct server_registry *registry);
 
 /* Stores the numbers of uses that have changed since the last call. */

@@ -1,0 +1,93 @@
+#include "server/surfaces/slot.h"
+
+#include <stdlib.h>
+
+void server_listed_release(struct server_listed *listed)
+{
+    server_surface_release(listed->surface);
+    server_record_release(listed->record);
+}
+
+int server_slot_compare(const void *item, const void *key)
+{
+    const struct server_slot *slot = item;
+    const struct server_key own = server_record_key(slot->now.record);
+    return server_key_compare(&own, key);
+}
+
+static int slot_compare_items(const void *a, const void *b)
+{
+    const struct server_slot *const *second = b;
+    const struct server_key key = server_record_key((*second)->now.record);
+    return server_slot_compare(*(const struct server_slot *const *)a, &key);
+}
+
+struct server_slot *server_slot_enter(struct server_sorted *all, struct server_slot *slot)
+{
+    const struct server_key key = server_record_key(slot->now.record);
+    struct server_slot *found = server_sorted_find(all, &key);
+    if (!found) {
+        server_sorted_insert(all, server_sorted_index(all, &key), slot);
+        return NULL;
+    }
+    const struct server_listed left = found->now;
+    found->now = slot->now;
+    found->version = slot->version;
+    slot->now = left;
+    return slot;
+}
+
+struct server_listed server_slot_share(const struct server_slot *slot)
+{
+    const struct server_listed *now = &slot->now;
+    return (struct server_listed){server_record_retain(now->record),
+                                  now->surface ? server_surface_retain(now->surface) : NULL};
+}
+
+struct server_slot *server_slot_create(struct server_record *record, struct server_surface *surface)
+{
+    struct server_slot *slot = calloc(1, sizeof *slot);
+    if (!slot) return NULL;
+    slot->now.record = server_record_retain(record);
+    if (surface) slot->now.surface = server_surface_retain(surface);
+    return slot;
+}
+
+void server_slot_free(struct server_slot *slot)
+{
+    if (slot) server_listed_release(&slot->now);
+    free(slot);
+}
+
+/* Slots that are read from the store. */
+struct collection {
+    struct server_sorted slots;
+    bool is_incomplete; /* memory was short */
+};
+
+static bool on_stored(void *user, const struct server_stored *stored)
+{
+    struct collection *all = user;
+    struct server_slot *slot =
+        server_sorted_reserve(&all->slots) ? server_slot_create(stored->record, NULL) : NULL;
+    all->is_incomplete |= !slot;
+    if (!slot) return false;
+    slot->uses = slot->noted = stored->uses.count;
+    slot->last = stored->uses.last;
+    slot->version = stored->version;
+    all->slots.items[all->slots.count++] = slot;
+    return true;
+}
+
+enum server_outcome server_slots_collect(struct server_store *store, struct server_budget *budget,
+                                         struct server_sorted *out)
+{
+    struct collection all = {.slots = {.compare = server_slot_compare}};
+    enum server_outcome outcome = SERVER_STORE_DONE;
+    if (store->each) outcome = store->each(store, on_stored, &all);
+    *out = all.slots;
+    for (uint32_t i = 0; i < out->count; i++)
+        server_record_count(((struct server_slot *)out->items[i])->now.record, budget);
+    if (out->count) qsort(out->items, out->count, sizeof *out->items, slot_compare_items);
+    return !outcome && all.is_incomplete ? SERVER_STORE_NO_MEMORY : outcome;
+}
