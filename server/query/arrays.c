@@ -395,14 +395,6 @@ static void npz_write(const struct server_arrays *arrays, struct proto_writer *w
     zip_append(writer, end, at);
 }
 
-enum server_arrays_form server_arrays_form(const char *name)
-{
-    static const char *const names[] = {"f64", "f32", "npy", "npz"};
-    for (int i = 0; i < 4; i++)
-        if (strcmp(name, names[i]) == 0) return (enum server_arrays_form)(SERVER_ARRAYS_F64 + i);
-    return SERVER_ARRAYS_NONE;
-}
-
 void server_arrays_write(const struct server_arrays *arrays, enum server_arrays_form form,
                          struct proto_writer *writer)
 {

@@ -87,17 +87,6 @@ enum server_arrays_form {
     SERVER_ARRAYS_NPZ
 };
 
-/* Entries of these forms, to append to an answer's own forms. */
-#define SERVER_ARRAYS_FORMS                                                                        \
-    {"f64", SERVER_ARRAYS_MEDIA, false}, {"f32", SERVER_ARRAYS_MEDIA, false},                      \
-        {"npy", "application/x-npy", false},                                                       \
-    {                                                                                              \
-        "npz", "application/x-npz", false                                                          \
-    }
-
-/* Returns the form of that name (`server_form.name`). */
-enum server_arrays_form server_arrays_form(const char *name);
-
 /* Writes the arrays, of which there is at least one; always the same bytes. */
 void server_arrays_write(const struct server_arrays *arrays, enum server_arrays_form form,
                          struct proto_writer *writer);

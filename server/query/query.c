@@ -287,20 +287,38 @@ static void draft_send(struct server_query *query)
 
 /* --- the form of the answer ------------------------------------------------------------------- */
 
-const struct server_form server_array_forms[] = {SERVER_ARRAYS_FORMS, {NULL, NULL, false}};
+/* in the order of enum server_arrays_form */
+static const struct server_form array_forms[] = {{"f64", SERVER_ARRAYS_MEDIA, false},
+                                                 {"f32", SERVER_ARRAYS_MEDIA, false},
+                                                 {"npy", "application/x-npy", false},
+                                                 {"npz", "application/x-npz", false}};
+#define ARRAY_FORMS (sizeof array_forms / sizeof *array_forms)
 
-static const struct server_form *form_at(const struct server_query_kind *kind, unsigned form)
+/* Returns the end of the kind's own forms, where those of arrays begin. */
+static unsigned own_forms_end(const struct server_query_kind *kind)
 {
-    static const struct server_form json = {"json", JSON, false}, bytes = {"float64", BYTES, false};
-    if (form == SERVER_FORM_JSON) return &json;
-    return form == SERVER_FORM_BYTES ? &bytes : &kind->forms[form - SERVER_FORM_FIRST];
+    const struct server_form *form = kind->forms;
+    while (form && form->name) form++;
+    return SERVER_FORM_FIRST + (form ? (unsigned)(form - kind->forms) : 0);
 }
 
 static unsigned form_count(const struct server_query_kind *kind)
 {
-    unsigned count = SERVER_FORM_FIRST;
-    while (kind->forms && form_at(kind, count)->name) count++;
-    return count;
+    return own_forms_end(kind) + (kind->list_arrays ? ARRAY_FORMS : 0);
+}
+
+static bool has_files(const struct server_query_kind *kind)
+{
+    return kind->forms || kind->list_arrays;
+}
+
+static const struct server_form *form_at(const struct server_query_kind *kind, unsigned form)
+{
+    static const struct server_form json = {"json", JSON, false}, bytes = {"float64", BYTES, false};
+    unsigned arrays = own_forms_end(kind);
+    if (form == SERVER_FORM_JSON) return &json;
+    if (form == SERVER_FORM_BYTES) return &bytes;
+    return form < arrays ? &kind->forms[form - SERVER_FORM_FIRST] : &array_forms[form - arrays];
 }
 
 /* Chooses the form by ?format= if given, else by Accept, where JSON wins a tie. */
@@ -310,7 +328,7 @@ static bool form_choose(const struct server_query_kind *kind, struct server_exch
     const char *accept = server_exchange_header(exchange, "Accept");
     const char *words[MOST_FORMS + 1] = {"json"};
     unsigned word = 0, best = 0, count = form_count(kind);
-    if (kind->forms && proto_parameters_get(&exchange->parameters, "format")) {
+    if (has_files(kind) && proto_parameters_get(&exchange->parameters, "format")) {
         for (unsigned i = SERVER_FORM_FIRST; i < count && i <= MOST_FORMS; i++)
             words[i - SERVER_FORM_BYTES] = form_at(kind, i)->name;
         if (!proto_parameters_choice(&exchange->parameters, "format", words, &word, problem))
@@ -327,7 +345,7 @@ static bool form_choose(const struct server_query_kind *kind, struct server_exch
     return best > 0 ||
            proto_problem_set(problem, PROTO_PROBLEM_NOT_ACCEPTABLE,
                              "the answer is %s%s; the request's Accept takes none of it", JSON,
-                             kind->forms ? ", or a file: see format" : "");
+                             has_files(kind) ? ", or a file: see format" : "");
 }
 
 /* Reads ?mesh=, which only forms with a mesh accept. */
@@ -341,10 +359,9 @@ static bool form_read_mesh(struct server_query *query, const struct proto_parame
 
 enum server_arrays_form server_query_arrays_form(const struct server_query *query)
 {
+    unsigned arrays = own_forms_end(query->kind);
     if (query->form == SERVER_FORM_BYTES) return SERVER_ARRAYS_RAW;
-    return query->kind->list_arrays && query->form >= SERVER_FORM_FIRST
-               ? server_arrays_form(form_at(query->kind, query->form)->name)
-               : SERVER_ARRAYS_NONE;
+    return query->form < arrays ? SERVER_ARRAYS_NONE : SERVER_ARRAYS_F64 + query->form - arrays;
 }
 
 static const char *form_name(const struct server_query *query)
@@ -434,7 +451,7 @@ static void query_add_headers(const struct server_query *query, struct server_ex
 {
     const struct server_query_kind *kind = query->kind;
     server_reply_tag(exchange, query->surface->record->etag, form_name(query));
-    if (!kind->reply && (kind->forms || kind->has_bytes))
+    if (!kind->reply && (has_files(kind) || kind->has_bytes))
         server_reply_header(exchange, "Vary", "Accept");
 }
 
@@ -459,8 +476,7 @@ static void query_reply(struct server_query *query)
         query_reply_form(query);
 }
 
-/* Processes a turn. Returns false if another thread has the exchange. After AGAIN there is no
- * reply, and the worker calls again. */
+/* Processes a turn. False: another thread has the exchange. After AGAIN the worker calls again. */
 static bool query_take_turn(struct server_query *query, enum server_query_turn turn)
 {
     if (turn == SERVER_QUERY_DONE) query_reply(query);
@@ -554,7 +570,7 @@ static bool query_read(struct server_query *query)
         return proto_options_refuse_geometry(problem, "geometry");
     if (kind->has_bare_points && !proto_parameters_get(&query->exchange->parameters, "geometry"))
         query->options.geometry = PROTO_GEOMETRY_XYZ;
-    if (kind->forms && !form_read_mesh(query, &query->exchange->parameters)) return false;
+    if (has_files(kind) && !form_read_mesh(query, &query->exchange->parameters)) return false;
     if (!has_body) return kind->parse(query, &query->exchange->parameters);
     if (query_is_arrays(query)) return query_read_arrays(query);
     json_t *document = server_request_document(query->exchange, problem);

@@ -54,7 +54,7 @@ struct server_answer_file {
     size_t size;
 };
 
-/* SERVER_FORM_FIRST + i: forms[i] */
+/* SERVER_FORM_FIRST + i: forms[i]; then those of arrays, if the kind lists arrays */
 enum { SERVER_FORM_JSON, SERVER_FORM_BYTES, SERVER_FORM_FIRST };
 
 /* The field that answers a query; all zero: none is named. */
@@ -97,12 +97,11 @@ struct server_query {
 struct server_query_kind {
     const char *name;                /* as in the path, and in a batch */
     size_t size;                     /* bytes of the kind's own struct */
-    const struct server_form *forms; /* the answer's other forms, or NULL */
+    const struct server_form *forms; /* the answer's own forms, or NULL */
     bool has_bare_points;            /* geometry is xyz by default, not full */
     bool (*decode)(struct server_query *query, const json_t *document);
     bool (*parse)(struct server_query *query, const struct proto_parameters *parameters);
-    /* Reads a request of arrays (arrays.h) instead of JSON, with names among array_names. Both
-     * NULL: requests are JSON only. */
+    /* Reads a request of arrays (arrays.h), with these names. Both NULL: only JSON. */
     const char *const *array_names;
     bool (*read_arrays)(struct server_query *query, const struct server_arrays *arrays);
     /* NULL: a default, see above */
@@ -143,8 +142,7 @@ enum server_query_turn server_query_solve(struct server_query *query);
 /* Appends the answer of a query that is DONE, for a batch. */
 void server_query_encode(const struct server_query *query, struct proto_writer *writer);
 
-/* Handles a single request. The route table names server_handle_query for queries about meshes,
- * whose kinds are declared in handlers.h. */
+/* Handles a single request. Queries about meshes have server_handle_query (handlers.h). */
 void server_query_handle(struct server_exchange *exchange, const struct server_query_kind *kind);
 
 /* --- for the steps ---------------------------------------------------------------------------- */
@@ -156,8 +154,7 @@ struct server_monitor server_query_monitor(const struct server_query *query, dou
 struct server_monitor server_monitor_portion(const struct server_monitor *whole, double begun,
                                              double share);
 
-/* Sets the problem of an engine failure and counts failed self-checks. `what` names the work that
- * needs memory ("the search"). Returns FAILED. */
+/* Sets the problem of an engine failure; `what` names the work ("the search"). FAILED. */
 enum server_query_turn server_query_fail(const struct server_query *query, enum gd_status status,
                                          const char *what);
 
@@ -181,9 +178,6 @@ bool server_query_can_flush(const struct server_query *query);
 /* Returns the answer's form of arrays, or SERVER_ARRAYS_NONE. */
 enum server_arrays_form server_query_arrays_form(const struct server_query *query);
 
-/* The forms of an answer whose only other forms are arrays. */
-extern const struct server_form server_array_forms[];
-
 /* Adds `count` borrowed paths, `stride` bytes apart, to the arrays. False with the problem. */
 bool server_query_list_lines(struct server_query *query, const struct gd_path *paths, size_t stride,
                              uint32_t count);
@@ -199,8 +193,7 @@ void server_query_give(struct server_query *query, size_t bytes);
 /* Locates points of the request as query->points, and frees `points`. False with the problem. */
 bool server_query_locate(struct server_query *query, struct proto_points *points);
 
-/* Returns an array of zeros; the query holds it and its bytes until it ends. NULL: too little
- * memory, which callers report as GD_BUDGET. */
+/* Returns an array of zeros that the query holds until it ends. NULL: report GD_BUDGET. */
 void *server_query_allocate(struct server_query *query, size_t count, size_t size);
 
 /* Begins one long call of the engine (budgeted_call.h) for a part of the query's work; NULL: for
@@ -246,8 +239,7 @@ GD_MUST_USE enum gd_status server_pair_append(struct gd_pair_answer *route,
 
 /* --- for kinds that are answered from a field (field_query.c) --------------------------------- */
 
-/* Names the field of a set, which the query takes over. Locates the set at once if that takes no
- * time. False with the problem. */
+/* Names the field of a set, which the query takes over, and locates a quick one at once. */
 bool server_field_query_of_set(struct server_query *query, struct proto_set *set,
                                double max_distance);
 
@@ -271,8 +263,7 @@ struct server_resource *server_find_resource(const struct server_exchange *excha
                                              struct server_record *record,
                                              struct proto_problem *problem);
 
-/* Locates a set on a worker, since curves need searches. The query holds its bytes; the caller
- * frees it by free(). False with the problem. */
+/* Locates a set on a worker: curves need searches. The query holds its bytes; free() frees it. */
 bool server_query_locate_set(struct server_query *query, struct server_monitor *part,
                              const struct proto_set *set, struct proto_located_set **out);
 

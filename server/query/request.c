@@ -247,22 +247,28 @@ static bool is_json(const char *content_type)
     return size == strlen(json) && strncasecmp(content_type, json, size) == 0;
 }
 
-bool server_request_begin_parsing(struct server_exchange *exchange, const char *text, size_t size,
-                                  struct proto_problem *problem)
+bool server_request_take(struct server_exchange *exchange, const char *what, size_t bytes,
+                         struct proto_problem *problem)
 {
     struct server_budget *budget = exchange->host->budget;
-    struct server_monitor monitor = {.exchange = exchange};
-    const struct gd_control control = server_exchange_control(&monitor);
-    size_t cost = size > PARSED_UNCOUNTED ? proto_decode_cost(text, size, &control) : 0;
-    if (cost && !server_budget_take(budget, SERVER_BUDGET_FLIGHT, cost))
-        return server_budget_refuse(budget, "the request's JSON", cost, problem);
-    exchange->parsed = cost;
-    exchange->held += cost;
+    if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, bytes))
+        return server_budget_refuse(budget, what, bytes, problem);
+    exchange->held += bytes;
     return true;
 }
 
-/* Ends the parsing. Trims the heap after a large document, since the allocator keeps freed memory
- * below the last block in use. */
+bool server_request_begin_parsing(struct server_exchange *exchange, const char *text, size_t size,
+                                  struct proto_problem *problem)
+{
+    struct server_monitor monitor = {.exchange = exchange};
+    const struct gd_control control = server_exchange_control(&monitor);
+    size_t cost = size > PARSED_UNCOUNTED ? proto_decode_cost(text, size, &control) : 0;
+    if (cost && !server_request_take(exchange, "the request's JSON", cost, problem)) return false;
+    exchange->parsed = cost;
+    return true;
+}
+
+/* Trims the heap after a large document: the allocator keeps memory below the last used block. */
 void server_request_end_parsing(struct server_exchange *exchange)
 {
     size_t parsed = exchange->parsed;
@@ -318,7 +324,9 @@ void server_request_go_on(struct server_exchange *rest)
 
 void server_request_fail(struct server_exchange *exchange, enum server_outcome outcome)
 {
-    static const char *const full[] = {
+    static const char *const sentences[] = {
+        [SERVER_STORE_NO_MEMORY] = "there is no memory for this; delete meshes, raise "
+                                   "--memory-budget, or try again later",
         [SERVER_STORE_FULL] = "the server's disk is full; nothing was changed: delete surfaces, or "
                               "try again when there is room",
         [SERVER_STORE_REFUSED] =
@@ -327,36 +335,20 @@ void server_request_fail(struct server_exchange *exchange, enum server_outcome o
             "the server's store takes no changes since a write failed; queries go on: tell its "
             "operator, /readyz says more",
     };
-    switch (outcome) {
-    case SERVER_STORE_ABSENT:
+    if (outcome == SERVER_STORE_DAMAGED) outcome = SERVER_STORE_READ_ONLY;
+    if (outcome == SERVER_STORE_ABSENT)
         reply_absent(exchange);
-        break;
-    case SERVER_STORE_PRECONDITION:
+    else if (outcome == SERVER_STORE_PRECONDITION)
         server_reply_refusal(exchange, PROTO_PROBLEM_PRECONDITION_FAILED,
                              "the %s is not in the state that If-Match or If-None-Match asks for; "
                              "get its ETag and try again",
                              server_request_kind(exchange)->noun);
-        break;
-    case SERVER_STORE_NO_MEMORY:
-        server_reply_refusal(exchange, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
-                             "there is no memory for this; delete meshes, raise --memory-budget, "
-                             "or try again later");
-        break;
-    case SERVER_STORE_DAMAGED:
-        outcome = SERVER_STORE_READ_ONLY; /* fall through */
-    case SERVER_STORE_FULL:
-    case SERVER_STORE_REFUSED:
-    case SERVER_STORE_READ_ONLY:
-        server_reply_refusal(exchange, PROTO_PROBLEM_INSUFFICIENT_STORAGE, "%s", full[outcome]);
-        break;
-    case SERVER_STORE_STALE:
-    case SERVER_STORE_UNAVAILABLE:
+    else if (outcome == SERVER_STORE_STALE || outcome == SERVER_STORE_UNAVAILABLE)
         reply_store_unavailable(
             exchange, "and it is not known whether the change was made: to repeat it does no harm");
-        break;
-    case SERVER_STORE_DONE:
-    case SERVER_STORE_CREATED:
-    case SERVER_STORE_REPLACED:
-        break;
-    }
+    else
+        server_reply_refusal(exchange,
+                             outcome == SERVER_STORE_NO_MEMORY ? PROTO_PROBLEM_INSUFFICIENT_MEMORY
+                                                               : PROTO_PROBLEM_INSUFFICIENT_STORAGE,
+                             "%s", sentences[outcome]);
 }

@@ -21,8 +21,7 @@ bool server_request_is_plain(struct server_exchange *exchange);
 /* Reads the seconds that the request may wait. False: a problem is replied. */
 bool server_request_wait(struct server_exchange *exchange, uint64_t *wait_s);
 
-/* Returns the time (as of gd_now_ns, in ns) at which a wait of `wait_s` seconds ends, or an earlier
- * time if the deadline requires it. */
+/* Returns the time of gd_now_ns at which a wait of `wait_s` ends, or earlier at the deadline. */
 uint64_t server_request_wait_end(const struct server_exchange *exchange, uint64_t wait_s);
 
 /* Reads the page of a list, or of names, which `prefix` narrows. False: a problem is replied. */
@@ -51,6 +50,10 @@ void server_request_list(struct server_exchange *exchange,
                          bool (*work)(struct server_exchange *exchange));
 
 #define SERVER_REQUEST_SHORT_LIST 16 /* most items of a list that an HTTP thread makes */
+
+/* Takes memory, which the exchange holds until it ends. False with the problem of `what`. */
+bool server_request_take(struct server_exchange *exchange, const char *what, size_t bytes,
+                         struct proto_problem *problem);
 
 /* Reserves, in the memory budget, what a document parsed from this text will need. When the caller
  * frees the document, it calls server_request_end_parsing, which returns the memory. Problem:

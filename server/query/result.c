@@ -4,21 +4,13 @@
 
 #include "proto/values/flat_strip.h"
 #include "server/query/api.h"
+#include "server/query/request.h"
 
 #define WHAT "the file"
 
 /* A strip's faces and edges, twice as arrays are copied when they grow; few vertices are passed. */
 #define STRIP_BYTES_A_POINT 512
 #define STRIP_BYTES_LEAST   ((size_t)1 << 20)
-
-static bool file_hold(const struct server_query *query, size_t bytes)
-{
-    struct server_budget *budget = query->exchange->host->budget;
-    if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, bytes))
-        return server_budget_refuse(budget, WHAT, bytes, query->problem);
-    query->exchange->held += bytes;
-    return true;
-}
 
 /* Replaces `bytes` of the held bytes by `actual`, and returns whether there is no failure. */
 static bool file_settle(const struct server_query *query, size_t bytes, size_t actual,
@@ -35,7 +27,7 @@ static bool result_write(const struct server_query *query, const struct gd_resul
                          enum gd_result_format format, struct server_answer_file *out)
 {
     size_t cost = gd_result_cost(result);
-    if (!file_hold(query, cost)) return false;
+    if (!server_request_take(query->exchange, WHAT, cost, query->problem)) return false;
     enum gd_status status = gd_write_result(result, format, &out->bytes, &out->size);
     return file_settle(query, cost, status ? 0 : out->size, status);
 }
@@ -48,7 +40,7 @@ bool server_result_write(const struct server_query *query, const struct gd_resul
     struct gd_polygons polygons;
     struct gd_result whole = *result;
     if (!query->with_mesh) return result_write(query, result, format, out);
-    if (!file_hold(query, cost)) return false;
+    if (!server_request_take(query->exchange, WHAT, cost, query->problem)) return false;
     enum gd_status status = gd_mesh_polygons(query->surface->mesh, &polygons);
     whole.mesh = &polygons;
     bool ok = !status && result_write(query, &whole, format, out);
@@ -66,7 +58,7 @@ bool server_result_write_lines(const struct server_query *query,
     size_t cost = first ? first[count] * sizeof(double[3]) + count * sizeof *first : 0;
     double(*positions)[3] = NULL;
     bool ok = false;
-    if (file_hold(query, cost)) {
+    if (server_request_take(query->exchange, WHAT, cost, query->problem)) {
         positions = first ? malloc(first[count] * sizeof *positions) : NULL;
         for (uint32_t i = 0; i < count && positions; i++)
             gd_points_positions(query->surface->mesh, lines->paths[i].points, lines->paths[i].count,
@@ -92,7 +84,7 @@ bool server_result_write_strip(const struct server_query *query, const struct gd
     struct gd_control control = server_exchange_control(&monitor);
     struct gd_flat_strip strip;
     struct proto_writer writer;
-    if (!file_hold(query, 2 * cost)) return false;
+    if (!server_request_take(query->exchange, WHAT, 2 * cost, query->problem)) return false;
     control.budget_bytes = cost;
     enum gd_status status = gd_flat_strip_of(query->surface->mesh, path, &control, &strip);
     if (status) return file_settle(query, 2 * cost, 0, status);

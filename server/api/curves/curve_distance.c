@@ -114,6 +114,5 @@ const struct server_query_kind server_query_curve_distance = {.name = "curve-dis
                                                               .prepare = curves_prepare,
                                                               .answer = curves_answer,
                                                               .encode = curves_encode,
-                                                              .forms = server_array_forms,
                                                               .list_arrays = curves_list_arrays,
                                                               .release = curves_release};

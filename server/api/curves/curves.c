@@ -241,14 +241,12 @@ const struct server_query_kind server_query_curve = {.name = "curve",
                                                      .decode = operation_decode,
                                                      .solve = operation_solve,
                                                      .encode = operation_encode,
-                                                     .forms = server_array_forms,
                                                      .list_arrays = operation_list_arrays,
                                                      .release = operation_release};
 
 /* --- cuts ------------------------------------------------------------------------------------- */
 
-/* A worker cuts the mesh and builds the pieces, the registry's writer thread stores them, and a
- * worker writes the answer. */
+/* A worker cuts and builds the pieces, the registry's writer stores them, a worker answers. */
 
 #define CUT_BYTES_AN_EDGE 320 /* bytes of a search for the curve, or of the cut and its pieces */
 #define CUT_BYTES         ((size_t)1 << 20)
@@ -445,7 +443,6 @@ const struct server_query_kind server_query_cut = {.name = "cut",
                                                    .decode = cut_decode,
                                                    .solve = cut_solve,
                                                    .encode = cut_encode,
-                                                   .forms = server_array_forms,
                                                    .list_arrays = cut_list_arrays,
                                                    .release = cut_release};
 
@@ -574,6 +571,5 @@ const struct server_query_kind server_query_spline = {.name = "spline",
                                                       .decode = spline_decode,
                                                       .solve = spline_solve,
                                                       .encode = spline_encode,
-                                                      .forms = server_array_forms,
                                                       .list_arrays = spline_list_arrays,
                                                       .release = spline_release};

@@ -332,7 +332,6 @@ const struct server_query_kind server_query_trace = {.name = "trace",
                                                      .decode = trace_decode,
                                                      .solve = trace_solve,
                                                      .encode = trace_encode,
-                                                     .forms = server_array_forms,
                                                      .list_arrays = traces_list_arrays,
                                                      .release = trace_release};
 
@@ -341,7 +340,6 @@ const struct server_query_kind server_query_exp = {.name = "exp",
                                                    .decode = exp_decode,
                                                    .solve = trace_solve,
                                                    .encode = exp_encode,
-                                                   .forms = server_array_forms,
                                                    .list_arrays = traces_list_arrays,
                                                    .release = trace_release};
 
@@ -526,7 +524,6 @@ static bool log_list_arrays(struct server_query *query)
 const struct server_query_kind server_query_log = {.name = "log",
                                                    .size = sizeof(struct log_query),
                                                    .decode = log_decode,
-                                                   .forms = server_array_forms,
                                                    .list_arrays = log_list_arrays,
                                                    .join = log_join,
                                                    .solve = log_solve,
@@ -642,6 +639,5 @@ const struct server_query_kind server_query_transport = {.name = "transport",
                                                          .decode = transport_decode,
                                                          .solve = transport_solve,
                                                          .encode = transport_encode,
-                                                         .forms = server_array_forms,
                                                          .list_arrays = transport_list_arrays,
                                                          .release = transport_release};

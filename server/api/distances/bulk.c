@@ -475,7 +475,6 @@ static bool pairs_list_arrays(struct server_query *query)
 
 const struct server_query_kind server_query_pairs = {.name = "pairs",
                                                      .size = sizeof(struct pairs_query),
-                                                     .forms = server_array_forms,
                                                      .decode = pairs_decode,
                                                      .array_names = pairs_arrays,
                                                      .read_arrays = pairs_read,
@@ -591,7 +590,6 @@ static bool nearest_points_list_arrays(struct server_query *query)
 const struct server_query_kind server_query_nearest_points = {
     .name = "nearest-points",
     .size = sizeof(struct nearest_points_query),
-    .forms = server_array_forms,
     .decode = nearest_points_decode,
     .array_names = nearest_arrays,
     .read_arrays = nearest_points_read,

@@ -90,8 +90,7 @@ static enum gd_status distances_limit(struct evaluation *evaluation)
     return GD_OK;
 }
 
-/* Computes the gradient: it continues the shortest path's last direction. At a member there is
- * none, since the distance grows in all directions. */
+/* Computes the gradient, which continues the shortest path's last direction. A member has none. */
 static enum gd_status result_find_gradient(const struct gd_mesh *mesh, const struct gd_field *field,
                                            const struct gd_point *point,
                                            struct proto_result *result)
@@ -255,9 +254,8 @@ static void evaluation_release(struct server_query *query)
 }
 
 #define EVALUATION_STEPS                                                                           \
-    .size = sizeof(struct evaluation), .forms = server_array_forms,                                \
-    .list_arrays = evaluation_list_arrays, .answer = evaluation_answer,                            \
-    .release = evaluation_release
+    .size = sizeof(struct evaluation), .list_arrays = evaluation_list_arrays,                      \
+    .answer = evaluation_answer, .release = evaluation_release
 
 const struct server_query_kind server_query_evaluate_field = {
     .name = "evaluate", .decode = field_evaluation_decode, EVALUATION_STEPS};

@@ -258,7 +258,6 @@ static void values_encode(const struct server_query *query, struct proto_writer 
 static const struct server_form values_forms[] = {{"ply", "application/x-ply", false},
                                                   {"glb", "model/gltf-binary", false},
                                                   {"csv", "text/csv", false},
-                                                  SERVER_ARRAYS_FORMS,
                                                   {NULL, NULL, false}};
 
 static bool values_write(const struct server_query *query, struct server_answer_file *out)
@@ -421,7 +420,6 @@ static bool wedges_list_arrays(struct server_query *query)
 
 const struct server_query_kind server_query_get_field_wedges = {.name = "wedges",
                                                                 .size = sizeof(struct wedges_query),
-                                                                .forms = server_array_forms,
                                                                 .list_arrays = wedges_list_arrays,
                                                                 .parse = wedges_parse,
                                                                 .answer = wedges_answer,

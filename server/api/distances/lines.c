@@ -3,7 +3,6 @@
 #include "server/query/handlers.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 #include "gd/voronoi.h"
 #include "proto/json/writer.h"
@@ -308,8 +307,7 @@ static bool isolines_list_arrays(struct server_query *query)
     return true;
 }
 
-static const struct server_form isolines_forms[] = {
-    SERVER_RESULT_LINE_FORMS, SERVER_ARRAYS_FORMS, {NULL, NULL, false}};
+static const struct server_form isolines_forms[] = {SERVER_RESULT_LINE_FORMS, {NULL, NULL, false}};
 
 const struct server_query_kind server_query_isolines = {.name = "isolines",
                                                         .size = sizeof(struct isolines_query),
@@ -463,7 +461,6 @@ const struct server_query_kind server_query_voronoi = {.name = "voronoi",
                                                        .decode = voronoi_decode,
                                                        .answer = voronoi_answer,
                                                        .encode = voronoi_encode,
-                                                       .forms = server_array_forms,
                                                        .has_bare_points = true,
                                                        .list_arrays = voronoi_list_arrays,
                                                        .release = voronoi_release};

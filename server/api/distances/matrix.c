@@ -376,6 +376,5 @@ const struct server_query_kind server_query_matrix = {.name = "matrix",
                                                       .solve = matrix_solve,
                                                       .encode = matrix_encode,
                                                       .has_bytes = true,
-                                                      .forms = server_array_forms,
                                                       .list_arrays = matrix_list_arrays,
                                                       .release = matrix_release};

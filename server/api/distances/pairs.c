@@ -184,8 +184,7 @@ static enum server_query_turn pair_try_inline(struct server_query *query)
     return turn;
 }
 
-/* Begins a pending build before its builder is queued, so that later queries for the same field
- * take no place in the queue. */
+/* Begins a build before its builder is queued: later queries for its field are not queued. */
 static bool pair_join(struct server_query *query)
 {
     return leg_enter((struct pair_query *)query) == SERVER_CACHE_WAIT;
@@ -239,10 +238,8 @@ static bool path_list_arrays(struct server_query *query)
     return true;
 }
 
-static const struct server_form path_forms[] = {SERVER_RESULT_LINE_FORMS,
-                                                {"svg", "image/svg+xml", false},
-                                                SERVER_ARRAYS_FORMS,
-                                                {NULL, NULL, false}};
+static const struct server_form path_forms[] = {
+    SERVER_RESULT_LINE_FORMS, {"svg", "image/svg+xml", false}, {NULL, NULL, false}};
 
 #define PAIR_STEPS                                                                                 \
     .size = sizeof(struct pair_query), .decode = pair_decode, .parse = pair_parse,                 \

@@ -184,5 +184,4 @@ const struct server_query_kind server_query_farthest_points = {.name = "farthest
                                                                .decode = sampling_decode,
                                                                .solve = sampling_solve,
                                                                .encode = sampling_encode,
-                                                               .forms = server_array_forms,
                                                                .list_arrays = sampling_list_arrays};

@@ -17,7 +17,6 @@
 
 #include "proto/http/accept.h"
 #include "proto/queries/batch.h"
-#include "proto/json/decode.h"
 #include "server/exchange/relay.h"
 #include "server/exchange/reply.h"
 #include "server/query/query.h"

@@ -304,8 +304,7 @@ static bool read_batch(struct server_exchange *exchange, struct server_store_sql
     return server_reply_check(exchange, is_read, &problem);
 }
 
-/* Lists answers. Returns false if the exchange is parked until there are answers, the batch has
- * ended, or the wait is over. */
+/* Lists answers. False: the exchange is parked until there are some, or the batch or wait ends. */
 static bool list_answers(struct server_exchange *exchange)
 {
     struct answers answers = {.count = 0};

@@ -138,7 +138,7 @@ static enum server_query_turn evaluation_try_inline(struct server_query *query)
 
 #define EVALUATION_STEPS                                                                           \
     .name = "evaluate", .size = sizeof(struct evaluation), .try_inline = evaluation_try_inline,    \
-    .solve = evaluation_solve, .forms = server_array_forms, .list_arrays = evaluation_list_arrays
+    .solve = evaluation_solve, .list_arrays = evaluation_list_arrays
 
 static const struct gd_vec3 no_vector = {NAN, NAN, NAN};
 

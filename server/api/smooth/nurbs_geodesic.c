@@ -206,7 +206,7 @@ static void search_release(struct server_query *query)
 
 #define SEARCH_STEPS                                                                               \
     .size = sizeof(struct search), .decode = search_decode, .solve = search_solve,                 \
-    .forms = server_array_forms, .list_arrays = search_list_arrays, .release = search_release
+    .list_arrays = search_list_arrays, .release = search_release
 
 void server_handle_nurbs_geodesic(struct server_exchange *exchange)
 {

@@ -128,7 +128,7 @@ void server_handle_subdivision_distance(struct server_exchange *exchange)
 void server_handle_subdivision_path(struct server_exchange *exchange)
 {
     static const struct server_query_kind kind = {
-        .name = "path", .forms = server_array_forms, .list_arrays = path_list_arrays, PAIR_STEPS};
+        .name = "path", .list_arrays = path_list_arrays, PAIR_STEPS};
     server_query_handle(exchange, &kind);
 }
 
@@ -428,7 +428,6 @@ void server_handle_subdivision_trace(struct server_exchange *exchange)
                                                   .size = sizeof(struct trace),
                                                   .decode = trace_decode,
                                                   .solve = trace_solve,
-                                                  .forms = server_array_forms,
                                                   .list_arrays = trace_list_arrays,
                                                   .release = trace_release};
     server_query_handle(exchange, &kind);

@@ -351,7 +351,7 @@ static bool reading_list_arrays(struct server_query *query)
 
 #define READING_STEPS                                                                              \
     .size = sizeof(struct reading), .parse = reading_parse, .solve = reading_solve,                \
-    .has_bytes = true, .forms = server_array_forms, .list_arrays = reading_list_arrays
+    .has_bytes = true, .list_arrays = reading_list_arrays
 
 static void parameters_encode(const struct server_query *query, struct proto_writer *writer)
 {

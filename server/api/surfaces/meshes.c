@@ -34,15 +34,14 @@ static size_t content_cost(const struct gd_mesh *mesh)
            4096;
 }
 
-static enum gd_status content_write(const struct gd_mesh *mesh, enum gd_format format, char **bytes,
-                                    size_t *size)
+static bool content_write(const struct gd_mesh *mesh, enum gd_format format, char **bytes,
+                          size_t *size, struct proto_problem *problem)
 {
-    struct gd_polygons polygons;
+    struct gd_polygons polygons = {0};
     enum gd_status status = gd_mesh_polygons(mesh, &polygons);
-    if (status) return status;
-    status = gd_write_polygons(&polygons, format, bytes, size);
+    if (!status) status = gd_write_polygons(&polygons, format, bytes, size);
     gd_polygons_free(&polygons);
-    return status;
+    return !status || proto_problem_from_status(problem, status, NULL);
 }
 
 /* Adds the headers of a mesh's file. */
@@ -99,24 +98,14 @@ static bool content_send(struct server_exchange *exchange)
 {
     const struct server_surface *surface = exchange->state;
     char tag[SERVER_ETAG_TEXT];
-    struct server_budget *budget = exchange->host->budget;
     size_t cost = content_cost(surface->mesh), size;
     struct proto_problem problem;
     enum gd_format format;
     char *bytes;
     if (!content_read_format(exchange, &format)) return true;
-    if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, cost)) {
-        server_budget_refuse(budget, "the file", cost, &problem);
-        server_reply_problem(exchange, &problem);
-        return true;
-    }
-    exchange->held = cost;
-    enum gd_status status = content_write(surface->mesh, format, &bytes, &size);
-    if (status) {
-        proto_problem_from_status(&problem, status, NULL);
-        server_reply_problem(exchange, &problem);
-        return true;
-    }
+    bool is_written = server_request_take(exchange, "the file", cost, &problem) &&
+                      content_write(surface->mesh, format, &bytes, &size, &problem);
+    if (!server_reply_check(exchange, is_written, &problem)) return true;
     /* the polygons are free; their share of the cost covers the packed text */
     server_etag_write(tag, surface->record->etag, gd_format_name(format));
     struct server_packed_file *file = content_pack(exchange, tag, bytes, size);
@@ -125,7 +114,7 @@ static bool content_send(struct server_exchange *exchange)
         packed_send(exchange, surface->record, format, file);
         return true;
     }
-    server_budget_adjust(budget, SERVER_BUDGET_FLIGHT, cost, size);
+    server_budget_adjust(exchange->host->budget, SERVER_BUDGET_FLIGHT, cost, size);
     exchange->held = size;
     content_describe(exchange, surface->record, format);
     server_reply_bytes(exchange, 200, gd_format_media_type(format), bytes, size);

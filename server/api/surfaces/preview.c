@@ -101,24 +101,16 @@ static void file_reply(struct server_exchange *exchange, const struct preview_re
 static bool file_send(struct server_exchange *exchange)
 {
     const struct preview_request *request = exchange->state;
-    struct server_budget *budget = exchange->host->budget;
     size_t cost = file_cost(request->surface->mesh, request->preview), size;
     struct proto_problem problem;
-    uint32_t faces;
+    uint32_t faces = 0;
     char *bytes;
-    if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, cost)) {
-        server_budget_refuse(budget, "the preview", cost, &problem);
-        server_reply_problem(exchange, &problem);
-        return true;
-    }
-    exchange->held = cost;
+    bool is_taken = server_request_take(exchange, "the preview", cost, &problem);
+    if (!server_reply_check(exchange, is_taken, &problem)) return true;
     enum gd_status status = file_write(request, &bytes, &size, &faces);
-    if (status) {
-        proto_problem_from_status(&problem, status, NULL);
-        server_reply_problem(exchange, &problem);
-        return true;
-    }
-    server_budget_adjust(budget, SERVER_BUDGET_FLIGHT, cost, size);
+    bool is_written = !status || proto_problem_from_status(&problem, status, NULL);
+    if (!server_reply_check(exchange, is_written, &problem)) return true;
+    server_budget_adjust(exchange->host->budget, SERVER_BUDGET_FLIGHT, cost, size);
     exchange->held = size;
     file_reply(exchange, request, bytes, size, faces);
     return true;
