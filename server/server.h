@@ -39,15 +39,13 @@ struct server *server_start(const struct server_config *config, int listening,
 /* Sets settings, callbacks and references to the server in `host` and `api`. Creates nothing. */
 void server_connect(struct server *server);
 
-/* After server_connect: creates the table of jobs and starts the threads of deadlines and of the
- * heap. False: no memory or thread. */
+/* After server_connect: creates the table of jobs and starts the threads. False: no memory. */
 bool server_start_jobs(struct server *server);
 
 /* Destroys registry, caches of surfaces and their threads, after the workers were cancelled. */
 void server_surfaces_destroy(struct server *server);
 
-/* Reads keys and certificates again. On failure the old ones stay in use, and the log says why.
- * Called by one thread at a time. */
+/* Reads keys and certificates again, one thread at a time. After a failure the old ones stay. */
 void server_reload(struct server *server);
 
 /* Drains, stops and frees the server. Takes at most drain_delay_ms, drain_ms and a few seconds. */

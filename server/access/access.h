@@ -58,8 +58,7 @@ bool server_grant_is_operator(const struct server_grant *grant);
 void server_grant_pass(struct server_grant *from, struct server_grant *to);
 void server_grant_end(struct server_grant *grant);
 
-/* Appends the requests and refusals of each key of a tenant (NULL: of all tenants) for Prometheus.
- * `access` may be NULL. */
+/* Appends the requests and refusals of a tenant's keys (NULL: of all). `access` may be NULL. */
 void server_access_write(struct server_access *access, const char *tenant,
                          struct proto_writer *writer);
 
@@ -78,8 +77,7 @@ struct server_guard_request {
 /* Returns whether --cors-origin lists the origin; false for NULL. Thread-safe. */
 bool server_guard_lists(const struct server_config *config, const char *origin);
 
-/* Checks Host and Origin. Returns false with forbidden, or with invalid_request if HTTP/1.1 names
- * no host. Thread-safe. */
+/* Checks Host and Origin. False: forbidden, or invalid_request: no host. Thread-safe. */
 bool server_guard_admit(const struct server_config *config,
                         const struct server_guard_request *request, struct proto_problem *problem);
 

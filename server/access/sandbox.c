@@ -109,8 +109,7 @@ static bool ruleset_allow_port(void *user, uint16_t port)
     return syscall(SYS_landlock_add_rule, ruleset->descriptor, RULE_PORT, &rule, 0) == 0;
 }
 
-/* Allows later connections to the database: its ports, libpq's files, and the files by which libc
- * resolves hosts and users. */
+/* Allows connections to the database: its ports, libpq's files, and libc's of hosts and users. */
 static bool ruleset_allow_database(struct ruleset *ruleset,
                                    const struct server_sandbox_needs *needs, bool has_ports)
 {
@@ -187,8 +186,7 @@ static const char *const allowed_calls[] = {
     "getrandom getpid gettid getuid geteuid getgid getegid getrlimit getrusage sysinfo uname",
     NULL};
 
-/* Calls that only an attacker makes; they concern programs and other processes, file systems and
- * namespaces, or the kernel. */
+/* Calls that only an attacker makes: programs, other processes, file systems, the kernel. */
 static const char *const fatal_calls[] = {
     "execve execveat ptrace process_vm_readv process_vm_writev",
     "mount umount2 pivot_root chroot unshare setns",

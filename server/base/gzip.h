@@ -8,8 +8,7 @@
 
 #include "proto/json/writer.h"
 
-/* Compresses at the fastest level. Returns false if out of memory, or if `out` has failed; its
- * maximum limits the result. */
+/* Compresses at the fastest level, up to the maximum of `out`. False: out of memory. */
 bool server_gzip(const void *bytes, size_t size, struct proto_writer *out);
 
 /* Compresses a text in pieces. */
@@ -17,8 +16,7 @@ struct server_packer;
 struct server_packer *server_packer_create(void);
 void server_packer_destroy(struct server_packer *packer); /* NULL is harmless */
 
-/* Compresses the next piece and flushes: a client can decompress the whole text so far. `is_last`
- * ends the text. Sets out->failure on error. */
+/* Compresses the next piece and flushes it. `is_last` ends the text. Sets out->failure on error. */
 void server_packer_write(struct server_packer *packer, const char *text, size_t size, bool is_last,
                          struct proto_writer *out);
 

@@ -120,8 +120,7 @@ void server_log_milliseconds(struct server_log_line *line, const char *key, uint
 }
 
 /* --- output ----------------------------------------------------------------------------------- */
-/* Two buffers: callers append lines to one while the thread writes the other. Only the thread
- * blocks when standard error is a full pipe. */
+/* Two buffers: callers append to one while the thread, which may block, writes the other. */
 
 struct text {
     size_t size;

@@ -56,8 +56,7 @@ void server_log_message(enum server_log_level level, const char *event, const ch
 bool server_log_start(void);
 void server_log_stop(void);
 
-/* Installs signal handlers that delay a crash, at most 0.2 s, until earlier lines are written. Call
- * it once, before any thread starts. */
+/* Delays a crash, at most 0.2 s, until earlier lines are written. Call it before threads start. */
 void server_log_flush_at_crash(void);
 
 /* Returns the number of lines dropped since the start. Takes no lock. */

@@ -45,8 +45,7 @@ struct server_thread;
 struct server_thread *server_thread_start(void (*run)(void *user, struct server_thread *thread),
                                           void *user);
 
-/* For `run`: waits until the thread is woken or `ns` nanoseconds have passed (monotonic clock).
- * Returns false, at once, when `run` must return. */
+/* For `run`: waits until the thread is woken or `ns` are over. False: `run` must end. */
 bool server_thread_pause(struct server_thread *thread, uint64_t ns);
 
 /* As server_thread_pause, but a wake does not end the wait: it ends the next pause instead. */
@@ -65,8 +64,7 @@ bool server_thread_stop_within(struct server_thread *thread, uint64_t ns);
 /* Blocks the calling thread for that time. */
 void server_pause(uint64_t ns);
 
-/* Waits for a signal until a time of gd_now_ns, or SERVER_THREAD_FOREVER. The caller holds the
- * lock. False: it timed out. */
+/* Waits for a signal, under the lock, until a time of gd_now_ns, or forever. False: timeout. */
 bool server_condition_wait(pthread_cond_t *condition, pthread_mutex_t *lock, uint64_t until_ns);
 
 #endif

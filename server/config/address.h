@@ -17,8 +17,7 @@ struct server_address {
 #define SERVER_ADDRESS_TEXT 128
 #define SERVER_ADDRESS_HOST 128
 
-/* Splits "host", "host:port", "[v6]" or "[v6]:port". `*port` points into the text, at digits or the
- * end. False: it has another form. */
+/* Splits "host", "host:port", "[v6]" or "[v6]:port"; `*port` points at digits or the end. */
 bool server_address_split(const char *text, char host[SERVER_ADDRESS_HOST], const char **port);
 
 /* Parses "127.0.0.1:80", "[::1]:80", "localhost:80" or "unix:PATH", without DNS. False: `error`. */

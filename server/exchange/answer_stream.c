@@ -166,8 +166,7 @@ static bool counting_check(void *user, const char *text, size_t size)
     return !counting->status;
 }
 
-/* Encodes the text, or only measures it if it is too long for the buffer. False: the deadline has
- * passed; replies with the problem. */
+/* Encodes the text, or only measures a long one. False: the deadline has passed; it replies. */
 static bool answer_measure(struct server_exchange *exchange, struct proto_writer *writer,
                            const struct server_answer_encoder *encoder)
 {

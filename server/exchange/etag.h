@@ -39,8 +39,7 @@ struct server_precondition server_precondition_read(const struct server_exchange
 
 #define SERVER_ETAG_CAPTION 18 /* bytes of server_etag_caption, with the NUL */
 
-/* Writes the form of a description that contains this text of a client: "d" and 16 digits. Returns
- * `out`; NULL if the text is empty. */
+/* Writes the form of a description with this text: "d" and 16 digits. NULL: the text is empty. */
 const char *server_etag_caption(char out[SERVER_ETAG_CAPTION], const char *text);
 
 enum server_etag_form { SERVER_ETAG_NONE, SERVER_ETAG_PLAIN, SERVER_ETAG_PACKED };
@@ -60,8 +59,7 @@ enum server_etag_form server_precondition_known(const struct server_precondition
 /* Returns whether both conditions allow a query by POST; `etag` is the resource's tag. */
 bool server_precondition_holds(const struct server_precondition *precondition, const char *etag);
 
-/* Returns whether both conditions allow a change of the resource, whose description contains the
- * client's text; `etag` NULL: it does not exist. */
+/* Returns whether both conditions allow a change of the resource. `etag` NULL: there is none. */
 bool server_precondition_allows(const struct server_precondition *precondition, const char *etag,
                                 const char *text);
 

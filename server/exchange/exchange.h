@@ -127,8 +127,7 @@ struct server_transport {
     bool can_stream; /* the answer may be a stream (server_reply_stream) */
 };
 
-/* The parts and settings that all requests of a daemon share. The composition root fills it in. Its
- * parts outlive the exchanges. */
+/* The parts and settings that all requests share. Its parts outlive the exchanges. */
 struct server_host {
     struct server_budget *budget;
     struct server_workers *workers;

@@ -219,8 +219,7 @@ static bool client_lists_gzip(const struct server_exchange *exchange)
            strspn(quality + 3, ".0") < strcspn(quality + 3, ", ;");
 }
 
-/* Returns whether the client is a browser on this host. A browser always lists gzip, but within a
- * host compression takes longer than the transfer. */
+/* Returns whether the client is a browser on this host, where gzip takes longer than it saves. */
 static bool client_is_near_browser(const struct server_exchange *exchange)
 {
     static const char *const proxied[] = {"Forwarded", "Via", "X-Forwarded-For", "X-Real-IP"};

@@ -41,8 +41,7 @@ void server_reply_coding(struct server_exchange *exchange, bool is_packed);
 /* Replies with a static file, compressed if the client accepts that. */
 void server_reply_asset(struct server_exchange *exchange, const struct proto_asset *asset);
 
-/* Replies with the text of the writer, which may be empty, and then the lent bytes, which are
- * neither copied nor compressed. */
+/* Replies with the text of the writer, then the lent bytes, neither copied nor compressed. */
 void server_reply_lent(struct server_exchange *exchange, unsigned status, const char *media_type,
                        struct proto_writer *head, const struct server_lent *lent);
 

@@ -123,8 +123,7 @@ const struct server_cached *server_cache_publish(struct server_pending_build *bu
                                                  struct gd_field *field);
 void server_cache_fail(struct server_pending_build *build, enum gd_status status);
 
-/* Ends and frees a build that takes much longer than the searches that it would replace. Resumes
- * the parked jobs, which then search. */
+/* Ends and frees a build that takes longer than the searches. The parked jobs then search. */
 void server_cache_abandon(struct server_pending_build *build);
 
 struct server_cache_statistics {

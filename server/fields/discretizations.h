@@ -30,8 +30,7 @@ struct server_discretization_slot {                 /* slot of one surface; all 
     bool is_building[GD_LIMIT_LEVEL_MOST + 1];
 };
 
-/* Meshes have at most `max_faces` faces. Becomes a reclaimer of the workspaces' budget. Borrows
- * both. NULL: out of memory. */
+/* Meshes have at most `max_faces`. Becomes a reclaimer of the budget. NULL: out of memory. */
 struct server_discretizations *server_discretizations_create(struct server_workspaces *workspaces,
                                                              uint32_t max_faces);
 

@@ -54,8 +54,7 @@ void server_connections_check(struct server_connections *connections, uint64_t n
  * thread when a connection is opened while the reserve is in use. Thread-safe. */
 void server_connections_relieve(struct server_connections *connections, uint64_t now_ns);
 
-/* Returns the number of connections between a request line and the last byte of its answer.
- * Thread-safe. O(connections). */
+/* Returns the number of connections from a request line to its answer's last byte. Thread-safe. */
 uint32_t server_connections_active(struct server_connections *connections);
 
 /* Thread-safe. NULL: zeros. */

@@ -15,8 +15,7 @@
  * be stopped while one is suspended. So server.c and connections.h have the deadlines, is_gone
  * detects hang-ups, and the server waits for all deferred exchanges before it stops.
  *
- * Only in the first call for a request can the library answer before the body. Faults that are
- * found later are answered after the body. */
+ * The library can answer before the body only in the first call for a request. */
 #include "server/http/http.h"
 
 #include <microhttpd.h>
@@ -40,8 +39,7 @@
 #include "server/http/tls.h"
 #include "server/work/thread_priority.h"
 
-/* Bytes of the library for a connection: for the head, and as a buffer of the body. The library
- * clears them at each request. */
+/* Bytes of a connection, for the head and as buffer of the body; cleared at each request. */
 #define CONNECTION_MEMORY  (16 * 1024)
 #define SILENCE_SECONDS    30u /* idle timer of unix sockets (see connections.c) */
 #define SPARE_DESCRIPTORS  64u /* descriptors of the store, the log and the process */
@@ -229,8 +227,7 @@ static const char *print_peer(const struct sockaddr *peer, char text[PEER_TEXT])
     return getnameinfo(peer, size, text, PEER_TEXT, NULL, 0, NI_NUMERICHOST) == 0 ? text : NULL;
 }
 
-/* Logs an answered exchange: the client's address only if the request was malformed or refused, and
- * only the name of its key. */
+/* Logs an answered exchange: its key's name; the client's address only of refused requests. */
 static void client_log(const struct client *client, uint64_t nanoseconds)
 {
     const struct server_exchange *exchange = &client->exchange;

@@ -1,5 +1,4 @@
-/* TLS: the daemon's certificate and private key. GnuTLS requests them at each handshake, so that
- * they can be replaced while the daemon runs. */
+/* TLS: certificate and private key. Each handshake asks for them, so they can be replaced. */
 #ifndef SERVER_HTTP_TLS_H
 #define SERVER_HTTP_TLS_H
 
@@ -16,8 +15,7 @@ struct server_tls;
 struct server_tls *server_tls_open(const char *certificate, const char *key,
                                    char error[SERVER_ERROR]);
 
-/* Reads the files again. On failure returns false with a sentence in `error`, and the old pair
- * stays in use. Called by one thread at a time. */
+/* Reads the files again, one thread at a time. False with `error`: the old pair stays in use. */
 bool server_tls_reload(struct server_tls *tls, char error[SERVER_ERROR]);
 
 /* Call it after the last handshake. NULL is harmless. */

@@ -51,8 +51,7 @@ struct server_batch_wait {
     uint64_t until_ns; /* end of the wait */
 };
 
-/* For a worker: parks the running job until the batch may have changed. This is the last act of the
- * job's `run`. Returns false if it was not parked. */
+/* Parks a worker's job until the batch may have changed: last act of `run`. False: not parked. */
 bool server_batch_runner_wait(struct server_batch_runner *runner, struct server_job *job,
                               const struct server_batch_wait *wait);
 

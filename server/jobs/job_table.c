@@ -242,8 +242,7 @@ static bool job_is_expired(const struct server_deferred_job *job, uint64_t now_n
            now_ns >= job->ended_ns + ttl_ns; /* a job may end after `now_ns` was read */
 }
 
-/* Makes room for one more job of the usage, which counts it already. The problem shows a tenant no
- * numbers of other tenants. */
+/* Makes room for a job that the usage counts. The problem has no numbers of other tenants. */
 static bool table_admit(struct server_job_table *table, const struct usage *usage,
                         struct proto_problem *problem)
 {

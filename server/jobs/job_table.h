@@ -60,8 +60,7 @@ struct server_deferred_job *server_job_table_start(struct server_job_table *tabl
 struct server_deferred_job *server_job_table_find(struct server_job_table *table,
                                                   const char *tenant, const char *id, size_t size);
 
-/* Lists at most `most` of the tenant's jobs with ids above `after` (NULL: from the first), for the
- * caller to release. Returns their number. */
+/* Lists up to `most` of the tenant's jobs with ids above `after` (or NULL), each retained. */
 uint32_t server_job_table_list(struct server_job_table *table, const char *tenant,
                                const char *after, uint32_t most, struct server_deferred_job **out);
 

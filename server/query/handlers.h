@@ -1,6 +1,5 @@
-/* Handlers: one function for each operation of proto/openapi.yaml, as the route table names them.
- * An HTTP thread calls a handler with a whole request. It ends with a reply or with
- * server_exchange_defer (exchange.h). */
+/* Handlers, one for each operation of proto/openapi.yaml. An HTTP thread calls a handler with a
+ * whole request; it ends with a reply or with server_exchange_defer (exchange.h). */
 #ifndef SERVER_QUERY_HANDLERS_H
 #define SERVER_QUERY_HANDLERS_H
 

@@ -1,5 +1,4 @@
-/* Result: writes an answer as a file of gd/result_file.h, within the memory budget. All functions
- * return false with the problem. */
+/* Result: an answer as a file of gd/result_file.h, within the budget. False with the problem. */
 #ifndef SERVER_QUERY_RESULT_H
 #define SERVER_QUERY_RESULT_H
 

@@ -24,8 +24,7 @@ void server_surface_resource_describe(struct proto_writer *writer,
 void server_surface_resource_reply(struct server_exchange *exchange, unsigned status,
                                    const struct server_listed *listed);
 
-/* Replies to a request that stores a surface: 201 or 200 with Location and description, or the
- * problem of the outcome. */
+/* Replies to a request that stores a surface: 201 or 200 with Location, or the problem. */
 void server_surface_resource_reply_stored(struct server_exchange *exchange,
                                           struct server_surface *surface,
                                           enum server_outcome outcome);
@@ -41,8 +40,7 @@ void server_surface_resource_reply_stored(struct server_exchange *exchange,
  *     server_derived_meshes_store(&meshes);                       `store`, by the registry's writer
  *     server_derived_meshes_free(&meshes);                        with the exchange's state
  *
- * A derived mesh is stored as binary PLY with doubles, so no coordinate is rounded; vertices and
- * triangles keep the order of the polygons. */
+ * A derived mesh is stored as binary PLY with doubles, in the order of the polygons. */
 
 /* Bytes that the daemon stores with a mesh, in a format of the code that made the mesh. Loading the
  * mesh restores them as surface->attachment. They begin with a word that names the format. */

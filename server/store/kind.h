@@ -53,8 +53,7 @@ struct server_kind {
     /* Writes the answer of GET: one JSON object of at most SERVER_DESCRIPTION_MOST bytes. */
     void (*describe)(struct proto_writer *writer, const struct server_surface *surface);
 
-    /* Shortens a description that an earlier version stored; malloc'ed. Returns NULL if it need not
-     * be shortened. The function may be NULL. */
+    /* Shortens a description of an earlier version; malloc'ed, or NULL. May be NULL. */
     char *(*shorten)(const char *description);
 };
 

@@ -87,8 +87,7 @@ struct server_origin {
     size_t attachment_size;
 };
 
-/* Creates a record with one reference; its time of creation is now. The caller sets memory and
- * description. NULL: out of memory. */
+/* Creates a record with one reference, created now. The caller sets memory and description. */
 struct server_record *server_record_create(const struct server_origin *origin);
 
 /* Count the record as SERVER_BUDGET_RECORDS until it is freed. Call one of them once, before the

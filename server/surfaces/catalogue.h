@@ -76,8 +76,7 @@ bool server_catalogue_add(struct server_catalogue *catalogue, const char *key,
 /* Removes the resource of that id and returns it, retained; NULL: there is none. */
 struct server_resource *server_catalogue_remove(struct server_catalogue *catalogue, const char *id);
 
-/* Lists up to `most` resources with ids after `after` (NULL: from the first), in order, each
- * retained. Returns their number. */
+/* Lists up to `most` resources with ids after `after` (or NULL), in order, each retained. */
 uint32_t server_catalogue_list(struct server_catalogue *catalogue, const char *after, uint32_t most,
                                struct server_resource **out);
 

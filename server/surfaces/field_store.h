@@ -20,8 +20,7 @@
 
 struct server_field_store;
 
-/* Opens the folder `fields` in a local store's folder. Borrows both arguments. NULL: out of memory,
- * or the folder can't be made. */
+/* Opens the folder `fields` in a local store's folder; borrows both. NULL: it can't be made. */
 struct server_field_store *server_field_store_open(const char *folder,
                                                    struct server_budget *budget);
 void server_field_store_close(struct server_field_store *store); /* NULL is harmless */
@@ -34,8 +33,7 @@ void server_field_store_follow(struct server_field_store *store, struct server_r
 void server_field_store_restore(struct server_field_store *store, struct server_surface *surface,
                                 const struct gd_control *control);
 
-/* Writes the fields of all surfaces in memory, until `until_ns`, and deletes the files of fields
- * that are no longer cached. */
+/* Writes the fields of all surfaces, until `until_ns`; deletes files of fields no longer cached. */
 void server_field_store_save(struct server_field_store *store, struct server_registry *registry,
                              uint64_t until_ns);
 

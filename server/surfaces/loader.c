@@ -6,7 +6,6 @@
 
 #include "server/base/log.h"
 #include "server/base/thread.h"
-#include "server/store/kind.h"
 
 #define NOTE_NS     UINT64_C(60000000000)
 #define LOAD_FACTOR 3 /* memory of a load, at most, in sizes of the surface */
@@ -112,8 +111,7 @@ static enum server_loader_outcome load_build(struct load *load, struct server_su
     return SERVER_LOADER_LOADED;
 }
 
-/* Under the lock: parks a job (NULL is harmless) if the record is being loaded; false: it is not,
- * or the workers were cancelled. */
+/* Under the lock: parks a job (or NULL) if the record is being loaded. False: not parked. */
 static bool load_park(struct server_loader *loader, const struct server_record *record,
                       struct server_job *job)
 {
@@ -129,8 +127,7 @@ bool server_loader_join(struct server_loader *loader, const struct server_record
     return load_park(loader, record, job);
 }
 
-/* Ends a load. Refuses the parked jobs if memory is short; else they are resumed, since other
- * failures may not concern them. */
+/* Ends a load. Refuses the parked jobs if memory is short, else resumes them. */
 static void load_end(struct load *load, enum server_loader_outcome outcome)
 {
     struct server_loader *loader = load->loader;

@@ -4,7 +4,6 @@
 
 #include "gd/edit.h"
 #include "server/base/thread.h"
-#include "server/store/kind.h"
 #include "server/surfaces/field_store.h"
 
 struct server_previews {

@@ -1,8 +1,7 @@
 /* Surface: an object in memory (for instance a mesh) with its record, attachment, cached fields and
  * landmarks. Also builds surfaces from files.
  *
- * Immutable except its count, mesh cache and slots. Cached fields and landmarks hold references of
- * the mesh; retiring the surface releases them. */
+ * Immutable except its count, mesh cache and slots; these refer to the mesh until it is retired. */
 #ifndef SERVER_SURFACES_SURFACE_H
 #define SERVER_SURFACES_SURFACE_H
 
@@ -65,8 +64,7 @@ struct server_surface *server_surface_create(struct server_record *record, void 
                                              size_t bytes, struct server_budget *budget,
                                              struct server_cache *cache);
 
-/* Takes over the record's attachment, malloc'ed, and its bytes of SERVER_BUDGET_FLIGHT. Call it
- * once, before the surface is shared. */
+/* Takes over the record's attachment, malloc'ed, and its bytes of FLIGHT, before sharing. */
 void server_surface_attach(struct server_surface *surface, void *attachment);
 
 struct server_surface *server_surface_retain(struct server_surface *surface);
@@ -89,8 +87,7 @@ struct server_builder { /* all borrowed */
     struct proto_problem *problem;
 };
 
-/* Builds the surface of a record, without its attachment. On failure a status and a problem;
- * GD_BUDGET: over the budget. */
+/* Builds the surface of a record, without its attachment. Errors, with a problem: GD_BUDGET, … */
 GD_MUST_USE enum gd_status server_build_surface(const struct server_builder *builder,
                                                 struct server_surface **out);
 

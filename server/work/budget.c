@@ -59,8 +59,7 @@ bool server_budget_take(struct server_budget *budget, enum server_budget_class c
     return false;
 }
 
-/* Checks the part of answers. Answers that grow at the same time may exceed it by one step each;
- * the limit holds in any case. */
+/* Checks the part of answers. Concurrent answers may exceed it by a step each, not the limit. */
 static bool admits_answer(struct server_budget *budget, size_t bytes)
 {
     size_t part =

@@ -52,8 +52,7 @@ struct server_reclaimer {
     void *user;
 };
 
-/* All answers together leave one half of the budget to other classes; small answers may fill the
- * budget up to one quarter. */
+/* Answers leave one half of the budget to other classes; small ones may leave a quarter. */
 #define SERVER_BUDGET_ANSWERS_PART       2
 #define SERVER_BUDGET_SMALL_ANSWERS_PART 4
 
@@ -69,8 +68,7 @@ struct server_budget {
 
 void server_budget_init(struct server_budget *budget, size_t limit);
 
-/* Counts `bytes` in the class. Returns false, and counts nothing, when even reclaiming does not
- * bring the total below the limit. */
+/* Counts `bytes` in the class. False, and nothing counted: not even reclaiming makes room. */
 bool server_budget_take(struct server_budget *budget, enum server_budget_class class, size_t bytes);
 
 /* As server_budget_take, without reclaiming. */

@@ -76,8 +76,7 @@ void server_lanes_init(struct server_lanes *lanes, uint32_t workers, uint32_t le
 /* Returns the lane of a tenant (NULL: ""). A new lane must get a job before the next call. */
 struct server_lane *server_lanes_of(struct server_lanes *lanes, const char *tenant);
 
-/* Queues a job at the end of the lane, or ahead of it. Returns false if the queue is full. A job
- * that is put ahead is always accepted. */
+/* Queues a job at the end of the lane (false: the queue is full), or ahead of it, always. */
 bool server_lanes_push(struct server_lanes *lanes, struct server_lane *lane, struct server_job *job,
                        bool is_first);
 

@@ -16,8 +16,7 @@
 
 struct server_workers;
 
-/* Starts `count` threads. At most `queue_length` urgent jobs and as many patient ones wait. NULL
- * without memory or threads. */
+/* Starts `count` threads. Up to `queue_length` urgent jobs and as many patient ones wait. */
 struct server_workers *server_workers_create(uint32_t count, uint32_t queue_length);
 
 /* Starts as many spare threads (lanes.h), before the first job. Returns false if one fails. */
@@ -26,8 +25,7 @@ bool server_workers_add_spare(struct server_workers *workers);
 /* Lets tenants share the queue (lanes.h). Call it before the first job. */
 void server_workers_share(struct server_workers *workers);
 
-/* Queues a job. Returns false, and leaves the job to the caller, when the queue is full. After a
- * cancel the job is refused at once. */
+/* Queues a job. False: the queue is full. After a cancel the job is refused at once. */
 bool server_workers_submit(struct server_workers *workers, struct server_job *job);
 
 /* Queues a parked job ahead of its lane, even into a full queue: it was admitted before. */
@@ -64,8 +62,7 @@ struct server_workers_load {
 };
 struct server_workers_load server_workers_load(struct server_workers *workers);
 
-/* A guest is a thread of another part that computes for long, with the priority of a long job. The
- * thread itself calls these functions. */
+/* A guest, the calling thread, is one of another part, with the priority of a long job. */
 void server_workers_begin_guest(struct server_workers *workers);
 void server_workers_end_guest(struct server_workers *workers);
 

@@ -1,5 +1,4 @@
-/* See store.h: --check-store of a data folder. Reads manifests and rows, and the objects that
- * they name, each once; then the other files. */
+/* --check-store of a data folder: manifests, rows, their objects, each once; then other files. */
 #include <stdlib.h>
 #include <string.h>
 

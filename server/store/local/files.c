@@ -74,8 +74,7 @@ static enum server_outcome sync_names(const char *folder)
     return outcome == SERVER_STORE_READ_ONLY && errno == EACCES ? SERVER_STORE_DONE : outcome;
 }
 
-/* Creates a folder and its parents. Makes all names durable, also existing ones: a killed process
- * may have created one without that. */
+/* Creates a folder and its parents, and makes their names durable, as a killed one may not have. */
 static enum server_outcome make_path(const char *folder)
 {
     char path[SERVER_STORE_FOLDER];

@@ -53,8 +53,7 @@ bool server_files_object_check(const char *file);
 bool server_files_open(struct server_files *files, const char *folder);
 /* As server_files_open, but creates nothing. False also if `objects` or `manifests` is missing. */
 bool server_files_open_existing(struct server_files *files, const char *folder);
-/* As server_files_open, for a new copy, or an unfinished one, whose objects it keeps. The copy is
- * unfinished until server_files_finish. */
+/* As server_files_open, for a new or an unfinished copy: unfinished until server_files_finish. */
 bool server_files_open_copy(struct server_files *files, const char *folder);
 enum server_outcome server_files_finish(const struct server_files *files);
 

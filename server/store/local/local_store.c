@@ -96,8 +96,7 @@ static enum server_outcome local_judge(struct local *local, enum server_outcome 
 
 /* --- quarantine ------------------------------------------------------------------------------- */
 
-/* Returns whether the object is in quarantine. A reader calls it before it reads, and later passes
- * `*turn` to quarantine_condemn. */
+/* Returns whether the object is in quarantine; before a read. `*turn`: see quarantine_condemn. */
 static bool quarantine_holds(struct local *local, const char *object, uint64_t *turn)
 {
     SERVER_LOCK(&local->lock);
@@ -215,8 +214,7 @@ static enum server_outcome local_put(struct server_store *store, const struct se
     return outcome;
 }
 
-/* Confirms the stored objects. A read-only store verifies nothing here, because it can't repair;
- * loading verifies the objects. */
+/* Confirms the stored objects. A read-only store can't repair; there loading verifies them. */
 static enum server_outcome local_keep(struct server_store *store,
                                       const struct server_record *record,
                                       const struct server_content *content)

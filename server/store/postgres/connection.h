@@ -93,8 +93,7 @@ enum server_outcome server_pg_check_chunk(struct server_pg *pg, const struct ser
 /* Returns the number of chunks of the object. */
 uint64_t server_pg_chunks(const struct server_object *object);
 
-/* Makes the tables (schema.c), or migrates them; one process at a time. PRECONDITION: a later
- * version made them. Else as a transaction. */
+/* Makes or migrates the tables, one process at a time. PRECONDITION: a later version made them. */
 enum server_outcome server_pg_migrate(struct server_pg_pool *pool);
 
 #endif

@@ -99,8 +99,7 @@ static enum server_outcome pg_change_forget(struct server_pg *pg, const struct c
             SERVER_VALUES(server_sql_integer(version))));
 }
 
-/* Applies a change. The first statement locks the clock, so that no other daemon makes a change
- * until the transaction ends. */
+/* Applies a change. Locks the clock, so that other daemons change nothing meanwhile. */
 static enum server_outcome pg_change_apply(struct server_pg *pg, struct change *change)
 {
     enum server_outcome outcome =
@@ -320,8 +319,7 @@ static bool listen_again(struct shared *own)
     return true;
 }
 
-/* Deletes the objects of uploads that were interrupted more than a day ago. Locks the clock, so
- * that no change can refer to one. */
+/* Deletes the objects of uploads interrupted a day ago. The clock's lock keeps changes away. */
 static void objects_sweep(struct server_pg_pool *pool)
 {
     struct server_pg_attempt attempt = server_pg_transaction(pool);
