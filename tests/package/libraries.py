@@ -81,7 +81,8 @@ def headers_stand_alone(tree):
         failed = {}
         for header in sorted((tree.prefix / "include/geodesic/gd").glob("*.h")):
             program = tree.prefix / "header.txt"
-            program.write_text(f"#include <gd/{header.name}>\n#include <gd/{header.name}>\n")
+            # Some headers only define macros, and ISO C forbids a unit without a declaration.
+            program.write_text(f"#include <gd/{header.name}>\n#include <gd/{header.name}>\nextern int declared;\n")
             code, told = run(*compiler, "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-fsyntax-only", *flags, program)
             if code:
                 failed[header.name] = told
