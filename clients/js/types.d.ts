@@ -1107,7 +1107,8 @@ export type Mesh = {
     faces_cut?: number;
     /**
      * Number of lines of the file that were wholly or partly skipped: faces with fewer than three
-     * corners, extra values after a record in PLY text, unknown lines of a PLY header.
+     * corners, extra values after a record in PLY text, unknown lines of a PLY header, corners of a
+     * glTF primitive behind its last whole triangle.
      */
     lines_skipped?: number;
     /**

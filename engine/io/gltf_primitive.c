@@ -56,10 +56,6 @@ static enum gd_status read_counts(const struct gd__gltf *gltf, struct primitive 
     primitive->corner_count = primitive->vertex_count;
     if (primitive->indices != GD__NO_VALUE)
         status = gd__gltf_accessor_count(gltf, primitive->indices, &primitive->corner_count);
-    if (status == GD_OK && primitive->mode == MODE_TRIANGLES && primitive->corner_count % 3 != 0)
-        status =
-            gd__gltf_fail(gltf, primitive->value, GD_SYNTAX,
-                          "%u corners are no number of whole triangles", primitive->corner_count);
     return status;
 }
 
@@ -242,16 +238,27 @@ static enum gd_status add_triangles(struct run *run)
     return status;
 }
 
+/* Skips the corners behind the last whole triangle. */
+static enum gd_status skip_excess(struct gd__builder *builder, const struct primitive *primitive,
+                                  const char *at)
+{
+    if (primitive->mode != MODE_TRIANGLES || primitive->corner_count % 3 == 0) return GD_OK;
+    return gd__builder_skip(builder, at, GD_SYNTAX, "%u corners are no number of whole triangles",
+                            primitive->corner_count);
+}
+
 static enum gd_status make_primitive(struct gd__gltf_making *making, uint32_t value,
                                      const struct gd__place *place)
 {
     struct primitive primitive;
+    const char *at = gd__json_at(&making->gltf->json, value);
     enum gd_status status = read_primitive(making->gltf, value, &primitive);
-    if (status != GD_OK || primitive.positions == GD__NO_VALUE || triangle_count(&primitive) == 0)
-        return status;
+    if (status != GD_OK || primitive.positions == GD__NO_VALUE) return status;
+    status = skip_excess(making->builder, &primitive, at);
+    if (status != GD_OK || triangle_count(&primitive) == 0) return status;
     struct run run = {.making = making,
                       .primitive = &primitive,
-                      .at = gd__json_at(&making->gltf->json, value),
+                      .at = at,
                       .is_mirrored = gd__place_mirrors(place)};
     status = provide_vertices(making, &primitive, place);
     if (status == GD_OK && primitive.indices != GD__NO_VALUE)

@@ -88,7 +88,7 @@ struct gd_read_options {
     const struct gd_control *control;
     /* Owned by the caller, NULL: none. Receives the lines (in binary files: bytes) of skipped
        elements: faces with fewer than three corners, excess values in a record of PLY text, unknown
-       lines of a PLY header. */
+       lines of a PLY header, corners of a glTF primitive behind its last whole triangle. */
     struct gd_mended *skipped;
 };
 

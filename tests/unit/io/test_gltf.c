@@ -337,6 +337,23 @@ static void refuses_mistakes(void **state)
     }
 }
 
+/* Five corners, and four without indices: the last ones belong to no whole triangle. */
+static void skips_excess_corners(void **state)
+{
+    (void)state;
+    static const char *const documents[] = {MESH("{'attributes':{'POSITION':0},'indices':4}"),
+                                            MESH("{'attributes':{'POSITION':0}}")};
+    for (size_t i = 0; i < COUNT_OF(documents); i++) {
+        struct file file = gltf_file(documents[i], &data, sizeof data);
+        const char *place = strstr(file.bytes, "{\"attributes\"");
+        const struct skipped_input input = {file.bytes, file.size,
+                                            "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 0 1 2", 1,
+                                            (uint32_t)(place - file.bytes)};
+        check_skipped(GD_FORMAT_GLTF, &input, 1);
+        free(file.bytes);
+    }
+}
+
 static void refuses_broken_sparse_accessors(void **state)
 {
     (void)state;
@@ -463,6 +480,7 @@ int main(void)
         cmocka_unit_test(turns_mirrored_faces),
         cmocka_unit_test(ignores_other_content),
         cmocka_unit_test(refuses_mistakes),
+        cmocka_unit_test(skips_excess_corners),
         cmocka_unit_test(refuses_broken_sparse_accessors),
         cmocka_unit_test(refuses_broken_containers),
         cmocka_unit_test(survives_damage),
