@@ -302,6 +302,14 @@
  * most. */
 #define GD_TOL_CELL 1e-8
 
+/* An initial curve of a path begins and ends this near to the path's ends, relative to the size of
+ * the surface. It is a guess, which may be rounded to a few digits. */
+#define GD_TOL_INITIAL 1e-3
+
+/* Locally shortest paths whose lengths agree to this part, and all those between them, are one
+ * family of equally long paths. The error of a length is smaller. */
+#define GD_TOL_FAMILY 1e-9
+
 /* Two curves on a surface meet if points of them are this close in space, relative to the surface's
  * size. Their distance is then 0. */
 #define GD_TOL_COINCIDE 1e-13

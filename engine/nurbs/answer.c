@@ -123,6 +123,7 @@ static void set_verdict(const struct gd__candidate *candidate, struct gd_geodesi
     out->is_minimum = gd__candidate_is_minimum(candidate);
     if (!out->is_minimum) out->warnings |= GD_GEODESIC_NOT_MINIMAL;
     if (candidate->parts > 1) out->warnings |= GD_GEODESIC_THROUGH_POLE;
+    if (candidate->is_family) out->warnings |= GD_GEODESIC_FAMILY;
     for (uint32_t i = 0; i < candidate->parts; i++) {
         const struct gd__solution *part = &candidate->part[i];
         out->error += part->error;
@@ -131,10 +132,12 @@ static void set_verdict(const struct gd__candidate *candidate, struct gd_geodesi
         if (!part->converged) out->warnings |= GD_GEODESIC_NOT_CONVERGED;
         if (part->report.contact) out->warnings |= GD_GEODESIC_BOUNDARY_CONTACT;
         if (part->corner) out->warnings |= GD_GEODESIC_CURVE_CORNER;
+        if (part->report.flat) out->warnings |= GD_GEODESIC_FAMILY;
     }
 }
 
-enum gd_status gd__answer_make(const struct gd__candidate *candidate, struct gd_geodesic *out)
+enum gd_status gd__answer_make(const struct gd__candidate *candidate,
+                               const struct gd_domain_curve *const ends[2], struct gd_geodesic *out)
 {
     struct gd_geodesic answer = {0};
     enum gd_status status = copy_pieces(candidate, &answer);
@@ -147,6 +150,7 @@ enum gd_status gd__answer_make(const struct gd__candidate *candidate, struct gd_
     }
     set_end(candidate->part[0].chain, 0, &answer.from_parameter, &answer.from_angle);
     set_end(candidate->part[candidate->parts - 1].chain, 1, &answer.to_parameter, &answer.to_angle);
+    gd__candidate_turns(candidate, ends, answer.turns);
     set_verdict(candidate, &answer);
     *out = answer;
     return GD_OK;

@@ -6,6 +6,7 @@
 
 /* Converts a candidate. Errors: GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__answer_make(const struct gd__candidate *candidate,
+                                           const struct gd_domain_curve *const ends[2],
                                            struct gd_geodesic *out);
 
 #endif

@@ -106,10 +106,11 @@ enum gd_status gd__candidate_finish(const struct gd__task *task, struct gd__cand
     return status;
 }
 
-struct gd_vec3 gd__candidate_middle(const struct gd_parametric *surface,
-                                    const struct gd__candidate *candidate)
+/* Returns the point in space after a fraction of the path's length. */
+static struct gd_vec3 point_after(const struct gd_parametric *surface,
+                                  const struct gd__candidate *candidate, double part)
 {
-    double left = 0.5 * gd__candidate_length(candidate);
+    double left = part * gd__candidate_length(candidate);
     double at[2] = {0, 0};
     for (uint32_t i = 0; i < candidate->parts; i++) {
         const struct gd__chain *chain = candidate->part[i].chain;
@@ -126,6 +127,41 @@ struct gd_vec3 gd__candidate_middle(const struct gd_parametric *surface,
         }
     }
     return gd__surface_position(surface, at);
+}
+
+void gd__candidate_identify(const struct gd_parametric *surface, struct gd__candidate *candidate)
+{
+    candidate->coarse = gd__candidate_length(candidate);
+    candidate->quarter = point_after(surface, candidate, 0.25);
+    candidate->middle = point_after(surface, candidate, 0.5);
+}
+
+double gd__candidate_parameter(const struct gd__candidate *candidate, int side)
+{
+    const struct gd__chain *chain = candidate->part[side ? candidate->parts - 1 : 0].chain;
+    const struct gd__joint *joint = &chain->joints[side ? chain->piece_count : 0];
+    double turns;
+    if (!joint->curve) return 0;
+    return gd__curve_reduce(joint->curve, joint->kind == GD__JOINT_LINE ? joint->passes : joint->at,
+                            &turns);
+}
+
+void gd__candidate_turns(const struct gd__candidate *candidate,
+                         const struct gd_domain_curve *const ends[2], int32_t out[2])
+{
+    double run[2] = {0, 0};
+    for (int side = 0; side < 2; side++) {
+        const struct gd__chain *chain = candidate->part[side ? candidate->parts - 1 : 0].chain;
+        const struct gd__piece *piece = &chain->pieces[side ? chain->piece_count - 1 : 0];
+        const double *place = piece->points[side ? gd__piece_points(chain, piece) - 1 : 0];
+        double at[2];
+        gd_domain_curve_at(ends[side], gd__candidate_parameter(candidate, side), at);
+        for (int k = 0; k < 2; k++) run[k] += (side ? 1 : -1) * (place[k] - at[k]);
+    }
+    for (int k = 0; k < 2; k++) {
+        double period = gd__axis_period(ends[0]->surface->axis[k]);
+        out[k] = period > 0 ? (int32_t)lround(run[k] / period) : 0;
+    }
 }
 
 /* --- from a seed ------------------------------------------------------------------------------ */

@@ -15,10 +15,15 @@ struct gd__candidate {
     /* The path passes through or near a pole, where a coarse curve is much too long. */
     bool by_pole;
     struct gd__solution part[2];
-    /* Length and middle, which identify a path; before gd__candidate_finish those of the coarse
-       curve. */
+    /* number of the first candidate of its family of equally long paths; and whether that family
+       has other members */
+    uint32_t family;
+    bool is_family;
+    uint32_t trims; /* how often the path was trimmed */
+    /* Length, and the points after a quarter and a half of it, which identify a path; before
+       gd__candidate_finish those of the coarse curve. */
     double coarse;
-    struct gd_vec3 middle;
+    struct gd_vec3 quarter, middle;
 };
 
 /* Computes at most GD__CANDIDATES_MOST coarse candidates along a seed. Near a pole, paths through
@@ -46,8 +51,16 @@ bool gd__candidate_is_minimum(const struct gd__candidate *candidate);
  * shorter. */
 bool gd__candidate_is_geodesic(const struct gd__task *task, const struct gd__candidate *candidate);
 
-/* Returns the point in space at half of the path's length. */
-struct gd_vec3 gd__candidate_middle(const struct gd_parametric *surface,
-                                    const struct gd__candidate *candidate);
+/* Sets length and points by which a path is identified. */
+void gd__candidate_identify(const struct gd_parametric *surface, struct gd__candidate *candidate);
+
+/* Returns the parameter of the path's beginning (side 0) or end (side 1) on its curve; 0 on a
+ * point. */
+double gd__candidate_parameter(const struct gd__candidate *candidate, int side);
+
+/* Computes the numbers of periods that are added to the second curve's place if the path begins at
+ * the first curve's place. */
+void gd__candidate_turns(const struct gd__candidate *candidate,
+                         const struct gd_domain_curve *const ends[2], int32_t out[2]);
 
 #endif

@@ -1,6 +1,6 @@
-/* Steps of a solution: test whether the curves meet; find seeds on the mesh; compute coarse
- * candidates from each seed; refine candidates that may be shortest; return the shortest
- * minimum. */
+/* Steps of a solution: test whether the curves meet; find seeds on the mesh, or make those of a
+ * class; compute coarse candidates from each seed; refine candidates that may be shortest; trim
+ * those that cross the curves; return the shortest minimum. */
 #include "gd/geodesic_like.h"
 
 #include <math.h>
@@ -9,17 +9,23 @@
 
 #include "base/tolerance.h"
 #include "nurbs/answer.h"
+#include "nurbs/classes.h"
+#include "nurbs/family.h"
 #include "nurbs/meet.h"
-#include "nurbs/seeds.h"
 #include "nurbs/tessellation.h"
-#include "nurbs/candidate.h"
+#include "nurbs/trim.h"
+
+enum {
+    CLASS_PLACES = 2, /* pairs of ends from which a class between curves is searched */
+    TRIMS_MOST = 8    /* limit on trims of one path */
+};
 
 /* a coarse curve that is longer than the shortest one by this factor is dropped */
 static const double hopeless = 1.01;
 /* as `hopeless`, if a candidate passes near a pole, where coarse curves are too long */
 static const double hopeless_by_pole = 1.08;
 /* candidates are the same path if the relative difference of their lengths is below `twins`, and
- * that of their middles below its square root */
+ * those of their quarters and middles below its square root */
 static const double twins = 1e-7;
 /* as `twins`, for a candidate that converges towards a path through a pole */
 static const double beside = 1e-2;
@@ -31,12 +37,27 @@ struct candidates {
     struct gd__candidate *items;
 };
 
+struct solving {
+    const struct gd__task *task;
+    const struct gd_domain_curve *ends[2];
+    const struct gd_geodesic_request *request;
+    struct gd_geodesic_options options;
+    struct candidates candidates;
+};
+
+/* Returns true if the request selects a class of paths by a curve or by winding numbers. */
+static bool is_chosen(const struct gd_geodesic_request *request)
+{
+    return request->initial || request->turns;
+}
+
 /* Returns true if two candidates are the same path. A path through a pole is never the same as a
  * path beside the pole. */
 static bool is_twin(const struct gd__candidate *a, const struct gd__candidate *b)
 {
     return a->parts == b->parts && a->tip == b->tip &&
            fabs(a->coarse - b->coarse) <= twins * a->coarse &&
+           gd_vec3_distance(a->quarter, b->quarter) <= sqrt(twins) * a->coarse &&
            gd_vec3_distance(a->middle, b->middle) <= sqrt(twins) * a->coarse;
 }
 
@@ -46,14 +67,15 @@ static void candidates_free(struct candidates *candidates)
     free(candidates->items);
 }
 
-static enum gd_status add_candidates(const struct gd__task *task,
-                                     const struct gd_domain_curve *const ends[2],
-                                     const struct gd__path_seed *seed,
-                                     struct candidates *candidates)
+/* Adds the candidates along a seed, except those that are already there. */
+static enum gd_status add_candidates(struct solving *solving, const struct gd__path_seed *seed,
+                                     uint32_t trims)
 {
+    const struct gd__task *task = solving->task;
+    struct candidates *candidates = &solving->candidates;
     struct gd__candidate found[GD__CANDIDATES_MOST];
     uint32_t count = 0;
-    enum gd_status status = gd__candidates_of_seed(task, ends, seed, found, &count);
+    enum gd_status status = gd__candidates_of_seed(task, solving->ends, seed, found, &count);
     if (status) return status;
     struct gd__candidate *grown =
         realloc(candidates->items, (candidates->count + count) * sizeof *grown);
@@ -64,8 +86,8 @@ static enum gd_status add_candidates(const struct gd__task *task,
     candidates->items = grown;
     for (uint32_t i = 0; i < count; i++) {
         struct gd__candidate *candidate = &found[i];
-        candidate->coarse = gd__candidate_length(candidate);
-        candidate->middle = gd__candidate_middle(task->surface, candidate);
+        candidate->trims = trims;
+        gd__candidate_identify(task->surface, candidate);
         status = task->pace->status;
         bool known = status;
         for (uint32_t k = 0; k < candidates->count && !known; k++)
@@ -78,16 +100,54 @@ static enum gd_status add_candidates(const struct gd__task *task,
     return GD_OK;
 }
 
-static enum gd_status make_candidates(const struct gd__task *task,
-                                      const struct gd_domain_curve *const ends[2],
-                                      const struct gd__path_seeds *seeds,
-                                      struct candidates *candidates)
+/* Adds the candidates along the initial paths of a class. */
+static enum gd_status add_class(struct solving *solving, const struct gd__class *in)
 {
     enum gd_status status = GD_OK;
-    for (uint32_t i = 0; i < seeds->count && !status; i++) {
-        task->pace->fraction = COARSE_SHARE * i / seeds->count;
-        status = add_candidates(task, ends, &seeds->seed[i], candidates);
+    for (uint32_t shape = 0; shape < GD__CLASS_SHAPES && !status; shape++) {
+        struct gd__path_seed seed;
+        status = gd__class_seed(solving->ends, in, shape, &seed);
+        if (status) break;
+        status = add_candidates(solving, &seed, 0);
+        gd__uv_polyline_free(&seed.polyline);
     }
+    return status;
+}
+
+/* Adds the candidates of all classes up to the limit on winding numbers. */
+static enum gd_status add_classes(struct solving *solving, const struct gd__path_seeds *seeds)
+{
+    const struct gd_parametric *surface = solving->task->surface;
+    int32_t most[2];
+    for (int k = 0; k < 2; k++) {
+        /* a path whose end slides around a closed curve passes to the next class */
+        bool slides = solving->ends[0]->winding[k] != 0 || solving->ends[1]->winding[k] != 0;
+        most[k] = surface->axis[k]->closed && !slides ? (int32_t)solving->options.turn_limit : 0;
+    }
+    if (!most[0] && !most[1]) return GD_OK;
+    uint32_t places = solving->ends[0]->is_point && solving->ends[1]->is_point ? 1 : CLASS_PLACES;
+    enum gd_status status = GD_OK;
+    for (uint32_t i = 0; i < places && i < seeds->count; i++)
+        for (int32_t m = -most[0]; m <= most[0]; m++)
+            for (int32_t n = -most[1]; n <= most[1] && !status; n++)
+                status = add_class(
+                    solving,
+                    &(struct gd__class){{m, n}, {seeds->seed[i].s[0], seeds->seed[i].s[1]}});
+    return status;
+}
+
+static enum gd_status make_candidates(struct solving *solving, const struct gd__path_seeds *seeds)
+{
+    const struct gd_geodesic_request *request = solving->request;
+    if (request->turns)
+        return add_class(solving, &(struct gd__class){{request->turns[0], request->turns[1]},
+                                                      {seeds->seed[0].s[0], seeds->seed[0].s[1]}});
+    enum gd_status status = GD_OK;
+    for (uint32_t i = 0; i < seeds->count && !status; i++) {
+        solving->task->pace->fraction = COARSE_SHARE * i / seeds->count;
+        status = add_candidates(solving, &seeds->seed[i], 0);
+    }
+    if (!status && solving->options.all_minima) status = add_classes(solving, seeds);
     return status;
 }
 
@@ -95,8 +155,7 @@ static enum gd_status make_candidates(const struct gd__task *task,
 static enum gd_status finish_candidate(const struct gd__task *task, struct gd__candidate *candidate)
 {
     enum gd_status status = gd__candidate_finish(task, candidate);
-    candidate->coarse = gd__candidate_length(candidate);
-    candidate->middle = gd__candidate_middle(task->surface, candidate);
+    gd__candidate_identify(task->surface, candidate);
     return task->pace->status ? task->pace->status : status;
 }
 
@@ -127,32 +186,87 @@ static void spare_candidate(struct gd__candidate *candidate, struct gd__candidat
     if (better) *spare = *candidate;
 }
 
-/* Refines the candidates that may be results, and drops the others. */
-static enum gd_status geodesic_finish(const struct gd__task *task, bool all,
-                                      struct candidates *candidates)
+/* Returns true if a refined candidate may be a result: it is a geodesic, of the requested class. A
+ * candidate on the other side of a pole has other winding numbers. */
+static bool is_result(const struct solving *solving, const struct gd__candidate *candidate)
 {
-    double least = INFINITY;
-    for (uint32_t i = 0; i < candidates->count; i++)
+    const int32_t *wanted = solving->request->turns;
+    if (!gd__candidate_is_geodesic(solving->task, candidate)) return false;
+    if (!wanted || candidate->parts > 1 || !solving->ends[0]->is_point ||
+        !solving->ends[1]->is_point)
+        return true;
+    int32_t turns[2];
+    gd__candidate_turns(candidate, solving->ends, turns);
+    return turns[0] == wanted[0] && turns[1] == wanted[1];
+}
+
+/* Replaces a path that crosses one of the curves by the candidates along its trimmed part. */
+static enum gd_status trim_candidate(struct solving *solving, struct gd__candidate *candidate,
+                                     bool *trimmed)
+{
+    struct gd__path_seed seed;
+    *trimmed = false;
+    if (!solving->options.all_minima && !is_chosen(solving->request)) return GD_OK;
+    if (candidate->trims == TRIMS_MOST) return GD_OK;
+    enum gd_status status = gd__trim(solving->task, solving->ends, candidate, trimmed, &seed);
+    if (status || !*trimmed) return status;
+    status = add_candidates(solving, &seed, candidate->trims + 1);
+    gd__uv_polyline_free(&seed.polyline);
+    gd__candidate_free(candidate);
+    return status;
+}
+
+/* Returns how much longer than the shortest coarse curve a candidate may be. */
+static double longest_worth(const struct solving *solving)
+{
+    const struct candidates *candidates = &solving->candidates;
+    if (solving->options.all_minima || is_chosen(solving->request)) return INFINITY;
+    double least = INFINITY, factor = hopeless;
+    for (uint32_t i = 0; i < candidates->count; i++) {
         least = fmin(least, candidates->items[i].coarse);
-    bool by_pole = false;
-    for (uint32_t i = 0; i < candidates->count; i++)
-        by_pole = by_pole || candidates->items[i].by_pole;
-    qsort(candidates->items, candidates->count, sizeof *candidates->items, through_first);
+        if (candidates->items[i].by_pole) factor = hopeless_by_pole;
+    }
+    return factor * least;
+}
+
+/* Refines a candidate and puts it in its place: among the *kept results, into `spare`, or trimmed
+ * to the end of the list. */
+static enum gd_status finish_one(struct solving *solving, struct gd__candidate *candidate,
+                                 uint32_t *kept, struct gd__candidate *spare)
+{
+    const struct gd__task *task = solving->task;
+    enum gd_status status = task->control_points ? GD_OK : finish_candidate(task, candidate);
+    bool trimmed = false, good = !status && is_result(solving, candidate);
+    if (good) status = trim_candidate(solving, candidate, &trimmed);
+    if (trimmed) return status;
+    if (status)
+        gd__candidate_free(candidate);
+    else if (good)
+        solving->candidates.items[(*kept)++] = *candidate;
+    else
+        spare_candidate(candidate, spare);
+    return status;
+}
+
+/* Refines the candidates that may be results, and drops the others. The list grows at its end while
+ * its beginning is filled with the results. */
+static enum gd_status geodesic_finish(struct solving *solving)
+{
+    struct candidates *candidates = &solving->candidates;
+    double most = longest_worth(solving);
+    if (candidates->count)
+        qsort(candidates->items, candidates->count, sizeof *candidates->items, through_first);
     uint32_t kept = 0;
     struct gd__candidate spare = {0};
     enum gd_status status = GD_OK;
     for (uint32_t i = 0; i < candidates->count; i++) {
         struct gd__candidate candidate = candidates->items[i];
-        task->pace->fraction = COARSE_SHARE + (1 - COARSE_SHARE) * i / candidates->count;
-        bool wanted =
-            !status && (all || candidate.coarse <= (by_pole ? hopeless_by_pole : hopeless) * least);
+        solving->task->pace->fraction = COARSE_SHARE + (1 - COARSE_SHARE) * i / candidates->count;
+        bool wanted = !status && candidate.coarse <= most;
         for (uint32_t k = 0; k < kept && wanted; k++)
             wanted = !is_covered(&candidates->items[k], &candidate);
-        if (wanted && !task->control_points) status = finish_candidate(task, &candidate);
-        if (wanted && !status && gd__candidate_is_geodesic(task, &candidate))
-            candidates->items[kept++] = candidate;
-        else if (wanted && !status)
-            spare_candidate(&candidate, &spare);
+        if (wanted)
+            status = finish_one(solving, &candidate, &kept, &spare);
         else
             gd__candidate_free(&candidate);
     }
@@ -161,7 +275,7 @@ static enum gd_status geodesic_finish(const struct gd__task *task, bool all,
     else if (spare.parts)
         candidates->items[kept++] = spare;
     candidates->count = kept;
-    return status ? status : task->pace->status;
+    return status ? status : solving->task->pace->status;
 }
 
 static int by_worth(const void *x, const void *y)
@@ -192,12 +306,77 @@ static void geodesic_choose(bool all, struct candidates *candidates)
     candidates->count = kept;
 }
 
-static enum gd_status geodesic_answer(const struct candidates *candidates, struct gd_geodesics *out)
+/* --- families --------------------------------------------------------------------------------- */
+
+/* Returns how far the ends of two candidates are apart, in widths of the curves' ranges. */
+static double ends_apart(const struct solving *solving, const struct gd__candidate *a,
+                         const struct gd__candidate *b)
 {
+    double sum = 0;
+    for (int side = 0; side < 2; side++) {
+        const struct gd_domain_curve *end = solving->ends[side];
+        double apart = gd__candidate_parameter(a, side) - gd__candidate_parameter(b, side),
+               range = end->high - end->low;
+        if (end->is_point) continue;
+        sum += fabs(end->closed ? apart / range - round(apart / range) : apart / range);
+    }
+    return sum;
+}
+
+/* Joins the family of a candidate with those of earlier candidates. Of each family only the member
+ * with the nearest ends is compared, because paths between close members are easy to find. */
+static enum gd_status join_families(const struct solving *solving, uint32_t candidate)
+{
+    struct gd__candidate *items = solving->candidates.items;
+    enum gd_status status = GD_OK;
+    items[candidate].family = candidate;
+    for (uint32_t first = 0; first < candidate && !status; first++) {
+        uint32_t nearest = first;
+        bool is_one;
+        if (items[first].family != first) continue;
+        for (uint32_t k = first; k < candidate; k++)
+            if (items[k].family == first &&
+                ends_apart(solving, &items[k], &items[candidate]) <
+                    ends_apart(solving, &items[nearest], &items[candidate]))
+                nearest = k;
+        const struct gd__candidate *const pair[2] = {&items[nearest], &items[candidate]};
+        status = gd__is_one_family(solving->task, solving->ends, pair, &is_one);
+        if (status || !is_one) continue;
+        uint32_t joined = items[candidate].family, lowest = joined < first ? joined : first;
+        for (uint32_t k = 0; k <= candidate; k++)
+            if (items[k].family == first || items[k].family == joined) items[k].family = lowest;
+    }
+    return status;
+}
+
+/* Keeps one candidate of each family. */
+static enum gd_status keep_families(const struct solving *solving, struct candidates *candidates)
+{
+    enum gd_status status = GD_OK;
+    for (uint32_t i = 0; i < candidates->count && !status; i++) status = join_families(solving, i);
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < candidates->count && !status; i++) {
+        struct gd__candidate *first = &candidates->items[candidates->items[i].family];
+        if (candidates->items[i].family != i) first->is_family = true;
+    }
+    for (uint32_t i = 0; i < candidates->count && !status; i++) {
+        struct gd__candidate candidate = candidates->items[i];
+        if (candidate.family == i)
+            candidates->items[kept++] = candidate;
+        else
+            gd__candidate_free(&candidate);
+    }
+    if (!status) candidates->count = kept;
+    return status;
+}
+
+static enum gd_status geodesic_answer(const struct solving *solving, struct gd_geodesics *out)
+{
+    const struct candidates *candidates = &solving->candidates;
     struct gd_geodesics found = {.items = calloc(candidates->count, sizeof *found.items)};
     enum gd_status status = found.items ? GD_OK : GD_NO_MEMORY;
     for (uint32_t i = 0; i < candidates->count && !status; i++) {
-        status = gd__answer_make(&candidates->items[i], &found.items[i]);
+        status = gd__answer_make(&candidates->items[i], solving->ends, &found.items[i]);
         if (!status) found.count++;
     }
     if (status)
@@ -223,14 +402,8 @@ static enum gd_status answer_meeting(const struct gd_domain_curve *from,
     return GD_OK;
 }
 
-static enum gd_status geodesic_check(const struct gd_tessellation *tessellation,
-                                     const struct gd_domain_curve *from,
-                                     const struct gd_domain_curve *to,
-                                     const struct gd_geodesic_options *o, struct gd_detail *detail)
+static enum gd_status check_options(const struct gd_geodesic_options *o, struct gd_detail *detail)
 {
-    if (from->surface != tessellation->surface || to->surface != tessellation->surface)
-        return gd_fail(detail, GD_INVALID_ARGUMENT,
-                       "both curves must lie on the tessellation's surface");
     if (o->degree && (o->degree < GD_GEODESIC_DEGREE_LEAST || o->degree > GD_GEODESIC_DEGREE_MOST))
         return gd_fail(detail, GD_INVALID_ARGUMENT, "the degree is between %d and %d",
                        GD_GEODESIC_DEGREE_LEAST, GD_GEODESIC_DEGREE_MOST);
@@ -244,22 +417,94 @@ static enum gd_status geodesic_check(const struct gd_tessellation *tessellation,
         return gd_fail(detail, GD_INVALID_ARGUMENT,
                        "the tolerance is a part of the length between %g and 1",
                        GD_GEODESIC_TOLERANCE_LEAST);
+    if (o->turn_limit > GD_GEODESIC_TURN_LIMIT_MOST)
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "the limit on turns is at most %d",
+                       GD_GEODESIC_TURN_LIMIT_MOST);
     return GD_OK;
 }
 
-static enum gd_status geodesic_solve(const struct gd__task *task,
-                                     const struct gd_domain_curve *const ends[2], bool all,
-                                     const struct gd__path_seeds *seeds, struct gd_geodesics *out,
-                                     struct gd_detail *detail)
+static enum gd_status check_turns(const struct gd_parametric *surface, const int32_t *turns,
+                                  struct gd_detail *detail)
 {
-    struct candidates candidates = {0};
-    enum gd_status status = make_candidates(task, ends, seeds, &candidates);
-    if (!status) status = geodesic_finish(task, all, &candidates);
-    if (!status && !candidates.count) status = GD_INTERNAL;
-    if (!status) geodesic_choose(all, &candidates);
-    if (!status) status = geodesic_answer(&candidates, out);
-    candidates_free(&candidates);
+    for (int k = 0; k < 2; k++) {
+        if (turns[k] < -GD_GEODESIC_TURNS_MOST || turns[k] > GD_GEODESIC_TURNS_MOST)
+            return gd_fail(detail, GD_INVALID_ARGUMENT, "a path turns at most %d times",
+                           GD_GEODESIC_TURNS_MOST);
+        if (turns[k] && !surface->axis[k]->closed)
+            return gd_fail(detail, GD_INVALID_ARGUMENT,
+                           "the surface is not closed in the direction of %c, so no path turns "
+                           "there",
+                           "uv"[k]);
+    }
+    return GD_OK;
+}
+
+static enum gd_status geodesic_check(const struct gd_tessellation *tessellation,
+                                     const struct gd_geodesic_request *request,
+                                     const struct gd_geodesic_options *o, struct gd_detail *detail)
+{
+    const struct gd_parametric *surface = tessellation->surface;
+    if (request->from->surface != surface || request->to->surface != surface ||
+        (request->initial && request->initial->surface != surface))
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "all curves must lie on the tessellation's surface");
+    if ((request->initial != NULL) + (request->turns != NULL) + o->all_minima > 1)
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "an initial curve, turns and all minima exclude each other");
+    enum gd_status status = check_options(o, detail);
+    return status || !request->turns ? status : check_turns(surface, request->turns, detail);
+}
+
+static enum gd_status geodesic_solve(struct solving *solving, const struct gd__path_seeds *seeds,
+                                     struct gd_geodesics *out, struct gd_detail *detail)
+{
+    enum gd_status status = make_candidates(solving, seeds);
+    if (!status) status = geodesic_finish(solving);
+    if (!status && !solving->candidates.count) status = GD_INTERNAL;
+    if (!status) geodesic_choose(solving->options.all_minima, &solving->candidates);
+    if (!status) status = keep_families(solving, &solving->candidates);
+    if (!status) status = geodesic_answer(solving, out);
+    candidates_free(&solving->candidates);
     return status ? gd_fail_status(detail, status) : GD_OK;
+}
+
+/* Finds the seeds of a request. Turns between two points need none but the points themselves. */
+static enum gd_status find_seeds(const struct solving *solving,
+                                 const struct gd_tessellation *tessellation,
+                                 struct gd__share *share, struct gd__path_seeds *out,
+                                 struct gd_detail *detail)
+{
+    const struct gd_geodesic_request *request = solving->request;
+    bool are_points = request->from->is_point && request->to->is_point;
+    if (!request->initial && !(request->turns && are_points))
+        return gd__path_seeds_find(tessellation, request->from, request->to,
+                                   solving->options.all_minima, share, out, detail);
+    *out = (struct gd__path_seeds){.count = 1, .seed = calloc(1, sizeof *out->seed)};
+    share->done += GD__SEEDS_PARTS;
+    if (!out->seed) return gd_fail_status(detail, GD_NO_MEMORY);
+    if (!request->initial) return GD_OK;
+    enum gd_status status = gd__initial_seed(solving->ends, request->initial, solving->task->pace,
+                                             &out->seed[0], detail);
+    if (status) gd__path_seeds_free(out);
+    return status;
+}
+
+/* Answers a request whose ends meet; *meet: they do. A request of a class wants the path of this
+ * class, also from a point to itself. */
+static enum gd_status solve_meeting(const struct gd_geodesic_request *request,
+                                    const struct gd_control *control, bool *meet,
+                                    struct gd_geodesics *out)
+{
+    struct gd__meeting meeting;
+    uint32_t count = 0;
+    *meet = false;
+    if (request->initial || (request->turns && (request->turns[0] || request->turns[1])))
+        return GD_OK;
+    enum gd_status status =
+        gd__curves_meetings(request->from, request->to, control, &meeting, 1, &count);
+    if (status || !count) return status;
+    *meet = true;
+    return answer_meeting(request->from, request->to, meeting.s, out);
 }
 
 enum gd_status gd_geodesic_solve(const struct gd_tessellation *tessellation,
@@ -267,15 +512,12 @@ enum gd_status gd_geodesic_solve(const struct gd_tessellation *tessellation,
                                  const struct gd_control *control, struct gd_geodesics *out,
                                  struct gd_detail *detail)
 {
-    const struct gd_domain_curve *from = request->from, *to = request->to;
     struct gd_geodesic_options o =
         request->options ? *request->options : (struct gd_geodesic_options){0};
-    enum gd_status status = geodesic_check(tessellation, from, to, &o, detail);
+    enum gd_status status = geodesic_check(tessellation, request, &o, detail);
     if (status) return status;
     bool meet;
-    double s[2];
-    status = gd__curves_meet(from, to, control, &meet, s);
-    if (!status && meet) status = answer_meeting(from, to, s, out);
+    status = solve_meeting(request, control, &meet, out);
     if (status) return gd_fail_status(detail, status);
     if (meet) return GD_OK;
     struct gd__share share = {.control = control, .total = GD__SEEDS_PARTS + 1};
@@ -286,11 +528,12 @@ enum gd_status gd_geodesic_solve(const struct gd_tessellation *tessellation,
                             .control_points = o.control_points,
                             .tolerance = o.tolerance > 0 ? o.tolerance : GD_GEODESIC_TOLERANCE,
                             .pace = &pace};
+    struct solving solving = {
+        .task = &task, .ends = {request->from, request->to}, .request = request, .options = o};
     struct gd__path_seeds seeds;
-    status = gd__path_seeds_find(tessellation, from, to, o.all_minima, &share, &seeds, detail);
+    status = find_seeds(&solving, tessellation, &share, &seeds, detail);
     if (status) return status;
-    status = geodesic_solve(&task, (const struct gd_domain_curve *const[2]){from, to}, o.all_minima,
-                            &seeds, out, detail);
+    status = geodesic_solve(&solving, &seeds, out, detail);
     gd__path_seeds_free(&seeds);
     return status;
 }

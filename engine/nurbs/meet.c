@@ -127,26 +127,27 @@ static bool is_candidate(const struct places *a, const struct places *b, double 
     return !(j + 1 < b->count && meet_apart(a, b, i, j + 1) < here);
 }
 
-enum gd_status gd__curves_meet(const struct gd_domain_curve *a, const struct gd_domain_curve *b,
-                               const struct gd_control *control, bool *meet, double s[2])
+enum gd_status gd__curves_meetings(const struct gd_domain_curve *a, const struct gd_domain_curve *b,
+                                   const struct gd_control *control, struct gd__meeting *out,
+                                   uint32_t most, uint32_t *count)
 {
     struct places of_a = {0}, of_b = {0};
     struct gd__pace pace = {.control = control};
     double near = nearness(a->surface);
     enum gd_status status = meet_sample(a, &pace, &of_a);
     if (!status) status = meet_sample(b, &pace, &of_b);
-    *meet = false;
-    for (uint32_t i = 0; i < of_a.count && !status && !*meet; i++) {
+    uint32_t found = 0;
+    for (uint32_t i = 0; i < of_a.count && !status && found < most; i++) {
         status = gd_control_check(control, 0);
-        for (uint32_t j = 0; j < of_b.count && !status && !*meet; j++) {
+        for (uint32_t j = 0; j < of_b.count && !status && found < most; j++) {
             if (!is_candidate(&of_a, &of_b, near, i, j)) continue;
             double at[2] = {of_a.s[i], of_b.s[j]};
-            *meet = approach(a, b, &pace, at);
-            if (*meet) s[0] = at[0], s[1] = at[1];
+            if (approach(a, b, &pace, at)) out[found++] = (struct gd__meeting){{at[0], at[1]}};
             status = pace.status;
         }
     }
     places_free(&of_a);
     places_free(&of_b);
+    if (!status) *count = found;
     return status;
 }

@@ -20,7 +20,7 @@ struct state {
     double *kept_at;                  /* the joints' unknowns before the step */
     double *kept_points;              /* the control points before the step */
     double *points_move;
-    bool contact;
+    bool contact, flat;
 };
 
 static size_t state_doubles(const struct gd__chain *chain)
@@ -142,6 +142,7 @@ static bool solve_joints(struct state *state)
             x[i] -= part * x[i - 1];
         }
         if (!(d[i] >= -state->least[i])) return false;
+        state->flat = state->flat || d[i] <= state->least[i];
         d[i] = fmax(d[i], state->least[i]);
         if (!(d[i] > 0)) return false;
     }
@@ -174,7 +175,7 @@ static double newton_expand(struct state *state, enum gd__hessian kind)
 static bool find_step(struct state *state, enum gd__hessian kind, double *slope)
 {
     const struct gd__chain *chain = state->chain;
-    state->contact = false;
+    state->contact = state->flat = false;
     double *scratch = state->points_move;
     for (uint32_t i = 0; i < chain->piece_count; i++)
         if (!gd__part_eliminate(chain, &chain->pieces[i], kind, scratch, &state->parts[i]))
@@ -323,6 +324,7 @@ static bool iterate(struct state *state, double stop, struct gd__newton_report *
     report->positive = find_step(state, GD__HESSIAN_NEWTON, &slope) && slope <= 0;
     if (!report->positive && !fall_back(state, report, &slope)) return false;
     report->contact = state->contact;
+    report->flat = report->positive && state->flat;
     report->decrement = -slope / report->length;
     report_pull(state, report);
     bool blind = report->decrement <= GD_TOL_BLIND;

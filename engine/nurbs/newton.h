@@ -17,6 +17,9 @@ struct gd__newton_report {
     bool converged;
     /* the covariant Hessian at the end is positive definite: a proven local minimum */
     bool positive;
+    /* The second derivative vanishes as the path moves sideways with its ends on their curves: it
+       is one of a family of equally long paths. */
+    bool flat;
     bool contact;      /* control points or joints are held on the domain's border */
     double pull[2][2]; /* derivatives of the length by the first and by the last control point */
 };

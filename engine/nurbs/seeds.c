@@ -5,7 +5,9 @@
 #include <string.h>
 
 #include "base/array.h"
+#include "base/tolerance.h"
 #include "gd/field.h"
+#include "mesh/union_find.h"
 #include "nurbs/tessellation.h"
 
 enum {
@@ -133,20 +135,20 @@ static enum gd_status nurbs_seeds_reach(const struct side *side, const struct gd
     return gd_field_path(side->field, point, path);
 }
 
-/* Moves the two ends from the mesh exactly onto the curves. */
-static enum gd_status set_ends(const struct search *search, struct gd__path_seed *seed)
+enum gd_status gd__path_seed_attach(const struct gd_domain_curve *const ends[2],
+                                    struct gd__path_seed *seed)
 {
-    const struct gd_parametric *surface = search->tessellation->surface;
+    const struct gd_parametric *surface = ends[0]->surface;
     struct gd__uv_polyline *polyline = &seed->polyline;
     double at[2];
     if (polyline->count < 2) {
         enum gd_status status = gd__uv_polyline_add(polyline, polyline->at[0]);
         if (status) return status;
     }
-    gd_domain_curve_at(search->side[0].curve, seed->s[0], at);
+    gd_domain_curve_at(ends[0], seed->s[0], at);
     unwind(surface, polyline->at[1], at);
     memcpy(polyline->at[0], at, sizeof at);
-    gd_domain_curve_at(search->side[1].curve, seed->s[1], at);
+    gd_domain_curve_at(ends[1], seed->s[1], at);
     unwind(surface, polyline->at[polyline->count - 2], at);
     memcpy(polyline->at[polyline->count - 1], at, sizeof at);
     /* a path that begins in a pole leaves along a line of constant parameter */
@@ -181,7 +183,8 @@ static enum gd_status add_seed(struct search *search, const struct gd_point *poi
         status = nurbs_seeds_reach(&search->side[k], point, &seed.s[k], &path[k]);
     if (!status) status = add_path(search->tessellation, &path[0], true, &seed.polyline);
     if (!status) status = add_path(search->tessellation, &path[1], false, &seed.polyline);
-    if (!status) status = set_ends(search, &seed);
+    const struct gd_domain_curve *const ends[2] = {search->side[0].curve, search->side[1].curve};
+    if (!status) status = gd__path_seed_attach(ends, &seed);
     seed.length = path[0].length + path[1].length;
     gd_path_free(&path[0]);
     gd_path_free(&path[1]);
@@ -194,10 +197,11 @@ static enum gd_status add_seed(struct search *search, const struct gd_point *poi
 
 /* The place where an edge of the mesh crosses the set d1 = d2. */
 struct crossing {
-    uint32_t a, b; /* vertices, a < b */
-    double part;   /* fraction of the edge, from a */
-    double sum;    /* d1 + d2 at the crossing, by linear interpolation */
-    double least;  /* least sum at the neighbouring crossings, in the edge's faces */
+    uint32_t a, b;                /* vertices, a < b */
+    double part;                  /* fraction of the edge, from a */
+    double sum;                   /* d1 + d2 at the crossing, by linear interpolation */
+    double least;                 /* least sum at the neighbouring crossings, in the edge's faces */
+    uint32_t others, other[2][2]; /* the edges of these crossings */
 };
 
 static bool nurbs_seeds_cross(const struct search *search, uint32_t a, uint32_t b,
@@ -212,8 +216,11 @@ static bool nurbs_seeds_cross(const struct search *search, uint32_t a, uint32_t 
     double at_a = d1[a] - d2[a], at_b = d1[b] - d2[b];
     if ((at_a < 0) == (at_b < 0) || !isfinite(at_a) || !isfinite(at_b)) return false;
     double part = at_a / (at_a - at_b);
-    *out = (struct crossing){a, b, part, (1 - part) * (d1[a] + d2[a]) + part * (d1[b] + d2[b]),
-                             INFINITY};
+    *out = (struct crossing){.a = a,
+                             .b = b,
+                             .part = part,
+                             .sum = (1 - part) * (d1[a] + d2[a]) + part * (d1[b] + d2[b]),
+                             .least = INFINITY};
     return true;
 }
 
@@ -238,8 +245,12 @@ static uint32_t list_crossings(struct search *search, struct crossing *out)
         for (int k = 0; k < 3; k++)
             in_face += nurbs_seeds_cross(search, corner[k], corner[(k + 1) % 3], &found[in_face]);
         if (in_face != 2) continue;
-        found[0].least = found[1].sum;
-        found[1].least = found[0].sum;
+        for (int k = 0; k < 2; k++) {
+            found[k].least = found[1 - k].sum;
+            found[k].others = 1;
+            found[k].other[0][0] = found[1 - k].a;
+            found[k].other[0][1] = found[1 - k].b;
+        }
         if (out) memcpy(out + count, found, 2 * sizeof *out);
         count += 2;
     }
@@ -256,6 +267,79 @@ static enum gd_status add_crossing(struct search *search, const struct crossing 
     return status ? status : add_seed(search, &point);
 }
 
+/* Joins the two entries of each crossing inside the mesh. Returns the number of crossings. */
+static uint32_t join_entries(struct crossing *list, uint32_t count)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        if (kept && by_edge(&list[kept - 1], &list[i]) == 0) {
+            struct crossing *first = &list[kept - 1];
+            first->least = fmin(first->least, list[i].least);
+            memcpy(first->other[first->others++], list[i].other[0], sizeof *first->other);
+        } else {
+            list[kept++] = list[i];
+        }
+    }
+    return kept;
+}
+
+/* --- plateaus --------------------------------------------------------------------------------- */
+
+/* A plateau is a connected set of crossings with equal sums, from which equally long paths begin.
+ * Usually it is a single crossing. */
+struct plateau {
+    uint32_t members;
+    bool is_least; /* no neighbouring crossing has a smaller sum */
+};
+
+static bool is_level(double a, double b)
+{
+    return fabs(a - b) <= GD_TOL_FAMILY * a;
+}
+
+static void find_plateaus(const struct crossing *list, uint32_t count, uint32_t *parent,
+                          struct plateau *plateaus)
+{
+    gd__union_find_init(parent, count);
+    for (uint32_t i = 0; i < count; i++) {
+        for (uint32_t k = 0; k < list[i].others; k++) {
+            const struct crossing key = {.a = list[i].other[k][0], .b = list[i].other[k][1]};
+            const struct crossing *other = bsearch(&key, list, count, sizeof *list, by_edge);
+            if (is_level(list[i].sum, other->sum))
+                gd__union_find_join(parent, i, (uint32_t)(other - list));
+        }
+    }
+    for (uint32_t i = 0; i < count; i++) plateaus[i] = (struct plateau){0, true};
+    for (uint32_t i = 0; i < count; i++) {
+        struct plateau *plateau = &plateaus[gd__union_find_root(parent, i)];
+        plateau->members++;
+        if (list[i].least < list[i].sum && !is_level(list[i].sum, list[i].least))
+            plateau->is_least = false;
+    }
+}
+
+/* Adds a seed through the middle one of each plateau that is a local minimum, in the order of the
+ * edges. */
+static enum gd_status add_plateaus(struct search *search, const struct crossing *list,
+                                   uint32_t count, struct gd_detail *detail)
+{
+    uint32_t *parent = malloc((count + (size_t)1) * sizeof *parent),
+             *seen = calloc(count + (size_t)1, sizeof *seen);
+    struct plateau *plateaus = malloc((count + (size_t)1) * sizeof *plateaus);
+    enum gd_status status = parent && seen && plateaus ? GD_OK : GD_NO_MEMORY;
+    if (!status) find_plateaus(list, count, parent, plateaus);
+    for (uint32_t i = 0; i < count && !status; i++) {
+        uint32_t root = gd__union_find_root(parent, i);
+        if (seen[root]++ == plateaus[root].members / 2 && plateaus[root].is_least &&
+            search->seeds.count < SEEDS_MOST)
+            status = add_crossing(search, &list[i], detail);
+    }
+    free(parent);
+    free(seen);
+    free(plateaus);
+    return status == GD_NO_MEMORY ? gd_fail_status(detail, status) : status;
+}
+
 static enum gd_status add_middles(struct search *search, double shortest, struct gd_detail *detail)
 {
     struct crossing *list = malloc((list_crossings(search, NULL) + 1) * sizeof *list);
@@ -263,15 +347,12 @@ static enum gd_status add_middles(struct search *search, double shortest, struct
     uint32_t count = list_crossings(search, list);
     qsort(list, count, sizeof *list, by_edge);
     enum gd_status status = search->pace.status;
-    for (uint32_t i = 0; i < count && !status; i++) {
-        bool twice = i + 1 < count && by_edge(&list[i], &list[i + 1]) == 0;
-        double least = twice ? fmin(list[i].least, list[i + 1].least) : list[i].least,
-               sum = list[i].sum;
-        if (sum <= least && (search->all || sum <= margin * shortest) &&
+    if (!status) count = join_entries(list, count);
+    if (!status && search->all) status = add_plateaus(search, list, count, detail);
+    for (uint32_t i = 0; i < count && !status && !search->all; i++)
+        if (list[i].sum <= fmin(list[i].least, margin * shortest) &&
             search->seeds.count < SEEDS_MOST)
             status = add_crossing(search, &list[i], detail);
-        i += twice;
-    }
     free(list);
     return status;
 }

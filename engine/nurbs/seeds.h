@@ -26,6 +26,11 @@ struct gd__path_seeds {
 
 void gd__path_seeds_free(struct gd__path_seeds *seeds);
 
+/* Moves the ends of a seed's polyline exactly onto the curves, at the parameters `s`, and measures
+ * it. Error: GD_NO_MEMORY. */
+GD_MUST_USE enum gd_status gd__path_seed_attach(const struct gd_domain_curve *const ends[2],
+                                                struct gd__path_seed *seed);
+
 #define GD__SEEDS_PARTS 2 /* parts of `share`: a field from each curve */
 
 /* Finds all seeds if `all`, else the seeds that may lead to the shortest path; at least one.

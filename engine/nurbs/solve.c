@@ -7,10 +7,11 @@
 #include "nurbs/energy.h"
 
 enum {
-    COARSE_SPANS = 14,
-    FIRST_SPANS = 10,  /* spans of the first curve that is divided into pieces */
+    COARSE_SPANS = 14, /* for each turn around the surface */
+    FIRST_SPANS = 10,  /* spans of the first curve that is divided into pieces, for each turn */
     CUT_MOST = 12,     /* limit on fits of the curve to the cells */
     CORNERS_MOST = 2,  /* limit on consecutive fits of a curve that is stuck in a corner of cells */
+    SLIDES_MOST = 256, /* limit on moves of an end from one interval of its curve to another */
     STEPS_MOST = 1200, /* limit on all Newton steps */
     PATIENCE = 12,     /* number of refinements after which a bent curve is given up */
     REFINE_MOST = 48,
@@ -39,6 +40,18 @@ static const double fallen = 1e-6;
 static const double noise = 8;
 /* A span is halved if its error is at least this fraction of the greatest. */
 static const double worth = 0.02;
+
+/* Returns the number of turns around the surface between two places, rounded up; at least 1. */
+static uint32_t turns_between(const struct gd_parametric *surface, const double a[2],
+                              const double b[2])
+{
+    double most = 1;
+    for (int k = 0; k < 2; k++) {
+        double period = gd__axis_period(surface->axis[k]);
+        if (period > 0) most = fmax(most, fabs(b[k] - a[k]) / period);
+    }
+    return (uint32_t)fmin(ceil(most - GD_TOL_ADJACENT), SPANS_MOST / COARSE_SPANS);
+}
 
 static enum gd_status newton(struct gd__newton_limits limits, struct gd__solution *solution)
 {
@@ -86,26 +99,6 @@ static double chain_error(const struct gd__chain *chain)
         for (uint32_t span = 0; span < chain->pieces[i].spans; span++)
             sum += span_error(chain, &chain->pieces[i], span, rounding, INFINITY);
     return sum;
-}
-
-enum gd_status gd__solve_coarse(const struct gd__task *task, const struct gd__uv_polyline *polyline,
-                                const struct gd__joint *from, const struct gd__joint *to,
-                                struct gd__solution *out)
-{
-    uint32_t spans = task->control_points ? task->control_points - task->degree : COARSE_SPANS;
-    struct gd__fit fit = {task->degree, spans, *from, *to, true, GD_TOL_CELL};
-    struct gd__solution solution = {0};
-    enum gd_status status =
-        gd__chain_fit(task->surface, polyline, &fit, task->pace, &solution.chain);
-    if (!status) status = newton(task->control_points ? exact : coarse, &solution);
-    if (status) {
-        free(solution.chain);
-        return status;
-    }
-    solution.converged = solution.report.converged;
-    solution.error = chain_error(solution.chain);
-    *out = solution;
-    return GD_OK;
 }
 
 /* --- ends on curves --------------------------------------------------------------------------- */
@@ -175,6 +168,47 @@ static bool slide_ends(struct gd__solution *solution)
         moved;
     solution->corner = held[0] || held[1];
     return moved;
+}
+
+/* Iterates a curve of one piece until no end moves to another interval of its curve. At a corner of
+ * that curve the length has a kink, where Newton's method on the whole curve stops. */
+static enum gd_status settle_ends(struct gd__solution *solution)
+{
+    struct gd__joint *joints = solution->chain->joints;
+    bool slides = joints[0].kind == GD__JOINT_CURVE || joints[1].kind == GD__JOINT_CURVE;
+    bool again = slides && !solution->report.converged;
+    enum gd_status status = GD_OK;
+    for (int k = 0; k < 2; k++) settle_joint(&joints[k]);
+    for (int i = 0; i < SLIDES_MOST && solution->iterations < STEPS_MOST; i++) {
+        if (again) status = newton(exact, solution);
+        if (status || !slide_ends(solution)) break;
+        again = true;
+    }
+    return status;
+}
+
+enum gd_status gd__solve_coarse(const struct gd__task *task, const struct gd__uv_polyline *polyline,
+                                const struct gd__joint *from, const struct gd__joint *to,
+                                struct gd__solution *out)
+{
+    uint32_t turns =
+                 turns_between(task->surface, polyline->at[0], polyline->at[polyline->count - 1]),
+             spans =
+                 task->control_points ? task->control_points - task->degree : COARSE_SPANS * turns;
+    struct gd__fit fit = {task->degree, spans, *from, *to, true, GD_TOL_CELL};
+    struct gd__solution solution = {0};
+    enum gd_status status =
+        gd__chain_fit(task->surface, polyline, &fit, task->pace, &solution.chain);
+    if (!status) status = newton(task->control_points ? exact : coarse, &solution);
+    if (!status && task->control_points) status = settle_ends(&solution);
+    if (status) {
+        free(solution.chain);
+        return status;
+    }
+    solution.converged = solution.report.converged;
+    solution.error = chain_error(solution.chain);
+    *out = solution;
+    return GD_OK;
 }
 
 /* --- cutting at lines ------------------------------------------------------------------------- */
@@ -379,7 +413,11 @@ enum gd_status gd__solve_fine(const struct gd__task *task, struct gd__solution *
 {
     bool settled, done = false;
     solution->converged = false;
-    enum gd_status status = solve_settle(task, solution, true, FIRST_SPANS, &settled);
+    const struct gd__chain *coarse_chain = solution->chain;
+    const struct gd__piece *last = &coarse_chain->pieces[coarse_chain->piece_count - 1];
+    uint32_t turns = turns_between(task->surface, coarse_chain->pieces[0].points[0],
+                                   last->points[gd__piece_points(coarse_chain, last) - 1]);
+    enum gd_status status = solve_settle(task, solution, true, FIRST_SPANS * turns, &settled);
     for (int i = 0; i < REFINE_MOST && !status && !done; i++) {
         status = solve_refine(task, solution, &done);
         if (gd__chain_spans(solution->chain) > SPANS_MOST || solution->iterations >= STEPS_MOST)

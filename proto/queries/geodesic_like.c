@@ -30,6 +30,7 @@ const struct proto_geodesic_form proto_geodesic_between_points = {{"from", "to"}
 void proto_geodesic_free(struct proto_geodesic *geodesic)
 {
     for (int k = 0; k < 2; k++) proto_domain_curve_free(&geodesic->ends[k]);
+    proto_domain_curve_free(&geodesic->initial);
 }
 
 bool proto_geodesic_request_check(const struct proto_object *object,
@@ -43,6 +44,36 @@ bool proto_geodesic_request_check(const struct proto_object *object,
                                 GD_GEODESIC_CONTROL_POINTS_MOST);
 }
 
+static bool decode_turns(const json_t *document, struct proto_geodesic *out,
+                         struct proto_problem *problem)
+{
+    double turns[2];
+    out->has_turns = json_object_get(document, "turns") != NULL;
+    if (!out->has_turns) return true;
+    if (!proto_decode_numbers(document, "", "turns", 2, turns, problem)) return false;
+    for (int k = 0; k < 2; k++) {
+        if (turns[k] != round(turns[k]) || fabs(turns[k]) > GD_GEODESIC_TURNS_MOST)
+            return proto_problem_refuse(problem, "/turns",
+                                        "turns are two whole numbers from -%d to %d",
+                                        GD_GEODESIC_TURNS_MOST, GD_GEODESIC_TURNS_MOST);
+        out->turns[k] = (int32_t)turns[k];
+    }
+    return true;
+}
+
+/* Reads what selects a class of paths: turns or an initial curve, without all_minima. */
+static bool decode_class(const json_t *document, struct proto_geodesic *out,
+                         struct proto_problem *problem)
+{
+    out->has_initial = json_object_get(document, "initial") != NULL;
+    if (!decode_turns(document, out, problem)) return false;
+    if (out->has_initial + out->has_turns + out->options.all_minima > 1)
+        return proto_problem_refuse(problem, out->has_initial ? "/initial" : "/turns",
+                                    "say one of initial, turns and all_minima");
+    return !out->has_initial ||
+           proto_domain_curve_decode_member(document, "initial", &out->initial, problem);
+}
+
 static bool decode_options(const json_t *document, struct proto_geodesic *out,
                            struct proto_problem *problem)
 {
@@ -53,8 +84,9 @@ static bool decode_options(const json_t *document, struct proto_geodesic *out,
     out->options = (struct gd_geodesic_options){.degree = request.degree,
                                                 .control_points = request.control_points,
                                                 .tolerance = request.tolerance,
-                                                .all_minima = request.all_minima};
-    return true;
+                                                .all_minima = request.all_minima,
+                                                .turn_limit = request.turn_limit};
+    return decode_class(document, out, problem);
 }
 
 bool proto_geodesic_decode(const json_t *document, const struct proto_geodesic_form *form,
@@ -250,7 +282,8 @@ static void encode_warnings(struct proto_writer *writer, uint32_t warnings)
                  {GD_GEODESIC_BOUNDARY_CONTACT, "boundary_contact"},
                  {GD_GEODESIC_CURVE_CORNER, "curve_corner"},
                  {GD_GEODESIC_THROUGH_POLE, "through_pole"},
-                 {GD_GEODESIC_NOT_MINIMAL, "not_minimal"}};
+                 {GD_GEODESIC_NOT_MINIMAL, "not_minimal"},
+                 {GD_GEODESIC_FAMILY, "family"}};
     proto_write_array_begin(writer);
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (warnings & names[i].bit) proto_write_string(writer, names[i].name);
@@ -272,6 +305,21 @@ static void encode_verdict(struct proto_writer *writer, const struct gd_geodesic
                      path->warnings & GD_GEODESIC_BOUNDARY_CONTACT);
     if (proto_field(writer, options, PROTO_GEODESIC_FIELD_WARNINGS))
         encode_warnings(writer, path->warnings);
+    if (!proto_field(writer, options, PROTO_GEODESIC_FIELD_TURNS)) return;
+    proto_write_array_begin(writer);
+    for (int k = 0; k < 2; k++) proto_write_int(writer, path->turns[k]);
+    proto_write_array_end(writer);
+}
+
+/* Writes the limit on the winding numbers of the classes that were searched. */
+static void encode_turn_limit(struct proto_writer *writer,
+                              const struct proto_geodesic_answer *answer,
+                              const struct proto_options *options)
+{
+    const struct gd_parametric *surface = gd_domain_curve_surface(answer->ends[0]);
+    bool is_closed = gd_parametric_axis_u(surface)->closed || gd_parametric_axis_v(surface)->closed;
+    proto_field_uint(writer, options, PROTO_GEODESIC_FIELD_TURN_LIMIT,
+                     is_closed ? answer->request->options.turn_limit : 0);
 }
 
 /* Writes the members of one path's object. */
@@ -317,6 +365,7 @@ enum gd_status proto_geodesic_encode(struct proto_writer *writer,
 {
     proto_write_object_begin(writer);
     enum gd_status status = encode_path(writer, answer, &answer->found->items[0], options);
+    if (answer->request->options.all_minima) encode_turn_limit(writer, answer, options);
     if (!status && answer->request->options.all_minima &&
         options->fields & PROTO_GEODESIC_FIELD_MINIMA)
         status = encode_minima(writer, answer, options);

@@ -21,6 +21,9 @@ extern const struct proto_geodesic_form proto_geodesic_between_points, proto_geo
 struct proto_geodesic { /* all zero: empty */
     const struct proto_geodesic_form *form;
     struct proto_domain_curve ends[2];
+    struct proto_domain_curve initial; /* read if has_initial */
+    bool has_initial, has_turns;
+    int32_t turns[2];
     struct gd_geodesic_options options;
     uint32_t samples;
 };

@@ -11,7 +11,7 @@ from nurbs import ANNULUS, CONE, CYLINDER, HELICOID, PI, PLANE, SADDLE, TORUS, N
 
 class Geodesics(Nurbs):
     surfaces = {"ring": TORUS, "torus": rational_torus(), "sphere": rational_sphere(), "saddle": SADDLE, "plane": PLANE,
-                "cylinder": CYLINDER, "cone": CONE, "annulus": ANNULUS, "bumps": bumps(8, 4, 0.5, 1), "helicoid": HELICOID}
+                "cylinder": CYLINDER, "cone": CONE, "annulus": ANNULUS, "wide": {"parametric": {"torus": {"major": 3, "minor": 1.1}}}, "bumps": bumps(8, 4, 0.5, 1), "helicoid": HELICOID}
 
     def geodesic(self, name, a, b, **options):
         return self.ask(name, "geodesic", {"from": a, "to": b, **options})
@@ -121,7 +121,45 @@ class Geodesics(Nurbs):
         self.assertEqual(lengths, sorted(lengths))
         self.assertEqual(answer["length"], lengths[0])
         self.assertTrue(all(way["is_minimum"] for way in answer["minima"]))
+        self.assertEqual(answer["turn_limit"], 1)
+        self.assertEqual({tuple(way["turns"]) for way in answer["minima"]}, {(0, 0), (1, 0), (-1, 0)})
         self.assertNotIn("minima", self.geodesic("cylinder", [0, 0], [2.5, 0.2]))
+        self.assertEqual(self.geodesic("saddle", [0, 0], [1, 1], all_minima=True)["turn_limit"], 0)
+
+    def test_classes(self):
+        """On the cylinder of radius 1 and height 5 a path of m turns is a straight line of the
+        unrolled plane. Each class of a torus has a minimum."""
+        around, up = 2.5, 1
+        lengths = [way["length"] for way in self.geodesic("cylinder", [0, 0], [2.5, 0.2], all_minima=True, turn_limit=2)["minima"]]
+        expected = sorted(math.hypot(around + 2 * PI * m, up) for m in range(-2, 3))
+        self.assertEqual(len(lengths), len(expected))
+        for found, length in zip(lengths, expected):
+            self.assert_near(found, length)
+        for m in (-3, 0, 1, 4):
+            expected = math.hypot(around + 2 * PI * m, up)
+            turned = self.geodesic("cylinder", [0, 0], [2.5, 0.2], turns=[m, 0])
+            self.assert_proved(turned)
+            self.assertEqual(turned["turns"], [m, 0])
+            self.assert_near(turned["length"], expected)
+            initial = {"polyline": [[0, 0], [1 + PI * m, 0.6], [2.5 + 2 * PI * m, 0.2]]}
+            self.assert_near(self.geodesic("cylinder", [0, 0], [2.5, 0.2], initial=initial)["length"], expected)
+        loop = self.geodesic("cylinder", [0, 0.5], [0, 0.5], turns=[1, 0])
+        self.assert_near(loop["length"], 2 * PI)
+        found = self.geodesic("wide", [0, 0.3], [1, 0.5], all_minima=True)["minima"]
+        self.assertEqual(len({tuple(way["turns"]) for way in found}), 9)
+        for length in (3.980, 7.198, 7.626, 13.836):
+            self.assertTrue(any(abs(way["length"] - length) < 0.001 for way in found), length)
+
+    def test_classes_that_can_not_be(self):
+        good = {"from": [0, 0], "to": [2.5, 0.2]}
+        for pointer, document in (
+            ("/turns", {"turns": [0, 1]}), ("/turns", {"turns": [17, 0]}), ("/turns", {"turns": "once"}), ("/turn_limit", {"turn_limit": 5}),
+            ("/initial", {"initial": {"polyline": [[0, 0], [1, 0.2]]}}), ("/initial/polyline/1", {"initial": {"polyline": [[0, 0], [1, 7]]}}),
+            ("/turns", {"turns": [1, 0], "all_minima": True}), ("/initial", {"initial": {"iso": "v", "value": 0}, "turns": [1, 0]}),
+        ):
+            with self.subTest(document=document):
+                status, code = (422, "point_not_on_surface") if pointer.endswith("1") else (400, "invalid_request")
+                self.assertEqual(self.refusal("cylinder", "geodesic", {**good, **document}, status, code)["pointer"], pointer)
 
     def test_along_the_border(self):
         """The path around the hole of an annulus consists of two tangents and an arc of the rim."""

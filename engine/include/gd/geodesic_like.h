@@ -27,6 +27,8 @@ GD_EXTERN_C_BEGIN
 #define GD_GEODESIC_DEGREE_LEAST        2
 #define GD_GEODESIC_DEGREE_MOST         5
 #define GD_GEODESIC_CONTROL_POINTS_MOST 4096
+#define GD_GEODESIC_TURN_LIMIT_MOST     4
+#define GD_GEODESIC_TURNS_MOST          16
 
 /* All zero: the shortest path, as cubic splines, to GD_GEODESIC_TOLERANCE. */
 struct gd_geodesic_options {
@@ -39,11 +41,21 @@ struct gd_geodesic_options {
     /* relative error of the length, GD_GEODESIC_TOLERANCE_LEAST to 1; 0: GD_GEODESIC_TOLERANCE */
     double tolerance;
     bool all_minima; /* returns every local minimum that the search finds, not only the shortest */
+    /* With all_minima, on surfaces that are closed in a direction: the search also begins with
+       paths of each homotopy class whose winding numbers are within this limit, at most
+       GD_GEODESIC_TURN_LIMIT_MOST. 0: only the classes that the tessellation's distances show. */
+    uint32_t turn_limit;
 };
 
 struct gd_geodesic_request {
     const struct gd_domain_curve *from, *to;   /* points or curves of the tessellation's surface */
     const struct gd_geodesic_options *options; /* NULL: all zero */
+    /* At most one of these selects a class of paths, and excludes all_minima; NULL: none. The
+       result is a geodesic of the class, not the shortest path of all classes. */
+    const struct gd_domain_curve *initial; /* from `from` to `to`: deformed into the result */
+    /* winding numbers (u, v), at most GD_GEODESIC_TURNS_MOST in closed directions, else 0: see
+       gd_geodesic.turns */
+    const int32_t *turns;
 };
 
 /* A B-spline piece of the result: clamped knots on [0, 1], points (u, v). In closed directions
@@ -64,7 +76,9 @@ enum gd_geodesic_warning {
     /* the path passes a pole, where two pieces with different (u, v) meet */
     GD_GEODESIC_THROUGH_POLE = 8,
     /* a critical point, but not a proven minimum: the Hessian is not positive definite */
-    GD_GEODESIC_NOT_MINIMAL = 16
+    GD_GEODESIC_NOT_MINIMAL = 16,
+    /* the path belongs to a family of equally long paths, of which only one is listed */
+    GD_GEODESIC_FAMILY = 32
 };
 
 struct gd_geodesic {
@@ -84,6 +98,9 @@ struct gd_geodesic {
     uint32_t warnings;    /* enum gd_geodesic_warning */
     uint32_t piece_count; /* 0 if `from` and `to` meet */
     struct gd_geodesic_piece *pieces;
+    /* Winding numbers: a path whose (u, v) begin at those of `from` ends at those of `to`, plus
+       these numbers of periods. Between closed curves they depend on the parameters of the ends. */
+    int32_t turns[2];
     double meeting[2]; /* (u, v) where `from` and `to` meet, if piece_count is 0 */
 };
 
@@ -95,15 +112,16 @@ struct gd_geodesics {
 void gd_geodesics_free(struct gd_geodesics *geodesics); /* NULL is harmless */
 
 /* Computes the shortest path between two points or curves of the tessellation's surface; with
- * `all_minima` also longer local minima, sorted by length. If no path is a minimum, the result is
- * one path with GD_GEODESIC_NOT_MINIMAL. If `from` and `to` meet, the path has length 0 and no
- * pieces. Exchanging `from` and `to` changes the result only by rounding. The function finds the
- * global minimum if the tessellation is fine enough to distinguish the routes around the surface's
- * features. `control` and `detail` may be NULL; the caller frees `*out` by gd_geodesics_free.
- * Errors: GD_INVALID_ARGUMENT (a curve of another surface, options out of range), those of
- * gd_field_build, GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL (no path
- * converged). Cost: milliseconds, for two fields of the tessellation and about 20 Newton steps.
- * Thread-safe. */
+ * `all_minima` also longer local minima, sorted by length: paths that do not cross `from` or `to`
+ * between their ends, and one of each family of equally long paths. If no path is a minimum, the
+ * result is one path with GD_GEODESIC_NOT_MINIMAL. If `from` and `to` meet, the path has length 0
+ * and no pieces. Exchanging `from` and `to` changes the result only by rounding. The function finds
+ * the global minimum if the tessellation is fine enough to distinguish the routes around the
+ * surface's features. `control` and `detail` may be NULL; the caller frees `*out` by
+ * gd_geodesics_free. Errors: GD_INVALID_ARGUMENT (a curve of another surface, options out of
+ * range), those of gd_field_build, GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL
+ * (no path converged). Cost: milliseconds, for two fields of the tessellation and about 20 Newton
+ * steps. Thread-safe. */
 GD_MUST_USE enum gd_status gd_geodesic_solve(const struct gd_tessellation *tessellation,
                                              const struct gd_geodesic_request *request,
                                              const struct gd_control *control,

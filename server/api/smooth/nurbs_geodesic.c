@@ -7,6 +7,8 @@
 #include "server/surfaces/kinds.h"
 
 #define SEARCH_BYTES ((size_t)1 << 20)
+/* for each class of winding numbers: the paths from which its search begins */
+#define BYTES_PER_CLASS ((size_t)128 << 10)
 /* for each face of the tessellation: two fields, and the paths that are traced */
 #define BYTES_PER_FACE 1024
 #define WHAT           "the search for the path"
@@ -21,7 +23,7 @@ struct path_arrays {
 struct search {
     struct server_query query; /* first */
     struct proto_geodesic wanted;
-    struct gd_domain_curve *ends[2];
+    struct gd_domain_curve *ends[2], *initial; /* initial: NULL if the request has none */
     struct gd_geodesics found;
     struct gd_detail detail;
 };
@@ -61,19 +63,26 @@ static size_t found_bytes(const struct gd_geodesics *found)
     return bytes;
 }
 
-/* Checks the control after each end: a long curve takes tens of milliseconds. */
+/* Lays a curve of the request on the surface. Checks the control afterwards: a long curve takes
+ * tens of milliseconds. */
+static bool search_locate_curve(struct search *search, const struct proto_domain_curve *curve,
+                                const struct gd_control *control, struct gd_domain_curve **out,
+                                struct proto_problem *problem)
+{
+    bool is_located = proto_domain_curve_locate(server_nurbs_of(search->query.surface)->surface,
+                                                curve, control, out, search->query.problem);
+    enum gd_status status = gd_control_check(control, 0);
+    return status ? server_query_refuse(&search->query, status, WHAT) : is_located;
+}
+
 static bool search_locate(struct search *search, struct server_monitor *monitor)
 {
-    const struct gd_parametric *surface = server_nurbs_of(search->query.surface)->surface;
     const struct gd_control control = server_exchange_control(monitor);
-    for (int k = 0; k < 2; k++) {
-        bool is_located = proto_domain_curve_locate(surface, &search->wanted.ends[k], &control,
-                                                    &search->ends[k], search->query.problem);
-        enum gd_status status = gd_control_check(&control, 0);
-        if (status) return server_query_refuse(&search->query, status, WHAT);
-        if (!is_located) return false;
-    }
-    return true;
+    for (int k = 0; k < 2; k++)
+        if (!search_locate_curve(search, &search->wanted.ends[k], &control, &search->ends[k]))
+            return false;
+    return !search->wanted.has_initial ||
+           search_locate_curve(search, &search->wanted.initial, &control, &search->initial);
 }
 
 static struct proto_geodesic_answer search_answer(const struct search *search)
@@ -83,25 +92,39 @@ static struct proto_geodesic_answer search_answer(const struct search *search)
                                           .found = &search->found};
 }
 
+/* Returns the bytes of the paths of all classes that the request searches. */
+static size_t class_bytes(const struct gd_geodesic_options *options)
+{
+    size_t turns = 2 * (size_t)options->turn_limit + 1;
+    return options->all_minima ? turns * turns * BYTES_PER_CLASS : BYTES_PER_CLASS;
+}
+
 static enum server_query_turn search_solve(struct server_query *query)
 {
     struct search *search = (struct search *)query;
     struct server_monitor monitor = server_query_monitor(query, 0, 1);
     const struct gd_tessellation *tessellation = server_nurbs_of(query->surface)->tessellation;
     size_t faces = gd_mesh_summary(gd_tessellation_mesh(tessellation))->faces;
-    struct server_budgeted_call call =
-        server_query_begin_call(query, &monitor, SEARCH_BYTES + faces * BYTES_PER_FACE);
+    struct server_budgeted_call call = server_query_begin_call(
+        query, &monitor,
+        SEARCH_BYTES + faces * BYTES_PER_FACE + class_bytes(&search->wanted.options));
     if (!search_locate(search, &monitor)) return SERVER_QUERY_FAILED;
     while (server_budgeted_call_next(&call)) {
-        call.status = gd_geodesic_solve(
-            tessellation,
-            &(struct gd_geodesic_request){
-                .from = search->ends[0], .to = search->ends[1], .options = &search->wanted.options},
-            &call.control, &search->found, &search->detail);
+        call.status =
+            gd_geodesic_solve(tessellation,
+                              &(struct gd_geodesic_request){
+                                  .from = search->ends[0],
+                                  .to = search->ends[1],
+                                  .options = &search->wanted.options,
+                                  .initial = search->initial,
+                                  .turns = search->wanted.has_turns ? search->wanted.turns : NULL},
+                              &call.control, &search->found, &search->detail);
         if (!call.status) call.kept = found_bytes(&search->found);
     }
     if (call.status == GD_INVALID_ARGUMENT) {
         proto_problem_from_status(query->problem, call.status, &search->detail);
+        if (search->wanted.has_initial || search->wanted.has_turns)
+            proto_problem_at(query->problem, search->wanted.has_initial ? "/initial" : "/turns");
         return SERVER_QUERY_FAILED;
     }
     if (call.status) return server_query_fail(query, call.status, WHAT);
@@ -199,6 +222,7 @@ static void search_release(struct server_query *query)
     struct search *search = (struct search *)query;
     gd_geodesics_free(&search->found);
     for (int k = 0; k < 2; k++) gd_domain_curve_release(search->ends[k]);
+    gd_domain_curve_release(search->initial);
     proto_geodesic_free(&search->wanted);
 }
 

@@ -35,6 +35,16 @@ static void requests_are_read(void **state)
     assert_int_equal(wanted.options.control_points, 3);
     assert_true(wanted.options.tolerance == 1e-6 && wanted.options.all_minima &&
                 wanted.samples == 2);
+    assert_int_equal(wanted.options.turn_limit, 1);
+    proto_geodesic_free(&wanted);
+    assert_true(read("{\"from\":[0,0],\"to\":[1,0],\"turns\":[-2,1]}",
+                     &proto_geodesic_between_points, &wanted, &problem));
+    assert_true(wanted.has_turns && !wanted.has_initial);
+    assert_true(wanted.turns[0] == -2 && wanted.turns[1] == 1);
+    proto_geodesic_free(&wanted);
+    assert_true(read("{\"from\":[0,0],\"to\":[1,0],\"initial\":{\"polyline\":[[0,0],[1,0]]}}",
+                     &proto_geodesic_between_points, &wanted, &problem));
+    assert_true(wanted.has_initial && wanted.initial.form == PROTO_DOMAIN_CURVE_POLYLINE);
     proto_geodesic_free(&wanted);
 }
 
@@ -53,7 +63,14 @@ static void errors_have_pointers(void **state)
         {"{\"a\":1,\"b\":1,\"control_points\":4097}", "/control_points"},
         {"{\"a\":1,\"b\":1,\"tolerance\":2}", "/tolerance"},
         {"{\"a\":1,\"b\":1,\"samples\":1.5}", "/samples"},
-        {"{\"a\":1,\"b\":1,\"all_minima\":\"no\"}", "/all_minima"}};
+        {"{\"a\":1,\"b\":1,\"all_minima\":\"no\"}", "/all_minima"},
+        {"{\"a\":1,\"b\":1,\"turn_limit\":5}", "/turn_limit"},
+        {"{\"a\":1,\"b\":1,\"turns\":[1]}", "/turns"},
+        {"{\"a\":1,\"b\":1,\"turns\":[1,0.5]}", "/turns"},
+        {"{\"a\":1,\"b\":1,\"turns\":[1,17]}", "/turns"},
+        {"{\"a\":1,\"b\":1,\"turns\":[1,0],\"all_minima\":true}", "/turns"},
+        {"{\"a\":1,\"b\":1,\"initial\":{},\"all_minima\":true}", "/initial"},
+        {"{\"a\":1,\"b\":1,\"initial\":{}}", "/initial"}};
     (void)state;
     for (size_t i = 0; i < COUNT(cases); i++) {
         struct proto_geodesic wanted;
@@ -111,6 +128,7 @@ static void encodes_a_path(void **state)
                                .iterations = 4,
                                .is_minimum = true,
                                .warnings = GD_GEODESIC_CURVE_CORNER,
+                               .turns = {1, 0},
                                .piece_count = 1,
                                .pieces = &piece};
     (void)state;
@@ -125,7 +143,7 @@ static void encodes_a_path(void **state)
         "\"residual\":1e-9,\"error_estimate\":1e-12,\"geodesic_curvature\":0,\"speed_defect\":0,"
         "\"iterations\":4,"
         "\"converged\":true,\"is_minimum\":true,\"boundary_contact\":false,\"warnings\":[\"curve_"
-        "corner\"]}");
+        "corner\"],\"turns\":[1,0]}");
 }
 
 /* Pieces share the control point where they meet. Where they meet in space but not in the domain,

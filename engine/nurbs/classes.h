@@ -1,0 +1,32 @@
+/* Classes: initial paths of a homotopy class, given by winding numbers or by a curve. */
+#ifndef GD_NURBS_CLASSES_H
+#define GD_NURBS_CLASSES_H
+
+#include "nurbs/seeds.h"
+
+/* A class of paths from place s[0] of the first curve to place s[1] of the second: in direction k
+ * the coordinates run to those of the second place, plus turns[k] periods. */
+struct gd__class {
+    int32_t turns[2];
+    double s[2];
+};
+
+/* Number of initial paths of a class: the straight line of the domain, and arcs on both sides of
+ * it. A straight line may be a geodesic that is not minimal, as on the outer equator of a torus;
+ * the arcs lead to the minima beside it. */
+#define GD__CLASS_SHAPES 3
+
+/* Makes initial path `shape` of a class. Error: GD_NO_MEMORY. */
+GD_MUST_USE enum gd_status gd__class_seed(const struct gd_domain_curve *const ends[2],
+                                          const struct gd__class *in, uint32_t shape,
+                                          struct gd__path_seed *out);
+
+/* Makes an initial path along a curve from the first end to the second. Errors:
+ * GD_INVALID_ARGUMENT (the curve is a point, or does not begin and end on the ends), GD_NO_MEMORY,
+ * and those of the pace. */
+GD_MUST_USE enum gd_status gd__initial_seed(const struct gd_domain_curve *const ends[2],
+                                            const struct gd_domain_curve *initial,
+                                            struct gd__pace *pace, struct gd__path_seed *out,
+                                            struct gd_detail *detail);
+
+#endif

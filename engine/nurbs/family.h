@@ -1,0 +1,15 @@
+/* Family: equally long paths that move into each other, such as those between parallel lines. */
+#ifndef GD_NURBS_FAMILY_H
+#define GD_NURBS_FAMILY_H
+
+#include "nurbs/candidate.h"
+
+/* Sets *is_one if two minima belong to one family: they are equally long, and the path between them
+ * is an equally long minimum. Errors: those of gd__newton. Cost: one solution if the lengths are
+ * equal. */
+GD_MUST_USE enum gd_status gd__is_one_family(const struct gd__task *task,
+                                             const struct gd_domain_curve *const ends[2],
+                                             const struct gd__candidate *const pair[2],
+                                             bool *is_one);
+
+#endif

@@ -1,0 +1,16 @@
+/* Trim: shortens paths that cross the curves between which they run. */
+#ifndef GD_NURBS_TRIM_H
+#define GD_NURBS_TRIM_H
+
+#include "nurbs/candidate.h"
+
+/* Step 3 of the paper's algorithm 2: if the path meets one of the curves between its ends, makes an
+ * initial path of its part from the last place on the first curve to the next place on the second
+ * curve. Sets *crosses, and `out` only if it is true. Points are not curves: a path may pass them.
+ * Errors: GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE. */
+GD_MUST_USE enum gd_status gd__trim(const struct gd__task *task,
+                                    const struct gd_domain_curve *const ends[2],
+                                    const struct gd__candidate *candidate, bool *crosses,
+                                    struct gd__path_seed *out);
+
+#endif
