@@ -155,6 +155,11 @@ static enum gd_status sample_check(const struct gd_spline_sampling *sampling,
           isfinite(sampling->spacing) && sampling->spacing >= 0))
         return gd_fail(detail, GD_INVALID_ARGUMENT,
                        "tolerance and spacing are finite lengths, more than 0");
+    if (sampling->evaluation == GD_SPLINE_DE_CASTELJAU && !sampling->per_segment &&
+        !sampling->parameters)
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "de Casteljau's construction samples at given parameters or at equal steps "
+                       "of the parameter");
     if (sampling->parameters && !sampling->count)
         return gd_fail(detail, GD_INVALID_ARGUMENT, "give at least one parameter");
     return GD_OK;
@@ -172,6 +177,7 @@ static enum gd_status sample_all(struct sampling *s, const struct gd_spline_samp
     if (!s->places) return GD_NO_MEMORY;
     s->sampler.visit = visit;
     s->sampler.progress = 0.5;
+    s->sampler.is_whole = sampling->evaluation == GD_SPLINE_DE_CASTELJAU;
     return gd__sampler_walk(&s->sampler);
 }
 

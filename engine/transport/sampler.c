@@ -41,7 +41,7 @@ static enum gd_status sampler_walk(struct gd__sampler *sampler, const struct gd_
                                                      spline->knots[spline->count].parameter;
     enum gd_status status = gd_control_check(straightener->control, straightener->progress);
     if (!status) status = gd__polygon_chord(straightener, polygon, &sampler->route, &chord);
-    if (!status && depth < DEPTH &&
+    if (!status && depth < DEPTH && !sampler->is_whole &&
         gd__polygon_height(gd__polygon_length(polygon), chord.length) > height)
         status = halve(sampler, polygon, height, depth);
     else if (!status)

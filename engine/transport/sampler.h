@@ -13,6 +13,7 @@ struct gd__sampler {
     double progress, share; /* progress before the walk, and the walk's share of it */
     /* largest distance of a leaf from its chord; 0: relative to its segment's length */
     double height;
+    bool is_whole; /* each segment is one leaf */
     /* Called for each leaf in order, with its chord. */
     enum gd_status (*visit)(struct gd__sampler *sampler, const struct gd__polygon *leaf,
                             const struct gd__route *chord);

@@ -33,6 +33,19 @@ static enum gd_status angle_between(const struct gd_mesh *mesh, const struct gd_
     return GD_OK;
 }
 
+/* Returns the geodesic to which the curve is tangent at its end (side 1) or beginning (side 0): the
+ * nearest arm that is not a single point. At an empty arm the speed is 0, but halving keeps the
+ * curve's first and last lines on the next arm, so the tangent is that arm's. NULL: all arms are
+ * single points. */
+static const struct gd_path *tangent_arm(const struct gd_spline_segment *segment, int side)
+{
+    for (int k = 0; k < 3; k++) {
+        const struct gd_path *arm = &segment->arms[side ? 2 - k : k];
+        if (arm->count >= 2) return arm;
+    }
+    return NULL;
+}
+
 static enum gd_status measure_joint(const struct gd_mesh *mesh, const struct gd_spline_segment *in,
                                     const struct gd_spline_segment *out,
                                     struct gd_spline_knot *knot)
@@ -40,8 +53,9 @@ static enum gd_status measure_joint(const struct gd_mesh *mesh, const struct gd_
     double from = in->arms[2].length / (in->end - in->begin),
            to = out->arms[0].length / (out->end - out->begin);
     knot->speed_jump = fmax(from, to) > 0 ? fabs(to - from) / fmax(from, to) : 0;
-    if (in->arms[2].count < 2 || out->arms[0].count < 2) return GD_OK;
-    return angle_between(mesh, &in->arms[2], &out->arms[0], &knot->angle_jump);
+    const struct gd_path *arriving = tangent_arm(in, 1), *leaving = tangent_arm(out, 0);
+    if (!arriving || !leaving) return GD_OK;
+    return angle_between(mesh, arriving, leaving, &knot->angle_jump);
 }
 
 static enum gd_status measure_joints(const struct gd_mesh *mesh, struct gd_spline *spline)

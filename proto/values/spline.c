@@ -65,6 +65,9 @@ static bool decode_tangents(const json_t *value, struct proto_spline *spline,
     return true;
 }
 
+static const char only_at_parameters[] =
+    "de_casteljau goes with samples or at, of which each is a parameter";
+
 /* --- samples -------------------------------------------------------------------- */
 
 static bool decode_samples(const struct proto_spline_request *request, struct proto_spline *spline,
@@ -75,6 +78,9 @@ static bool decode_samples(const struct proto_spline_request *request, struct pr
         return proto_problem_refuse_member(
             problem, spline->place, "samples",
             "samples is a number from 1 on, and at most %d for all segments", PROTO_SPLINE_PLACES);
+    if (request->speed == PROTO_SPEED_CONSTANT &&
+        request->evaluation == PROTO_EVALUATION_DE_CASTELJAU)
+        return refuse_member(spline, "evaluation", only_at_parameters, problem);
     if (request->speed == PROTO_SPEED_CONSTANT)
         spline->sampling.even = samples * segments;
     else
@@ -94,6 +100,8 @@ static bool decode_sampling(const json_t *value, const struct proto_spline_reque
     if (json_object_get(value, "speed"))
         return refuse_member(spline, "speed",
                              "speed goes with samples; spacing is of constant speed", problem);
+    if (request->evaluation == PROTO_EVALUATION_DE_CASTELJAU && !has_at)
+        return refuse_member(spline, "evaluation", only_at_parameters, problem);
     spline->sampling.tolerance = request->tolerance;
     spline->sampling.spacing = request->spacing;
     spline->sampling.parameters = request->at.items;
@@ -120,6 +128,8 @@ static bool decode(const json_t *value, bool as_curve, struct proto_spline *spli
     spline->tangent_rule =
         request.tangent_rule == PROTO_TANGENT_RULE_PAPER ? GD_TANGENT_PAPER : GD_TANGENT_SYMMETRIC;
     spline->end_rule = request.end_rule == PROTO_END_RULE_ZERO ? GD_END_ZERO : GD_END_NATURAL;
+    if (request.evaluation == PROTO_EVALUATION_DE_CASTELJAU)
+        spline->sampling.evaluation = GD_SPLINE_DE_CASTELJAU;
     return decode_tangents(value, spline, problem) &&
            decode_sampling(value, &request, spline, problem);
 }

@@ -80,6 +80,15 @@ class Splines(TestCase):
         self.assertAlmostEqual(answer["path"]["length"], sum(distances), 10)
         self.assert_place([segment["distance"] for segment in answer["segments"]], distances)
 
+    def test_joints_without_speed_turn_like_the_polyline(self):
+        points = [{"vertex": v} for v in (3, 500, 900)]
+        answer = self.asked("torus", "spline", {"points": points, "tension": 1, "end_rule": "zero", "alpha": 1, "samples": 3})
+        back = self.asked("torus", "log", {"from": points[1], "to": [points[0], points[2]]})["vectors"]
+        apart = abs(back[0]["direction"]["angle"] - back[1]["direction"]["angle"])
+        self.assertAlmostEqual(answer["joints"][1]["angle_jump"], abs(apart - math.pi), 9)
+        self.assertGreater(answer["joints"][1]["angle_jump"], 0.1)
+        self.assertEqual([answer["joints"][i]["angle_jump"] for i in (0, 2)], [0, 0])
+
     def test_equal_arc_lengths(self):
         points = [{"vertex": v} for v in (0, 40, 300)]
         fine = self.asked("sphere", "spline?geometry=none", {"points": points, "tolerance": 1e-6})["path"]["length"]

@@ -80,7 +80,8 @@ struct gd_spline_knot {
     struct gd_vector tangent;
     /* Angle in radians between the arriving and the leaving curve, and the difference of their
        speeds relative to the greater speed, both measured on the control polygon. 0 at the ends;
-       not 0 next to a clipped arm. */
+       not 0 next to a clipped arm. Where the speed is 0, the angle is that between the limits of
+       the curve's tangents. */
     double angle_jump;
     double speed_jump;
 };
@@ -122,6 +123,14 @@ GD_MUST_USE enum gd_status gd_spline_build(const struct gd_mesh *mesh,
 
 #define GD_SPLINE_PLACES (1u << 20) /* limit on the places of one sampling */
 
+enum gd_spline_evaluation {
+    GD_SPLINE_HALVING,
+    /* De Casteljau's construction at each parameter, from the segment's four control points, as the
+       paper defines the curve. It agrees with halving in the plane. On curved surfaces it differs,
+       and the speed has jumps where geodesics of the construction jump. */
+    GD_SPLINE_DE_CASTELJAU
+};
+
 /* Parameters at which to sample a spline. Exactly one of per_segment, even, tolerance, spacing and
  * parameters is not 0. */
 struct gd_spline_sampling {
@@ -136,6 +145,8 @@ struct gd_spline_sampling {
     double spacing;
     const double *parameters; /* ascending, within the range of the knots */
     uint32_t count;           /* number of `parameters` */
+    /* GD_SPLINE_DE_CASTELJAU only with per_segment or parameters */
+    enum gd_spline_evaluation evaluation;
 };
 
 /* A sampled point of the curve. */

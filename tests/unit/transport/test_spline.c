@@ -115,12 +115,52 @@ static void classical_in_the_plane(void **state)
     surface_free(&plane);
 }
 
-/* --- laws ------------------------------------------------------------------------------------- */
+/* Returns the angle by which a way turns at b, in the plane. */
+static double plane_turn(struct gd_vec3 a, struct gd_vec3 b, struct gd_vec3 c)
+{
+    struct gd_vec3 in = gd_vec3_sub(b, a), out = gd_vec3_sub(c, b);
+    return fabs(atan2(in.x * out.y - in.y * out.x, in.x * out.x + in.y * out.y));
+}
 
-static const struct {
-    const char *name;
-    double values[SAMPLE_PARAMETERS];
-} surfaces[] = {{"icosphere", {3, 1}}, {"torus", {36, 24, 1, 0.4}}, {"cylinder", {1, 2, 24, 12}}};
+/* Where the speed is 0, the curve is tangent to the line from the nearest other control point. */
+static void turns_where_the_speed_is_zero(void **state)
+{
+    (void)state;
+    struct surface plane = surface_of("grid", (double[SAMPLE_PARAMETERS]){40, 30, 1, 1});
+    struct gd_point points[3] = {nearest(plane.mesh, 0.2, 0.3, 0), nearest(plane.mesh, 0.5, 0.4, 0),
+                                 nearest(plane.mesh, 0.6, 0.8, 0)};
+    struct gd_vec3 p[3];
+    for (int i = 0; i < 3; i++) p[i] = gd_point_position(plane.mesh, &points[i]);
+    struct gd_spline_request request = {
+        .points = points, .count = 3, .alpha = 1, .tension = 1, .end_rule = GD_END_ZERO};
+    for (int closed = 0; closed < 2; closed++) {
+        request.closed = closed;
+        struct gd_spline polyline = build(plane.mesh, &request);
+        expect_near(polyline.knots[1].angle_jump, plane_turn(p[0], p[1], p[2]), 1e-12);
+        expect_near(polyline.knots[0].angle_jump, closed ? plane_turn(p[2], p[0], p[1]) : 0, 1e-12);
+        expect_near(polyline.knots[2].angle_jump, closed ? plane_turn(p[1], p[2], p[0]) : 0, 1e-12);
+        expect_near(polyline.knots[1].speed_jump, 0, 0);
+        gd_spline_free(&polyline);
+    }
+    /* only the middle tangent is 0: the neighbours' control points determine the tangents */
+    request = (struct gd_spline_request){.points = points,
+                                         .count = 3,
+                                         .tangents = (struct gd_vector[3]){{{0}, 0}},
+                                         .is_given = (const bool[3]){false, true, false}};
+    struct gd_spline spline = build(plane.mesh, &request);
+    struct gd_vec3 before = gd_point_position(plane.mesh, &spline.segments[0].control[1]),
+                   behind = gd_point_position(plane.mesh, &spline.segments[1].control[2]);
+    expect_near(spline.knots[1].angle_jump, plane_turn(before, p[1], behind), 1e-12);
+    struct gd_spline_line line = sample(
+        plane.mesh, &spline,
+        (struct gd_spline_sampling){.parameters = (double[]){1 - 1e-5, 1, 1 + 1e-5}, .count = 3});
+    struct gd_vec3 near[3];
+    for (int i = 0; i < 3; i++) near[i] = gd_point_position(plane.mesh, &line.places[i].point);
+    expect_near(plane_turn(near[0], near[1], near[2]), spline.knots[1].angle_jump, 1e-3);
+    gd_spline_line_free(&line);
+    gd_spline_free(&spline);
+    surface_free(&plane);
+}
 
 /* Checks that the path's length is the sum of the distances between consecutive points. */
 static void check_path(const struct gd_mesh *mesh, const struct gd_path *path)
@@ -133,6 +173,84 @@ static void check_path(const struct gd_mesh *mesh, const struct gd_path *path)
     }
     check_close(path->length, length, 1e-12);
 }
+
+/* Returns the point after a fraction of the shortest path between two points. */
+static struct gd_point part_way(const struct gd_mesh *mesh, const struct gd_point *from,
+                                const struct gd_point *to, double part)
+{
+    struct gd_pair_answer answer;
+    check_ok(gd_pair_solve(
+                 mesh,
+                 &(struct gd_pair_request){.from = from, .to = to, .output = GD_PAIR_PATH_AND_CUT},
+                 NULL, &answer, NULL),
+             NULL);
+    double left = part * answer.path.length;
+    struct gd_vec3 at = gd_point_position(mesh, from);
+    for (uint32_t i = 1; i < answer.path.count; i++) {
+        struct gd_vec3 a = gd_point_position(mesh, &answer.path.points[i - 1]),
+                       b = gd_point_position(mesh, &answer.path.points[i]);
+        double length = gd_vec3_distance(a, b), t = length > 0 ? fmin(left / length, 1) : 1;
+        at = gd_vec3_along(a, t, gd_vec3_sub(b, a));
+        left -= length;
+        if (left <= 0) break;
+    }
+    gd_path_free(&answer.path);
+    return nearest(mesh, at.x, at.y, at.z);
+}
+
+/* Compares de Casteljau's construction with one from six shortest paths. */
+static void check_casteljau(const struct gd_mesh *mesh, const struct gd_spline *spline, double part,
+                            struct gd_vec3 at, double error)
+{
+    struct gd_point p[4];
+    memcpy(p, spline->segments[0].control, sizeof p);
+    for (int level = 3; level > 0; level--)
+        for (int i = 0; i < level; i++) p[i] = part_way(mesh, &p[i], &p[i + 1], part);
+    struct gd_vec3 expected = gd_point_position(mesh, &p[0]);
+    expect_place(at, expected.x, expected.y, expected.z, error);
+}
+
+static void evaluated_as_in_the_paper(void **state)
+{
+    (void)state;
+    enum { STEPS = 5 };
+    struct surface sphere = surface_of("icosphere", (double[SAMPLE_PARAMETERS]){3, 1});
+    struct gd_point points[3] = {nearest(sphere.mesh, 1, 0.1, 0.2),
+                                 nearest(sphere.mesh, 0.1, 0.2, 1),
+                                 nearest(sphere.mesh, -0.7, 0.9, 0.3)};
+    struct gd_spline spline =
+        build(sphere.mesh, &(struct gd_spline_request){.points = points, .count = 3, .alpha = 0.5});
+    struct gd_spline_sampling sampling = {.per_segment = STEPS,
+                                          .evaluation = GD_SPLINE_DE_CASTELJAU};
+    struct gd_spline_line line = sample(sphere.mesh, &spline, sampling);
+    sampling.evaluation = GD_SPLINE_HALVING;
+    struct gd_spline_line halved = sample(sphere.mesh, &spline, sampling);
+    double most = 0;
+    for (uint32_t i = 0; i < STEPS; i++) {
+        struct gd_vec3 at = gd_point_position(sphere.mesh, &line.places[i].point);
+        check_casteljau(sphere.mesh, &spline, (double)i / STEPS, at, 1e-9);
+        most = fmax(most,
+                    gd_vec3_distance(at, gd_point_position(sphere.mesh, &halved.places[i].point)));
+    }
+    assert_true(most > 1e-4 && most < 2e-2);
+    check_path(sphere.mesh, &line.path);
+    sampling = (struct gd_spline_sampling){
+        .spline = &spline, .even = 4, .evaluation = GD_SPLINE_DE_CASTELJAU};
+    struct gd_spline_line none;
+    assert_int_equal(gd_spline_sample(sphere.mesh, &sampling, NULL, &none, NULL),
+                     GD_INVALID_ARGUMENT);
+    gd_spline_line_free(&line);
+    gd_spline_line_free(&halved);
+    gd_spline_free(&spline);
+    surface_free(&sphere);
+}
+
+/* --- laws ------------------------------------------------------------------------------------- */
+
+static const struct {
+    const char *name;
+    double values[SAMPLE_PARAMETERS];
+} surfaces[] = {{"icosphere", {3, 1}}, {"torus", {36, 24, 1, 0.4}}, {"cylinder", {1, 2, 24, 12}}};
 
 static bool is_clipped(const struct gd_spline *spline)
 {
@@ -475,6 +593,8 @@ static void refusals(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(classical_in_the_plane),
+                                       cmocka_unit_test(turns_where_the_speed_is_zero),
+                                       cmocka_unit_test(evaluated_as_in_the_paper),
                                        cmocka_unit_test(laws_on_surfaces),
                                        cmocka_unit_test(laws_on_shared_meshes),
                                        cmocka_unit_test(any_scale),
