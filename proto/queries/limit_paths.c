@@ -26,6 +26,12 @@ bool proto_limit_trace_decode(const json_t *document, const struct gd_subdivisio
     struct proto_limit_trace trace = {0};
     struct proto_limit_trace_request *request = &trace.request;
     if (!proto_limit_trace_request_decode(document, request, problem)) return false;
+    if (request->smooth && request->stop_at_self_intersection) {
+        proto_limit_trace_request_free(request);
+        return proto_problem_refuse(problem, "/stop_at_self_intersection",
+                                    "smooth traces do not stop where they cross themselves; leave "
+                                    "smooth or stop_at_self_intersection out");
+    }
     trace.count = request->has_fan ? request->fan : request->directions.count;
     if (proto_limit_place_locate(surface, &request->start, "/start", &trace.start, problem) &&
         proto_limit_level_decode(document, surface, &trace.level, problem)) {

@@ -81,11 +81,34 @@ class Trace(Subdivisions):
             self.assertEqual((off["end_reason"], off["length"]), ("boundary", 0))
             self.assertEqual(on["end_reason"], "length")
 
+    def test_a_line_ends_where_it_meets_itself(self):
+        """The closed geodesic of the mirror plane ends where it began, also with other lines at
+        the same time; the other lines of the fan end at a place of themselves."""
+        question = {"start": MIDDLE, "length": 20, "level": 4, "stop_at_self_intersection": True}
+        [path] = self.ask("cube", "trace", {**question, "directions": [[1, 0, 0]]})["paths"]
+        self.assertEqual(path["end_reason"], "self_intersection")
+        self.assert_near(path["points"][-1]["xyz"], path["points"][0]["xyz"], 1e-9)
+        self.assertLess(abs(path["length"] - MIRROR), 0.02)
+        for path in self.ask("cube", "trace", {**question, "fan": 7, "vertex_rule": "bisect"})["paths"]:
+            self.assertEqual(path["end_reason"], "self_intersection")
+            end, points = path["points"][-1]["xyz"], [point["xyz"] for point in path["points"]]
+            self.assertLess(min(self.off_segment(end, a, b) for a, b in zip(points[:-3], points[1:])), 1e-9)
+        free = self.ask("cube", "trace", {**question, "directions": [[1, 0, 0]], "stop_at_self_intersection": False})["paths"]
+        self.assertEqual(free[0]["end_reason"], "length")
+
+    @staticmethod
+    def off_segment(point, a, b):
+        along = [q - p for p, q in zip(a, b)]
+        square = sum(x * x for x in along)
+        part = min(max(sum(x * (q - p) for x, p, q in zip(along, a, point)) / square, 0), 1) if square else 0
+        return math.dist(point, [p + part * x for p, x in zip(a, along)])
+
     def test_refusals(self):
         good = {"start": MIDDLE, "length": 1, "fan": 2}
         for change, pointer in [({"start": None}, "/start"), ({"length": -1}, "/length"), ({"level": 13}, "/level"), ({"level": 1.5}, "/level"),
                                 ({"vertex_rule": "x"}, "/vertex_rule"), ({"smooth": 1}, "/smooth"), ({"fan": 0}, "/fan"),
-                                ({"directions": [1]}, ""), ({"boundary_rule": "stop"}, "/boundary_rule")]:
+                                ({"directions": [1]}, ""), ({"boundary_rule": "stop"}, "/boundary_rule"),
+                                ({"smooth": True, "stop_at_self_intersection": True}, "/stop_at_self_intersection")]:
             document = {key: value for key, value in {**good, **change}.items() if value is not None}
             self.assertEqual(self.ask("cube", "trace", document, 400)["pointer"], pointer, change)
         self.assertEqual(self.ask("cube", "trace", {**good, "fan": 10001}, 413)["limit"], 10000)

@@ -15,6 +15,7 @@
 #define SEARCH_BYTES   ((size_t)4 << 20) /* includes the traces that straighten the path */
 #define BYTES_PER_EDGE 224               /* as for a search on any mesh (query.c) */
 #define TRACE_BYTES    ((size_t)1 << 20) /* bytes of one trace on the smooth surface */
+#define SEGMENT_BYTES  40                /* a segment of a path that stops where it meets itself */
 #define BUILD_SHARE    0.3               /* share of the work, if there is no discretization yet */
 
 static const struct gd_subdivision *subdivision_of(const struct server_query *query)
@@ -214,6 +215,7 @@ static bool trace_decode(struct server_query *query, const json_t *document)
     trace->options.vertex_rule = trace->wanted.request.vertex_rule == PROTO_VERTEX_RULE_LIMIT_NORMAL
                                      ? GD_VERTEX_RULE_NORMAL
                                      : GD_VERTEX_RULE_BISECT;
+    trace->options.stop_at_self_intersection = trace->wanted.request.stop_at_self_intersection;
     return true;
 }
 
@@ -231,12 +233,23 @@ static enum gd_status trace_evaluate(struct trace *trace, const struct gd_limit_
     return gd_limit_evaluate(subdivision_of(&trace->query), place, out, &trace->detail);
 }
 
-/* Takes memory for one path, twice its size because it is copied as it grows; or for several paths
- * at once, which is faster, if the budget has spare bytes. */
+/* Returns the memory of a path, twice its size because it is copied as it grows; and of the tables
+ * in which a path finds its earlier segments. */
+static size_t mesh_path_bytes(const struct trace *trace)
+{
+    size_t steps = trace->options.step_limit, bytes = 2 * steps * sizeof(struct gd_point);
+    if (!trace->options.stop_at_self_intersection) return bytes;
+    const struct gd_mesh_summary *mesh =
+        gd_mesh_summary(gd_limit_mesh_mesh(trace->discretization->mesh));
+    return bytes + 2 * steps * SEGMENT_BYTES + mesh->faces * sizeof(uint32_t) + mesh->vertices;
+}
+
+/* Takes memory for one path; or for several paths at once, which is faster, if the budget has spare
+ * bytes. */
 static enum gd_status mesh_reserve(struct trace *trace)
 {
     struct server_budget *budget = trace->query.exchange->host->budget;
-    size_t one = 2 * (size_t)trace->options.step_limit * sizeof(struct gd_point);
+    size_t one = mesh_path_bytes(trace);
     if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, one)) return GD_BUDGET;
     bool has_room =
         server_budget_take_spare(budget, SERVER_BUDGET_FLIGHT, (GD_TRACE_LANES - 1) * one);
