@@ -212,7 +212,7 @@ export type BulkPoints = Point[];
  * The body of a query. It also has the name of the query, and may have parameters of its query
  * string.
  */
-export type BatchLine = (BatchPair | BatchNearest | BatchMatrix | BatchSetDistance | BatchCurveDistance);
+export type BatchLine = (BatchPair | BatchNearest | BatchMatrix | BatchSetDistance | BatchCurveDistance | BatchSpline | BatchTrace | BatchTransport | BatchVoronoi);
 
 /** Members of the answer to return, as `a,b` or as an array. */
 export type BatchNames = (string | string[]);
@@ -268,11 +268,94 @@ export type BatchSetDistance = {
   path?: boolean;
 };
 
+/** At most one of `samples`, `tolerance`, `spacing` and `at`. */
+export type BatchSpline = {
+  query: "spline";
+  select?: BatchNames;
+  fields?: BatchFormerNames;
+  geometry?: ("full" | "xyz" | "none");
+  points: Point[];
+  /** Joins the last point to the first, which is not repeated. */
+  closed?: boolean;
+  /** 0 uniform, 0.5 centripetal, 1 chordal. */
+  alpha?: number;
+  /** With 1 the curve is a geodesic polyline. */
+  tension?: number;
+  tangent_rule?: ("symmetric" | "paper");
+  end_rule?: ("natural" | "zero");
+  /** `de_casteljau` only with `samples` and `at`, and without `speed`. */
+  evaluation?: ("halving" | "de_casteljau");
+  /** A tangent for each point, per unit of the parameter; `null` selects the rule. */
+  tangents?: ({
+    direction: DirectionRequest;
+    length: number;
+  } | null)[];
+  /** Samples per segment, at most 100,000 in total. */
+  samples?: number;
+  /** Only with `samples`. */
+  speed?: ("parameter" | "constant");
+  tolerance?: number;
+  spacing?: number;
+  /** Parameters in ascending order, from 0 to the last of the answer's `parameters`. */
+  at?: number[];
+  frames?: boolean;
+};
+
+/** Either `directions` or `fan`. */
+export type BatchTrace = {
+  query: "trace";
+  select?: BatchNames;
+  fields?: BatchFormerNames;
+  geometry?: ("full" | "xyz" | "none");
+  start: Point;
+  directions?: DirectionRequest[];
+  /**
+   * Number of directions at equal angles around the point, starting at zero. At a boundary point,
+   * they extend from one side of the boundary to the other.
+   */
+  fan?: number;
+  length: number;
+  vertex_rule?: ("bisect" | "limit_normal");
+  boundary_rule?: ("stop" | "slide");
+  /** Ends the line where it crosses or touches itself. */
+  stop_at_self_intersection?: boolean;
+  step_limit?: number;
+};
+
+export type BatchTransport = {
+  query: "transport";
+  select?: BatchNames;
+  fields?: BatchFormerNames;
+  geometry?: ("full" | "xyz" | "none");
+  from: Point;
+  to: Point;
+  /**
+   * Each vector has a direction and a length, or one segment. For a vector without a path, the
+   * result has no path either.
+   */
+  vectors: (VectorRequest | null)[];
+  /** A factor for each vector. `null`, and vectors without a path, are rejected. */
+  combine?: number[];
+};
+
+export type BatchVoronoi = {
+  query: "voronoi";
+  select?: BatchNames;
+  fields?: BatchFormerNames;
+  geometry?: ("full" | "xyz" | "none");
+  set: Set;
+  /**
+   * Greatest distance, as a length, between a bisector and the polyline that approximates it. The
+   * default is 1/2000 of the diagonal of the mesh's bounding box.
+   */
+  tolerance?: number;
+};
+
 /**
  * The answer of the query with `status` 200, or a problem. In a problem, `elements` has the number
  * of the line, and `pointer` points into the line.
  */
-export type BatchAnswer = (BatchPairAnswer | BatchNearestAnswer | BatchMatrixAnswer | BatchSetDistanceAnswer | BatchCurveDistanceAnswer | Problem);
+export type BatchAnswer = (BatchPairAnswer | BatchNearestAnswer | BatchMatrixAnswer | BatchSetDistanceAnswer | BatchCurveDistanceAnswer | BatchSplineAnswer | BatchTraceAnswer | BatchTransportAnswer | BatchVoronoiAnswer | Problem);
 
 export type BatchPairAnswer = {
   status: 200;
@@ -318,6 +401,70 @@ export type BatchCurveDistanceAnswer = {
 export type BatchSetDistanceAnswer = {
   status: 200;
   results?: Result[];
+};
+
+export type BatchSplineAnswer = {
+  status: 200;
+  path?: Path;
+  segments?: Array<{
+    control_points: [PointAnswer, PointAnswer, PointAnswer, PointAnswer];
+    /** Distance between the ends of the segment. */
+    distance: number;
+    clipped: boolean;
+    cut_locus: boolean;
+  }>;
+  /**
+   * Parameters of the points; for a closed curve also that of the first point after a full round.
+   */
+  parameters?: number[];
+  /** One for each point. */
+  joints?: Array<{
+    tangent: TangentVector;
+    /**
+     * Angle in radians by which the curve turns at the point. Where its speed is 0 this is the
+     * angle between the limits of its tangents. 0 at the ends of an open curve.
+     */
+    angle_jump: number;
+    speed_jump: number;
+  }>;
+  /** Present if requested. */
+  frames?: Array<{
+    parameter: number;
+    xyz: Vector;
+    tangent: Vector;
+    normal: Vector;
+    binormal: Vector;
+    speed: number;
+  }>;
+  /** The arc length between two samples, with `spacing` or `speed: constant`. */
+  step?: number;
+};
+
+export type BatchTraceAnswer = {
+  status: 200;
+  start?: PointAnswer;
+  paths?: TracedPath[];
+};
+
+export type BatchTransportAnswer = {
+  status: 200;
+  from?: PointAnswer;
+  to?: PointAnswer;
+  distance?: (number | null);
+  reason?: "no_path";
+  /** The vectors; `null` if there is no path. */
+  vectors?: (TangentVector[] | null);
+};
+
+export type BatchVoronoiAnswer = {
+  status: 200;
+  /**
+   * Number of the nearest member by vertex index; `null` for vertices without a path or without
+   * faces.
+   */
+  labels?: (number | null)[];
+  /** Ordered by their members. */
+  bisectors?: Bisector[];
 };
 
 /**
@@ -806,6 +953,8 @@ export type SplineCurve = {
   tension?: number;
   tangent_rule?: ("symmetric" | "paper");
   end_rule?: ("natural" | "zero");
+  /** `de_casteljau` only with `samples` and `at`, and without `speed`. */
+  evaluation?: ("halving" | "de_casteljau");
   /**
    * A tangent for each point, per unit of the parameter; `null` selects the rule. The vectors of
    * `log` are accepted unchanged; their direction and length are used.
@@ -836,6 +985,8 @@ export type SplineRequest = {
   tension?: number;
   tangent_rule?: ("symmetric" | "paper");
   end_rule?: ("natural" | "zero");
+  /** `de_casteljau` only with `samples` and `at`, and without `speed`. */
+  evaluation?: ("halving" | "de_casteljau");
   /** A tangent for each point, per unit of the parameter; `null` selects the rule. */
   tangents?: ({
     direction: DirectionRequest;
@@ -884,6 +1035,10 @@ export type SplineFrame = {
 
 export type SplineJoint = {
   tangent: TangentVector;
+  /**
+   * Angle in radians by which the curve turns at the point. Where its speed is 0 this is the angle
+   * between the limits of its tangents. 0 at the ends of an open curve.
+   */
   angle_jump: number;
   speed_jump: number;
 };
@@ -1289,6 +1444,8 @@ export type LimitTraceRequest = {
   vertex_rule?: ("bisect" | "limit_normal");
   /** Traces on the limit surface itself. */
   smooth?: boolean;
+  /** Ends the line where it crosses or touches itself. Not with `smooth`. */
+  stop_at_self_intersection?: boolean;
   /**
    * Level of the discretization: each edge of the control mesh becomes 2^level edges. At least
    * `least_level`, by default `usual_level`; the description of the surface has both.
@@ -1304,7 +1461,7 @@ export type LimitTraceAnswer = {
     length: number;
     points?: LimitPoints;
     end_direction: LimitDirection;
-    end_reason: ("length" | "boundary" | "singular" | "step_limit");
+    end_reason: ("length" | "boundary" | "singular" | "self_intersection" | "step_limit");
   }>;
 };
 
@@ -1648,6 +1805,18 @@ export type LengthTolerance = number;
 /** Returns every local minimum that was found. */
 export type AllMinima = boolean;
 
+/**
+ * With `all_minima`: the search covers the homotopy classes whose winding numbers in the closed
+ * directions are at most this number. 0: only the classes that distances on the tessellation show.
+ */
+export type TurnLimit = number;
+
+/**
+ * Winding numbers [u, v] of a path: if it begins at the [u, v] of its first end, it ends at those
+ * of its second end plus these numbers of periods. 0 in directions that are not closed.
+ */
+export type Turns = [number, number];
+
 /** Number of points in the answer's `points`. */
 export type PathSamples = number;
 
@@ -1658,6 +1827,9 @@ export type GeodesicRequest = {
   control_points?: SplineControlPoints;
   tolerance?: LengthTolerance;
   all_minima?: AllMinima;
+  turn_limit?: TurnLimit;
+  turns?: Turns;
+  initial?: DomainCurve;
   samples?: PathSamples;
 };
 
@@ -1668,6 +1840,9 @@ export type PointCurveRequest = {
   control_points?: SplineControlPoints;
   tolerance?: LengthTolerance;
   all_minima?: AllMinima;
+  turn_limit?: TurnLimit;
+  turns?: Turns;
+  initial?: DomainCurve;
   samples?: PathSamples;
 };
 
@@ -1678,6 +1853,9 @@ export type NurbsCurveDistanceRequest = {
   control_points?: SplineControlPoints;
   tolerance?: LengthTolerance;
   all_minima?: AllMinima;
+  turn_limit?: TurnLimit;
+  turns?: Turns;
+  initial?: DomainCurve;
   samples?: PathSamples;
 };
 
@@ -1730,7 +1908,13 @@ export type GeodesicAnswer = {
   /** The path is proved to be a local minimum. */
   is_minimum: boolean;
   boundary_contact: boolean;
-  warnings: ("not_converged" | "boundary_contact" | "curve_corner" | "through_pole" | "not_minimal")[];
+  warnings: ("not_converged" | "boundary_contact" | "curve_corner" | "through_pole" | "not_minimal" | "family")[];
+  turns: Turns;
+  /**
+   * Present with `all_minima`: the largest winding number of the classes that were searched. 0 if
+   * no direction is closed.
+   */
+  turn_limit?: number;
   /**
    * Present with `all_minima`: the local minima in the order of their lengths. Each has the members
    * of this answer.

@@ -49,6 +49,11 @@ class Batches(TestCase):
             ("matrix", {"sources": [a, b], "targets": [a, b, c]}),
             ("matrix", {"sources": [a] * 9, "targets": [b, c] * 9, "max_distance": 1.5}),
             ("distance-to-set", {"set": {"points": [{**a, "label": "a"}, {**b, "offset": 0.5}]}, "points": [b, c], "path": True}),
+            ("spline", {"points": [a, b, c], "closed": True, "samples": 4, "frames": True}),
+            ("spline", {"points": [a, c], "samples": 3, "evaluation": "de_casteljau"}),
+            ("trace", {"start": c, "fan": 3, "length": 2}),
+            ("transport", {"from": a, "to": c, "vectors": [{"direction": 0.5, "length": 1}]}),
+            ("voronoi", {"set": {"points": [a, b, c]}}),
         ]
         expected = [self.daemon.ask("ball", name, document) for name, document in queries]
         found = self.answers("ball", lines_of(*({"query": name, **document} for name, document in queries)))
@@ -79,7 +84,7 @@ class Batches(TestCase):
             self.assert_line(answer, 400, "invalid_request", 2 * number + 2)
 
     def test_an_unknown_query_is_told_what_there_is(self):
-        names = ["distance", "path", "nearest", "matrix", "distance-to-set", "curve-distance"]
+        names = ["distance", "path", "nearest", "matrix", "distance-to-set", "curve-distance", "spline", "trace", "transport", "voronoi"]
         answer, *others = self.answers("ball", lines_of({"query": "range"}, *({"query": name} for name in names)))
         self.assertEqual(answer["detail"], f'a batch has no query "range"; it takes {", ".join(names)}')
         for other in others:

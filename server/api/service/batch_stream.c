@@ -56,8 +56,9 @@ static void batch_free(void *state)
 /* Returns the route of a query that a line can contain. */
 static const struct proto_route *route_find(const char *name, struct proto_problem *problem)
 {
-    static const char *const names[] = {"distance",        "path",          "nearest", "matrix",
-                                        "distance-to-set", "curve-distance"};
+    static const char *const names[] = {"distance",        "path",           "nearest", "matrix",
+                                        "distance-to-set", "curve-distance", "spline",  "trace",
+                                        "transport",       "voronoi"};
     char known[256] = "";
     bool is_known = false;
     for (size_t i = 0, length = 0; i < sizeof names / sizeof names[0]; i++) {
@@ -85,9 +86,12 @@ static bool line_decode(struct batch *batch, const struct proto_batch_query *lin
     query->problem = problem;
     query->begun = (double)(batch->line.text - body->bytes) / (double)body->size;
     query->share = (double)batch->line.size / (double)body->size;
-    return proto_batch_options(line, &batch->exchange->parameters, route, &query->options,
-                               problem) &&
-           route->kind->decode(query, line->document);
+    if (!proto_batch_options(line, &batch->exchange->parameters, route, &query->options, problem))
+        return false;
+    if (route->kind->has_bare_points && !line->has_geometry &&
+        !proto_parameters_get(&batch->exchange->parameters, "geometry"))
+        query->options.geometry = PROTO_GEOMETRY_XYZ;
+    return route->kind->decode(query, line->document);
 }
 
 static bool line_read(struct batch *batch, struct proto_problem *problem)

@@ -66,8 +66,7 @@ static size_t found_bytes(const struct gd_geodesics *found)
 /* Lays a curve of the request on the surface. Checks the control afterwards: a long curve takes
  * tens of milliseconds. */
 static bool search_locate_curve(struct search *search, const struct proto_domain_curve *curve,
-                                const struct gd_control *control, struct gd_domain_curve **out,
-                                struct proto_problem *problem)
+                                const struct gd_control *control, struct gd_domain_curve **out)
 {
     bool is_located = proto_domain_curve_locate(server_nurbs_of(search->query.surface)->surface,
                                                 curve, control, out, search->query.problem);
