@@ -38,7 +38,7 @@ static struct gd_vec3 vertex_point(const struct gd__net *net, const struct gd__f
 /* Returns the corner of a quad that is opposite to the origin of a side. */
 static struct gd_vec3 catmull_clark_opposite(const struct gd__net *net, uint32_t side)
 {
-    return net->points[gd__side_end(net, gd__side_next(net, side))];
+    return net->points[gd__side_end(net, gd__net_next(net, side))];
 }
 
 static struct gd_vec3 catmull_clark_spoke(const struct gd__net *net, const struct gd__fan *fan,
@@ -153,7 +153,7 @@ static void gather_beyond(const struct gd__net *net, int k, struct gd__patch *ou
     }
     uint32_t twin = net->twin[k];
     *beyond_a = catmull_clark_opposite(net, twin);
-    *beyond_b = net->points[net->origin[gd__side_previous(net, twin)]];
+    *beyond_b = net->points[net->origin[gd__net_previous(net, twin)]];
 }
 
 /* Sets the control point diagonally beyond corner k, between the sides `before` and k. */
@@ -169,8 +169,8 @@ static void gather_diagonal(const struct gd__net *net, int k, struct gd__patch *
         *cell(out, i, j) = mirrored(*cell(out, a[0] + d[0], a[1] + d[1]),
                                     *cell(out, a[0] + d[0] - e[0], a[1] + d[1] - e[1]));
     else
-        *cell(out, i, j) = net->points[net->origin[gd__side_previous(
-            net, net->twin[gd__side_next(net, net->twin[k])])]];
+        *cell(out, i, j) = net->points[net->origin[gd__net_previous(
+            net, net->twin[gd__net_next(net, net->twin[k])])]];
 }
 
 static void catmull_clark_patch(const struct gd__net *net, struct gd__fan *fan,

@@ -13,7 +13,7 @@ static uint32_t loop_child_at(double s, double t, double ds, double dt, double s
 /* Returns the corner opposite to a side in its face. */
 static struct gd_vec3 apex(const struct gd__net *net, uint32_t side)
 {
-    return net->points[net->origin[gd__side_previous(net, side)]];
+    return net->points[net->origin[gd__net_previous(net, side)]];
 }
 
 static struct gd_vec3 edge_point(const struct gd__net *net, uint32_t side,

@@ -56,7 +56,7 @@ static uint32_t fan_begin(const struct gd__net *net, uint32_t side, bool *closed
 {
     uint32_t begin = side;
     while (net->twin[begin] != GD_NONE) {
-        begin = gd__side_next(net, net->twin[begin]);
+        begin = gd__net_next(net, net->twin[begin]);
         if (begin == side) break;
     }
     *closed = net->twin[begin] != GD_NONE;
@@ -69,6 +69,6 @@ void gd__fan_around(const struct gd__net *net, uint32_t side, struct gd__fan *fa
     fan->count = 0;
     do {
         fan->sides[fan->count++] = at;
-        at = net->twin[gd__side_previous(net, at)];
+        at = net->twin[gd__net_previous(net, at)];
     } while (at != GD_NONE && at != begin);
 }

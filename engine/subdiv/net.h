@@ -50,13 +50,13 @@ static inline uint32_t gd__face_first(const struct gd__net *net, uint32_t face)
     return net->first ? net->first[face] : face * net->arity;
 }
 
-static inline uint32_t gd__side_next(const struct gd__net *net, uint32_t side)
+static inline uint32_t gd__net_next(const struct gd__net *net, uint32_t side)
 {
     uint32_t face = gd__face_of(net, side);
     return side + 1 == gd__face_first(net, face + 1) ? gd__face_first(net, face) : side + 1;
 }
 
-static inline uint32_t gd__side_previous(const struct gd__net *net, uint32_t side)
+static inline uint32_t gd__net_previous(const struct gd__net *net, uint32_t side)
 {
     uint32_t face = gd__face_of(net, side);
     return side == gd__face_first(net, face) ? gd__face_first(net, face + 1) - 1 : side - 1;
@@ -64,7 +64,7 @@ static inline uint32_t gd__side_previous(const struct gd__net *net, uint32_t sid
 
 static inline uint32_t gd__side_end(const struct gd__net *net, uint32_t side)
 {
-    return net->origin[gd__side_next(net, side)];
+    return net->origin[gd__net_next(net, side)];
 }
 
 /* Fan: the faces and edges around a point, counter-clockwise. Spoke i is the edge of sides[i]; an
@@ -91,14 +91,14 @@ static inline uint32_t gd__spoke_end(const struct gd__net *net, const struct gd_
                                      uint32_t spoke)
 {
     return spoke < fan->count ? gd__side_end(net, fan->sides[spoke])
-                              : net->origin[gd__side_previous(net, fan->sides[spoke - 1])];
+                              : net->origin[gd__net_previous(net, fan->sides[spoke - 1])];
 }
 
 static inline float gd__spoke_sharpness(const struct gd__net *net, const struct gd__fan *fan,
                                         uint32_t spoke)
 {
     return net->sharpness[spoke < fan->count ? fan->sides[spoke]
-                                             : gd__side_previous(net, fan->sides[spoke - 1])];
+                                             : gd__net_previous(net, fan->sides[spoke - 1])];
 }
 
 #endif

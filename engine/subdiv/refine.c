@@ -143,7 +143,7 @@ static void join_corner(const struct gd__net *net, uint32_t side, struct gd__net
 {
     uint32_t arity = net->arity, first = arity * gd__child_at_corner(net, side),
              last = first + arity - 1;
-    uint32_t before = gd__side_previous(net, side), twin = net->twin[side],
+    uint32_t before = gd__net_previous(net, side), twin = net->twin[side],
              twin_before = net->twin[before];
     uint32_t edges = net->point_count;
     out->origin[first] = net->origin[side];
@@ -153,7 +153,7 @@ static void join_corner(const struct gd__net *net, uint32_t side, struct gd__net
     out->sharpness[last] = decayed(net->sharpness[before], 1);
     out->twin[first] = twin == GD_NONE
                            ? GD_NONE
-                           : arity * gd__child_at_corner(net, gd__side_next(net, twin)) + arity - 1;
+                           : arity * gd__child_at_corner(net, gd__net_next(net, twin)) + arity - 1;
     out->twin[last] =
         twin_before == GD_NONE ? GD_NONE : arity * gd__child_at_corner(net, twin_before);
     for (uint32_t i = first + 1; i < last; i++) out->sharpness[i] = 0;
@@ -165,8 +165,8 @@ static void join_quads(const struct gd__net *net, uint32_t edges, struct gd__net
     for (uint32_t side = 0; side < net->side_count; side++) {
         join_corner(net, side, out);
         out->origin[4 * side + 2] = net->point_count + edges + gd__face_of(net, side);
-        out->twin[4 * side + 1] = 4 * gd__side_next(net, side) + 2;
-        out->twin[4 * side + 2] = 4 * gd__side_previous(net, side) + 1;
+        out->twin[4 * side + 1] = 4 * gd__net_next(net, side) + 2;
+        out->twin[4 * side + 2] = 4 * gd__net_previous(net, side) + 1;
     }
 }
 

@@ -85,8 +85,8 @@ static uint32_t count_loops(const struct gd__net *net)
         loops++;
         for (uint32_t side = begin; !seen[side];) {
             seen[side] = true;
-            side = gd__side_next(net, side);
-            while (net->twin[side] != GD_NONE) side = gd__side_next(net, net->twin[side]);
+            side = gd__net_next(net, side);
+            while (net->twin[side] != GD_NONE) side = gd__net_next(net, net->twin[side]);
         }
     }
     uint32_t found = seen ? loops : GD_NONE;

@@ -64,7 +64,7 @@ static bool corner_is_regular(const struct gd__net *net, uint32_t side, struct g
         return sector_of(net, fan, side).faces == rules->valence / 2;
     case KIND_CORNER:
         return rules->corner_patches && net->sharpness[side] > 0 &&
-               net->sharpness[gd__side_previous(net, side)] > 0;
+               net->sharpness[gd__net_previous(net, side)] > 0;
     case KIND_DART:
     case KIND_SPIKE:
     case KIND_PASSING:
@@ -170,11 +170,11 @@ static void shape_limit(const struct gd__net *net, const struct gd__fan *fan, ui
     *out = (struct gd__vertex){
         .position = limit,
         .s = gd_vec3_sub(net->points[gd__side_end(net, side)], limit),
-        .t = gd_vec3_sub(net->points[net->origin[gd__side_previous(net, side)]], limit),
+        .t = gd_vec3_sub(net->points[net->origin[gd__net_previous(net, side)]], limit),
     };
     for (uint32_t i = 0; !corner && i < fan->count; i++) {
         struct gd_vec3 a = net->points[gd__side_end(net, fan->sides[i])];
-        struct gd_vec3 b = net->points[net->origin[gd__side_previous(net, fan->sides[i])]];
+        struct gd_vec3 b = net->points[net->origin[gd__net_previous(net, fan->sides[i])]];
         out->normal =
             gd_vec3_add(out->normal, gd_vec3_cross(gd_vec3_sub(a, limit), gd_vec3_sub(b, limit)));
     }

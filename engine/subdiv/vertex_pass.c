@@ -32,7 +32,7 @@ static uint32_t sector_begin(const struct gd__net *base, uint32_t side)
 {
     uint32_t at = side;
     while (base->sharpness[at] != INFINITY) {
-        at = gd__side_next(base, base->twin[at]);
+        at = gd__net_next(base, base->twin[at]);
         if (at == side) break;
     }
     return at;
@@ -51,7 +51,7 @@ static uint32_t side_towards(struct gd__walker *walker, uint32_t side, struct gd
         gd__corner_limit(walker, at / base->arity, at % base->arity, &vertex);
         double inside = inside_by(&vertex, direction);
         if (inside > *best) *best = inside, found = at;
-        before = gd__side_previous(base, at);
+        before = gd__net_previous(base, at);
         at = base->twin[before];
     } while (at != begin && base->sharpness[before] != INFINITY);
     return found;

@@ -19,6 +19,7 @@ static void discretization_free(struct server_lru_item *item)
 {
     struct server_discretization *discretization = (struct server_discretization *)item;
     gd_limit_mesh_free(discretization->mesh);
+    gd_limit_grid_free(discretization->grid);
     free(discretization);
 }
 
@@ -28,28 +29,41 @@ static enum gd_status level_build(struct server_discretizations *owner,
                                   struct server_lru_item **out)
 {
     struct server_budget *budget = owner->lru.budget;
-    struct gd_limit_mesh *mesh;
-    size_t cost = gd_limit_mesh_cost(request->surface, request->level);
+    const struct gd_limit_mesh_options options = {request->level, owner->max_faces};
+    struct gd_limit_mesh *mesh = NULL;
+    struct gd_limit_grid *grid = NULL;
+    size_t cost = request->wants_grid ? gd_limit_grid_cost(request->surface, request->level)
+                                      : gd_limit_mesh_cost(request->surface, request->level);
     struct server_budgeted_call call = {.workspaces = owner->workspaces,
                                         .control = request->control,
                                         .grant = cost < budget->limit ? cost : budget->limit / 2};
     while (server_budgeted_call_next(&call)) {
-        call.status = gd_limit_mesh_build(
-            request->surface, &(struct gd_limit_mesh_options){request->level, owner->max_faces},
-            &call.control, &mesh, request->detail);
-        if (!call.status) call.kept = gd_limit_mesh_memsize(mesh);
+        call.status = request->wants_grid
+                          ? gd_limit_grid_build(request->surface, &options, &call.control, &grid,
+                                                request->detail)
+                          : gd_limit_mesh_build(request->surface, &options, &call.control, &mesh,
+                                                request->detail);
+        if (!call.status)
+            call.kept = grid ? gd_limit_grid_memsize(grid) : gd_limit_mesh_memsize(mesh);
     }
     if (call.status) return call.status;
     struct server_discretization *built = malloc(sizeof *built);
     if (!built) {
         gd_limit_mesh_free(mesh);
+        gd_limit_grid_free(grid);
         server_budget_give(budget, SERVER_BUDGET_FLIGHT, call.kept);
         return GD_NO_MEMORY;
     }
     built->mesh = mesh;
+    built->grid = grid;
     server_lru_adopt(&owner->lru, &built->item, call.kept);
     *out = &built->item;
     return GD_OK;
+}
+
+static uint32_t place_of(const struct server_discretization_request *request)
+{
+    return request->level + (request->wants_grid ? GD_LIMIT_LEVEL_MOST + 1 : 0);
 }
 
 /* Finds the level, or claims its build (NULL). False: another request still builds it. */
@@ -57,12 +71,12 @@ static bool level_find_or_claim(struct server_discretizations *owner,
                                 const struct server_discretization_request *request,
                                 struct server_lru_item **out)
 {
-    bool *is_building = &request->slot->is_building[request->level];
+    bool *is_building = &request->slot->is_building[place_of(request)];
     SERVER_LOCK(&owner->lru.lock);
     if (*is_building)
         server_condition_wait(&owner->build_ended, &owner->lru.lock, gd_now_ns() + LOOK_NS);
     if (*is_building) return false;
-    *out = server_lru_get(&request->slot->levels[request->level]);
+    *out = server_lru_get(&request->slot->levels[place_of(request)]);
     *is_building = !*out;
     return true;
 }
@@ -71,7 +85,7 @@ enum gd_status server_discretizations_get(struct server_discretizations *owner,
                                           const struct server_discretization_request *request,
                                           struct server_discretization **out)
 {
-    struct server_lru_item *found = NULL, **place = &request->slot->levels[request->level];
+    struct server_lru_item *found = NULL, **place = &request->slot->levels[place_of(request)];
     enum gd_status status = GD_OK;
     atomic_store(&request->slot->owner, owner);
     while (!level_find_or_claim(owner, request, &found)) {
@@ -81,7 +95,7 @@ enum gd_status server_discretizations_get(struct server_discretizations *owner,
     if (!found) {
         status = level_build(owner, request, &found);
         pthread_mutex_lock(&owner->lru.lock);
-        request->slot->is_building[request->level] = false;
+        request->slot->is_building[place_of(request)] = false;
         if (!status) {
             server_lru_put(place, found);
             found = server_lru_get(place);
@@ -101,9 +115,9 @@ void server_discretization_release(struct server_discretization *discretization)
 void server_discretization_slot_close(struct server_discretization_slot *slot)
 {
     struct server_discretizations *owner = atomic_load(&slot->owner);
-    for (uint32_t level = 0; owner && level <= GD_LIMIT_LEVEL_MOST; level++) {
+    for (uint32_t i = 0; owner && i < SERVER_DISCRETIZATION_PLACES; i++) {
         pthread_mutex_lock(&owner->lru.lock);
-        struct server_lru_item *kept = server_lru_take(&slot->levels[level]);
+        struct server_lru_item *kept = server_lru_take(&slot->levels[i]);
         pthread_mutex_unlock(&owner->lru.lock);
         server_lru_release(kept);
     }

@@ -1,10 +1,11 @@
-/* Discretizations: cached meshes of subdivision surfaces, one for each level, for traces and paths.
+/* Discretizations: cached grids and meshes of subdivision surfaces, one of each for each level, for
+ * traces and paths.
  *
  *     status = server_discretizations_get(discretizations, &wanted, &fine);
  *     ... fine->mesh ...
  *     server_discretization_release(fine);
  *
- * DESIGN. A surface has a *slot* with a place for each level. The first request that finds a level
+ * DESIGN. A surface has a *slot* with two places for each level. The first request that finds a level
  * missing builds it. Other requests wait in their workers and check their deadlines every few
  * milliseconds; if the builder fails, one of them becomes the builder. Built meshes are kept in a
  * list (lru.h), and evicted before any mesh of a client: a rebuild takes less than a second. All
@@ -12,7 +13,7 @@
 #ifndef SERVER_FIELDS_DISCRETIZATIONS_H
 #define SERVER_FIELDS_DISCRETIZATIONS_H
 
-#include "gd/limit_mesh.h"
+#include "gd/limit_grid.h"
 #include "server/fields/lru.h"
 #include "server/work/budgeted_call.h"
 
@@ -20,14 +21,18 @@ struct server_discretizations;
 
 struct server_discretization {
     struct server_lru_item item; /* first */
-    struct gd_limit_mesh *mesh;
+    struct gd_limit_mesh *mesh;  /* NULL: the discretization is a grid */
+    struct gd_limit_grid *grid;
 };
+
+/* places of a slot: the meshes of all levels, then the grids */
+#define SERVER_DISCRETIZATION_PLACES (2 * (GD_LIMIT_LEVEL_MOST + 1))
 
 struct server_discretization_slot {                 /* slot of one surface; all zero: empty */
     _Atomic(struct server_discretizations *) owner; /* NULL: never used by a request */
     /* under the owner's lock: */
-    struct server_lru_item *levels[GD_LIMIT_LEVEL_MOST + 1]; /* NULL: not kept */
-    bool is_building[GD_LIMIT_LEVEL_MOST + 1];
+    struct server_lru_item *levels[SERVER_DISCRETIZATION_PLACES]; /* NULL: not kept */
+    bool is_building[SERVER_DISCRETIZATION_PLACES];
 };
 
 /* Meshes have at most `max_faces`. Becomes a reclaimer of the budget. NULL: out of memory. */
@@ -41,12 +46,14 @@ struct server_discretization_request {       /* all borrowed for the call */
     struct server_discretization_slot *slot; /* slot of the surface */
     const struct gd_subdivision *surface;
     uint32_t level;            /* <= GD_LIMIT_LEVEL_MOST */
+    bool wants_grid;           /* a grid, not a mesh */
     struct gd_control control; /* without budget and workspace */
     struct gd_detail *detail;
 };
 
 /* Finds or builds a discretization, which the caller releases. Call it on a worker: it may take a
- * second. Errors: those of gd_limit_mesh_build; GD_BUDGET: all available memory was too little. */
+ * second. Errors: those of gd_limit_mesh_build or gd_limit_grid_build; GD_BUDGET: all available
+ * memory was too little. */
 GD_MUST_USE enum gd_status
 server_discretizations_get(struct server_discretizations *discretizations,
                            const struct server_discretization_request *request,

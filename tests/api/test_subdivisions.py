@@ -319,7 +319,8 @@ class Kept(TestCase):
 
     def trace(self, name, level, **options):
         return self.daemon.request("POST", f"/v1/subdivisions/{name}/trace?geometry=none",
-                                   json.dumps({"start": MIDDLE, "fan": 1, "length": 1, "level": level, **options}),
+                                   json.dumps({"start": MIDDLE, "fan": 1, "length": 1, "level": level, "stop_at_self_intersection": True,
+                                               **options}),
                                    {"Content-Type": "application/json"})
 
     def test_kept_shared_and_let_go_of(self):
@@ -348,6 +349,17 @@ class Kept(TestCase):
         for name in "abcdefgh":
             self.daemon.request("DELETE", f"/v1/subdivisions/{name}")
         self.assertEqual(self.memory(), 0)
+
+    def test_grids_are_kept_too(self):
+        """Most traces need only the positions of the vertices: 24 bytes for each."""
+        self.daemon.request("PUT", "/v1/subdivisions/grid", CUBE)
+        before = self.memory()
+        for level in (5, 5, 7):
+            self.assertEqual(self.trace("grid", level, fan=7, stop_at_self_intersection=False).status, 200)
+        positions = 24 * 6 * (33**2 + 129**2)
+        self.assertTrue(positions <= self.memory() - before < 1.01 * positions, self.memory() - before)
+        self.assertEqual(self.daemon.request("DELETE", "/v1/subdivisions/grid").status, 204)
+        self.assertEqual(self.memory(), before)
 
     def test_who_waits_can_be_late(self):
         self.daemon.request("PUT", "/v1/subdivisions/late", CUBE)

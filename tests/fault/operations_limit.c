@@ -6,6 +6,7 @@
 #include "tests/unit/subdiv/surfaces.h"
 
 #include "gd/discretization.h"
+#include "gd/limit_grid.h"
 #include "gd/limit_shortest.h"
 
 enum { PLACES = 6 };
@@ -13,6 +14,7 @@ enum { PLACES = 6 };
 static struct gd_control_mesh cube, prism, octahedron, sheet;
 static struct gd_subdivision *on_cube, *on_octahedron, *on_sheet;
 static struct gd_limit_mesh *fine;
+static struct gd_limit_grid *grid;
 static const struct gd_limit_point places[PLACES] = {{0, 0, 0.2, 0.3}, {1, 0, 0.7, 0.1},
                                                      {2, 0, 0.5, 0.5}, {3, 0, 0.01, 0.02},
                                                      {4, 0, 0.9, 0.8}, {5, 0, 0, 0}};
@@ -39,6 +41,9 @@ static void open_limits(void)
     on_octahedron = surface_of(&octahedron, GD_SCHEME_LOOP);
     on_sheet = surface_of(&sheet, GD_SCHEME_CATMULL_CLARK);
     check_ok(gd_limit_mesh_build(on_sheet, &(struct gd_limit_mesh_options){.level = 2}, NULL, &fine,
+                                 NULL),
+             NULL);
+    check_ok(gd_limit_grid_build(on_cube, &(struct gd_limit_mesh_options){.level = 2}, NULL, &grid,
                                  NULL),
              NULL);
 }
@@ -138,6 +143,17 @@ static void discard_limit_mesh(void *out)
     gd_limit_mesh_free(*(struct gd_limit_mesh **)out);
 }
 
+static void digest_limit_grid(struct digest *digest, const void *out)
+{
+    const struct gd_limit_grid *made = *(struct gd_limit_grid *const *)out;
+    digest_number(digest, (double)gd_limit_grid_memsize(made));
+}
+
+static void discard_limit_grid(void *out)
+{
+    gd_limit_grid_free(*(struct gd_limit_grid **)out);
+}
+
 static void digest_shortest(struct digest *digest, const void *out)
 {
     const struct gd_limit_shortest *shortest = out;
@@ -161,6 +177,8 @@ static const struct answer a_geodesic = {sizeof(struct gd_limit_geodesic), diges
                                          discard_relaxed};
 static const struct answer triangles = {sizeof(struct gd_discretization), digest_fine,
                                         discard_fine};
+static const struct answer a_limit_grid = {sizeof(struct gd_limit_grid *), digest_limit_grid,
+                                           discard_limit_grid};
 static const struct answer a_limit_mesh = {sizeof(struct gd_limit_mesh *), digest_limit_mesh,
                                            discard_limit_mesh};
 static const struct answer a_shortest = {sizeof(struct gd_limit_shortest), digest_shortest,
@@ -258,6 +276,24 @@ static enum gd_status build_mesh(void *out)
                                NULL);
 }
 
+static enum gd_status build_grid(void *out)
+{
+    return gd_limit_grid_build(on_cube, &(struct gd_limit_mesh_options){.level = 2}, NULL, out,
+                               NULL);
+}
+
+/* Starts at a vertex, whose neighbourhood is a small mesh. */
+static enum gd_status trace_grid(void *out)
+{
+    bool is_traced;
+    enum gd_status status =
+        gd_limit_grid_trace(grid,
+                            &(struct gd_limit_grid_request){
+                                .start = places[2], .direction = {1, 0.4, 0.1}, .length = 2},
+                            NULL, out, &is_traced, NULL);
+    return status || is_traced ? status : GD_INTERNAL;
+}
+
 static enum gd_status find_shortest(void *out)
 {
     return gd_limit_shortest_find(
@@ -279,6 +315,8 @@ static const struct operation items[] = {
     {"discretization, Loop", &triangles, discretize_loop, GD_OK, NULL},
     {"discretization to a tolerance", &triangles, discretize_near, GD_OK, NULL},
     {"limit mesh", &a_limit_mesh, build_mesh, GD_OK, NULL},
+    {"limit grid", &a_limit_grid, build_grid, GD_OK, NULL},
+    {"trace on a limit grid", &a_trace, trace_grid, GD_OK, NULL},
     {"shortest path on a limit surface", &a_shortest, find_shortest, GD_OK, NULL},
 };
 

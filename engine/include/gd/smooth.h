@@ -8,6 +8,7 @@
 #include "gd/geodesic.h"
 #include "gd/geodesic_like.h"
 #include "gd/limit.h"
+#include "gd/limit_grid.h"
 #include "gd/limit_mesh.h"
 #include "gd/limit_path.h"
 #include "gd/limit_place.h"

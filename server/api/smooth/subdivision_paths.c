@@ -23,10 +23,10 @@ static const struct gd_subdivision *subdivision_of(const struct server_query *qu
     return server_subdivision_of(query->surface)->surface;
 }
 
-/* Returns the discretization of a level, which the caller releases. It is the query's work up to
+/* Returns the mesh or the grid of a level, which the caller releases. It is the query's work up to
  * BUILD_SHARE. */
 static enum gd_status discretization_get(const struct server_query *query, uint32_t level,
-                                         struct server_discretization **out,
+                                         bool wants_grid, struct server_discretization **out,
                                          struct gd_detail *detail)
 {
     struct server_subdivision *subdivision = server_subdivision_of(query->surface);
@@ -34,6 +34,7 @@ static enum gd_status discretization_get(const struct server_query *query, uint3
     const struct server_discretization_request request = {.slot = &subdivision->slot,
                                                           .surface = subdivision->surface,
                                                           .level = level,
+                                                          .wants_grid = wants_grid,
                                                           .control =
                                                               server_exchange_control(&monitor),
                                                           .detail = detail};
@@ -87,7 +88,7 @@ static enum server_query_turn pair_solve(struct server_query *query)
     const struct gd_limit_point places[2] = {pair->wanted.from, pair->wanted.to};
     struct gd_limit_jet jets[2];
     enum gd_status status =
-        discretization_get(query, pair->wanted.level, &pair->discretization, &pair->detail);
+        discretization_get(query, pair->wanted.level, false, &pair->discretization, &pair->detail);
     if (!status)
         status = gd_limit_evaluate_many(subdivision_of(query), &(struct gd_limit_places){places, 2},
                                         NULL, jets, &pair->detail);
@@ -141,11 +142,11 @@ struct trace {
     struct gd_trace_options options;
     struct gd_limit_jet jet; /* jet at the start */
     struct gd_detail detail;
-    /* On a mesh: */
-    struct server_discretization *discretization;
+    /* On the triangles of a level: */
+    struct server_discretization *grid, *discretization; /* discretization: the mesh; or NULL */
     struct gd_point start;
     uint32_t lanes; /* number of paths that are traced at once */
-    /* On the smooth surface, for the current path: */
+    /* On the grid or on the smooth surface, for the current path: */
     struct gd_vec3 direction;
     struct gd_limit_path path;
     /* For an answer as arrays: */
@@ -158,6 +159,7 @@ struct trace {
 static void trace_release(struct server_query *query)
 {
     struct trace *trace = (struct trace *)query;
+    server_discretization_release(trace->grid);
     server_discretization_release(trace->discretization);
     proto_limit_trace_request_free(&trace->wanted.request);
     free(trace->points);
@@ -260,7 +262,7 @@ static enum gd_status mesh_reserve(struct trace *trace)
 
 static enum gd_status mesh_prepare(struct trace *trace)
 {
-    enum gd_status status = discretization_get(&trace->query, trace->wanted.level,
+    enum gd_status status = discretization_get(&trace->query, trace->wanted.level, false,
                                                &trace->discretization, &trace->detail);
     if (status) return status;
     const struct gd_limit_mesh *mesh = trace->discretization->mesh;
@@ -349,7 +351,7 @@ static enum gd_status mesh_write(struct trace *trace, uint32_t first, uint32_t c
     return status ? status : gd_control_check(&control, 1);
 }
 
-static enum gd_status smooth_write_path(struct trace *trace)
+static enum gd_status limit_write_path(struct trace *trace)
 {
     const struct gd_limit_path *path = &trace->path;
     struct gd_limit_jet end;
@@ -366,7 +368,27 @@ static enum gd_status smooth_write_path(struct trace *trace)
     return status;
 }
 
-static enum gd_status smooth_write(struct trace *trace, uint32_t i)
+static enum gd_status limit_follow(struct trace *trace, const struct gd_control *control,
+                                   bool *is_traced)
+{
+    const struct proto_limit_trace *wanted = &trace->wanted;
+    *is_traced = true;
+    if (!trace->grid)
+        return gd_limit_trace(subdivision_of(&trace->query),
+                              &(struct gd_limit_trace_request){wanted->start, trace->direction,
+                                                               wanted->request.length},
+                              control, &trace->path, &trace->detail);
+    const struct gd_limit_grid_request request = {.start = wanted->start,
+                                                  .direction = trace->direction,
+                                                  .length = wanted->request.length,
+                                                  .vertex_rule = trace->options.vertex_rule,
+                                                  .step_limit = PROTO_TRACE_STEPS};
+    return gd_limit_grid_trace(trace->grid->grid, &request, control, &trace->path, is_traced,
+                               &trace->detail);
+}
+
+/* Writes a path on the grid or on the smooth surface. */
+static enum gd_status limit_write(struct trace *trace, uint32_t i, bool *is_traced)
 {
     struct server_monitor monitor = trace_monitor(trace, i, 1);
     struct gd_limit_path *path = &trace->path;
@@ -375,32 +397,46 @@ static enum gd_status smooth_write(struct trace *trace, uint32_t i)
     struct server_budgeted_call call =
         server_query_begin_call(&trace->query, &monitor, TRACE_BYTES);
     while (server_budgeted_call_next(&call)) {
-        call.status =
-            gd_limit_trace(subdivision_of(&trace->query),
-                           &(struct gd_limit_trace_request){trace->wanted.start, trace->direction,
-                                                            trace->wanted.request.length},
-                           &call.control, path, &trace->detail);
+        call.status = limit_follow(trace, &call.control, is_traced);
         call.kept = 2 * (size_t)path->step_count * sizeof *path->steps;
     }
-    if (call.status) return call.status;
+    if (call.status || !*is_traced) return call.status;
     size_t bytes = trace->query.held - held;
-    enum gd_status status = smooth_write_path(trace);
+    enum gd_status status = limit_write_path(trace);
     gd_limit_path_free(path);
     server_query_give(&trace->query, bytes);
     return status;
 }
 
+/* Writes a path on the grid or on the smooth surface. The few paths that a grid cannot trace are
+ * traced on the mesh. */
+static enum gd_status grid_write(struct trace *trace, uint32_t i)
+{
+    bool is_traced;
+    enum gd_status status = limit_write(trace, i, &is_traced);
+    if (status || is_traced) return status;
+    if (!trace->discretization) status = mesh_prepare(trace);
+    return status ? status : mesh_write(trace, i, 1);
+}
+
 static enum gd_status trace_write_paths(struct trace *trace)
 {
     struct proto_writer *writer = &trace->query.draft;
-    bool is_smooth = trace->wanted.request.smooth;
+    bool needs_mesh = trace->options.stop_at_self_intersection;
     uint32_t total = trace->wanted.count;
     enum gd_status status = trace_reserve(trace);
-    if (!status && !is_smooth) status = mesh_prepare(trace);
+    if (!status && needs_mesh) status = mesh_prepare(trace);
+    if (!status && !needs_mesh && !trace->wanted.request.smooth)
+        status = discretization_get(&trace->query, trace->wanted.level, true, &trace->grid,
+                                    &trace->detail);
     proto_member_array(writer, "paths");
-    for (uint32_t i = 0, count; i < total && !status; i += count) {
-        count = is_smooth ? 1 : total - i < trace->lanes ? total - i : trace->lanes;
-        status = is_smooth ? smooth_write(trace, i) : mesh_write(trace, i, count);
+    for (uint32_t i = 0, count = 1; i < total && !status; i += count) {
+        if (needs_mesh) {
+            count = total - i < trace->lanes ? total - i : trace->lanes;
+            status = mesh_write(trace, i, count);
+        } else {
+            status = grid_write(trace, i);
+        }
         if (!status) status = server_query_pause(&trace->query, NULL, 0);
     }
     proto_write_array_end(writer);
