@@ -43,6 +43,24 @@ class Geodesics(Nurbs):
                 self.assert_proved(answer)
         self.assertEqual(straight(0, 1, 1), 1)
 
+    def test_get(self):
+        """GET returns the answer of POST, and names the parameter of a fault."""
+        path = "/v1/nurbs/ring/path?from=0.3,2.0&to=2.1,4.0"
+        options = {"degree": 4, "control_points": 12, "tolerance": 1e-6, "all_minima": True, "samples": 3}
+        for query, body in (("", {}), ("&degree=4&control_points=12&tolerance=1e-6&all_minima=true&samples=3", options)):
+            answer = self.daemon.get(path + query)
+            self.assertEqual(answer.json, self.ask("ring", "path", {"from": [0.3, 2.0], "to": [2.1, 4.0], **body}))
+            self.assertEqual(self.daemon.get(path + query, If_None_Match=answer.headers["ETag"]).status, 304)
+        length = self.daemon.get(path + "&select=length").json
+        self.assertEqual(list(length), ["length"])
+        for query, parameter in (("to=1,1", "from"), ("from=0&to=1,1", "from"), ("from=0,0&to=0,0,0", "to"), ("from=0,0&to=", "to"), ("from=0,0&to=1,x", "to"),
+                                 ("from=0,0&to=1,1&degree=9", "degree"), ("from=0,0&to=1,1&degree=x", "degree"), ("from=0,0&to=1,1&all_minima=1", "all_minima"),
+                                 ("from=0,0&to=1,1&samples=1.5", "samples"), ("from=0,0&to=1,1&control_points=2", "control_points"), ("from=0,0&to=1,1&foo=1", "foo")):
+            problem = self.assert_problem(self.daemon.get("/v1/nurbs/ring/path?" + query), 400, "invalid_request")
+            self.assertEqual((problem.get("parameter"), problem.get("pointer")), (parameter, None), query)
+        problem = self.assert_problem(self.daemon.get("/v1/nurbs/plane/path?from=0,0&to=99,0"), 422, "point_not_on_surface")
+        self.assertEqual(problem["parameter"], "to")
+
     def test_the_sphere(self):
         """Tests great circles beside the poles and through one."""
         chance = random.Random(3)

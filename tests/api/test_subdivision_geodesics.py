@@ -153,6 +153,24 @@ class Paths(Subdivisions):
             [path] = self.ask(name, "trace", {"start": start, "directions": [way], "length": answer["distance"], "smooth": True})["paths"]
             self.assertLess(math.dist(path["points"][-1]["xyz"], answer["to"]["xyz"]), 2 * math.hypot(*way) ** 2)
 
+    def test_get(self):
+        """GET returns the answer of POST, and names the parameter of a fault."""
+        places = (("f:0:0.5,0.5", MIDDLE), ("f:5:0:0.25,1e-1", {"face": 5, "corner": 0, "uv": [0.25, 0.1]}))
+        ends = "from={}&to={}".format(*(text for text, _ in places))
+        for query, level in (("distance", ""), ("path", ""), ("path", "&level=3")):
+            path = f"/v1/subdivisions/cube/{query}?{ends}{level}"
+            answer, body = self.daemon.get(path), {"from": places[0][1], "to": places[1][1], **({"level": 3} if level else {})}
+            self.assertEqual(answer.json, self.ask("cube", query, body))
+            self.assertEqual(self.daemon.get(path, If_None_Match=answer.headers["ETag"]).status, 304)
+        self.assertEqual(self.daemon.get("/v1/subdivisions/prism/distance?from=f:1:1:0.5,0.5&to=f:1:1:0.5,0.5").json["distance"], 0)
+        for query, parameter in (("to=f:0:0,0", "from"), ("from=0,0&to=f:0:0,0", "from"), ("from=f:0:0&to=f:0:0,0", "from"), ("from=f:0:0,0&to=f:0:0:0:0,0", "to"),
+                                 ("from=f:99:0,0&to=f:0:0,0", "from"), ("from=f:0:0,0&to=f:-1:0,0", "to"), ("from=f:0:0,0&to=f:1:0,0&level=13", "level"),
+                                 ("from=f:0:0,0&to=f:1:0,0&level=x", "level"), ("from=f:0:0,0&to=f:1:0,0&foo=1", "foo")):
+            problem = self.assert_problem(self.daemon.get("/v1/subdivisions/cube/path?" + query), 400, "invalid_request")
+            self.assertEqual((problem.get("parameter"), problem.get("pointer")), (parameter, None), query)
+        problem = self.assert_problem(self.daemon.get("/v1/subdivisions/cube/path?from=f:0:0,0&to=f:1:2,0"), 422, "point_not_on_surface")
+        self.assertEqual(problem["parameter"], "to")
+
     def test_no_path_and_one_point(self):
         places = {"from": {"face": 0, "uv": [0.5, 0.5]}, "to": {"face": 1, "uv": [0.5, 0.5]}}
         answer = self.ask("pair", "path", places)

@@ -3,7 +3,7 @@
 #include "server/query/handlers.h"
 
 #include "proto/queries/geodesic_like.h"
-#include "server/query/query.h"
+#include "server/api/smooth/smooth.h"
 #include "server/surfaces/kinds.h"
 
 #define SEARCH_BYTES ((size_t)1 << 20)
@@ -48,6 +48,16 @@ static bool search_decode(struct server_query *query, const json_t *document)
         nurbs->detail.text[0] ? nurbs->detail.text : gd_status_sentence(nurbs->refusal));
     problem->reason = gd_status_name(nurbs->refusal);
     return false;
+}
+
+static bool search_parse(struct server_query *query, const struct proto_parameters *parameters)
+{
+    static const struct server_smooth_ends ends = {server_smooth_uv,
+                                                   "the parameters u and v: 0.5,0.25"};
+    struct proto_geodesic *wanted = &((struct search *)query)->wanted;
+    if (!server_smooth_parse(query, parameters, &ends)) return false;
+    for (int k = 0; k < 2; k++) proto_place_keep(wanted->ends[k].place, wanted->form->ends[k]);
+    return true;
 }
 
 static size_t found_bytes(const struct gd_geodesics *found)
@@ -228,8 +238,8 @@ static void search_release(struct server_query *query)
 /* --- the three operations --------------------------------------------------------------------- */
 
 #define SEARCH_STEPS                                                                               \
-    .size = sizeof(struct search), .decode = search_decode, .solve = search_solve,                 \
-    .list_arrays = search_list_arrays, .release = search_release
+    .size = sizeof(struct search), .decode = search_decode, .parse = search_parse,                 \
+    .solve = search_solve, .list_arrays = search_list_arrays, .release = search_release
 
 void server_handle_nurbs_geodesic(struct server_exchange *exchange)
 {

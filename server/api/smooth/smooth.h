@@ -2,6 +2,8 @@
 #ifndef SERVER_API_SMOOTH_SMOOTH_H
 #define SERVER_API_SMOOTH_SMOOTH_H
 
+#include <jansson.h>
+
 #include "server/query/query.h"
 
 /* As server_query_fail, with the engine's detail in the problem. Coinciding control points leave a
@@ -9,5 +11,20 @@
  * Returns FAILED. */
 enum server_query_turn server_smooth_fail(const struct server_query *query, enum gd_status status,
                                           const struct gd_detail *detail, const char *what);
+
+/* The form of the parameters `from` and `to`. */
+struct server_smooth_ends {
+    json_t *(*read)(const char *text); /* returns the value in a body; NULL: another form */
+    const char *form;                  /* for a problem: "two numbers" */
+};
+
+/* Read u,v and f:FACE:u,v or f:FACE:CORNER:u,v. */
+json_t *server_smooth_uv(const char *text);
+json_t *server_smooth_place(const char *text);
+
+/* Parses a query string: decodes the body that has its parameters, except those that all queries
+ * share, as members. A problem names the parameter. */
+bool server_smooth_parse(struct server_query *query, const struct proto_parameters *parameters,
+                         const struct server_smooth_ends *ends);
 
 #endif

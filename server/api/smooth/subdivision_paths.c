@@ -65,6 +65,13 @@ static bool pair_decode(struct server_query *query, const json_t *document)
                                    query->problem);
 }
 
+static bool pair_parse(struct server_query *query, const struct proto_parameters *parameters)
+{
+    static const struct server_smooth_ends ends = {server_smooth_place,
+                                                   "a place: f:FACE:u,v, or f:FACE:CORNER:u,v"};
+    return server_smooth_parse(query, parameters, &ends);
+}
+
 static enum gd_status pair_search(struct pair *pair)
 {
     const struct gd_limit_mesh *mesh = pair->discretization->mesh;
@@ -119,7 +126,8 @@ static bool path_list_arrays(struct server_query *query)
 }
 
 #define PAIR_STEPS                                                                                 \
-    .size = sizeof(struct pair), .decode = pair_decode, .solve = pair_solve, .release = pair_release
+    .size = sizeof(struct pair), .decode = pair_decode, .parse = pair_parse, .solve = pair_solve,  \
+    .release = pair_release
 
 void server_handle_subdivision_distance(struct server_exchange *exchange)
 {

@@ -1,0 +1,97 @@
+/* Query strings as bodies: queries by GET take the parameters that POST takes as members. */
+#include <string.h>
+
+#include "proto/json/decode.h"
+#include "proto/json/number.h"
+#include "server/api/smooth/smooth.h"
+
+/* Returns numbers with commas between them as an array; NULL: the text is no such list. */
+static json_t *numbers_of(const char *text)
+{
+    json_t *array = json_array();
+    for (bool more = true; more;) {
+        double number = 0;
+        size_t length = proto_number_parse(text, &number);
+        more = text[length] == ',';
+        if (!length || (text[length] && !more) || json_array_append_new(array, json_real(number))) {
+            json_decref(array);
+            return NULL;
+        }
+        text += length + more;
+    }
+    return array;
+}
+
+json_t *server_smooth_uv(const char *text)
+{
+    json_t *uv = numbers_of(text);
+    if (json_array_size(uv) == 2) return uv;
+    json_decref(uv);
+    return NULL;
+}
+
+json_t *server_smooth_place(const char *text)
+{
+    uint64_t face = 0, corner = 0;
+    if (strncmp(text, "f:", 2) != 0) return NULL;
+    text += 2;
+    size_t length = proto_integer_parse(text, &face);
+    if (!length || text[length] != ':') return NULL;
+    text += length + 1;
+    length = proto_integer_parse(text, &corner);
+    bool has_corner = length && text[length] == ':';
+    json_t *uv = server_smooth_uv(has_corner ? text + length + 1 : text);
+    return uv ? json_pack("{s:f, s:f, s:o}", "face", (double)face, "corner",
+                          has_corner ? (double)corner : 0, "uv", uv)
+              : NULL;
+}
+
+/* Returns a number, a boolean, or the text itself, which the decoder then rejects. */
+static json_t *scalar_of(const char *text)
+{
+    double number = 0;
+    size_t length = proto_number_parse(text, &number);
+    if (length && !text[length]) return json_real(number);
+    if (strcmp(text, "true") == 0 || strcmp(text, "false") == 0) return json_boolean(*text == 't');
+    return json_string(text);
+}
+
+static bool is_option(const char *name)
+{
+    static const char *const options[] = {"select", "geometry", "format", "timeout_ms"};
+    for (size_t i = 0; i < sizeof options / sizeof *options; i++)
+        if (strcmp(name, options[i]) == 0) return true;
+    return false;
+}
+
+/* Turns the place of a problem in the body into the name of the parameter. */
+static void name_parameter(struct proto_problem *problem)
+{
+    if (!problem->has_pointer || !problem->pointer[0]) return;
+    problem->pointer[1 + strcspn(problem->pointer + 1, "/")] = '\0';
+    problem->has_pointer = false;
+    proto_problem_at(problem, problem->pointer + 1);
+}
+
+bool server_smooth_parse(struct server_query *query, const struct proto_parameters *parameters,
+                         const struct server_smooth_ends *ends)
+{
+    struct proto_problem *problem = query->problem;
+    json_t *document = json_object();
+    bool ok = true, has_memory = document != NULL;
+    for (uint32_t i = 0; i < parameters->count && ok && has_memory; i++) {
+        const char *name = parameters->all[i].name, *text = parameters->all[i].value;
+        bool is_end = strcmp(name, "from") == 0 || strcmp(name, "to") == 0;
+        if (is_option(name)) continue;
+        json_t *value = is_end ? ends->read(text) : scalar_of(text);
+        ok = value || proto_problem_refuse(problem, name, "expected %s", ends->form);
+        has_memory = !value || !json_object_set_new(document, name, value);
+    }
+    if (!has_memory) ok = proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
+    if (ok && !query->kind->decode(query, document)) {
+        name_parameter(problem);
+        ok = false;
+    }
+    json_decref(document);
+    return ok;
+}
