@@ -55,6 +55,7 @@ ANSWERS = {
     "LimitFootAnswer": Answer("struct gd_limit_closest", "gd/limit.h", base="from->place.", own=("distance",),
                               values={"uv": "((double[]){from->place.u, from->place.v})", "xyz": "from->position"},
                               when={"corner": "from->place.corner"}, fields="LimitFoot"),
+    "JobResponse": Answer("struct proto_job_answer", "proto/http/job.h", values={"bytes": "from->size"}, hand=("headers",)),
     "Batch": Answer("struct proto_many_state", "proto/queries/many.h", values={"state": "proto_many_state_name(from)", "progress": "(double)from->done / (double)from->items"}),
 }
 

@@ -799,10 +799,12 @@ export type CutPiece = {
  * perpendicularly onto the face; at a vertex, along the vertex normal. A direction that points
  * across the boundary is rejected.
  */
-export type DirectionRequest = (number | Vector | {
+export type DirectionRequest = (number | Vector | DirectionObject);
+
+export type DirectionObject = {
   angle?: number;
   xyz?: Vector;
-});
+};
 
 /** Either `directions` or `fan`. */
 export type TraceRequest = {
@@ -1971,13 +1973,7 @@ export type Job = {
   created: string;
   /** Method and path of the request. */
   request: string;
-  /** Status and headers of the answer. */
-  response?: {
-    status: number;
-    media_type: (string | null);
-    bytes: Count;
-    headers: Record<string, string>;
-  };
+  response?: JobResponse;
   /**
    * JSON answer of the operation. For other media types, a link to the answer. Absent in lists and
    * events.
@@ -1985,6 +1981,14 @@ export type Job = {
   result?: unknown;
   /** Why the operation failed. Absent in lists. */
   problem?: Problem;
+};
+
+/** Status and headers of the answer. */
+export type JobResponse = {
+  status: number;
+  media_type: (string | null);
+  bytes: Count;
+  headers: Record<string, string>;
 };
 
 export type JobList = {

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "proto/json/writer.h"
+#include "generated/answers.h"
 
 const char *proto_job_state_name(enum proto_job_state state)
 {
@@ -19,23 +19,12 @@ bool proto_job_has_ended(enum proto_job_state state)
     return state != PROTO_JOB_QUEUED && state != PROTO_JOB_RUNNING;
 }
 
-static void encode_headers(struct proto_writer *writer, const struct proto_job_answer *answer)
+void proto_job_response_encode_headers(struct proto_writer *writer,
+                                       const struct proto_job_answer *answer)
 {
-    proto_member_object(writer, "headers");
+    proto_write_object_begin(writer);
     for (uint32_t i = 0; i < answer->header_count; i++)
         proto_member_string(writer, answer->headers[i].name, answer->headers[i].value);
-    proto_write_object_end(writer);
-}
-
-/* Writes status, headers and link of the answer. */
-static void encode_response(struct proto_writer *writer, const struct proto_job *job)
-{
-    const struct proto_job_answer *answer = job->answer;
-    proto_member_object(writer, "response");
-    proto_member_uint(writer, "status", answer->status);
-    proto_member_string(writer, "media_type", answer->media_type);
-    proto_member_uint(writer, "bytes", answer->size);
-    encode_headers(writer, answer);
     proto_write_object_end(writer);
 }
 
@@ -80,7 +69,9 @@ static void encode_state(struct proto_writer *writer, const struct proto_job *jo
     proto_member_number(writer, "progress", job->progress);
     proto_member_time(writer, "created", job->created);
     proto_member_string(writer, "request", job->request);
-    if (job->answer) encode_response(writer, job);
+    if (!job->answer) return;
+    proto_write_key(writer, "response");
+    proto_job_response_encode(writer, job->answer);
 }
 
 bool proto_job_encode_head(struct proto_writer *writer, const struct proto_job *job)

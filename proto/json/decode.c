@@ -246,3 +246,33 @@ bool proto_read_numbers(const json_t *array, size_t count, double *out)
     }
     return json_array_size(array) == count;
 }
+
+/* --- back to text ----------------------------------------------------------------------------- */
+
+void proto_write_document(struct proto_writer *writer, const json_t *value)
+{
+    const char *key;
+    json_t *member;
+    if (json_is_object(value)) {
+        proto_write_object_begin(writer);
+        json_object_foreach((json_t *)value, key, member)
+        {
+            proto_write_string(writer, key);
+            proto_append(writer, ":", 1);
+            writer->comma = false;
+            proto_write_document(writer, member);
+        }
+        proto_write_object_end(writer);
+    } else if (json_is_array(value)) {
+        proto_write_array_begin(writer);
+        for (size_t i = 0; i < json_array_size(value); i++)
+            proto_write_document(writer, json_array_get(value, i));
+        proto_write_array_end(writer);
+    } else if (json_is_number(value)) {
+        proto_write_number(writer, json_number_value(value));
+    } else if (json_is_boolean(value)) {
+        proto_write_bool(writer, json_is_true(value));
+    } else {
+        proto_write_string(writer, json_string_value(value)); /* null: not a string */
+    }
+}

@@ -14,6 +14,7 @@
 
 #include "gd/control.h"
 #include "proto/json/problem.h"
+#include "proto/json/writer.h"
 
 /* --- text to a document (parse.c) --- */
 
@@ -79,6 +80,9 @@ bool proto_decode_numbers(const json_t *object, const char *place, const char *m
                           double *out, struct proto_problem *problem);
 bool proto_decode_indices(const json_t *object, const char *place, const char *member, size_t count,
                           uint32_t *out, struct proto_problem *problem);
+
+/* Writes a document as the writer writes values: numbers in their shortest form. */
+void proto_write_document(struct proto_writer *writer, const json_t *value);
 
 /* Returns whether the array has exactly `count` numbers; fills in no problem. */
 bool proto_read_numbers(const json_t *array, size_t count, double *out);

@@ -12,11 +12,15 @@
 
 bool proto_field_write_set(const json_t *set, char **out)
 {
-    char text[PROTO_FIELD_SET];
-    size_t size = json_dumpb(set, text, sizeof text, JSON_COMPACT | JSON_REAL_PRECISION(17));
-    bool is_short = size <= sizeof text;
-    *out = size && is_short ? strndup(text, size) : NULL;
-    return *out || !is_short;
+    struct proto_writer writer;
+    size_t size;
+    proto_writer_init(&writer, PROTO_FIELD_SET + 1);
+    proto_write_document(&writer, set);
+    proto_append(&writer, "", 1); /* the NUL */
+    bool is_long = writer.failure == PROTO_WRITER_TOO_LARGE;
+    *out = proto_writer_take(&writer, &size);
+    proto_writer_free(&writer);
+    return *out || is_long;
 }
 
 static void encode_members(struct proto_writer *writer, const struct gd_mesh *mesh,

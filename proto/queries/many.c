@@ -150,22 +150,13 @@ static void write_vertices(struct proto_writer *body, const char *key,
     proto_write_array_end(body);
 }
 
-static int append(const char *text, size_t size, void *writer)
-{
-    proto_append(writer, text, size);
-    return 0;
-}
-
 static void copy_member(struct proto_writer *body, const struct proto_many *many,
                         const char *member)
 {
     const json_t *value = json_object_get(many->document, member);
     if (!value) return;
     proto_write_key(body, member);
-    if (json_dump_callback(value, append, body,
-                           JSON_COMPACT | JSON_ENCODE_ANY | JSON_REAL_PRECISION(17)))
-        body->failure = PROTO_WRITER_NO_MEMORY;
-    body->comma = true;
+    proto_write_document(body, value);
 }
 
 const char *proto_many_ask(const struct proto_many *many, uint32_t item, struct proto_writer *body)

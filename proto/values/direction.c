@@ -2,31 +2,23 @@
 
 #include <stdio.h>
 
-#include "proto/json/decode.h"
-#include "proto/json/writer.h"
+#include "generated/requests.h"
 #include "proto/values/point.h"
 
 /* --- from JSON -------------------------------------------------------------------------------- */
 
-static bool decode_vector(const json_t *object, const char *place, struct proto_direction *out,
-                          struct proto_problem *problem)
-{
-    double xyz[3];
-    if (!proto_decode_numbers(object, place, "xyz", 3, xyz, problem)) return false;
-    out->xyz = (struct gd_vec3){xyz[0], xyz[1], xyz[2]};
-    return true;
-}
-
 static bool decode_object(const json_t *value, const char *place, struct proto_direction *out,
                           struct proto_problem *problem)
 {
-    static const char *const members[] = {"angle", "xyz", NULL};
-    if (!proto_decode_object(value, place, members, problem)) return false;
-    out->has_angle = json_object_get(value, "angle") != NULL;
-    if (out->has_angle && !proto_decode_number(value, place, "angle", &out->angle, problem))
+    const struct proto_object object = {value, place, problem};
+    struct proto_direction_object read;
+    if (!proto_decode_object(value, place, proto_direction_object_members, problem) ||
+        !proto_direction_object_read(&object, &read))
         return false;
-    if (json_object_get(value, "xyz")) return decode_vector(value, place, out, problem);
-    return out->has_angle ||
+    out->has_angle = read.has_angle;
+    out->angle = read.angle;
+    out->xyz = (struct gd_vec3){read.xyz[0], read.xyz[1], read.xyz[2]};
+    return read.has_angle || read.has_xyz ||
            proto_problem_refuse(problem, place, "a direction has an angle or xyz");
 }
 

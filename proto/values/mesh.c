@@ -194,12 +194,6 @@ void proto_boundaries_encode(struct proto_writer *writer, const struct gd_mesh *
     proto_page_end(writer, end < count ? proto_page_write_number(end - 1, next) : NULL);
 }
 
-static int append(const char *text, size_t size, void *writer)
-{
-    proto_append(writer, text, size);
-    return 0;
-}
-
 char *proto_mesh_shorten(const char *description)
 {
     json_t *document = json_loads(description, 0, NULL),
@@ -212,8 +206,7 @@ char *proto_mesh_shorten(const char *description)
         !json_object_set_new(document, "boundary_count", json_integer(count))) {
         while (json_array_size(boundaries) > PROTO_MESH_BOUNDARIES)
             (void)json_array_remove(boundaries, json_array_size(boundaries) - 1);
-        if (json_dump_callback(document, append, &writer, JSON_COMPACT | JSON_REAL_PRECISION(17)))
-            writer.failure = PROTO_WRITER_NO_MEMORY;
+        proto_write_document(&writer, document);
         proto_append(&writer, "", 1); /* the NUL */
     }
     json_decref(document);

@@ -164,6 +164,16 @@ static bool make_room(struct proto_set *set, const json_t *const arrays[KINDS],
     return (set->points && set->curves && set->namings) || refuse_memory(problem);
 }
 
+/* Moves the set to the caller if it is complete, else frees it. */
+static bool hand_over(struct proto_set *set, bool ok, struct proto_set *out)
+{
+    if (ok)
+        *out = *set;
+    else
+        proto_set_free(set);
+    return ok;
+}
+
 static bool decode_kind(const struct kind *kind, const json_t *array, const char *pointer,
                         struct proto_set *set, struct proto_problem *problem)
 {
@@ -185,11 +195,7 @@ bool proto_set_decode(const json_t *value, const char *pointer, struct proto_set
     bool ok = make_room(&set, arrays, problem);
     for (int k = 0; k < KINDS && ok; k++)
         ok = decode_kind(&kinds[k], arrays[k], pointer, &set, problem);
-    if (ok)
-        *out = set;
-    else
-        proto_set_free(&set);
-    return ok;
+    return hand_over(&set, ok, out);
 }
 
 bool proto_set_decode_curve(const json_t *object, const char *member, struct proto_set *out,
@@ -205,11 +211,7 @@ bool proto_set_decode_curve(const json_t *object, const char *member, struct pro
         set.namings[0] = (struct proto_naming){0};
         ok = decode_curve(value, place, &set, problem);
     }
-    if (ok)
-        *out = set;
-    else
-        proto_set_free(&set);
-    return ok;
+    return hand_over(&set, ok, out);
 }
 
 bool proto_set_of_point(const struct proto_point *point, struct proto_set *out,
@@ -217,15 +219,13 @@ bool proto_set_of_point(const struct proto_point *point, struct proto_set *out,
 {
     const json_t *arrays[KINDS] = {NULL};
     struct proto_set set = {0};
-    if (!make_room(&set, arrays, problem)) {
-        proto_set_free(&set);
-        return false;
+    bool ok = make_room(&set, arrays, problem);
+    if (ok) {
+        set.points[0] = *point;
+        set.namings[0] = (struct proto_naming){0};
+        set.point_count = 1;
     }
-    set.points[0] = *point;
-    set.namings[0] = (struct proto_naming){0};
-    set.point_count = 1;
-    *out = set;
-    return true;
+    return hand_over(&set, ok, out);
 }
 
 void proto_set_free(struct proto_set *set)

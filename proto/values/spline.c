@@ -25,14 +25,6 @@ void proto_located_spline_free(struct proto_located_spline *located)
     *located = (struct proto_located_spline){0};
 }
 
-/* --- the shape -------------------------------------------------------------------------------- */
-
-static bool refuse_member(const struct proto_spline *spline, const char *member,
-                          const char *sentence, struct proto_problem *problem)
-{
-    return proto_problem_refuse_member(problem, spline->place, member, "%s", sentence);
-}
-
 /* --- tangents --------------------------------------------------------------------------------- */
 
 static bool decode_tangent(const json_t *value, const char *place, struct proto_segment *out,
@@ -49,8 +41,9 @@ static bool decode_tangents(const json_t *value, struct proto_spline *spline,
     uint32_t count = spline->points.count;
     if (!array) return true;
     if (!json_is_array(array) || json_array_size(array) != count)
-        return refuse_member(spline, "tangents",
-                             "expected an array with a vector or null for each point", problem);
+        return proto_problem_refuse_member(
+            problem, spline->place, "tangents",
+            "expected an array with a vector or null for each point");
     spline->tangents = calloc(count, sizeof *spline->tangents + sizeof *spline->is_given);
     if (!spline->tangents) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
     spline->is_given = (bool *)(spline->tangents + count);
@@ -80,7 +73,8 @@ static bool decode_samples(const struct proto_spline_request *request, struct pr
             "samples is a number from 1 on, and at most %d for all segments", PROTO_SPLINE_PLACES);
     if (request->speed == PROTO_SPEED_CONSTANT &&
         request->evaluation == PROTO_EVALUATION_DE_CASTELJAU)
-        return refuse_member(spline, "evaluation", only_at_parameters, problem);
+        return proto_problem_refuse_member(problem, spline->place, "evaluation", "%s",
+                                           only_at_parameters);
     if (request->speed == PROTO_SPEED_CONSTANT)
         spline->sampling.even = samples * segments;
     else
@@ -98,10 +92,11 @@ static bool decode_sampling(const json_t *value, const struct proto_spline_reque
                                     "say one of samples, tolerance, spacing and at");
     if (!ways || has_samples) return decode_samples(request, spline, problem);
     if (json_object_get(value, "speed"))
-        return refuse_member(spline, "speed",
-                             "speed goes with samples; spacing is of constant speed", problem);
+        return proto_problem_refuse_member(problem, spline->place, "speed",
+                                           "speed goes with samples; spacing is of constant speed");
     if (request->evaluation == PROTO_EVALUATION_DE_CASTELJAU && !has_at)
-        return refuse_member(spline, "evaluation", only_at_parameters, problem);
+        return proto_problem_refuse_member(problem, spline->place, "evaluation", "%s",
+                                           only_at_parameters);
     spline->sampling.tolerance = request->tolerance;
     spline->sampling.spacing = request->spacing;
     spline->sampling.parameters = request->at.items;

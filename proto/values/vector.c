@@ -101,11 +101,6 @@ static void place_of(char place[PROTO_KEPT_PLACE], uint32_t i)
     snprintf(place, PROTO_KEPT_PLACE, "/vectors/%u", i);
 }
 
-static bool refuse_memory(struct proto_problem *problem)
-{
-    return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
-}
-
 /* Appends the segments of vector i, for which there is room below PROTO_VECTORS. */
 static bool append_vector(const json_t *value, uint32_t i, bool is_straight,
                           struct proto_vectors *vectors, struct proto_problem *problem)
@@ -141,7 +136,8 @@ static bool decode_list(const json_t *document, bool is_straight, struct proto_v
     vectors->count = (uint32_t)count;
     vectors->first = calloc(count + 1, sizeof *vectors->first);
     vectors->segments = malloc(room * sizeof *vectors->segments);
-    bool ok = (vectors->first && vectors->segments) || refuse_memory(problem);
+    bool ok = (vectors->first && vectors->segments) ||
+              proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
     for (uint32_t i = 0; i < count && ok; i++)
         ok = append_vector(json_array_get(array, i), i, is_straight, vectors, problem);
     return ok;
@@ -152,7 +148,7 @@ static bool decode_factors(const json_t *document, struct proto_vectors *vectors
 {
     if (!json_object_get(document, "combine")) return true;
     vectors->factors = malloc(vectors->count * sizeof *vectors->factors);
-    if (!vectors->factors) return refuse_memory(problem);
+    if (!vectors->factors) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
     return proto_decode_numbers(document, "", "combine", vectors->count, vectors->factors, problem);
 }
 

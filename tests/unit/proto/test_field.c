@@ -134,12 +134,52 @@ static void writes_wedges(void **state)
     assert_written(&writer, "{\"wedges\":[]}");
 }
 
+/* Strict clients read an index as an integer, so it has no fraction. */
+static void a_set_is_written_as_clients_write_it(void **state)
+{
+    (void)state;
+    static const char set[] =
+        "{\"points\":[\"v:1\",{\"vertex\":5,\"offset\":0.1,\"label\":\"a\\\"\\\\b\"}],"
+        "\"curves\":[{\"vertices\":[0,4294967294],\"closed\":true}],"
+        "\"boundaries\":[],\"x\\n\":null}";
+    json_t *document = parse(set);
+    char *text;
+    assert_true(proto_field_write_set(document, &text));
+    json_t *again = parse(text);
+    assert_true(json_equal(document, again));
+    assert_non_null(strstr(text, "{\"vertex\":5,\"offset\":0.1,\"label\":\"a\\\"\\\\b\"}"));
+    assert_non_null(strstr(text, "[0,4294967294]"));
+    free(text);
+    json_decref(again);
+    json_decref(document);
+}
+
+static void a_long_set_is_not_written(void **state)
+{
+    (void)state;
+    char label[PROTO_FIELD_SET + 1], *text;
+    /* {"label":"aaa"}: 12 characters besides the a's */
+    for (size_t size = PROTO_FIELD_SET - 12; size <= PROTO_FIELD_SET - 11; size++) {
+        memset(label, 'a', size);
+        json_t *document = json_pack("{s:s#}", "label", label, (int)size);
+        assert_true(proto_field_write_set(document, &text));
+        assert_int_equal(text != NULL, size == PROTO_FIELD_SET - 12);
+        free(text);
+        json_decref(document);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(decodes_requests),        cmocka_unit_test(refuses_bad_requests),
-        cmocka_unit_test(encodes_descriptions),    cmocka_unit_test(writes_values),
-        cmocka_unit_test(an_edge_is_two_vertices), cmocka_unit_test(writes_wedges),
+        cmocka_unit_test(decodes_requests),
+        cmocka_unit_test(refuses_bad_requests),
+        cmocka_unit_test(encodes_descriptions),
+        cmocka_unit_test(writes_values),
+        cmocka_unit_test(an_edge_is_two_vertices),
+        cmocka_unit_test(writes_wedges),
+        cmocka_unit_test(a_set_is_written_as_clients_write_it),
+        cmocka_unit_test(a_long_set_is_not_written),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
