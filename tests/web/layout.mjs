@@ -109,6 +109,44 @@ async function polygonsLeaveNothing(browser) {
   await browser.ask("DELETE", "/v1/subdivisions/prism");
 }
 
+/** A path that crosses the seam of a torus enters the drawing of the domain on the other side. */
+async function seam(browser) {
+  const { url } = browser.settings;
+  const body = JSON.stringify({ parametric: { torus: { major: 2, minor: 0.7 } } });
+  await fetch(`${url}/v1/nurbs/ring`, { method: "PUT", body });
+  const page = await browser.page("/#nurbs=ring&mode=nurbs&what=curves");
+  await settle(page);
+  const inside = await page.locator(".domain").evaluate((drawing) => {
+    const box = drawing.querySelector(".border").getBoundingClientRect();
+    const isIn = (node) => {
+      const { left, right, top, bottom } = node.getBoundingClientRect();
+      return right > box.left && left < box.right && bottom > box.top + 1 && top < box.bottom - 1;
+    };
+    return [...drawing.querySelectorAll(".path")].filter(isIn).length;
+  });
+  assert.equal(inside, 2);
+  assert.equal((await read(page, "state")).up, "z");
+  await browser.ask("DELETE", "/v1/nurbs/ring");
+}
+
+/** The keyboard turns, shifts and zooms the picture. */
+async function keys(browser) {
+  const page = await browser.page(`/#meshes=${browser.settings.large}&mode=pair`);
+  await settle(page);
+  await page.locator("#canvas").focus();
+  const camera = async () => (await read(page, "state")).camera.split(",").map(Number);
+  const before = await camera();
+  await page.keyboard.press("ArrowLeft");
+  const turned = await camera();
+  assert.deepEqual(turned.slice(3), before.slice(3));
+  assert.notDeepEqual(turned, before);
+  await page.keyboard.press("Shift+ArrowLeft");
+  const shifted = await camera();
+  const step = shifted.map((x, i) => x - turned[i]);
+  assert.ok(Math.hypot(...step.slice(0, 3)) > 0.05);
+  for (let axis = 0; axis < 3; axis++) assert.ok(Math.abs(step[axis] - step[axis + 3]) < 2e-4);
+}
+
 async function deleting(browser) {
   const page = await browser.page(`/#meshes=${browser.settings.large}&mode=pair`);
   await settle(page);
@@ -122,5 +160,7 @@ export const tests = {
   "the start card lists the daemon's meshes": startCard,
   "smooth surfaces leave no mesh": nothingStored,
   "a control mesh with polygons leaves no mesh": polygonsLeaveNothing,
+  "the domain of a torus repeats": seam,
+  "keys move the picture": keys,
   "delete is in sight": deleting,
 };

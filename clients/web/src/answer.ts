@@ -15,6 +15,8 @@ export interface Fact {
 
 export class Answer {
   private readonly body = byId("answer");
+  /** Content that is less important than the buttons for the answer. */
+  private readonly more = byId("more");
   /** Errors and progress of the query. */
   private readonly notice = new Notice();
   private readonly request = byId("request");
@@ -46,7 +48,8 @@ export class Answer {
       make("dt", main ? { class: "main" } : {}, label),
       make("dd", { ...(main && { class: "main" }), title }, value),
     ]);
-    this.body.replaceChildren(make("dl", {}, ...rows), ...more);
+    this.body.replaceChildren(make("dl", {}, ...rows));
+    this.more.replaceChildren(...more);
     const main = facts.find((fact) => fact.main);
     this.readout.textContent = main ? `${main.label}: ${main.value}` : "";
   }
@@ -62,6 +65,7 @@ export class Answer {
   clear(): void {
     this.warn("");
     this.body.replaceChildren();
+    this.more.replaceChildren();
     this.readout.textContent = "";
     this.showRequests([]);
   }

@@ -280,8 +280,9 @@ export class App {
   private applyView(parameters?: URLSearchParams): void {
     const surface = this.bench.surface!;
     this.display.restore(parameters);
-    this.scene.up =
-      parameters?.get("up") ?? SAMPLES.find((sample) => sample.name === surface.name)?.up ?? "y";
+    const sample = SAMPLES.find(({ name }) => name === surface.name);
+    const usual = surface.kind === "nurbs" ? "z" : "y"; /* as in CAD; as in most files of meshes */
+    this.scene.up = parameters?.get("up") ?? sample?.up ?? usual;
     if (!parameters?.has("camera")) return this.scene.fit();
     this.scene.view = parameters.get("camera")!;
   }

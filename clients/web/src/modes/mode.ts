@@ -190,6 +190,18 @@ export abstract class Mode {
 export const pointsOf = (path: Pick<Path, "points"> | null | undefined): Vec3[] =>
   (path?.points ?? []) as Vec3[];
 
+const END_REASONS: Record<string, string> = {
+  length: "at the chosen length",
+  boundary: "at the boundary",
+  self_intersection: "where it meets itself",
+  singular: "at a singular point, such as an extraordinary vertex",
+  step_limit: "after too many steps",
+};
+
+/** Returns where geodesics end, for people. */
+export const endsOf = (paths: { end_reason: string }[]): string =>
+  [...new Set(paths.map(({ end_reason: reason }) => END_REASONS[reason] ?? reason))].join(", or ");
+
 /** The answer for points that no path joins. */
 export const NO_PATH: Fact = {
   label: "Distance",

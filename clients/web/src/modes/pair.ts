@@ -20,7 +20,8 @@ const VIA: Group = {
 export class PairMode extends Mode {
   readonly id = "pair";
   readonly title = "Shortest path";
-  readonly hint = "Click two points and drag them. Shift+click adds a point on the way.";
+  readonly hint =
+    "Click two points and drag them. Shift+click, or the choice below, adds points on the way.";
   readonly groups = [...ENDS, VIA];
 
   override extras(): Node[] {

@@ -13,7 +13,7 @@ import type { Place } from "../place.ts";
 import { check, choice, only, range, Settings } from "../settings.ts";
 import type { Kind } from "../surface.ts";
 import { subtract, type Vec3 } from "../vector.ts";
-import { ENDS, INK, Mode, NO_PATH, pointsOf, XYZ } from "./mode.ts";
+import { ENDS, endsOf, INK, Mode, NO_PATH, pointsOf, XYZ } from "./mode.ts";
 
 export class SubdivisionMode extends Mode {
   readonly id = "limit";
@@ -105,15 +105,13 @@ export class SubdivisionMode extends Mode {
       smooth: settings.on("smooth"),
     };
     const { paths } = await bench.post<LimitTraceAnswer>("trace", body, XYZ);
-    this.show(paths!.map(pointsOf));
-    this.path = null;
+    const lines = paths!.map(pointsOf);
+    this.show(lines);
     const total = paths!.reduce((sum, path) => sum + path.length, 0);
-    const ends = [...new Set(paths!.map((path) => path.end_reason))]
-      .join(", ")
-      .replace("step_limit", "too many steps");
+    this.path = lines.length === 1 ? { length: total, points: lines[0]! } : null;
     bench.answer.show([
       this.main(paths!.length > 1 ? "Length in all" : "Length", total),
-      { label: "Ends by", value: ends },
+      { label: paths!.length > 1 ? "They end" : "It ends", value: endsOf(paths!) },
       this.time,
     ]);
   }

@@ -4,14 +4,7 @@ import type { TraceAnswer, TraceRequest } from "../../../js/types.d.ts";
 import { pointOf } from "../place.ts";
 import { check, choice, range, Settings } from "../settings.ts";
 import { subtract } from "../vector.ts";
-import { INK, Mode, pointsOf, XYZ } from "./mode.ts";
-
-const REASONS: Record<string, string> = {
-  length: "at the chosen length",
-  boundary: "at the boundary",
-  self_intersection: "where it meets itself",
-  step_limit: "after too many edges",
-};
+import { endsOf, INK, Mode, pointsOf, XYZ } from "./mode.ts";
 
 export class TraceMode extends Mode {
   readonly id = "trace";
@@ -55,10 +48,9 @@ export class TraceMode extends Mode {
     this.fan(lines);
     const total = paths.reduce((sum, path) => sum + path.length, 0);
     const crossed = paths.reduce((sum, path) => sum + (path.points?.length ?? 0), 0);
-    const reasons = [...new Set(paths.map((path) => REASONS[path.end_reason]!))];
     bench.answer.show([
       this.main(paths.length > 1 ? "Length in all" : "Length", total),
-      { label: paths.length > 1 ? "They end" : "It ends", value: reasons.join(", or ") },
+      { label: paths.length > 1 ? "They end" : "It ends", value: endsOf(paths) },
       { label: "Points", value: String(crossed) },
       this.time,
     ]);
