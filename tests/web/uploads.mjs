@@ -68,9 +68,33 @@ async function refused(browser) {
   assert.equal(await page.evaluate(() => window.geodesicd.curl), before);
 }
 
+/** The browser asks before the user leaves a running upload. */
+async function leaving(browser) {
+  const page = await browser.page(`/#meshes=${browser.settings.large}&mode=pair`);
+  await settle(page);
+  let release = () => {};
+  const held = new Promise((resolve) => (release = resolve));
+  await page.route(/\/v1\/meshes\/held/, async (route) => {
+    await held;
+    await route.abort();
+  });
+  page.tolerate(/ERR_FAILED/);
+  await page.getByRole("button", { name: "Fit" }).click(); // browsers ask only after an interaction
+  await drop(page, ["held.obj", OCTAHEDRON]);
+  await page.locator("#uploads progress").waitFor();
+  const asked = page.waitForEvent("dialog");
+  await page.close({ runBeforeUnload: true });
+  const dialog = await asked;
+  assert.equal(dialog.type(), "beforeunload");
+  await dialog.dismiss();
+  release();
+  await page.getByRole("button", { name: "Upload again" }).waitFor();
+}
+
 export const tests = {
   "a taken name: keep both": keepBoth,
   "a taken name: replace": replace,
   "several files at once": several,
   "a refused file leaves the answer": refused,
+  "leaving a running upload is asked": leaving,
 };

@@ -23,6 +23,9 @@ export class Answer {
   /** Shows the main number over the picture. */
   private readonly readout = byId("readout");
   private requests: Request[] = [];
+  /** The labels of the facts that are shown, and the elements of their values. */
+  private labels = "";
+  private values: HTMLElement[] = [];
   private readonly copyButton = copying("Copy as curl", () => this.curl(), {
     "aria-keyshortcuts": "c",
   });
@@ -44,14 +47,25 @@ export class Answer {
 
   show(facts: Fact[], ...more: Node[]): void {
     this.warn("");
-    const rows = facts.flatMap(({ label, value, main, title = "" }) => [
-      make("dt", main ? { class: "main" } : {}, label),
-      make("dd", { ...(main && { class: "main" }), title }, value),
-    ]);
-    this.body.replaceChildren(make("dl", {}, ...rows));
+    const labels = JSON.stringify(facts.map(({ label, main }) => [label, main]));
+    if (labels !== this.labels) this.build(facts);
+    this.labels = labels;
+    facts.forEach(({ value, title = "" }, i) => {
+      const node = this.values[i]!;
+      if (node.textContent !== value) node.textContent = value;
+      if (node.title !== title) node.title = title;
+    });
     this.more.replaceChildren(...more);
     const main = facts.find((fact) => fact.main);
     this.readout.textContent = main ? `${main.label}: ${main.value}` : "";
+  }
+
+  /** Makes the list of facts. Drags change only the values, which costs less than a new list. */
+  private build(facts: Fact[]): void {
+    const kind = ({ main }: Fact): { class?: string } => (main ? { class: "main" } : {});
+    this.values = facts.map((fact) => make("dd", kind(fact)));
+    const rows = facts.flatMap((fact, i) => [make("dt", kind(fact), fact.label), this.values[i]!]);
+    this.body.replaceChildren(make("dl", {}, ...rows));
   }
 
   /**
@@ -65,6 +79,7 @@ export class Answer {
   clear(): void {
     this.warn("");
     this.body.replaceChildren();
+    this.labels = "";
     this.more.replaceChildren();
     this.readout.textContent = "";
     this.showRequests([]);

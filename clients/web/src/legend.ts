@@ -36,14 +36,21 @@ export class Legend {
   /** The scale that the legend shows; undefined if it shows none. */
   scale: Scale | undefined;
   private colours: ColourMap | undefined;
+  private ticks: HTMLElement[] = [];
 
   showRamp(scale: Scale, colours: ColourMap): void {
+    if (this.scale?.title !== scale.title || this.colours !== colours) this.build(scale, colours);
     [this.scale, this.colours] = [scale, colours];
+    ticksOf(colours, scale).forEach((tick, i) => (this.ticks[i]!.textContent = tick));
+  }
+
+  /** Makes the scale. Drags change only the numbers, which costs less than a new scale. */
+  private build(scale: Scale, colours: ColourMap): void {
     const bar = make("div", { class: "ramp" }, this.needle);
     bar.style.background = `linear-gradient(to right, ${stopsOf(colours).join(", ")})`;
-    const ticks = ticksOf(colours, scale).map((tick) => make("span", {}, tick));
+    this.ticks = Array.from({ length: TICKS + 1 }, () => make("span"));
     const title = make("div", { class: "title" }, make("strong", {}, scale.title), this.reading);
-    this.show(title, bar, make("div", { class: "ticks" }, ...ticks));
+    this.show(title, bar, make("div", { class: "ticks" }, ...this.ticks));
   }
 
   /** Changes the colours of the current scale. */

@@ -146,8 +146,9 @@ export class Uploads {
 
   private async put(request: Request, label: string): Promise<void> {
     const running = (this.running = new AbortController());
-    const show = (step: string) => (part: number) =>
+    const show = (step: string) => (part: number | null) =>
       this.progress.showProgress(`${step} ${label}`, part, () => this.cancel());
+    show("Sending")(null); /* the browser reports no progress of small files */
     const sent = await send(this.api, request, show("Sending"), running.signal);
     const location = sent.headers.get("Location");
     const response =
