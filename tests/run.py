@@ -4,9 +4,10 @@
 usage: tests/run.py [--jobs N] [--timeout SECONDS] PROGRAM...
 
 A program is a cmocka binary (its TAP output is counted), or any other command that prints lines `ok
-NAME` / `not ok NAME` / `skip NAME`. The output of a failed program is shown, without the tests that
-passed, and its lines that begin with `# ` (figures worth reporting) always. The last line is
-`N passed, N failed, N skipped`; the exit status is 0 only if nothing failed and something passed.
+NAME` / `not ok NAME` / `skip NAME: REASON`. The output of a failed program is shown, without the
+tests that passed. Skipped tests, and lines that begin with `# ` (figures worth reporting), are
+always shown. The last line is `N passed, N failed, N skipped`; the exit status is 0 only if nothing
+failed and something passed.
 """
 import argparse
 import concurrent.futures
@@ -43,8 +44,16 @@ def run(command, timeout):
 
 def worth_telling(output, failed):
     """Returns a failed program's output without the tests that passed: logs are truncated, and must
-    keep the failures."""
-    return [line for line in output.splitlines() if (not OK.match(line) if failed else re.match(r"# (?!ok|not ok)", line))]
+    keep the failures. Of another program returns the skips and the lines that begin with `# `.
+    Tests in C print the reason of a skip in a line before it."""
+    reasons = re.findall(r"^# skipped: (.*)", output, re.M)
+    told = []
+    for line in output.splitlines():
+        if skipped := re.match(r"(?:not )?ok \d+ # SKIP (.*)", line):
+            told.append(f"skip {skipped[1]}: {reasons.pop(0) if reasons else 'no reason is given'}")
+        elif SKIP.match(line) or (not OK.match(line) if failed else re.match(r"# (?!ok|not ok|skipped: )", line)):
+            told.append(line)
+    return told
 
 
 def main():

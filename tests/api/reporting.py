@@ -8,10 +8,10 @@ class LineResult(unittest.TestResult):
         super().startTest(test)
         self.started = time.monotonic()
 
-    def report(self, verdict, test):
+    def report(self, verdict, test, reason=""):
         now = time.monotonic()
         # a class that fails or is skipped as a whole has not started
-        print(f"{verdict:5} {now - getattr(self, 'started', now):7.3f} s  {test.id()}", flush=True)
+        print(f"{verdict:5} {now - getattr(self, 'started', now):7.3f} s  {test.id()}" + (f": {reason}" if reason else ""), flush=True)
 
     def addSuccess(self, test):
         super().addSuccess(test)
@@ -27,7 +27,7 @@ class LineResult(unittest.TestResult):
 
     def addSkip(self, test, reason):
         super().addSkip(test, reason)
-        self.report("skip", test)
+        self.report("skip", test, reason)
 
     def addSubTest(self, test, subtest, error):
         super().addSubTest(test, subtest, error)

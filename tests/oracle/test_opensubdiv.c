@@ -18,6 +18,13 @@ struct pair {
     size_t count;
 };
 
+static void require_opensubdiv(void)
+{
+    if (opensubdiv_is_available()) return;
+    print_message("# skipped: OpenSubdiv is not installed: apt-get install libosd-dev\n");
+    skip();
+}
+
 static double size_of(const struct gd_polygons *polygons)
 {
     double most = 0;
@@ -249,7 +256,7 @@ static void make_prism(uint32_t n, char *text, size_t size)
 
 static void tags(void **state)
 {
-    if (!opensubdiv_is_available()) skip();
+    require_opensubdiv();
     (void)state;
     static const struct sample samples[] = {
         {"smooth", SKEW_CUBE, CC, 0},
@@ -274,7 +281,7 @@ static void tags(void **state)
 
 static void boundaries(void **state)
 {
-    if (!opensubdiv_is_available()) skip();
+    require_opensubdiv();
     (void)state;
     static const struct sample samples[] = {
         {"boundary, edge only", BENT_L, CC, GD_INTERPOLATE_EDGE_ONLY},
@@ -289,7 +296,7 @@ static void boundaries(void **state)
 
 static void valences(void **state)
 {
-    if (!opensubdiv_is_available()) skip();
+    require_opensubdiv();
     (void)state;
     struct tally tally = {0};
     for (uint32_t n = 3; n <= 12; n++) {
@@ -307,7 +314,7 @@ static void valences(void **state)
 /* Prisms over polygons, with one semi-sharp edge. */
 static void polygons(void **state)
 {
-    if (!opensubdiv_is_available()) skip();
+    require_opensubdiv();
     (void)state;
     struct tally tally = {0};
     for (uint32_t n = 3; n <= 9; n++) {
@@ -323,7 +330,7 @@ static void polygons(void **state)
  * falls with every level. */
 static void approximated(void **state)
 {
-    if (!opensubdiv_is_available()) skip();
+    require_opensubdiv();
     (void)state;
     struct gd_control_mesh mesh;
     const char *text = SKEW_CUBE "t crease 2/1/0 4 5 10\n";
@@ -363,7 +370,7 @@ static void compare_file(const char *path, enum gd_scheme scheme, int level)
 
 static void real_meshes(void **state)
 {
-    if (!opensubdiv_is_available()) skip();
+    require_opensubdiv();
     (void)state;
     compare_file("../shared/meshes/suzanne.obj", CC, 3);
     compare_file("../shared/meshes/beast.obj", CC, 1);

@@ -105,8 +105,8 @@ static struct server_sandbox enter_whatever_is_there(const struct fixture *fixtu
 static struct server_sandbox enter(const struct fixture *fixture)
 {
     struct server_sandbox sandbox = enter_whatever_is_there(fixture);
-    /* a sanitizer's build, or another kernel */
-    if (!sandbox.is_wanted || sandbox.landlock) _exit(SKIPPED);
+    if (!sandbox.is_wanted) SKIP_CHILD("this build has a sanitizer, which needs more rights");
+    if (sandbox.landlock) SKIP_CHILD("this kernel has no Landlock");
     return sandbox;
 }
 
@@ -115,7 +115,7 @@ static void seal(const struct fixture *fixture)
     struct server_sandbox sandbox = enter(fixture);
     server_log_set_level(SERVER_LOG_ERROR);
     server_sandbox_seal(&sandbox);
-    if (sandbox.seccomp) _exit(SKIPPED);
+    if (sandbox.seccomp) SKIP_CHILD("this kernel has no seccomp filters");
 }
 
 static int make_file(const char *folder, const char *name)
@@ -176,8 +176,8 @@ static void reach_out(struct fixture *fixture)
     struct sockaddr_in own = {.sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
     (void)enter(fixture);
     int outgoing = socket(AF_INET, SOCK_STREAM, 0), listening = socket(AF_INET, SOCK_STREAM, 0);
-    /* before Linux 6.7 */
-    if (!REFUSED(connect(outgoing, address, sizeof fixture->address), EACCES)) _exit(SKIPPED);
+    if (!REFUSED(connect(outgoing, address, sizeof fixture->address), EACCES))
+        SKIP_CHILD("Landlock of this kernel does not limit connections (before Linux 6.7)");
     own.sin_port = htons(1);
     INSIST(REFUSED(bind(listening, (struct sockaddr *)&own, sizeof own), EACCES));
     own.sin_port = 0; /* --listen was bound before */
@@ -208,7 +208,7 @@ static void call_what_is_no_more(struct fixture *fixture)
     INSIST(pthread_create(&thread, NULL, try_sockets, pipes) == 0);
     server_log_set_level(SERVER_LOG_ERROR);
     server_sandbox_seal(&sandbox);
-    if (sandbox.seccomp) _exit(SKIPPED);
+    if (sandbox.seccomp) SKIP_CHILD("this kernel has no seccomp filters");
     INSIST(write(pipes[1], "", 1) == 1);
     INSIST(pthread_join(thread, &refused) == 0 && refused);
     INSIST(REFUSED(socket(AF_UNIX, SOCK_STREAM, 0), ENOSYS));
@@ -370,7 +370,7 @@ static void reach_beyond(struct fixture *fixture, bool connects)
     server_log_set_level(SERVER_LOG_ERROR);
     sandbox.connects = connects;
     server_sandbox_seal(&sandbox);
-    if (sandbox.seccomp) _exit(SKIPPED);
+    if (sandbox.seccomp) SKIP_CHILD("this kernel has no seccomp filters");
     insist_on_refusals(outside, inside, descriptor, getppid());
     INSIST(stat(inside, &facts) == 0 && (facts.st_mode & 07777) == 0600);
     INSIST(setpriority(PRIO_PROCESS, 0, 19) == 0); /* the daemon does this to its own threads */
@@ -429,7 +429,7 @@ static void look_at_capabilities(struct fixture *fixture)
          could_come_first = setpriority(PRIO_PROCESS, 0, SERVER_HTTP_NICE) == 0;
     INSIST(setpriority(PRIO_PROCESS, 0, 0) == 0);
     struct server_sandbox sandbox = enter_whatever_is_there(fixture);
-    if (!sandbox.is_wanted) _exit(SKIPPED);
+    if (!sandbox.is_wanted) SKIP_CHILD("this build has a sanitizer, which needs more rights");
     INSIST(!sandbox.capabilities);
     INSIST(syscall(SYS_capget, &header, held) == 0);
     for (int i = 0; i < _LINUX_CAPABILITY_U32S_3; i++)

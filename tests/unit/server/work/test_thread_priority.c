@@ -18,7 +18,7 @@ static int nice_of_thread(void)
 
 static void goes_and_comes_back(void)
 {
-    if (setpriority(PRIO_PROCESS, 0, -1) != 0) _exit(SKIPPED);
+    if (setpriority(PRIO_PROCESS, 0, -1) != 0) SKIP_CHILD("raising a priority needs CAP_SYS_NICE");
     server_worker_lower();
     int nice = nice_of_thread();
     INSIST(nice > 0 && sched_getscheduler(0) == SCHED_OTHER);
@@ -35,7 +35,7 @@ static void stays_where_it_could_not_come_back(void)
 {
     const struct rlimit none = {0, 0};
     if (setrlimit(RLIMIT_NICE, &none) != 0 || (geteuid() == 0 && setuid(NOBODY) != 0))
-        _exit(SKIPPED);
+        SKIP_CHILD("the limit RLIMIT_NICE or the user cannot be changed");
     server_worker_lower();
     INSIST(nice_of_thread() > 0);
     server_worker_set_idle(true);
