@@ -12,13 +12,13 @@ else
 PAGES := $(PAGES_BUILD)/pages/licenses.txt
 endif
 
-$(PAGES_BUILD)/node_modules/.package-lock.json: clients/web/package.json clients/web/package-lock.json | $(BUILD_MARK)
+$(PAGES_BUILD)/installed: clients/web/package.json clients/web/package-lock.json | $(BUILD_MARK)
 	@clients/web/build.sh install $(PAGES_BUILD)
 
-$(PAGES_BUILD)/pages/licenses.txt: $(PAGES_BUILD)/node_modules/.package-lock.json $(shell find clients/web clients/js/types.d.ts -name node_modules -prune -o -type f -print)
+$(PAGES_BUILD)/pages/licenses.txt: $(PAGES_BUILD)/installed $(shell find clients/web clients/js/types.d.ts -name node_modules -prune -o -type f -print)
 	@clients/web/build.sh bundle $(PAGES_BUILD)
 
-check-pages: $(PAGES_BUILD)/node_modules/.package-lock.json
+check-pages: $(PAGES_BUILD)/installed
 	@clients/web/build.sh check $(PAGES_BUILD)
 
 $(BUILD)/generated/pages-$(VIEWER):

@@ -1,12 +1,13 @@
 #!/bin/sh
 # Builds the pages that the daemon serves, outside the checkout.
 #
-#     build.sh install PLACE    installs the packages of package-lock.json into PLACE/node_modules
+#     build.sh install PLACE    installs the packages that the pages contain, and esbuild, from
+#                               package-lock.json into PLACE/node_modules
 #     build.sh bundle PLACE     writes the pages into PLACE/pages
-#     build.sh check PLACE      checks types only
+#     build.sh check PLACE      checks types only; first installs the compiler and types
 #
-# `install` links the sources into PLACE, beside node_modules, so that their imports resolve and
-# error messages name the files of the checkout.
+# Commands for the same PLACE wait for each other. `install` links the sources into PLACE, beside
+# node_modules, so that their imports resolve and error messages name the files of the checkout.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 place=$2
@@ -19,12 +20,12 @@ say() {
 install_packages() {
     command -v npm >/dev/null && [ "$(node -p 'parseInt(process.versions.node)')" -ge 18 ] ||
         say "the viewer is built by node 18 or later and npm, which are not here: make setup installs them; make VIEWER=no builds a daemon without the viewer"
-    mkdir -p "$place"
     cp "$here/package.json" "$here/package-lock.json" "$place"
     ln -sfn "$(dirname "$here")" "$place/clients"
-    (cd "$place" && timeout 300 npm ci --ignore-scripts --include=dev --no-audit --no-fund --loglevel=error --fetch-retry-mintimeout=1000 --fetch-retry-maxtimeout=5000) >"$place/npm.log" 2>&1 ||
+    (cd "$place" && timeout 300 npm ci --ignore-scripts $1 --no-audit --no-fund --loglevel=error --fetch-retry-mintimeout=1000 --fetch-retry-maxtimeout=5000) >"$place/npm.log" 2>&1 ||
         say "npm could not install the viewer's packages ($(grep -m 1 -iE 'npm err' "$place/npm.log" || echo 'no answer in 300 s')): connect to its registry," \
             "or go on by make VIEWER=no, which builds a daemon without the viewer; all that npm said is in $place/npm.log"
+    touch "$place/installed"
 }
 
 compile() {
@@ -56,12 +57,22 @@ bundle() {
 }
 
 check() {
+    [ -e "$place/node_modules/typescript" ] || {
+        before=$(mktemp)
+        touch -r "$place/installed" "$before"
+        install_packages --include=dev
+        touch -r "$before" "$place/installed" # what the pages contain is the same
+        rm "$before"
+    }
     cd "$place"
     node_modules/.bin/tsc -p clients/web --preserveSymlinks
 }
 
+mkdir -p "$place"
+exec 9>"$place/lock"
+flock 9
 case $1 in
-install) install_packages ;;
+install) install_packages --omit=dev ;;
 bundle) bundle ;;
 check) check ;;
 *) say "usage: build.sh install|bundle|check PLACE" ;;
