@@ -38,6 +38,8 @@ export class JobCancelled extends GeodesicError {}
 export type PointLike = number | string | readonly number[] | Floats | Vector3Like | types.Point | types.PointAnswer;
 /** Points: a list, an array of vertex indices, or an array of rows of three coordinates. */
 export type PointsLike = readonly PointLike[] | Integers | Floats;
+/** Points that are sent in binary form: integers are vertices; floats are rows of coordinates. */
+export type BulkPoints = Integers | Floats | readonly number[] | readonly (readonly number[] | Vector3Like)[];
 export type SetLike = PointLike | PointsLike | types.Set;
 export type Floats = Float64Array | Float32Array;
 export type Integers = Uint32Array | Uint16Array | Uint8Array | Int32Array;
@@ -227,16 +229,15 @@ export class Mesh extends Surface<types.MeshQueries> {
   picture(form?: "png" | "svg", query?: Record<string, string | number | boolean | AbortSignal | undefined>): Promise<ArrayBuffer>;
   nearest(point: PointLike, options?: Abortable): Promise<types.PointAnswer>;
   /**
-   * Returns the distance of each pair; NaN if no path joins its points. A Uint32Array holds vertex
-   * indices, other arrays hold rows of three coordinates. An array with one point uses this point
-   * for all pairs.
+   * Returns the distance of each pair; NaN if no path joins its points. An array with one point
+   * uses this point for all pairs.
    */
-  pairs(from: Uint32Array | Floats, to: Uint32Array | Floats, options?: Abortable): Promise<Float64Array>;
+  pairs(from: BulkPoints, to: BulkPoints, options?: Abortable): Promise<Float64Array>;
   /**
    * Returns the surface points that are nearest to rows of three coordinates. The arrays are
    * `faces`, `barycentric`, `xyz` and `snap_distances`.
    */
-  nearestPoints(xyz: Floats | Uint32Array, options?: Abortable): Promise<Record<string, Float64Array | Uint32Array>>;
+  nearestPoints(xyz: BulkPoints, options?: Abortable): Promise<Record<string, Float64Array | Uint32Array>>;
   /** Returns a row of distances for each source; NaN if no path joins the points. */
   matrix(
     sources: PointsLike,

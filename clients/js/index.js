@@ -168,6 +168,16 @@ export function readArrays(buffer) {
   return arrays;
 }
 
+/* Converts indices to a Uint32Array, and rows of three coordinates to a Float64Array. */
+function toBulk(values) {
+  if (values instanceof Uint32Array || values instanceof Float64Array || values instanceof Float32Array) return values;
+  const list = Array.from(values);
+  if (list.some((value) => typeof value === "object")) return Float64Array.from(list.flatMap((row) => (row.isVector3 ? [row.x, row.y, row.z] : [...row])));
+  const wrong = list.find((value) => !(Number.isInteger(value) && value >= 0 && value < 2 ** 32));
+  if (wrong !== undefined) throw new TypeError(`${wrong} is not the index of a vertex; give indices, or rows of three coordinates`);
+  return Uint32Array.from(list);
+}
+
 /* Writes typed arrays by name as a container. A Uint32Array has one index per row, other arrays
  * have three numbers per row. */
 export function writeArrays(arrays) {
@@ -425,7 +435,8 @@ export class Mesh extends Surface {
   }
 
   async #bulk(name, arrays, { signal } = {}) {
-    const call = { query: { format: "f64" }, body: writeArrays(arrays), headers: { "Content-Type": FLOATS }, signal };
+    const typed = Object.fromEntries(Object.entries(arrays).map(([key, values]) => [key, toBulk(values)]));
+    const call = { query: { format: "f64" }, body: writeArrays(typed), headers: { "Content-Type": FLOATS }, signal };
     return readArrays(await this.get(`/${name}`, "arrayBuffer", call, "POST"));
   }
 

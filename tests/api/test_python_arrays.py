@@ -68,6 +68,18 @@ assert lines["first"][-1] == len(lines["points"]) and lines["points"].shape[1] =
 lines["points"][:] = 0
 assert len(field.isolines(numpy.array([0.5]))) == 1
 assert "points" not in field.isolines(count=2, geometry="none")[0]["lines"][0]
+assert len(field.isolines(0.5)) == 1
+mask = numpy.array([False, False, True, False])
+assert near(mesh.field(mask).values(), mesh.field(2).values())
+assert near(mesh.pairs(mask, [0]), [2**.5]) and near(mesh.pairs(V[2], [0, 1]), [2**.5, 1])
+assert mesh.field([0.5, 0, 1]).describe()["members"] == mesh.field(range(1)).describe()["members"] == 1
+for wrong, error in (([-1], ValueError), ([2**32], ValueError), (["v:1"], TypeError)):
+    try:
+        mesh.pairs(wrong, [0])
+        assert False, wrong
+    except error:
+        pass
+assert client.upload("arrays", [V, F]).distance(0, 1) == 1
 for wrong in ((V[:, :2], F), (V, F.astype(float)), (V, F + 2)):
     try:
         client.upload("wrong", wrong)

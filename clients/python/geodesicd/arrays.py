@@ -17,6 +17,7 @@ except ImportError:
 MEDIA_TYPE = "application/octet-stream"
 _HEAD, _ENTRY = struct.Struct("<8sII"), struct.Struct("<32sIIQQQ")
 _LETTERS = {1: "d", 2: "f", 3: "I"}
+_INDEX_MOST = 2**32 - 1
 _TYPES = {letter: number for number, letter in _LETTERS.items()}
 
 
@@ -55,7 +56,15 @@ def _flat(values: Any) -> Any:
     a list of numbers or of triples. Columns are 0 if the rows are single numbers."""
     if numpy is not None and not isinstance(values, array.array):
         given = numpy.asarray(values)
+        if given.dtype == bool and given.ndim == 1:
+            given = numpy.flatnonzero(given)
+        if given.dtype.kind not in "iuf":
+            raise TypeError(f"arrays hold vertex indices or rows of three coordinates, not {given.ravel()[0]!r}")
         letter = "I" if given.dtype.kind in "iu" and given.ndim == 1 else "f" if given.dtype == numpy.float32 else "d"
+        if letter == "I" and given.size and not 0 <= given.min() <= given.max() <= _INDEX_MOST:
+            raise ValueError(f"indices are from 0 to {_INDEX_MOST}, not {given.min()} or {given.max()}")
+        if letter != "I" and given.shape == (3,):
+            given = given.reshape(1, 3)
         given = numpy.ascontiguousarray(given, {"I": "<u4", "f": "<f4", "d": "<f8"}[letter])
         return letter, given.shape[1] if given.ndim == 2 else 0, given.tobytes()
     if isinstance(values, array.array):

@@ -36,11 +36,12 @@ class Path:
 
 
 def point_set(sources: Union[Mapping[str, Any], PointLike, Points]) -> Dict[str, Any]:
-    """Returns a set of the contract, made from: a set; a point; a list or an array of points."""
+    """Returns a set of the contract, made from: a set; a point; a list or an array of points. Three
+    numbers that are not all integers are a point; three integers are three vertices."""
     sources = points.listed(sources)
     if isinstance(sources, Mapping) and sources.keys() & {"points", "curves", "boundaries"}:
         return dict(sources)
-    if isinstance(sources, (list, tuple)) and not (len(sources) == 3 and all(isinstance(x, float) for x in sources)):
+    if isinstance(sources, (list, tuple, range)) and not points.is_place(sources):
         return {"points": points.all_as_json(sources)}
     return {"points": [points.as_json(sources)]}
 
@@ -103,6 +104,9 @@ class Field(Resource):
         self.max: Optional[float] = answer["max"]
         self.farthest = Point.read(answer["farthest"]) if answer.get("farthest") else None
 
+    def __repr__(self) -> str:
+        return f"<{self.location}>"
+
     def describe(self) -> answers.Field:
         return cast(answers.Field, super().describe())
 
@@ -127,27 +131,29 @@ class Field(Resource):
         body = {"points": points.all_as_json(at), "path": path, "gradient": gradient}
         return cast(List[answers.Result], self.query("evaluate", body)["results"])
 
-    def isolines(self, levels: Optional[Sequence[float]] = None, tolerance: Optional[float] = None, count: Optional[int] = None,
+    def isolines(self, levels: Union[Sequence[float], float, None] = None, tolerance: Optional[float] = None, count: Optional[int] = None,
                  geometry: Optional[str] = None) -> List[answers.Isoline]:
         """Returns the lines of each level, or of `count` even levels. Within faces the daemon
         approximates the curves to `tolerance` (default: its own). `geometry`: "full", "xyz" or
         "none"."""
         return cast(List[answers.Isoline], self.query("isolines", self._levels(levels, tolerance, count), geometry=geometry)["isolines"])
 
-    def isoline_arrays(self, levels: Optional[Sequence[float]] = None, tolerance: Optional[float] = None,
+    def isoline_arrays(self, levels: Union[Sequence[float], float, None] = None, tolerance: Optional[float] = None,
                        count: Optional[int] = None) -> Dict[str, Any]:
         """As `isolines`, as arrays by name. Line i is the rows of `points` from `first[i]` to
         `first[i + 1]`; `level` and `length` have an entry for each line."""
         return self.query_arrays("isolines", self._levels(levels, tolerance, count))
 
-    def isolines_file(self, levels: Sequence[float], format: str = "obj", tolerance: Optional[float] = None, mesh: bool = False) -> bytes:
+    def isolines_file(self, levels: Union[Sequence[float], float], format: str = "obj", tolerance: Optional[float] = None, mesh: bool = False) -> bytes:
         """Returns the lines of all levels as a file: obj, glb or csv. `mesh`: include the mesh (obj
         and glb)."""
         query = {"format": format, "mesh": mesh or None}
         return self.client.call("POST", self.location + "/isolines", query, self._levels(levels, tolerance)).body
 
     @staticmethod
-    def _levels(levels: Optional[Sequence[float]], tolerance: Optional[float], count: Optional[int] = None) -> Dict[str, Any]:
+    def _levels(levels: Union[Sequence[float], float, None], tolerance: Optional[float], count: Optional[int] = None) -> Dict[str, Any]:
+        if isinstance(levels, (int, float)):
+            levels = [levels]
         given = {"levels": None if levels is None else list(points.listed(levels)), "tolerance": tolerance, "count": count}
         return {name: value for name, value in given.items() if value is not None}
 
@@ -440,6 +446,8 @@ class Client:
         query = {"format": format, "weld": weld, "repair": repair, "description": description, **(edits or {})}
         headers: Dict[str, str] = {}
         body: Any = content
+        if isinstance(content, list) and len(content) == 2:
+            content = (content[0], content[1])
         if isinstance(content, tuple) and numpy is not None and any(hasattr(part, "dtype") for part in content):
             body = ply.write(*content)
         elif isinstance(content, tuple):

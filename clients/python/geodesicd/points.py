@@ -69,19 +69,27 @@ def as_json(point: PointLike) -> Dict[str, Any]:
         return dict(point)
     if isinstance(point, str):
         return _read_compact(point)
-    if hasattr(point, "__index__"):
+    if hasattr(point, "__index__") and not isinstance(point, bool):
         return {"vertex": point.__index__()}
-    if isinstance(point, float) or len(point) != 3:
+    if isinstance(point, (bool, float)) or len(point) != 3:
         raise ValueError(f"{point!r} is not a point; give the index of a vertex, or three coordinates")
     return {"xyz": [float(x) for x in point]}
 
 
 def listed(values: Any) -> Any:
-    """Converts a numpy array to a list, and a flat array.array of floats with more than three
-    elements to a list of rows of three. Returns other values unchanged."""
+    """Converts a numpy array to a list, a numpy mask to the list of its true indices, and a flat
+    array.array of floats with more than three elements to a list of rows of three. Returns other
+    values unchanged."""
+    if getattr(values, "dtype", None) == bool and values.ndim == 1:
+        values = values.nonzero()[0]
     if isinstance(values, array.array) and values.typecode in "fd" and len(values) > 3:
         return [values[i:i + 3].tolist() for i in range(0, len(values), 3)]
     return values.tolist() if hasattr(values, "tolist") else values
+
+
+def is_place(values: Any) -> bool:
+    """Returns whether values are three numbers that are not all integers: coordinates."""
+    return len(values) == 3 and any(isinstance(x, float) for x in values) and all(isinstance(x, (int, float)) for x in values)
 
 
 def all_as_json(points: Points) -> List[Dict[str, Any]]:
