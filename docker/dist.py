@@ -57,7 +57,8 @@ def checksum(path):
 def parts():
     """(name, version, licence, purl) of what the daemon is linked with, and of what its pages
     contain."""
-    for name in re.findall(r"^PACKAGES := ((?:.*\\\n)*.*)", (SOURCE / "docker/setup.mk").read_text(), re.M)[0].replace("\\", "").split():
+    lists = re.findall(r"^(?:OPENMESH_)?PACKAGES? := ((?:.*\\\n)*.*)", (SOURCE / "docker/setup.mk").read_text(), re.M)
+    for name in " ".join(lists).replace("\\", "").split():
         if name.startswith("lib") or name == "zlib1g-dev":
             yield name, None, "NOASSERTION", f"pkg:deb/debian/{name}"
     bundled = re.search(r"for package in (.*); do", (SOURCE / "clients/web/build.sh").read_text())[1].split()

@@ -1,17 +1,37 @@
 #!/usr/bin/env bash
-# install_packages.sh PACKAGE... [--if-available PACKAGE...]: installs the missing packages and
-# prints their size. {clang} in a name stands for the version of the system's clang:
-# libclang-rt-{clang}-dev. Needs apt, and root or sudo if a package is missing. Neither starts nor
-# enables the services of servers (PostgreSQL, HAProxy).
+# install_packages.sh PACKAGE... [--if-available PACKAGE...] [--headers FOLDER PACKAGE]
+#
+# Installs the missing packages and prints their size. {clang} in a name stands for the version of
+# the system's clang: libclang-rt-{clang}-dev. --headers unpacks one package below FOLDER, without
+# the packages that it depends on, and installs only the libraries of the same source. Needs apt,
+# and root or sudo if a package is missing. Neither starts nor enables the services of servers
+# (PostgreSQL, HAProxy).
 set -euo pipefail
 
-if ! command -v apt-get >/dev/null; then
-    echo "There is no apt-get here, so nothing is installed. Wanted are what Debian names: $*" >&2
-    exit 0
-fi
+# Nothing of the installation stays but the packages: no downloads, no caches, no translations.
+place=$(mktemp -d)
+chmod 755 "$place" # apt downloads as another user
+trap 'rm -rf "$place"' EXIT
+cat >"$place/apt.conf" <<END
+APT::Keep-Downloaded-Packages "false";
+APT::Get::List-Cleanup "false";
+Acquire::Languages "none";
+Dir::Cache::pkgcache "";
+Dir::Cache::srcpkgcache "";
+END
+export APT_CONFIG=$place/apt.conf
 
 is_installed() {
     dpkg-query -W -f='${Status}' "$1" 2>/dev/null | grep -q 'ok installed'
+}
+
+# Prints the control fields of the package that is or will be unpacked.
+headers_control() {
+    if [ -e "$folder/DEBIAN/control" ]; then
+        cat "$folder/DEBIAN/control"
+    else
+        apt-cache show --no-all-versions "$headers" 2>/dev/null
+    fi
 }
 
 # Sets `required` and `optional` to the packages that are missing.
@@ -21,32 +41,78 @@ find_missing() {
     optional=()
     # Fails as long as apt has no lists; no name that needs the version is installed before that.
     version=$( (dpkg-query -W -f='${Depends}\n' clang; apt-cache depends clang) 2>/dev/null | sed -n 's/.*clang-\([0-9]\+\).*/\1/p' | head -n 1 || true)
+    version=${version:-*}
+    if [ -n "$headers" ]; then # its libraries are those that it depends on in one version
+        set -- "$@" --headers $(headers_control | sed -n 's/^Depends: //p' | tr , '\n' | sed -n 's/^ *\([^ ]*\) (= .*/\1/p')
+    fi
     for package in "$@"; do
         package=${package/\{clang\}/$version}
-        if [ "$package" = --if-available ]; then
-            list=optional
-        elif ! is_installed "$package"; then
-            eval "$list+=(\"\$package\")"
-        fi
+        case $package in
+        --if-available) list=optional ;;
+        --headers) list=required ;;
+        *) is_installed "$package" || eval "$list+=(\"\$package\")" ;;
+        esac
     done
 }
 
-find_missing "$@"
-[ ${#required[@]} -gt 0 ] || exit 0
+unpack_headers() {
+    local link
+    (cd "$place" && apt-get -qq download "$headers" 2>/dev/null) || { echo "apt cannot download $headers" >&2; return 1; }
+    rm -rf "$folder"
+    mkdir -p "$(dirname "$folder")"
+    dpkg-deb -R "$place/$headers"_*.deb "$folder"
+    # The names of libraries for the linker are links to the installed libraries.
+    find "$folder/usr/lib" -name '*.so' -type l | while read -r link; do
+        ln -sfn "$(dirname "${link#"$folder"}")/$(readlink "$link")" "$link"
+    done
+}
+
+wanted=()
+headers=
+while [ $# -gt 0 ]; do
+    if [ "$1" = --headers ]; then
+        folder=$2
+        headers=$3
+        shift 3
+    else
+        wanted+=("$1")
+        shift
+    fi
+done
+if ! command -v apt-get >/dev/null; then
+    echo "There is no apt-get here, so nothing is installed. Wanted are what Debian names: ${wanted[*]} $headers" >&2
+    exit 0
+fi
+
+is_unpacked=true
+if [ -n "$headers" ] && is_installed "$headers"; then
+    headers=
+elif [ -n "$headers" ]; then
+    [ -e "$folder/DEBIAN/control" ] || is_unpacked=false
+fi
+
+find_missing "${wanted[@]}"
+if [ ${#required[@]} = 0 ] && $is_unpacked; then
+    exit 0
+fi
 
 root=()
 if [ "$(id -u)" != 0 ]; then
     if ! command -v sudo >/dev/null; then
         echo "These packages are missing, and there is neither root nor sudo to install them: have an administrator run" >&2
-        echo "    apt-get install --no-install-recommends ${required[*]}" >&2
+        echo "    apt-get install --no-install-recommends ${required[*]} $headers" >&2
         exit 1
     fi
     root=(sudo)
 fi
+root+=(env "APT_CONFIG=$APT_CONFIG" DEBIAN_FRONTEND=noninteractive)
 
-echo "apt installs what is missing: ${required[*]}"
+$is_unpacked && headers_too= || headers_too=", and the headers of $headers"
+echo "apt installs what is missing: ${required[*]}$headers_too"
+lists=/var/lib/apt/lists
+had_lists=$(find $lists -name '*_Packages*' -print -quit 2>/dev/null)
 "${root[@]}" apt-get -qq update
-find_missing "$@"
+find_missing "${wanted[@]}"
 for package in "${optional[@]}"; do
     if [ -n "$(apt-cache search --names-only "^$package\$")" ]; then
         required+=("$package")
@@ -55,19 +121,21 @@ for package in "${optional[@]}"; do
     fi
 done
 
-log=$(mktemp)
+log=$place/log
 policy=/usr/sbin/policy-rc.d # Debian's own way to say that no service starts
 [ -e $policy ] && policy= || printf '#!/bin/sh\nexit 101\n' | "${root[@]}" install -m 755 /dev/stdin $policy
-trap 'rm -f "$log"; [ -z "$policy" ] || "${root[@]}" rm -f "$policy"' EXIT
+# A system without lists, such as a container's image, keeps none.
+trap 'rm -rf "$place"; [ -z "$policy" ] || "${root[@]}" rm -f "$policy"; [ -n "$had_lists" ] || "${root[@]}" find $lists -type f -delete' EXIT
 
 # Prints a line for each tenth of the work, and the output of apt only if it fails.
-"${root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -y --no-install-recommends install "${required[@]}" 2>&1 | tee "$log" | awk '
+"${root[@]}" apt-get -y --no-install-recommends install "${required[@]}" 2>&1 | tee "$log" | awk '
     /newly installed/ { steps = 3 * $3 }
     /^Need to get|^After this operation/ { print "    " $0; fflush() }
     /^Get:|^Unpacking |^Setting up / && steps {
         done++
         if (int(10 * done / steps) > tenths) { tenths = int(10 * done / steps); printf "    %d %%\n", 10 * tenths; fflush() }
     }' || { tail -n 20 "$log" >&2; exit 1; }
+$is_unpacked || unpack_headers
 for service in haproxy postgresql; do
     if [[ " ${required[*]} " == *" $service "* ]] && command -v systemctl >/dev/null; then
         "${root[@]}" systemctl --quiet disable $service 2>/dev/null || true

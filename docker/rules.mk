@@ -7,7 +7,7 @@ tell = $(if $(filter-out 0,$(V)),,@printf '  %-3s  %s\n' $(1) $(or $(2),$@);)
 
 # FILE_FLAGS: flags of single files, as target-specific variables of their objects.
 compile_c   = $(CC) $(GD_CPPFLAGS) $(CPPFLAGS) $(GD_CFLAGS) $(FILE_FLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
-compile_cxx = $(CXX) $(GD_CPPFLAGS) $(CPPFLAGS) $(GD_CXXFLAGS) $(FILE_FLAGS) $(CXXFLAGS) -MMD -MP -c -o $@ $<
+compile_cxx = $(CXX) $(GD_CPPFLAGS) $(OPENMESH_CPPFLAGS) $(CPPFLAGS) $(GD_CXXFLAGS) $(FILE_FLAGS) $(CXXFLAGS) -MMD -MP -c -o $@ $<
 # $(call link,COMPILER) LIBRARIES: the recipe that links a program.
 link = $(call tell,LD)$(1) $(GD_LDFLAGS) $(LDFLAGS) -o $@ $(filter %.o %.a,$^)
 
@@ -46,6 +46,14 @@ AVX2_FLAGS        := -mavx2
 AVX512_FLAGS      := -mavx512f -mavx512vl -mavx512dq -mprefer-vector-width=512
 $(foreach folder,obj pic,$(BUILD)/$(folder)/engine/%_avx2.c.o): FILE_FLAGS += $(AVX2_FLAGS)
 $(foreach folder,obj pic,$(BUILD)/$(folder)/engine/%_avx512.c.o): FILE_FLAGS += $(AVX512_FLAGS)
+endif
+
+# OpenMesh, where `make setup` has unpacked it (docker/setup.mk); a system's OpenMesh has priority.
+# Only files in C++ include it.
+OPENMESH          := $(CURDIR)/build/openmesh
+OPENMESH_CPPFLAGS := -idirafter $(OPENMESH)/usr/include
+ifneq ($(wildcard $(OPENMESH)/usr/lib/*),)
+export LIBRARY_PATH := $(wildcard $(OPENMESH)/usr/lib/*)$(if $(LIBRARY_PATH),:$(LIBRARY_PATH))
 endif
 
 # All objects depend on the compiler's flags and on this file. All programs depend on the linker's

@@ -4,13 +4,16 @@
 .PHONY: setup setup-test
 
 # Packages for the daemon, its pages and the demo.
-PACKAGES := build-essential libmicrohttpd-dev libjansson-dev libgnutls28-dev libseccomp-dev libsqlite3-dev \
-            libpq-dev zlib1g-dev libminizip-dev libexpat1-dev libopenmesh-dev python3 python3-markdown python3-yaml curl ca-certificates
+PACKAGES := g++ make libmicrohttpd-dev libjansson-dev libgnutls28-dev libseccomp-dev libsqlite3-dev \
+            libpq-dev zlib1g-dev libminizip-dev libexpat1-dev python3 python3-markdown python3-yaml curl ca-certificates
+# Debian's libopenmesh-dev depends on OpenSceneGraph, with LLVM and Mesa more than 500 MB, which the
+# engine does not use. So its headers are unpacked into the checkout, unless it is installed.
+OPENMESH_PACKAGE := libopenmesh-dev
 # What tests need in addition. Tests start HAProxy and PostgreSQL themselves, so the services of
 # these packages need not run.
 TEST_PACKAGES := clang clang-format codespell libclang-rt-{clang}-dev libcmocka-dev libcurl4-openssl-dev python3-jsonschema \
                  debhelper dh-python lintian pkg-config haproxy postgresql
-OPTIONAL_TEST_PACKAGES := python3-kubernetes python3-numpy python3-tqdm python3-plotly python3-setuptools python3-wheel mypy cmake zsh fish
+OPTIONAL_TEST_PACKAGES := libosd-dev libcgal-dev wrk kubernetes-client python3-numpy python3-tqdm python3-plotly python3-setuptools python3-wheel mypy cmake zsh fish
 # The pages need node and npm, from Debian or elsewhere. Their tests need a browser: chromium, from
 # Debian. Ubuntu's package chromium is not installed, because it installs a snap.
 NODE     = $(if $(filter no,$(VIEWER)),,$(shell command -v node >/dev/null && command -v npm >/dev/null || echo nodejs npm))
@@ -19,7 +22,7 @@ CHROMIUM = $(if $(filter no,$(VIEWER)),,$(shell command -v chromium >/dev/null |
 ##@ Preparation
 
 setup: ## install what building and the demo need (Debian, Ubuntu)
-	@docker/install_packages.sh $(PACKAGES) $(NODE)
+	@docker/install_packages.sh $(PACKAGES) $(NODE) --headers $(OPENMESH) $(OPENMESH_PACKAGE)
 
 setup-test: ## install what all tests need
-	@docker/install_packages.sh $(PACKAGES) $(NODE) $(TEST_PACKAGES) $(CHROMIUM) --if-available $(OPTIONAL_TEST_PACKAGES)
+	@docker/install_packages.sh $(PACKAGES) $(NODE) $(TEST_PACKAGES) $(CHROMIUM) --if-available $(OPTIONAL_TEST_PACKAGES) --headers $(OPENMESH) $(OPENMESH_PACKAGE)

@@ -186,7 +186,7 @@ static enum gd_status append_link(struct gd__face_scratch *scratch, uint32_t a, 
 /* Matches ends at most `reach` apart along x, the nearest first. */
 static enum gd_status match_within(struct gd__face_scratch *scratch, double reach)
 {
-    uint32_t count;
+    uint32_t count = 0;
     enum gd_status status = sort_ends(scratch, &count);
     scratch->link_count = 0;
     for (uint32_t i = 0; i < count && !status; i++)
