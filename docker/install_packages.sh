@@ -96,6 +96,11 @@ if [ ${#required[@]} = 0 ] && $is_unpacked; then
     exit 0
 fi
 
+if [ ${#required[@]} = 0 ] && apt-cache show "$headers" >/dev/null 2>&1; then # needs no root
+    unpack_headers
+    exit 0
+fi
+
 root=()
 if [ "$(id -u)" != 0 ]; then
     if ! command -v sudo >/dev/null; then

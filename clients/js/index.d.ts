@@ -307,7 +307,7 @@ export class Client {
    */
   upload(
     name: string | null,
-    content: string | ArrayBuffer | ArrayBufferView | Blob | MeshArrays<Floats, Integers> | MeshArrays<number[][], number[][]> | GeometryLike,
+    content: string | ArrayBuffer | ArrayBufferView | Blob | MeshArrays<number[] | number[][] | Floats, number[] | number[][] | Integers> | GeometryLike,
     options?: Abortable & {
       format?: string;
       weld?: number;

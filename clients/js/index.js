@@ -222,6 +222,15 @@ function writePly(vertices, faces) {
   return bytes;
 }
 
+/* Returns the body of an upload: PLY if `faces` is a flat list of triangles, JSON if it is rows. */
+function toMeshBody({ vertices, faces }) {
+  const isFlat = (list) => ArrayBuffer.isView(list) || typeof list[0] === "number";
+  const typed = (list, Type) => (ArrayBuffer.isView(list) ? list : Type.from(isFlat(list) ? list : list.flatMap((row) => [...row])));
+  if (isFlat(faces)) return writePly(typed(vertices, Float64Array), typed(faces, Uint32Array));
+  const rows = (list) => Array.from({ length: list.length / 3 }, (_, i) => [...list.slice(3 * i, 3 * i + 3)]);
+  return { vertices: isFlat(vertices) ? rows(vertices) : vertices, faces };
+}
+
 /* Reads binary PLY only in the form that the daemon writes. */
 function readPly(buffer) {
   const mark = "end_header\n", text = new TextDecoder("latin1").decode(buffer.slice(0, 1000)), head = text.slice(0, text.indexOf(mark) + mark.length);
@@ -494,6 +503,7 @@ export class Mesh extends Surface {
 export class Client {
   constructor(url = "http://127.0.0.1:8080", { key, retries = 5 } = {}) {
     this.url = String(url).replace(/\/$/, "");
+    if (!/^(https?:\/\/|\/|$)/.test(this.url)) throw new TypeError(`${url} is not an address of a daemon; write http://HOST:PORT or https://HOST:PORT`);
     this.retries = retries;
     this.headers = key ? { Authorization: `Bearer ${key}` } : {};
   }
@@ -632,8 +642,10 @@ export class Client {
   }
 
   async upload(name, content, { onProgress, signal, ...query } = {}) {
-    if (content.isBufferGeometry) content = fromGeometry(content);
-    if (ArrayBuffer.isView(content.vertices)) content = writePly(content.vertices, content.faces);
+    if (content?.isBufferGeometry) content = fromGeometry(content);
+    if (content?.vertices && content.faces) content = toMeshBody(content);
+    if (typeof content !== "string" && !(content instanceof Object))
+      throw new TypeError("the content is not a mesh; give the content of a file, { vertices, faces }, or a geometry of three.js");
     const headers = isBytes(content) ? { "Content-Type": FLOATS } : {};
     const path = name === null ? "/v1/meshes" : `/v1/meshes/${encodeURIComponent(name)}`;
     const call = { query, body: content, headers, onProgress, signal };

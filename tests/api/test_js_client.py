@@ -103,6 +103,10 @@ class JavaScriptClient(TestCase):
             const rows = async (...points) => (await square.matrix(...points)).map((row) => [...row]);
             assert.deepEqual(await rows(Uint32Array.of(0), vertices.subarray(3)), [[1, Math.SQRT2, 1]]);
             assert.deepEqual(await rows([Float64Array.of(1, 0, 0), { isVector3: true, x: 0, y: 1, z: 0 }], [0]), [[1], [1]]);
+            for (const mixed of [{ vertices: [...vertices], faces: [...faces] }, { vertices, faces: [...faces] }, { vertices, faces: [[0, 1, 2, 3]] }])
+              assert.deepEqual((await (await client.upload("mixed", mixed)).describe()).faces, 2);
+            await assert.rejects(client.upload("mixed", undefined), TypeError);
+            assert.throws(() => new geodesicd.Client("localhost:8080"), TypeError);
             const pairs = async (...ends) => [...(await square.pairs(...ends))];
             assert.deepEqual(await pairs(Int32Array.of(0, 1), [2]), [Math.SQRT2, 1]);
             assert.deepEqual(await pairs([[0, 0, 0], { isVector3: true, x: 1, y: 1, z: 0 }], [1, 1]), [1, 1]);
