@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""Writes what a release publishes: the sources, the packages of the clients, a list of parts, and
-checksums.
+"""Writes the files of a release: the sources, the packages of the clients, a software bill of
+materials, and checksums.
 
 usage: docker/dist.py FOLDER
 
-FOLDER gets geodesicd-VERSION.tar.gz (the commit's files, the same bytes each time), the client's
-packages for Python and npm where their tools are installed, geodesicd-VERSION.spdx.json (SPDX 2.3)
-and SHA256SUMS. The working tree has to be clean.
+Writes into FOLDER: geodesicd-VERSION.tar.gz (the files of the commit; a commit gives the same bytes
+each time); the Python and npm packages of the clients, if the tools for them are installed;
+geodesicd-VERSION.spdx.json (SPDX 2.3); SHA256SUMS. The working tree must have no uncommitted
+changes.
 """
 import datetime
 import gzip
@@ -32,7 +33,7 @@ def pack_sources(folder, name):
 
 
 def pack_clients(folder):
-    """From a copy, since the tools leave files beside the sources."""
+    """Packs a copy of the sources, because the tools write files into the folder of the sources."""
     with tempfile.TemporaryDirectory() as place:
         copy = pathlib.Path(place) / "source"
         subprocess.run(["tar", "-x", "-C", place], input=git("archive", "--format=tar", "--prefix=source/", "HEAD"), check=True)
@@ -43,11 +44,11 @@ def pack_clients(folder):
                     subprocess.run([python, "-c", script], cwd=copy / "clients/python", check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
                 break
         else:
-            print("dist: setuptools and wheel are not installed: no package for Python", file=sys.stderr)
+            print("dist: setuptools or wheel is not installed, so no Python package is made", file=sys.stderr)
         if shutil.which("npm"):
             subprocess.run(["npm", "pack", "--silent", "--pack-destination", folder], cwd=copy / "clients/js", check=True, stdout=subprocess.DEVNULL)
         else:
-            print("dist: npm is not installed: no package for npm", file=sys.stderr)
+            print("dist: npm is not installed, so no npm package is made", file=sys.stderr)
 
 
 def checksum(path):
@@ -55,7 +56,7 @@ def checksum(path):
 
 
 def parts():
-    """(name, version, licence, purl) of what the daemon is linked with, and of what its pages
+    """Yields (name, version, licence, purl) of each library that the daemon links or that its pages
     contain."""
     lists = re.findall(r"^(?:OPENMESH_)?PACKAGES? := ((?:.*\\\n)*.*)", (SOURCE / "docker/setup.mk").read_text(), re.M)
     for name in " ".join(lists).replace("\\", "").split():
@@ -94,7 +95,7 @@ def main():
     if len(sys.argv) != 2:
         sys.exit(__doc__.split("\n\n")[1])
     if git("status", "--porcelain", "--untracked-files=no").strip():
-        sys.exit("dist: there are changes that are not committed, which the archive would lack")
+        sys.exit("dist: the working tree has uncommitted changes, which the archive would lack: commit them")
     folder = pathlib.Path(sys.argv[1]).resolve()
     if folder.exists() and not (folder / "SHA256SUMS").exists():
         sys.exit(f"dist: {folder} was not made by this program: name another folder")

@@ -29,4 +29,4 @@ case $builder in
     "$builder" image inspect --format 'geodesicd: {{.Size}} bytes' geodesicd
     ;;
 esac
-echo "parts list: $build/sbom.spdx.json"
+echo "bill of materials: $build/sbom.spdx.json"

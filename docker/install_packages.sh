@@ -39,7 +39,7 @@ find_missing() {
     local package version list=required
     required=()
     optional=()
-    # Fails as long as apt has no lists; no name that needs the version is installed before that.
+    # The version is empty until apt has its lists. No package is installed before that.
     version=$( (dpkg-query -W -f='${Depends}\n' clang; apt-cache depends clang) 2>/dev/null | sed -n 's/.*clang-\([0-9]\+\).*/\1/p' | head -n 1 || true)
     version=${version:-*}
     if [ -n "$headers" ]; then # its libraries are those that it depends on in one version
@@ -122,7 +122,7 @@ for package in "${optional[@]}"; do
     if [ -n "$(apt-cache search --names-only "^$package\$")" ]; then
         required+=("$package")
     else
-        echo "    apt has no $package: what needs it is skipped"
+        echo "    apt has no package $package: tests that need it are skipped"
     fi
 done
 

@@ -58,12 +58,12 @@ install: install-libraries $(call files_of,$(INSTALLED)) ## install daemon, clie
 install-libraries: $(call files_of,$(INSTALLED_LIBRARIES)) ## install the engine's libraries, headers and geodesic(3) only
 	$(call put,$(INSTALLED_LIBRARIES))
 
-uninstall: ## remove what install has installed
+uninstall: ## remove the installed files
 	@for file in $(INSTALLED) $(INSTALLED_LIBRARIES); do rm -f "$(DESTDIR)$${file##*:}"; done
 	@rm -rf "$(DESTDIR)$(PYTHONDIR)/geodesicd/__pycache__"
 	@find $(foreach folder,$(PYTHONDIR)/geodesicd $(PREFIX)/include/geodesic $(PREFIX)/share/doc/libgeodesic-dev $(DOCDIR),"$(DESTDIR)$(folder)") -depth -type d -empty -delete 2>/dev/null || true
 
-man: $(BUILD)/geodesicd.8 ## the man page geodesicd(8), of the program's own options
+man: $(BUILD)/geodesicd.8 ## make the man page geodesicd(8) from the options of the program
 $(BUILD)/geodesicd.8: server/doc/manual.py $(BUILD)/geodesicd
 	$(call tell,GEN)server/doc/manual.py $(BUILD)/geodesicd > $@
 
@@ -92,24 +92,24 @@ $(BUILD)/geodesic: clients/cli/geodesic FORCE
 DEB_BUILD ?= $(BUILD)/hardened
 DEB_FLAGS = $(if $(filter $(abspath $(BUILD)),$(abspath $(DEB_BUILD))), \
                 $(foreach name,CPPFLAGS CFLAGS CXXFLAGS LDFLAGS,$(name)="$$$(name)"))
-deb: | $(BUILD)/stamps/package-tools ## Debian packages: daemon, clients, libraries (wants debhelper)
+deb: | $(BUILD)/stamps/package-tools ## build the Debian packages of daemon, clients, libraries (needs debhelper)
 	@rm -rf $(BUILD)/deb && mkdir -p $(BUILD)/deb/source && cp -r docker/debian $(BUILD)/deb/source/debian
 	@cd $(BUILD)/deb/source && $(DEB_FLAGS) SOURCE=$(CURDIR) DEB_BUILD=$(abspath $(DEB_BUILD)) \
 	    DEB_BUILD_OPTIONS="$(DEB_BUILD_OPTIONS) noautodbgsym" \
 	    dpkg-buildpackage --build=binary --unsigned-changes --no-check-builddeps >../log 2>&1 || { tail -n 30 ../log; exit 1; }
 	@ls $(BUILD)/deb/*.deb
 
-image: ## the container's image, by docker, podman or buildah, and its parts list (BASE= SOURCE= VIEWER=no)
+image: ## build the container image and its bill of materials (docker, podman or buildah; BASE= SOURCE= VIEWER=no)
 	@BASE='$(BASE)' SOURCE='$(SOURCE)' VIEWER='$(VIEWER)' docker/image.sh $(BUILD)
 
-dist: | $(BUILD_MARK) ## what a release publishes: sources, packages of the clients, SPDX list, checksums
+dist: | $(BUILD_MARK) ## make the files of a release: sources, packages of the clients, SPDX list, checksums
 	@docker/dist.py $(BUILD)/dist
 
-test-container: ## the container's image, really built and run (wants buildah, mmdebstrap, root)
+test-container: ## build, run and test the container image (needs buildah, mmdebstrap, root)
 	@tests/container/run.py --place $(BUILD)/container
 
-test-package: build client-c ## the Debian packages in a fresh Debian: installed, run, removed (wants debhelper, lintian, mmdebstrap, root)
+test-package: build client-c ## install, run and remove the Debian packages in a fresh Debian (needs debhelper, lintian, mmdebstrap, root)
 	@tests/package/run.py --build $(BUILD) --chroot
 
-test-cluster: build $(BUILD)/gd_load ## several nodes behind HAProxy and on one PostgreSQL (wants haproxy, wrk, postgresql)
+test-cluster: build $(BUILD)/gd_load ## test several nodes with HAProxy and one PostgreSQL database (needs haproxy, wrk, postgresql)
 	@tests/run.py --jobs 1 --timeout 1800 tests/cluster/routing.py tests/cluster/shared.py "tests/cluster/run.py --long" tests/cluster/capacity.py tests/cluster/shipped.py
