@@ -54,17 +54,17 @@ $(BUILD)/gd_http_bare: $(BUILD)/obj/tests/bench/http_bare.c.o $(LINK)
 bench: $(BUILD)/gd_bench ## measure the engine: tables, and bench.json (3 minutes)
 	tests/bench/table.py --build $(BUILD)
 
-bench-paper: $(BUILD)/gd_bench ## the paper's tables remade
+bench-paper: $(BUILD)/gd_bench ## measure the paper's tables again
 	$(BUILD)/gd_bench ablation
 
-bench-peers: $(BUILD)/gd_bench $(BUILD)/gd_bench_cgal $(if $(GEOMETRY_CENTRAL),$(BUILD)/gd_bench_geometry_central) ## race CGAL, and VTP=... LIBIGL=... GEOMETRY_CENTRAL=... EXPERIMENT=... (see tests/bench/peers.py)
+bench-peers: $(BUILD)/gd_bench $(BUILD)/gd_bench_cgal $(if $(GEOMETRY_CENTRAL),$(BUILD)/gd_bench_geometry_central) ## compare with CGAL, and with VTP=... LIBIGL=... GEOMETRY_CENTRAL=... EXPERIMENT=... (see tests/bench/peers.py)
 	tests/bench/peers.py --build $(BUILD)
 
-bench-http: build $(BUILD)/gd_http_bare ## requests a second and latency against bare libmicrohttpd (wants wrk)
+bench-http: build $(BUILD)/gd_http_bare ## measure requests a second and latency, and compare with bare libmicrohttpd (needs wrk)
 	tests/bench/throughput.py --build $(BUILD)
 
-bench-plots: $(BUILD)/gd_bench ## cost against mesh size, as SVG (MAX_FACES=300000)
+bench-plots: $(BUILD)/gd_bench ## plot the cost of fields against mesh size, as SVG (MAX_FACES=300000)
 	tests/bench/plots.py --build $(BUILD) --max-faces $(or $(MAX_FACES),300000)
 
-sweep: $(BUILD)/gd_sweep ## the engine against CGAL on every shared mesh (minutes; wants libcgal-dev)
+sweep: $(BUILD)/gd_sweep ## compare the engine with CGAL on every shared mesh (minutes; needs libcgal-dev)
 	$(BUILD)/gd_sweep --sources 20 $(wildcard $(SWEEP_SHARED)/*.obj)

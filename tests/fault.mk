@@ -13,10 +13,10 @@ SANITIZED    := BUILD=$(ASAN_BUILD) CC=clang CXX=clang++ OPT=-O1 \
 asan-build:
 	@$(MAKE) --no-print-directory $(SANITIZED) test-build build $(ASAN_BUILD)/gd_alloc
 
-asan: asan-build ## all tests under AddressSanitizer and UndefinedBehaviorSanitizer
+asan: asan-build ## run all tests under AddressSanitizer and UndefinedBehaviorSanitizer
 	@GEODESICD=$(ASAN_BUILD)/geodesicd tests/run.py $(patsubst $(BUILD)/%,$(ASAN_BUILD)/%,$(TEST_PROGRAMS)) "$(ASAN_BUILD)/gd_alloc --short" tests/api/run.py
 
-tsan: ## the daemon's tests under ThreadSanitizer
+tsan: ## run the daemon's tests under ThreadSanitizer
 	@$(MAKE) --no-print-directory -j2 BUILD=$(BUILD)/tsan OPT=-O1 SAN="-fsanitize=thread" build test-build
 	@GEODESICD=$(BUILD)/tsan/geodesicd tests/run.py $(patsubst $(BUILD)/%,$(BUILD)/tsan/%,$(filter $(BUILD)/tests/unit/server/%,$(TEST_PROGRAMS))) tests/api/run.py
 
@@ -55,7 +55,7 @@ SELF := $(MAKE)
 
 # Prints a table of promises and their measurements (tests/fault/table.py). ONLY=WORD: only rows
 # with this word.
-torture: build $(BUILD)/gd_load $(BUILD)/gd_alloc $(BUILD)/tests/unit/server/access/test_sandbox ## each promise tested in its long form, and one table of what was measured (hours; ONLY=word)
+torture: build $(BUILD)/gd_load $(BUILD)/gd_alloc $(BUILD)/tests/unit/server/access/test_sandbox ## test each promise in its long form, and print a table of measurements (hours; ONLY=word)
 	@$(MAKE) --no-print-directory -j2 fuzz-build
 	@tests/fault/table.py --only "$(ONLY)" $(BUILD)/gd_alloc tests/fault/alloc.py "tests/fault/scarcity.py --calls 400" \
 	    "tests/fault/kill.py --loops 2000" "tests/fault/replay.py --step 1 --mixed 4" tests/fault/disk.py \
@@ -75,14 +75,14 @@ torture: build $(BUILD)/gd_load $(BUILD)/gd_alloc $(BUILD)/tests/unit/server/acc
 	    "the packages in a fresh Debian: installed, run, purged | nothing left | tests/package/run.py --build $(BUILD) --chroot" \
 	    "the container, built and run | no failure | tests/container/run.py --place $(BUILD)/container"
 
-wild: build ## upload every mesh file under DIR, check the laws of its distances, one table
+wild: build ## upload every mesh file under DIR, check the laws of its distances, and print a table
 	@tests/fault/wild.py $(DIR)
 
 # Compares the engine with a solver in quadruple precision (tests/oracle/naive_windows.h), and runs
 # the other suites on exact distances.
 EXACT_TESTS   := $(foreach name,fields paths operations,$(BUILD)/tests/property/test_exact_$(name))
 EARLIER_TESTS := $(foreach name,closed_forms oracle laws lipschitz beside zoo segments curve_distance shared_meshes,$(BUILD)/tests/property/test_$(name))
-exactness: build $(EXACT_TESTS) $(EARLIER_TESTS) ## distances and paths beside vertices and in the smallest faces, one table (an hour; ONLY=word)
+exactness: build $(EXACT_TESTS) $(EARLIER_TESTS) ## test distances and paths beside vertices and in the smallest faces, and print a table (an hour; ONLY=word)
 	@tests/fault/table.py --only "$(ONLY)" $(foreach program,$(EXACT_TESTS),"$(program) --long") \
 	    "recorded cases, over HTTP | no failure | tests/api/run.py test_exactness" \
 	    "the other suites on exact distances | no failure | tests/run.py $(EARLIER_TESTS)"
@@ -90,7 +90,7 @@ exactness: build $(EXACT_TESTS) $(EARLIER_TESTS) ## distances and paths beside v
 # Runs the tests in a build that counts executed lines. Switches the sandbox off, since the daemon
 # writes the counts when it ends.
 COVERAGE_BUILD := $(BUILD)/coverage
-coverage: ## line and branch coverage of engine, proto and server from the whole suite (wants gcovr)
+coverage: ## measure line and branch coverage of engine, proto and server by all tests (needs gcovr)
 	@$(MAKE) --no-print-directory -j2 BUILD=$(COVERAGE_BUILD) OPT=-O1 SAN="--coverage -fprofile-update=atomic" build test-build
 	@find $(COVERAGE_BUILD) -name '*.gcda' -delete
 	-@GEODESICD=$(abspath $(COVERAGE_BUILD))/geodesicd GEODESICD_SANDBOX=off GCOV_ERROR_FILE=$(abspath $(COVERAGE_BUILD))/errors \

@@ -92,19 +92,19 @@ web-peers: | $(BUILD_MARK)
 	    timeout 90 npm ci --silent --no-audit --no-fund --ignore-scripts --include=dev >/dev/null 2>&1 && cp package-lock.json complete || \
 	    echo "npm could not install playwright-core: the tests of the pages are skipped"; fi
 
-test-unit: test-build ## the C tests only
+test-unit: test-build ## run the C tests only
 	@tests/run.py $(TEST_PROGRAMS)
 
-test-web: build web-peers ## the pages in a browser only
+test-web: build web-peers ## run the tests of the pages in a browser only
 	@tests/run.py "tests/web/run.py --build $(BUILD)"
 
-test-web-long: build web-peers ## the same at full length: every example, and 1.1 million faces
+test-web-long: build web-peers ## run test-web at full length: every example, and 1.1 million faces
 	@tests/run.py --timeout 3600 "tests/web/run.py --build $(BUILD) --all"
 
-test-api: build $(CLIENTS) ## the daemon over HTTP only
+test-api: build $(CLIENTS) ## run the tests over HTTP only
 	@tests/run.py tests/api/run.py
 
-test-libraries: ## the engine's libraries, as other programs find them by pkg-config
+test-libraries: ## test the engine's libraries, found by pkg-config as by other programs
 	@$(MAKE) --no-print-directory libraries
 	@tests/run.py "tests/package/libraries.py --build $(BUILD)"
 

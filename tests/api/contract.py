@@ -22,7 +22,7 @@ import members  # noqa: E402
 METHODS = ("get", "head", "put", "post", "patch", "delete")
 JSON_TYPES = ("application/json", "application/problem+json")
 PROBLEM = {"$ref": "#/components/schemas/Problem"}
-# Any answer may have these; all other headers are documented.
+# Headers that any answer may have. The contract documents all other headers.
 COMMON_HEADERS = {"cache-control", "connection", "content-encoding", "content-length", "content-security-policy", "content-type",
                   "cross-origin-resource-policy", "date", "deprecation", "link", "referrer-policy", "strict-transport-security", "transfer-encoding", "vary",
                   "x-content-type-options", "x-request-id"}
@@ -102,7 +102,7 @@ class Operation:
         return min(int(status) for status in self.responses if status.isdigit() and status[0] == "2" and status != "202")
 
     def words(self, name):
-        """Returns the words that a query parameter, or its list items, may be."""
+        """Returns the allowed words of a query parameter, or of the items of its list."""
         schemas = [parameter["schema"] for parameter in self.parameters if parameter["in"] == "query" and parameter["name"] == name]
         return [word for schema in schemas for word in schema.get("items", schema).get("enum", ())]
 
@@ -150,7 +150,8 @@ class Contract:
             yield f"{place}: at /{where} {error.message[:300]}"
 
     def faults(self, method, target, answer, is_thin=False):
-        """Yields sentences that say where an answer differs from the contract."""
+        """Yields sentences, each of which describes a difference between an answer and the
+        contract."""
         operation = self.operation(method, target)
         place = f"{method} {target[:120]} -> {answer.status}"
         if operation is None:

@@ -55,8 +55,8 @@ class Situations:
             self.seen[operation.name].add((answer.status, answer.json["code"]))
 
     def try_all(self, daemon, scene, change, operations=None):
-        """Sends the documented request of each operation, changed into one Ask or several; None:
-        the change does not concern the operation."""
+        """Sends the documented request of each operation after a change. A change returns one Ask,
+        several, or None if it does not concern the operation."""
         for operation in operations or self.contract.operations:
             changed = change(scene, operation, scene.ask(operation))
             for ask in [changed] if isinstance(changed, Ask) else changed or ():
@@ -288,8 +288,8 @@ def store_large(place):
     return folder
 
 
-# After a start the most used surfaces are loaded without a request, until one would take a third of
-# the memory. Here the first one does.
+# After a start the daemon loads the most used surfaces without a request, until a surface would
+# take a third of the memory. Here the first surface takes that much.
 ASLEEP = ("--memory-budget", "140MiB", "--max-body", "64MiB", "--landmarks", "0")
 
 
@@ -309,7 +309,7 @@ def await_calm(daemon):
 
 
 def try_drain(found, folder):
-    """Sends all requests, which still wait for the worker at the drain deadline."""
+    """Sends all requests. They still wait for the worker when the time of the drain ends."""
     with Daemon("--data-dir", str(folder), "--workers", "1", "--drain-ms", "100", *ASLEEP) as daemon:
         scene = Scene(daemon, found.contract).pretend()
         answers = []
@@ -338,7 +338,7 @@ def try_waits(found, folder):
 
 
 def try_haste(found, folder):
-    """Allows one millisecond for requests that take many."""
+    """Sends requests that take many milliseconds, with a deadline of one millisecond."""
     with Daemon("--data-dir", str(folder), "--timeout-ms", "1", *ASLEEP) as daemon:
         scene = Scene(daemon, found.contract).pretend()
         found.try_all(daemon, scene, asking)
@@ -381,7 +381,7 @@ def try_refusing_store(found, folder):
 
 
 def try_late_changes(found, place):
-    """Sends so many changes at once that the store's writer has no time for the last within a
+    """Sends so many changes at once that the store's writer cannot begin the last one within a
     millisecond."""
     operations = [each for method in ("patch", "delete") for each in found.contract.operations
                   if each.method == method and (each.path, "put") in found.contract.by_place]
@@ -405,7 +405,7 @@ def try_late_changes(found, place):
 
 
 def try_late_lists(found, daemon):
-    """Sends so many list requests at once that the lister's thread has no time for the last within
+    """Sends so many list requests at once that the lister's thread cannot begin the last one within
     a millisecond."""
     for _ in range(100):
         daemon.request("POST", "/v1/meshes/n0/farthest-points", b'{"count": 2}', {**JSON, "Prefer": "respond-async"})

@@ -53,7 +53,7 @@ def header_fields(keywords):
 
 
 def form_tag(etag, form):
-    """Returns the ETag of a computed answer in that form; `etag` is the ETag of the mesh."""
+    """Returns the ETag of an answer in that format; `etag` is the ETag of the mesh."""
     return f'{etag[:-1]}-{form}.{FORMAT_VERSION}"'
 
 
@@ -79,7 +79,8 @@ def wait_until(look, seconds=PATIENCE_SECONDS):
 
 
 class Daemon:
-    """A running daemon, and a context manager that stops it. `log` is what it has logged so far."""
+    """A running daemon, and a context manager that stops it. `log` has the lines that it has
+    logged."""
 
     def __init__(self, *flags, listen="127.0.0.1:0"):
         store = () if "--data-dir" in flags else ("--store", "memory")
@@ -283,8 +284,8 @@ class TestCase(unittest.TestCase):
         return answer.json
 
     def assertEqual(self, first, second, msg=None):
-        """As unittest's, but prints only the first difference of large values: unittest computes a
-        complete one, which can take hours."""
+        """Like unittest's assertEqual, but prints only the first difference of large values.
+        unittest computes all differences, which can take hours."""
         if first == second:
             return
         texts = repr(first), repr(second)

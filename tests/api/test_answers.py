@@ -16,7 +16,8 @@ LARGE = {"start": {"vertex": 0}, "fan": 8, "length": 1e6, "step_limit": 14000}
 
 
 def loose_triangles(count):
-    """Returns a binary STL file of triangles that touch nothing: as many boundary loops."""
+    """Returns a binary STL file of triangles that do not touch each other. So each triangle is a
+    boundary loop of its own."""
     triangles = b"".join(struct.pack("<12fH", 0, 0, 0, 2 * i, 0, 0, 2 * i + 1, 0, 0, 2 * i, 1 + i / count, 0, 0) for i in range(count))
     return b"\0" * 80 + struct.pack("<I", count) + triangles
 

@@ -177,7 +177,8 @@ class Conditions(TestCase):
                     self.assertEqual(self.daemon.request(method, path, None, headers).status, status)
 
     def test_errors_come_before_conditions(self):
-        """RFC 9110, 13.2.1: a request that would fail fails alike with conditions."""
+        """RFC 9110, 13.2.1: a request that fails without conditions fails in the same way with
+        conditions."""
         for path, headers, status in (("/v1/meshes/nobody", {}, 404), (f"{MESH}/distance?from=v:0&to=v:99999", {}, 400),
                                       (f"{MESH}/fields/{'0' * 32}/values", {}, 404), (f"{MESH}/content", {"Accept": "text/html"}, 406)):
             for given in ({"If-None-Match": "*"}, {"If-Match": '"x"'}, {"If-Match": "*", "If-None-Match": f'"{self.mesh}"'}):

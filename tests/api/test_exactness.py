@@ -130,8 +130,8 @@ class Recorded(Asking):
         self.each(lambda case: "set" in case, self.check_set)
 
     def test_rounded_vertices(self):
-        """A source beside a vertex is no farther from any point than the vertex, plus the distance
-        to the vertex."""
+        """The distance of a point from a source beside a vertex is at most its distance from the
+        vertex plus the distance between source and vertex."""
         self.each(lambda case: "beside_vertex" in case, self.check_rounded_vertex)
 
     def test_logs(self):

@@ -201,7 +201,7 @@ class Patience(unittest.TestCase):
         with scenario.busy(self.OVERLOADED, (429, {}, {}), (0, {}, {})) as (server, url), geodesicd.Client(url) as client:
             self.assertEqual(client.service(), {"version": "1"})
             self.assertEqual(len(server.seen), 4)
-            # on this machine nothing is compressed
+            # the daemon compresses no answers for clients on its own machine
             self.assertEqual(set(server.codings), {"identity"})
 
     def test_what_makes_something_new_each_time_is_sent_once(self):

@@ -278,7 +278,7 @@ class Tools(Stored):
         refused = self.tool("--restore", copy, folder=again)
         self.assertEqual(refused.returncode, 1)
         self.assertIn("holds a data folder already", refused.stdout)
-        (again / "unfinished").touch()  # as a killed restore leaves it
+        (again / "unfinished").touch()  # the state that a killed restore leaves
         next(again.glob("objects/*/*")).write_bytes(b"a part")
         (again / "temporary" / "0").touch()
         (again / "manifests" / "of-another-time.manifest").touch()

@@ -99,8 +99,8 @@ class Tenants(Folder):
         return self.ask("GET", "/metrics", who, **headers).body.decode()
 
     def test_metrics_of_all_are_the_operators(self):
-        """Behind a proxy every client is local, and the proxy's headers name an origin: neither
-        counts."""
+        """Only keys give the rights of an operator. Neither a local client address, as behind
+        a proxy, nor the proxy's headers do."""
         with self.start():
             self.ask("PUT", "/v1/meshes/it", "ann", SQUARE)
             job = self.ask("POST", "/v1/meshes/it/distance", "ann", PAIR, Prefer="respond-async").headers["Location"]

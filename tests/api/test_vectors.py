@@ -95,8 +95,8 @@ class Vectors(TestCase):
             self.assertEqual(self.asked("square", "log", document, 400)["pointer"], pointer, document)
 
     def test_the_cut_locus(self):
-        """Between the poles of a ball several paths are equally short: vectors and means say so.
-        Next to the pole there is one, and it jumps."""
+        """Between the poles of a ball several paths are equally short, and answers about vectors
+        and means report this. Next to the pole one path is shortest, and its direction jumps."""
         pole, antipode = {"xyz": [0, 0, 1]}, {"xyz": [0, 0, -1]}
         beside = [{"xyz": [x, y, -1]} for x, y in ((0.1, 0.03), (-0.1, -0.02))]
         [vector, *others] = self.asked("ball", "log", {"from": pole, "to": [antipode, *beside]})["vectors"]

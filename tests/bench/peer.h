@@ -1,5 +1,5 @@
-/* Peer: the protocol for races of exact solvers, the same for the engine, CGAL, and programs built
- * elsewhere.
+/* Peer: the command line of all exact solvers that tests/bench/peers.py compares: the engine, CGAL,
+ * and programs built elsewhere.
  *
  *     PROGRAM mesh.obj SOURCE...        a line {"field_ms":…,"cpu_ms":…,"sum":…} for each source
  *     PROGRAM --pair mesh.obj S T ...   a line {"pair_ms":…,"cpu_ms":…,"distance":…} for each pair

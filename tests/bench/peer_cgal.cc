@@ -1,4 +1,4 @@
-/* gd_bench_cgal: CGAL in the race, see peer.h. */
+/* gd_bench_cgal: CGAL as a solver with the command line of peer.h. */
 #include <cstdio>
 
 #include "tests/bench/peer.h"

@@ -1,5 +1,5 @@
-/* gd_bench peer: the engine in the race. Each field is built completely, with compact wedges; each
- * pair is solved without cached data. */
+/* gd_bench peer: the engine as a solver with the command line of peer.h. Each field is built
+ * completely, with stored wedges; each pair is solved without cached data. */
 #include <stdlib.h>
 
 #include "gd/query.h"

@@ -1,6 +1,6 @@
-/* gd_bench_geometry_central: geometry-central in the race, see peer.h: fields by its exact solver,
- * lines by traceGeodesic. Built only if GEOMETRY_CENTRAL names its source, with its library in
- * GEOMETRY_CENTRAL/build/src (see the Makefile). */
+/* gd_bench_geometry_central: geometry-central as a solver with the command line of peer.h: fields
+ * by its exact solver, lines by traceGeodesic. Built only if GEOMETRY_CENTRAL names its source,
+ * with its library in GEOMETRY_CENTRAL/build/src (see the Makefile). */
 #include <cmath>
 #include <cstdio>
 #include <memory>

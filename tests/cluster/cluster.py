@@ -27,7 +27,7 @@ import weakref
 sys.path.insert(0, str(pathlib.Path(__file__).parent.parent / "api"))
 import harness  # noqa: E402  (the daemon over HTTP)
 
-BOUND_SECONDS = 1.0  # promise: no node answers longer for a replaced mesh (server/doc/014)
+BOUND_SECONDS = 1.0  # promise: afterwards no node answers with a replaced mesh (server/doc/014)
 START_SECONDS = 30
 BUILD = harness.PROGRAM.parent
 

@@ -19,8 +19,8 @@ DRAIN_DELAY_MS = 3000  # the value that the shipped file expects of the nodes
 
 
 class Front:
-    """`ports` are the nodes'. Replacements: pairs (text, instead); each text must occur in the
-    shipped file."""
+    """`ports`: the ports of the nodes. Replacements: pairs (text, new text); each text must occur
+    in the shipped file."""
 
     def __init__(self, ports, replacements=()):
         self.port, self.metrics_port = free_port(), free_port()

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Three nodes behind HAProxy with the shipped configuration, on loopback: where requests go, what
-happens to them when a node dies, restarts or is overloaded, and the gain of sending a mesh's
-requests to one node.
+"""Tests three nodes behind HAProxy with the shipped configuration, on loopback: which node gets a
+request; the results of requests when a node dies, restarts or is overloaded; and the gain if one
+node gets all requests for a mesh.
 
     tests/cluster/routing.py [--short] [--seconds N]
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Three nodes that share a PostgreSQL server, behind HAProxy with the shipped configuration, on
-loopback: what clients see when nodes, the database or the network between them fail and recover.
-(test_nodes.py tests the nodes themselves, routing.py where requests go.)
+"""Tests three nodes that share a PostgreSQL server, behind HAProxy with the shipped configuration,
+on loopback: the answers that clients get when nodes, the database or the network between them fail
+and recover. (test_nodes.py tests the nodes themselves, routing.py where requests go.)
 
     tests/cluster/shared.py [--short]
 

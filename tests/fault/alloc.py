@@ -29,7 +29,7 @@ FINE, FRESH, LASTING = 0, 1, 2
 REFUSED = {503: ("overloaded", "draining", "store_unavailable"), 507: ("insufficient_memory", "insufficient_storage")}
 PATIENCE_SECONDS = 20
 MOST_TRIALS = 3000  # trials of a request: more would mean that call paths never end
-# members that differ between two answers to the same request
+# members that differ between two answers to one request
 VOLATILE = re.compile(rb'"(?:elapsed_ms|age_s|uptime_s|requested_at|created|created_at|started_at|finished_at|expires_at|id|job|trace_id|build_ms)":'
                       rb'\s*(?:"[^"]*"|[-+.0-9eE]+)')
 # etags of a derived mesh and of its source, which differ in each trial

@@ -36,7 +36,8 @@ FLAGS = ("--max-body", "16MiB", "--workers", "2", "--http-threads", "2", "--land
 
 
 def loose_triangles(count):
-    """Returns a binary STL file of triangles that touch nothing: as many boundary loops."""
+    """Returns a binary STL file of triangles that do not touch each other. So each triangle is a
+    boundary loop of its own."""
     triangles = b"".join(struct.pack("<12fH", 0, 0, 0, 2 * i, 0, 0, 2 * i + 1, 0, 0, 2 * i, 1, 0, 0) for i in range(count))
     return b"\0" * 80 + struct.pack("<I", count) + triangles
 

@@ -131,7 +131,8 @@ def try_full(place, number, library, call):
 
 
 def try_call(place, number, library, call):
-    """Fails a call of any purpose. Acknowledged changes are there; others are done or not done."""
+    """Makes calls of all types fail, one at a time. Acknowledged changes are stored; each other
+    change is stored or not stored."""
     trial = Trial(place, number, library)
     trial.order(f"eio {call}")
     for status in changes(trial):
@@ -141,7 +142,7 @@ def try_call(place, number, library, call):
 
 
 def try_start(place, number, library, call):
-    """A start with the fault may fail, with a sentence; the next start finds everything."""
+    """A start during the fault may fail with a message. The next start finds all stored data."""
     trial = Trial(place, number, library)
     trial.daemon.stop()
     trial.order(f"eio {call}")
@@ -175,8 +176,8 @@ def try_short(place, library):
 
 
 def try_rebuild(place, number, library, call):
-    """The database is lost, and there is no room to rebuild all of it; then a mesh with the same
-    bytes is created and deleted under another name."""
+    """The database is lost, and the disk has no room to rebuild all of it. Then a mesh with the
+    same bytes is created and deleted under another name."""
     trial = Trial(place, number, library)
     trial.put("c", 3.5)
     trial.daemon.stop()

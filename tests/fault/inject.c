@@ -136,7 +136,7 @@ static int breaks(int ours)
     return 1;
 }
 
-/* Returns how many of `size` bytes a read or write transfers; 0: it is interrupted. */
+/* Returns how many of `size` bytes a read or write transfers; 0: the call is interrupted. */
 static size_t part_of(int file, size_t size)
 {
     if (size < 2 || !is_our_file(file)) return size;

@@ -196,7 +196,7 @@ class Disk:
                 del folder.now[name]
 
     def write(self, root, lost, chance):
-        """Makes the folder in its state after a cut."""
+        """Makes the folder in the state after a power cut."""
         def write_folder(folder, path):
             path.mkdir()
             for name, node in folder.names(lost, chance).items():

@@ -46,8 +46,8 @@ def interrupt(arguments, seconds):
 
 
 def what_starts(folder, whole):
-    """Returns how a daemon starts on the folder: refused, empty (nothing was begun), whole, or in
-    part."""
+    """Returns how a daemon starts on the folder: refused, empty (the restore had not begun), whole,
+    or in part."""
     if not any(folder.glob("*")):
         return "empty"
     try:

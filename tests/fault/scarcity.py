@@ -104,9 +104,9 @@ def start_with_few(place):
 
 
 def run_out(place):
-    """No descriptors are left for files either, as when the whole system has none: uploads are
-    refused, but only then. An HTTP thread of the library without a connection retries accept at
-    once, so it may spin meanwhile."""
+    """No descriptors are left for files either, as if the whole system had none. Uploads are
+    refused during this time only. An HTTP thread of libmicrohttpd that has no connection repeats
+    accept at once, so it may use a whole processor during this time."""
     wrong, daemon = [], start(place, "none")
     limits = resource.prlimit(daemon.process.pid, resource.RLIMIT_NOFILE)
     resource.prlimit(daemon.process.pid, resource.RLIMIT_NOFILE, (descriptors(daemon) + 8, limits[1]))
@@ -118,7 +118,7 @@ def run_out(place):
 
 
 def reset_clients(place, library, most):
-    """Makes each of the first `most` socket calls find that the client is gone."""
+    """Makes each of the first `most` socket calls report that the client has disconnected."""
     wrong, order = [], place / "reset-order"
     order.write_text("fine")
     daemon = start(place, "reset", library, INJECT_ROOT=str(place / "reset"), INJECT_ORDER=str(order))

@@ -1,9 +1,7 @@
 #!/usr/bin/env python3
 """Clients that read a long answer steadily but slowly: none is cut above 16 KiB a second; a client
-that stops reading is cut. The clients' receive buffers differ in size, and so does the amount that
-the kernels buffer.
-
-Sizes of the client's receive buffer differ, and with them how much the kernels hold between both.
+that stops reading is cut. The clients' receive buffers differ in size. So the kernels buffer
+different amounts between daemon and client.
 
     tests/fault/slow_reader.py [--seconds S]
 """

@@ -4,9 +4,9 @@ one table.
 
     tests/fault/table.py [--timeout SECONDS] [--only WORD] PROGRAM...
 
-A program is a command, or `promise | asked | command`. It may print rows of the table itself
-(figures.py). A program without rows gets one from `promise` and `asked`, with the number of its
-tests. Its last row fails if the program does.
+A program is a command, or `promise | asked | command`. A program may print rows of the table itself
+(figures.py). For a program that prints none, the table has one row, made from `promise`, `asked`
+and the number of its tests. If the program fails, its last row fails.
 """
 import argparse
 import json

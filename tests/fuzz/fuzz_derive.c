@@ -1,5 +1,5 @@
-/* Fuzzes edits: any edits of a small mesh are refused by name, or result in a mesh whose vertices
- * have origins on the original. The bytes are a few steps, then a soup of polygons. */
+/* Fuzzes edits: any edits of a small mesh are refused with a specific error, or result in a mesh
+ * whose vertices have origins on the original. The bytes are a few edits, then random polygons. */
 #include <math.h>
 #include <string.h>
 

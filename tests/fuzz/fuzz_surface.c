@@ -1,5 +1,5 @@
-/* Fuzzes the geometry: any small soup of polygons is refused by name, or becomes a surface on which
- * distances and paths keep their laws. */
+/* Fuzzes the geometry: any small set of polygons is refused with a specific error, or becomes a
+ * surface on which distances and paths obey the laws of a metric. */
 #include <math.h>
 
 #include "gd/query.h"

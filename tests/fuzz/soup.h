@@ -1,5 +1,5 @@
-/* A soup of polygons made from fuzzed bytes: vertices on a coarse lattice, so that ties, flat parts
- * and folds abound; faces; and options for repair. */
+/* A soup: polygons made from fuzzed bytes, with options for repair. Vertices lie on a coarse
+ * lattice, so ties, flat parts and folds are frequent. */
 #ifndef FUZZ_SOUP_H
 #define FUZZ_SOUP_H
 

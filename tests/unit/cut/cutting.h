@@ -70,7 +70,7 @@ static inline struct gd_point vertex_of(const struct gd_mesh *mesh, uint32_t ind
     return point;
 }
 
-/* Returns the point of the surface at a position in space. */
+/* Returns the point of the surface that is nearest to a position in space. */
 static inline struct gd_point point_at(const struct gd_mesh *mesh, double x, double y, double z)
 {
     struct gd_point point;

@@ -427,9 +427,9 @@ static void addresses_with_few_connections_are_spared(void **state)
 {
     struct crowd crowd;
     (void)state;
-    crowd_in(&crowd, 10); /* the other six, and the fixture's own, are fewer than ... */
+    crowd_in(&crowd, 10); /* ten connections from one address, six from another */
     server_connection_head(connection, false, gd_now_ns());
-    /* ... two, since the others are busy */
+    /* of the second address, only connections 10 and 11 are idle */
     for (int i = 12; i < MANY; i++) server_connection_head(crowd.all[i], false, gd_now_ns());
     server_connection_head(crowd.all[0], false, gd_now_ns());
     server_connection_answer(crowd.all[0], 10, false, gd_now_ns() - 20 * SECOND);

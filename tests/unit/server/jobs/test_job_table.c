@@ -321,10 +321,10 @@ static void what_waits_is_cancelled_without_a_worker(void **state)
     server_job_table_cancel(server.api.jobs, second);
     assert_int_equal(state_of(second), PROTO_JOB_CANCELLED);
     for (int i = 0; i < 5000 && atomic_load(&server.host.deferred) > 1; i++) usleep(1000);
-    assert_int_equal(atomic_load(&server.host.deferred), 1); /* its exchange has ended, … */
-    assert_true(is_there(server_deferred_job_describe(second).id)); /* … but the job is there … */
+    assert_int_equal(atomic_load(&server.host.deferred), 1); /* the job's exchange has ended */
+    assert_true(is_there(server_deferred_job_describe(second).id)); /* the job still exists */
     server_job_table_cancel(server.api.jobs, second);
-    assert_false(is_there(server_deferred_job_describe(second).id)); /* … until it is removed */
+    assert_false(is_there(server_deferred_job_describe(second).id)); /* the job is removed */
     sem_post(&hold);
     wait_for(first, PROTO_JOB_DONE);
     assert_int_equal(works, 1);
