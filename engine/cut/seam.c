@@ -82,7 +82,7 @@ static void seam_mark(struct gd__seam *seam, const struct gd__arrangement *arran
 /* --- dead ends -------------------------------------------------------------------------------- */
 
 /* The parts of the seam that meet at a node: `degree` counts them, `parts` is the exclusive or of
- * their numbers, and so the number of the last part if one is left. Pieces are numbered first, then
+ * their numbers: if one part is left, this is its number. Pieces are numbered first, then
  * segments. */
 struct meeting {
     uint32_t degree, parts;

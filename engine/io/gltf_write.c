@@ -27,7 +27,7 @@ struct writing {
     double origin[3];                      /* subtracted from positions */
     double largest;                        /* largest distance */
     uint32_t views, accessors, primitives; /* written so far */
-    uint64_t bytes;                        /* in the views so far */
+    uint64_t bytes;                        /* bytes of the views so far */
     struct gd__output *json, *binary;
 };
 

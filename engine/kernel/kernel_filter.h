@@ -12,8 +12,8 @@ static uint32_t close_ranks(const struct gd__windows *w, uint32_t from, uint32_t
 }
 
 /* Trims the windows at indices [i, i + LANES) where the path round an end becomes shorter inside
- * the window. A source beside the end is nearly as far from the window as the end is, so no squared
- * term may cancel. */
+ * the window. If the source lies beside the end, both distances are nearly equal, so the formula
+ * must not subtract squares of lengths. */
 static void trim(const struct gd__windows *w, uint32_t i, mask first, mask last, double length,
                  lanes c0, lanes c1)
 {

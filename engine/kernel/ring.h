@@ -6,10 +6,8 @@
  * within the bound may pass. Along such a path hops change by at most one from vertex to vertex. So
  * a path that crosses hop number k meets a vertex of k hops, or the edge between two such vertices.
  * These vertices and edges form the ring at k. The points of a ring are its vertices and the
- * middles of its edges. The stored values also bound the paths from all other points of the edges,
- * by a linear function between two points that are s apart: a minimum of linear functions is
- * concave, and ring_sag in kernel/kernel_ring.h bounds how far a distance in space lies below its
- * chord. */
+ * middles of its edges. Between two points of an edge, the bound is interpolated linearly, less the
+ * greatest error of this interpolation (ring_sag in kernel/kernel_ring.h). */
 #ifndef GD_KERNEL_RING_H
 #define GD_KERNEL_RING_H
 

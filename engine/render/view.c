@@ -3,11 +3,11 @@
 #include <stdlib.h>
 
 #define ENOUGH 0.95 /* visible fraction at which the search stops */
-#define BETTER 0.05 /* a later view must show this much more than an earlier one */
+#define BETTER 0.05 /* a later view replaces an earlier one only if it shows this much more */
 
 #define END_PART 0.1 /* weight of the visibility of each end */
 
-static const struct gd__viewport sketch = {4, 4, 232, 172}; /* in a picture of 240 x 180 */
+static const struct gd__viewport sketch = {4, 4, 232, 172}; /* of pictures of 240 x 180 pixels */
 
 struct angles {
     double azimuth, elevation; /* degrees */

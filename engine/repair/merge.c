@@ -112,8 +112,8 @@ static uint32_t first_triangle(const struct gd__construction *work, uint32_t pol
     return gd_polygons_first(work->input, polygon) - 2 * polygon;
 }
 
-/* Removes the corners of duplicates from work->merged: of the polygons that are not their own
- * original. */
+/* Removes the corners of duplicate polygons from work->merged. A polygon is a duplicate if it is
+ * not its own original. */
 static bool take_out(struct gd__construction *work, const uint32_t *original)
 {
     struct gd_polygons *merged = &work->merged;

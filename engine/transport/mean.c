@@ -34,7 +34,7 @@ struct finder {
     struct gd__share *share;
     const struct gd_control *control;
     struct gd_detail *detail;
-    struct gd__pull *pulls; /* of the current iterate */
+    struct gd__pull *pulls; /* the pulls at the current iterate */
     double weights;         /* sum of the weights */
 };
 

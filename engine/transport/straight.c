@@ -60,8 +60,8 @@ static double meet_face(const struct gd_mesh *mesh, uint32_t vertex, const struc
     return gd_vec3_dot(x, plane->ahead) / (gd_vec3_length(x) * gd_vec3_length(plane->ahead));
 }
 
-/* Computes the turn in the plane of line and normal; of several, the one nearest to `ahead`.
- * Returns false if there is none. */
+/* Computes the turn in the plane of line and normal. If there are several, it is the turn nearest
+ * to `ahead`. Returns false if there is none. */
 static bool by_normal(const struct gd_mesh *mesh, uint32_t vertex, double back,
                       struct gd_vec3 normal, double *out)
 {

@@ -42,8 +42,8 @@ void gd__queue_clear(struct gd__queue *queue);
 /* Sets the width of buckets, > 0. The queue must be empty. */
 void gd__queue_set_width(struct gd__queue *queue, double bucket_width);
 
-/* Sets the first bucket of the empty queue to `key`. From zero its ring might not reach the keys.
- * Later keys may be smaller by a few edge lengths only. */
+/* Sets the first bucket of the empty queue to `key`. A ring that began at zero might not reach the
+ * keys. Later keys may be smaller by a few edge lengths only. */
 void gd__queue_begin(struct gd__queue *queue, double key);
 
 /* Returns the bucket number of a key. A negative key, which is due to rounding, goes to the first

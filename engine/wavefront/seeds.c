@@ -348,9 +348,9 @@ static bool is_at_vertex(const struct gd__seed *seed)
     return !seed->is_segment && seed->point.kind == GD_POINT_VERTEX;
 }
 
-/* Vertices emit last, when the nearest of their seeds is known. Otherwise a window that a vertex
- * cast with a longer distance would be dropped later as stale, even if ties have left no other
- * window. */
+/* Vertices emit last, when the nearest of their seeds is known. Otherwise a vertex could cast a
+ * window with a distance that decreases later. This window would then be dropped as stale, even if
+ * ties had removed all other windows there. */
 void gd__emit_seeds(struct gd__wavefront *front)
 {
     struct gd__segment_cache cache;

@@ -89,7 +89,7 @@ static inline void gd__windows_move(const struct gd__windows *w, uint32_t to, ui
  * empty. */
 struct gd__window_builder {
     struct gd__windows at;
-    uint32_t capacity; /* in windows, without the group behind them */
+    uint32_t capacity; /* number of windows, without the group behind them */
     void *block;
 };
 

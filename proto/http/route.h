@@ -36,7 +36,7 @@ enum proto_method {
 /* A former name of a path or of a query parameter. It works like its replacement, and the answer
  * carries a Deprecation header. */
 struct proto_deprecation {
-    const char *name, *replacement; /* for a path: templates */
+    const char *name, *replacement; /* for a path, its template */
     int64_t since;                  /* Unix time */
 };
 

@@ -25,7 +25,7 @@ struct proto_vectors {
     struct proto_segment *segments;
     uint32_t *first; /* count + 1 */
     uint32_t count;
-    double *factors; /* for combine: count items; NULL: none */
+    double *factors; /* `count` factors for the operation combine; NULL: none */
 };
 
 void proto_vectors_free(struct proto_vectors *vectors); /* leaves an empty list */

@@ -7,7 +7,7 @@
 
 #define DIGITS      "0123456789abcdef"
 #define DIGEST      32
-#define PIECE_BYTES ((size_t)1 << 20) /* between two checks of the control: some milliseconds */
+#define PIECE_BYTES ((size_t)1 << 20) /* hashed between two checks of the control */
 
 /* Prints the digest. Only a library without SHA-256 fails. */
 static void digest_print(int failed, const unsigned char digest[DIGEST],

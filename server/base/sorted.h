@@ -10,7 +10,7 @@
 struct server_sorted { /* empty: all zero but `compare` */
     void **items;      /* freed by free() */
     uint32_t count, capacity;
-    int (*compare)(const void *item, const void *key); /* as strcmp */
+    int (*compare)(const void *item, const void *key); /* result as of strcmp */
 };
 
 /* Returns the index of the first item whose key is not below `key`. O(log n). */

@@ -44,8 +44,9 @@ const char *server_etag_caption(char out[SERVER_ETAG_CAPTION], const char *text)
 
 enum server_etag_form { SERVER_ETAG_NONE, SERVER_ETAG_PLAIN, SERVER_ETAG_PACKED };
 
-/* Writes the tag of the representation in that form ("json": lower case letters and digits), or
- * with NULL the resource's own tag `etag`. Tags are without quotes here and below. */
+/* Writes the tag of the representation in the form `form` ("json": lower case letters and digits).
+ * With a NULL form, writes the resource's own tag `etag`. Tags are without quotes here and
+ * below. */
 void server_etag_write(char out[SERVER_ETAG_TEXT], const char *etag, const char *form);
 
 /* Returns whether there is no If-Match, or it lists a tag of the resource. `etag` is the resource's

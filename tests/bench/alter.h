@@ -1,5 +1,5 @@
-/* Alter: makes larger and rougher forms of any triangle mesh, in place, so that one model gives a
- * family of sizes. */
+/* Alter: makes a triangle mesh finer or rougher, in place, so that one model gives meshes of many
+ * sizes. */
 #ifndef TESTS_BENCH_ALTER_H
 #define TESTS_BENCH_ALTER_H
 

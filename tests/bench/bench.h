@@ -54,7 +54,8 @@ struct bench_options {
     bool repair;   /* --repair: separate non-manifold parts, see gd_mesh_options */
     /* --subdivide: how often every triangle is split at the midpoints of its edges */
     uint32_t levels;
-    /* --noise: afterwards every vertex is moved along its normal by up to so many mean edges */
+    /* --noise: afterwards every vertex is moved along its normal by up to this number of mean edge
+     * lengths */
     double noise;
     uint32_t landmarks; /* --landmarks: built before pairs are solved */
     uint32_t threads;   /* --threads: threads of one field; default 1 */
@@ -102,8 +103,8 @@ int bench_each_mesh(char **arguments, uint32_t runs,
 
 /* --- measure.c: clocks, memory, statistics, output -------------------------------------------- */
 
-/* Returns a control like that of a daemon's worker: with a workspace, and with the memory of
- * released fields, which is kept for the next. One for the process; no limits. */
+/* Returns a control like that of a daemon's worker: it has a workspace, and the memory of released
+ * fields is kept for later fields. The process has one such control, without limits. */
 const struct gd_control *bench_control(void);
 
 /* Returns an executor of `threads` threads, including the calling one; NULL for one thread. Ends

@@ -44,8 +44,8 @@ static void *help(void *unused)
 
 static uint32_t helpers;
 
-/* Runs the tasks. The helpers count as tasks, so that none of them still reads a round when the
- * next begins. */
+/* Runs the tasks. A round also waits until each helper has left it, so that no helper still reads
+ * the data of a round when the next one begins. */
 static void run(void *user, void (*task)(void *context, uint32_t index), void *context,
                 uint32_t count)
 {

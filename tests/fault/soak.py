@@ -31,7 +31,7 @@ FULL = 0.9  # share of the budget that counts as used up
 DRIFT = 0.05  # share of the budget: larger growth over the measured time is a leak
 SHORT_SECONDS = 600  # in a shorter soak the caches still fill
 TRIM_SECONDS = 11  # period in which the daemon returns free heap memory to the system
-# what the allocator may keep, above a fresh daemon and beyond what the daemon counts
+# bytes that the allocator may keep: more than a new daemon holds, and not counted by the daemon
 EMPTY_SLACK = 48 * MIB
 FLAGS = ("--memory-budget", f"{BUDGET}", "--workers", "2", "--http-threads", "2", "--max-body", "16MiB", "--max-jobs", "200", "--job-ttl-s", "60", "--scrub-s", "60",
          "--persist-fields")

@@ -47,7 +47,7 @@ struct NAME(event) {
 struct NAME(solver) {
     const struct naive_mesh *mesh;
     struct NAME(shape) * shape;
-    REAL *distance; /* of vertices: upper bounds, exact at the end */
+    REAL *distance; /* distances of vertices: upper bounds, exact at the end */
     struct NAME(window) * window;
     uint32_t window_count, window_capacity;
     struct NAME(event) * heap;

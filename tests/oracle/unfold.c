@@ -16,9 +16,9 @@ struct place {
 struct face {
     uint32_t corner[3];
     uint32_t original;
-    real weight[3][3];  /* of each corner: barycentric coordinates in the original face */
+    real weight[3][3];  /* barycentric coordinates of each corner in the original face */
     uint32_t across[3]; /* the face across the edge opposite to each corner; NONE: boundary */
-    bool passed;        /* by the current unfolding: a shortest path enters a face only once */
+    bool passed;        /* passed by the current unfolding; no shortest path enters a face twice */
 };
 
 struct unfold_mesh {

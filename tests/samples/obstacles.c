@@ -20,7 +20,7 @@ static const double prism_height = 2;
 enum {
     MIN_CORNERS = 3,
     MAX_CORNERS = 9,
-    FIRST_CORNER = 6 /* after the rectangle's corners, p and q */
+    FIRST_CORNER = 6 /* number of the first corner, after the rectangle's corners, p and q */
 };
 
 /* A disc that contains one obstacle. Discs are disjoint. */

@@ -11,7 +11,7 @@ struct remeshing {
     /* edge lengths vary by exp(+-contrast) along a wave in space of length about two */
     double contrast;
     double noise;     /* and randomly by exp(+-noise) */
-    uint32_t passes;  /* of smoothing, which makes edges and angles similar */
+    uint32_t passes;  /* smoothing passes, which make edges and angles similar */
     double roughness; /* largest final displacement of coordinates, relative to the mean edge */
 };
 

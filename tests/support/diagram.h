@@ -32,7 +32,7 @@ void member_set_free(struct member_set *set);
 struct diagram {
     const struct gd_mesh *mesh;
     const struct member_set *set;
-    struct gd_field *field, **alone; /* of all members; of each member alone */
+    struct gd_field *field, **alone; /* fields of all members, and of each member alone */
     struct gd_voronoi voronoi;
     double size; /* largest distance of a vertex from a member */
 };

@@ -14,11 +14,11 @@
 
 enum { JOBS_MOST = 64, CASES_TOLD = 5, TEXT = 256 };
 
-/* How this process reports failures. */
+/* Settings and counters of the report of failures. */
 static struct {
     const char *section, *folder; /* folder NULL: standard output */
     bool verbose, quiet;
-    uint64_t told[2]; /* number of reported failures, and of those that are wrong only nearby */
+    uint64_t told[2]; /* numbers of reported failures: all, and those near the source only */
     uint64_t scene;
 } report;
 
@@ -338,7 +338,7 @@ static void ask_solver(const struct exact_scene *scene, const struct gd_seed *se
     struct exact_truth truth;
     exact_truth_open(scene, seeds, count, INFINITY, &truth);
     printf("extended       %.17g\n", exact_distance(&truth, to));
-    exact_error(&truth, to, -1); /* makes the truth switch to quadruple precision */
+    exact_error(&truth, to, -1); /* makes the exact solver switch to quadruple precision */
     printf("quadruple      %.17g\n", exact_distance(&truth, to));
     exact_truth_close(&truth);
 }

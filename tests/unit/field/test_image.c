@@ -203,7 +203,7 @@ static void refuses_impossible_chains(void **state)
     image_chunk(first)->previous = newest; /* a cycle of the whole chain */
     assert_int_equal(try_damaged(&rng), GD_INDEX);
     static const uint32_t beyond[] = {0, 1, 100, 1u << 30};
-    for (int i = 0; i < 4; i++) { /* beyond the wedges */
+    for (int i = 0; i < 4; i++) { /* chunks that begin beyond the wedges */
         image_newest()[edge] = units + beyond[i];
         assert_int_equal(try_damaged(&rng), GD_INDEX);
         image_chunk(newest)->previous = units + beyond[i];

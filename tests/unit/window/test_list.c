@@ -253,7 +253,7 @@ static void joins_at_both_seams(void **state)
     assert_int_equal(list.count, 2);
     assert_true(w.b0[0] == 0 && w.b1[0] == 0.45 && w.b0[1] == 0.45 && w.b1[1] == 1);
     check_list();
-    empty_list(); /* with contested windows between the ends */
+    empty_list(); /* now there are contested windows between the ends */
     append_window(&offered, of_source(0, 0.2, 1));
     append_window(&offered, of_source(0.4, 0.6, 3));
     append_window(&offered, of_source(0.8, 1, 2));
