@@ -45,8 +45,8 @@ def resolved(document, item):
 
 
 def thinned(value):
-    """Returns the value with only some items of each long array, from its beginning to its end, so
-    that checking costs little."""
+    """Returns the value with a sample of the items of each long array, so that a check takes little
+    time."""
     if isinstance(value, dict):
         return {key: thinned(item) for key, item in value.items()}
     if isinstance(value, list):

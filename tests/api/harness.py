@@ -195,8 +195,8 @@ class Daemon:
         return wait_until(lambda: (value := self.metric(name)) >= least and value)
 
     def wait_for_flight(self, most=0):
-        """Waits until requests hold at most that many bytes: they give memory back after their last
-        byte was sent, which their client can see before."""
+        """Waits until requests hold at most that many bytes. A request returns its memory after its
+        last byte was sent, so its client may have the answer earlier."""
         wait_until(lambda: self.metric('memory_bytes{class="flight"}') <= most)
 
     def ended(self, accepted):

@@ -307,8 +307,8 @@ class Memory(Isolines):
         self.daemon.wait_for_flight(flight)
 
     def test_levels_leave_as_they_are_written(self):
-        """An answer of many levels may exceed the memory for it, because levels are sent as they
-        are written."""
+        """An answer of many levels may be larger than the memory for answers, because each level is
+        sent before the next one is written."""
         self.daemon.put("many", sample("icosphere", level=4))
         field = self.make("many", vertices(0))["id"]
         flight = self.daemon.metric('memory_bytes{class="flight"}')

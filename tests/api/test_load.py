@@ -106,7 +106,7 @@ class Lanes(TestCase):
 
     def test_when_the_builder_gives_up_another_takes_over(self):
         """The builder waits for the worker, and more requests than the queue holds wait for the
-        builder: its deadline does not end theirs."""
+        builder. The builder's deadline does not end these requests."""
         self.daemon.ask_often("square", "v:1")
         url = "/v1/meshes/square/distance?from=v:1&to=v:3"
         builds, waits = self.daemon.metric("cache_builds_total"), self.daemon.metric("cache_waits_total")

@@ -137,8 +137,8 @@ class Pairs(TestCase):
             return [self.daemon.metric(name) - before[name] for name in ("searches_total", "cache_builds_total")]
 
         def ask(first, last):
-            """Queries one vertex after the other, every second time in the opposite direction,
-            since either end counts."""
+            """Queries one vertex after the other. Every second query has the opposite direction,
+            because both ends of a pair are counted."""
             ends = [("v:12", f"v:{vertex}") for vertex in range(first, last)]
             return [self.distance("fresh", *(pair[::-1] if number % 2 else pair)) for number, pair in enumerate(ends)]
 

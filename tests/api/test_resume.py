@@ -1,5 +1,5 @@
-"""Fields that reach farther than an existing field: they are resumed from it, and answer like
-fields of their own."""
+"""Fields with a larger radius than a cached field: the daemon extends the cached field, and answers
+are the same as from a new field."""
 import concurrent.futures
 import random
 import unittest

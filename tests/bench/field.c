@@ -60,8 +60,8 @@ static void add_distances(const struct gd_mesh *mesh, struct gd_point source, do
     bench_require(status, &detail);
 }
 
-/* Measures field --distances-only: times, and the memory of one call beyond mesh and answer, by the
- * process' peak during the first call. */
+/* Measures field --distances-only: times, and the memory of one call in addition to mesh and
+ * answer, from the process' peak during the first call. */
 static void measure_distances(const char *name, const struct gd_mesh *mesh,
                               const struct bench_options *options)
 {

@@ -50,7 +50,7 @@ AGREEMENT = 1e-9
 
 
 class Discipline:
-    """A discipline of the race: its option, and the names of its time and answer."""
+    """A task that programs are compared on: its option, and the names of its time and answer."""
 
     def __init__(self, name, option, arguments, answer):
         self.name, self.option, self.arguments, self.answer = name, option, arguments, answer
@@ -64,7 +64,8 @@ FIELD, PAIR, TRACE = Discipline("field", [], 1, "sum"), Discipline("pair", ["--p
 
 
 class Course:
-    """A mesh in a form that every solver accepts, and the sources and pairs of its races."""
+    """A mesh in a form that every solver accepts, and the sources and pairs for which solvers are
+    compared."""
 
     def __init__(self, bench, mesh, folder, options):
         self.mesh, self.path = mesh, pathlib.Path(folder) / "mesh.obj"
@@ -149,7 +150,7 @@ def can_race(program):
 
 
 def disciplines(mesh, name, options):
-    """Yields the disciplines of a peer on a mesh."""
+    """Yields the tasks of a peer on a mesh."""
     if mesh in MESHES + LONG:
         yield FIELD
         if name in options.pair_peers and options.pairs:

@@ -34,7 +34,8 @@ void ablation_edges(const struct paper_model *model, const struct gd_mesh *mesh)
 
 /* --- Tables 2, 3 and 4 ------------------------------------------------------------------------ */
 
-/* For one setting and structure, over all sources: sums of counts, and each time. */
+/* Results of one setting and structure: sums of counts over all sources, and the time of each
+ * source. */
 struct sums {
     double produced, propagated, kept, merged;
     double *ms;

@@ -193,7 +193,7 @@ def try_rebuild(place, number, library, call):
 
 
 def run(kind, one, place, library, most, wrong, step=1):
-    """Fails each `step`-th call in turn until the changes end before it."""
+    """Makes each `step`-th call fail in turn, until the changes need fewer calls."""
     for call in range(1, most + 1, step):
         faults, fired = one(place, f"{kind}{call}", library, call)
         wrong += [f"{kind} {call}: {fault}" for fault in faults]

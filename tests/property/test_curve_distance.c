@@ -65,7 +65,8 @@ static struct gd_curve_distance least(const struct gd_field *field, const struct
 }
 
 struct sums {
-    /* Largest relative values. excess: of the farthest distance over the sampled one. */
+    /* Largest relative values. `excess`: by how much the farthest distance exceeds the sampled
+     * one. */
     double asymmetry, excess;
     double slant; /* largest deficit of an angle below a right angle */
     int meetings, pairs;

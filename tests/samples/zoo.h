@@ -11,7 +11,8 @@
 
 struct zoo_shape {
     struct gd_polygons mesh;
-    /* per vertex: its position on the unfolded surface, for closed forms; NULL: its position */
+    /* per vertex: its position on the unfolded surface, for closed forms; NULL: the surface is not
+     * folded */
     double (*chart)[3];
     uint32_t centre; /* the vertex at which the shape is degenerate */
     double offset;   /* added to each coordinate; subtracting it is exact */

@@ -107,9 +107,9 @@ async function circle(page, { x, y }, milliseconds) {
 
 /**
  * Drags the point of this name in circles for a while, and checks the number of answers a second.
- * On a machine that other programs use, the processor time decides instead: this machine's
- * processors must suffice for that rate. The drag begins `lead` milliseconds before; `check` runs
- * before it ends.
+ * If other programs use the machine, the processor time decides instead: the machine's processors
+ * must suffice for that rate. The drag begins `lead` milliseconds before; `check` runs before it
+ * ends.
  */
 export async function assertRate(browser, page, { name, pattern, least, lead = 0, check = () => {} }) {
   const handle = await page.getByRole("button", { name, exact: true }).boundingBox();

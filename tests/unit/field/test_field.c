@@ -305,8 +305,8 @@ static void correct_wedges_do_not_cross(void **state)
             fabs(leg[0].y - leg[1].y) < 1e-9)
             continue;
         pairs++;
-        /* The segments from each crossing to its point intersect if the ends of each lie on
-         * opposite sides of the other. */
+        /* Two segments, each from a crossing to its point, intersect if the ends of each segment
+         * lie on opposite sides of the other segment. */
         double c0 = leg[0].parameter, c1 = leg[1].parameter;
         double left1 = (at[0].x - c0) * at[1].y - at[0].y * (at[1].x - c0),
                left2 = (at[0].x - c0) * 0 - at[0].y * (c1 - c0);

@@ -160,7 +160,7 @@ static void the_guide_respects_the_budget(void **state)
     gd_mesh_release(mesh);
 }
 
-/* After turning, the bounds are those of the distances to the other end. */
+/* After the guide is turned, its bounds are bounds of the distances to the other end. */
 static void the_guide_turns(void **state)
 {
     (void)state;

@@ -22,8 +22,8 @@ static int tear_down(void **state)
     return 0;
 }
 
-/* Returns how many of `count` requests, one every `interval` from `*now` on, are admitted. Each one
- * leaves at once. */
+/* Returns how many of `count` requests, one every `interval` from `*now` on, are admitted. Each
+ * admitted request ends at once. */
 static int let_in(const struct server_limits *limits, int count, uint64_t interval, uint64_t *now)
 {
     int entered = 0;
