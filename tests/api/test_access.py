@@ -37,7 +37,7 @@ def keygen(*arguments):
 
 
 class Files(unittest.TestCase):
-    def test_a_file_of_keys_that_is_no_file_stops_nothing(self):
+    def test_an_unreadable_file_of_keys_leaves_the_keys_unchanged(self):
         with tempfile.TemporaryDirectory() as place:
             file = pathlib.Path(place) / "keys"
             file.write_text(line("first"))
@@ -90,7 +90,7 @@ class Keyed(TestCase):
 class Roles(Keyed):
     keys = line("reader") + line("writer", "role=write") + line("old", "role=write expires=2001-01-01") + line("watch", "role=operator")
 
-    def test_what_needs_no_key(self):
+    def test_operations_without_key(self):
         for path in ("/livez", "/readyz", "/", "/openapi.json"):
             self.assertEqual(self.ask("GET", path).status, 200, path)
         self.assertEqual(self.ask("HEAD", "/livez").status, 200)
@@ -101,7 +101,7 @@ class Roles(Keyed):
         for path in ("/app.js", "/style.css"):
             self.assertEqual(self.ask("GET", path).status, 200, path)
 
-    def test_all_else_needs_one(self):
+    def test_all_other_operations_need_a_key(self):
         paths = self.ask("GET", "/openapi.json").json["paths"]
         asked = 0
         for path, item in paths.items():
@@ -154,13 +154,13 @@ class Roles(Keyed):
             self.assertEqual(answer.headers["WWW-Authenticate"], 'Bearer realm="geodesicd", error="insufficient_scope"')
         self.assertEqual(self.ask("DELETE", "/v1/meshes/square", "writer").status, 204)
 
-    def test_an_upload_is_refused_before_its_body(self):
+    def test_an_upload_without_key_is_refused_before_its_body(self):
         head = b"PUT /v1/meshes/big HTTP/1.1\r\nHost: a\r\nContent-Length: 100000000\r\nExpect: 100-continue\r\n"
         for name, status in ((None, b"401"), ("reader", b"403"), ("writer", b"100")):
             key = f"Authorization: Bearer {key_of(name)}\r\n".encode() if name else b""
             self.assertEqual(self.daemon.raw(head + key + b"\r\n")[9:12], status)
 
-    def test_the_log_names_the_key_and_never_tells_it(self):
+    def test_the_log_has_the_name_of_the_key_but_not_the_key(self):
         self.ask("GET", "/v1", "reader", X_Request_Id="named")
         self.assertEqual(self.logged("named")["key"], "reader")
         self.ask("GET", "/v1", "nobody", X_Request_Id="unnamed")
@@ -220,7 +220,7 @@ class Limits(Keyed):
         # the places of ended requests are free
         self.assertEqual(self.ask("GET", "/v1", "narrow").status, 200)
 
-    def test_a_job_keeps_its_place(self):
+    def test_a_running_job_counts_as_a_request_of_its_key(self):
         self.ask("PUT", "/v1/meshes/wide", "fast", sample("terrain", cells=96, amplitude=1))
         body = json.dumps({"sources": [{"vertex": i} for i in range(400)], "targets": [{"vertex": 9000}]})
         job = self.ask("POST", "/v1/meshes/wide/matrix", "single", body, Prefer="respond-async")
@@ -279,7 +279,7 @@ class Start(unittest.TestCase):
                 self.assertEqual(result.returncode, 1, result)
                 self.assertIn(hint, json.loads(result.stderr)["message"])
 
-    def test_with_keys_it_listens_beyond_loopback(self):
+    def test_with_keys_the_daemon_listens_beyond_loopback(self):
         with tempfile.TemporaryDirectory() as folder:
             file = pathlib.Path(folder) / "keys"
             file.write_text(line("a"))
@@ -336,14 +336,14 @@ class Origins(Keyed):
         self.assertEqual(packed.headers["Access-Control-Allow-Origin"], self.origin)
         self.assertEqual(json.loads(gzip.decompress(packed.body))["openapi"][:3], "3.1")
 
-    def test_others_may_not(self):
+    def test_other_origins_are_refused(self):
         for origin in ("https://evil.example", "http://maps.example", "https://maps.example:8443", "null",
                        "https://maps.example.evil", "https://maps.exampl"):
             for answer in (self.preflight("/v1/meshes/x", "PUT", origin), self.ask("GET", "/v1", "reader", Origin=origin)):
                 self.assert_problem(answer, 403, "forbidden")
                 self.assertIsNone(answer.headers["Access-Control-Allow-Origin"])
 
-    def test_who_has_no_origin_gets_no_leave(self):
+    def test_a_request_without_origin_gets_no_cors_headers(self):
         """Pages of other origins get no CORS headers. The daemon's own page needs none."""
         for headers in ({}, {"Host": "meshes.example", "Origin": "http://meshes.example"}):
             answer = self.ask("GET", "/v1", "reader", **headers)

@@ -73,7 +73,7 @@ class Streams(TestCase):
     def count(self, *names):
         return [self.daemon.metric(name) for name in names]
 
-    def test_is_what_a_job_keeps(self):
+    def test_a_stream_equals_the_stored_answer_of_a_job(self):
         for kind, document in QUERIES:
             with self.subTest(kind):
                 kept = self.result_of_job(kind, document)
@@ -86,7 +86,7 @@ class Streams(TestCase):
                 old = self.rest(self.open(kind, document, version="1.0"))
                 self.assertEqual(old.partition(b"\r\n\r\n")[2], kept)
 
-    def test_of_a_get(self):
+    def test_a_get_is_streamed(self):
         for path in (self.values, self.isolines):
             whole = self.daemon.get(path)
             self.assertGreater(len(whole.body), MIB)
@@ -106,7 +106,7 @@ class Streams(TestCase):
             received += connection.recv(65536)
         return received
 
-    def test_holds_its_state_while_it_is_not_read(self):
+    def test_an_unread_stream_holds_its_state(self):
         whole = self.daemon.ask("ring", *TRACE).body
         connection = self.open(*TRACE)
         self.daemon.wait_for("answer_streams")
@@ -129,7 +129,7 @@ class Streams(TestCase):
         self.assertEqual(chunks[-1], b"")
         self.assertEqual(gzip.decompress(b"".join(chunks)), self.daemon.ask("ring", *TRACE).body)
 
-    def test_ends_when_its_client_leaves(self):
+    def test_a_stream_ends_when_its_client_disconnects(self):
         for size in (0, 100, 1000000):
             connection = self.open(*TRACE)
             self.daemon.wait_for("answer_streams")
@@ -139,7 +139,7 @@ class Streams(TestCase):
             connection.close()
             wait_until(lambda: not self.daemon.metric("answer_streams"))
 
-    def test_others_are_texts(self):
+    def test_answers_beyond_the_pool_are_whole_texts(self):
         crowd = [self.open(*TRACE) for _ in range(STREAMS + 4)]
         wait_until(lambda: self.daemon.metric("answer_streams") == STREAMS and not self.daemon.metric("requests_deferred"))
         texts = {self.rest(connection).partition(b"\r\n\r\n")[2] for connection in reversed(crowd)}

@@ -66,7 +66,7 @@ class Large(TestCase):
         wait_until(lambda: held(self.daemon, "answers") < MIB)
         self.assertEqual(self.daemon.ask("ring", "trace", LARGE).status, 200)
 
-    def test_who_reads_nothing_goes_sooner_when_others_are_refused(self):
+    def test_clients_that_read_nothing_are_cut_sooner_when_requests_are_refused(self):
         crowd = [self.ask_unread() for _ in range(12)]
         wait_until(lambda: not self.daemon.metric("requests_deferred"))
         began = time.monotonic()
@@ -76,7 +76,7 @@ class Large(TestCase):
         for connection in crowd:
             connection.close()
 
-    def test_an_answer_that_is_read_is_given_back(self):
+    def test_the_memory_of_a_read_answer_is_returned(self):
         for headers in ({}, {"Accept-Encoding": "gzip"}, {"Accept": "application/octet-stream"}):
             answer = self.daemon.ask("ring", "matrix", square(300), headers)
             self.assertEqual(answer.status, 200)
@@ -199,13 +199,13 @@ class Documents(TestCase):
         self.assertEqual([json.loads(line)["status"] for line in answer.body.splitlines()], [400, 400])
         wait_until(lambda: held(self.daemon, "flight") == 0)
 
-    def test_what_begins_a_batch_has_a_largest_size(self):
+    def test_the_request_of_a_batch_has_a_largest_size(self):
         answer = self.daemon.request("POST", "/v1/batches", b"[" + b" " * (5 * MIB) + b"]", {"Content-Type": "application/json"})
         self.assertEqual(self.assert_problem(answer, 413, "too_large")["limit"], 4 * MIB)
 
 
 class Remembered(unittest.TestCase):
-    def test_what_is_resident_is_counted(self):
+    def test_resident_memory_is_counted(self):
         with Daemon("--memory-budget", "32MiB", "--max-body", "4MiB", "--landmarks", "0") as daemon:
             empty = held(daemon, "records")
             for number in range(20):

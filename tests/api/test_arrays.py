@@ -253,7 +253,7 @@ class Forms(TestCase):
         self.assert_nulls(found, values)
         self.assertIn(None, values)
 
-    def test_wedges_of_all_edges_cover_them(self):
+    def test_wedges_of_all_edges_cover_the_edges(self):
         self.daemon.put("box", sample("box", cells=4))
         faces = self.daemon.request("GET", "/v1/meshes/box").json["faces"]
         points = [{"face": 7, "barycentric": [0.5, 0.25, 0.25]}, {"vertex": 3}]
@@ -303,7 +303,7 @@ class Forms(TestCase):
                 [(w["source"].get("vertex", w["source"].get("member")), w["tau"] + 4 * ("vertex" in w["source"])) for w in wedges],
             )
 
-    def test_lines_have_bare_points_unless_full_ones_are_asked_for(self):
+    def test_points_of_lines_are_coordinates_unless_geometry_is_full(self):
         target = f"/v1/meshes/ball/fields/{self.field}/isolines?count=1"
         for more, kind in (("", list), ("&geometry=xyz", list), ("&geometry=full", dict)):
             lines = self.daemon.request("GET", target + more).json["isolines"][0]["lines"]

@@ -40,7 +40,7 @@ class Batches(TestCase):
         self.assertEqual(answer["type"], f"urn:geodesicd:problem:{code}")
         return answer
 
-    def test_lines_are_queries_of_their_own(self):
+    def test_each_line_is_a_separate_query(self):
         a, b, c = {"vertex": 3}, {"xyz": [1, 2, 3]}, {"face": 7, "barycentric": [0.5, 0.25, 0.25]}
         queries = [
             ("distance", {"from": a, "to": b}),
@@ -59,7 +59,7 @@ class Batches(TestCase):
         found = self.answers("ball", lines_of(*({"query": name, **document} for name, document in queries)))
         self.assertEqual(found, [{"status": answer.status, **answer.json} for answer in expected])
 
-    def test_problems_are_too(self):
+    def test_problems_equal_those_of_single_queries(self):
         queries = [("distance", {"from": {"vertex": 9999}, "to": {"vertex": 1}}), ("path", {"from": {"vertex": 0}}),
                    ("nearest", {"point": {"ray": {"origin": [9, 9, 9], "direction": [1, 0, 0]}}}),
                    ("matrix", {"sources": [{"vertex": 0}] * 2500, "targets": [{"vertex": 0}] * 2500}),
@@ -147,7 +147,7 @@ class Batches(TestCase):
         self.assertEqual(packed.headers["Content-Encoding"], "gzip")
         self.assertEqual(gzip.decompress(packed.body), plain.body)
 
-    def test_a_line_may_be_too_long_and_a_body(self):
+    def test_too_long_lines_and_bodies_are_refused(self):
         long = {"query": "matrix", "sources": [{"vertex": 0}], "targets": [{"vertex": 0}] * 20000}
         good = {"query": "nearest", "point": {"vertex": 0}}
         found = self.answers("ball", lines_of(good, long, good))
@@ -156,7 +156,7 @@ class Batches(TestCase):
         answer = self.batch("ball", lines_of(good) * 40000)
         self.assertIn("limit", self.assert_problem(answer, 413, "too_large"))
 
-    def test_a_mesh_that_is_not_there(self):
+    def test_an_absent_mesh(self):
         answer = self.batch("nobody", lines_of({"query": "nearest", "point": {"vertex": 0}}))
         self.assert_problem(answer, 404, "not_found")
 
@@ -170,7 +170,7 @@ class Batches(TestCase):
         for (a, b), answer in zip(pairs, found, strict=True):
             self.assertAlmostEqual(answer["distance"], matrix[a][b], 12)
 
-    def test_a_source_that_is_asked_about_again_and_again_has_its_field_built(self):
+    def test_a_frequent_source_gets_a_field(self):
         self.daemon.put("fresh", sample("icosphere", level=4))
         builds = self.daemon.metric("cache_builds_total")
         targets = range(100, 100 + 2 * SEARCHES)
@@ -178,7 +178,7 @@ class Batches(TestCase):
             {"query": "distance", "from": {"vertex": 7}, "to": {"vertex": number}} for number in targets)))
         self.assertEqual(self.daemon.metric("cache_builds_total"), builds + 1)
 
-    def test_the_time_is_over_for_the_lines_that_are_left(self):
+    def test_remaining_lines_get_the_deadline_problem(self):
         self.daemon.put("large", sample("icosphere", level=6))
         some = [{"vertex": number} for number in range(300)]
         slow = {"query": "matrix", "sources": some, "targets": some}
@@ -244,7 +244,7 @@ class Streams(TestCase):
         self.assertEqual(answer.getheader("Transfer-Encoding"), None)
         self.assertEqual(len(answer.read()), int(answer.getheader("Content-Length")))
 
-    def test_the_stream_says_what_the_whole_says(self):
+    def test_the_stream_equals_the_collected_answer(self):
         numbers = random.Random(3)
         body = lines_of(*({"query": "path", "from": {"vertex": numbers.randrange(642)}, "to": {"vertex": numbers.randrange(642)}}
                           for _ in range(500)))
@@ -277,7 +277,7 @@ class Streams(TestCase):
     def is_idle(self):
         return self.daemon.metric("workers_busy") == 0
 
-    def test_a_client_that_leaves_stops_the_work(self):
+    def test_a_client_that_disconnects_stops_the_work(self):
         connection, answer = self.begin("large", lines_of(self.QUICK, *[self.slow] * 1000))
         answer.readline()
         self.assertFalse(self.is_idle())

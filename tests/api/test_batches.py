@@ -85,7 +85,7 @@ class Alone:
         page = self.daemon.get(f"/v1/batches/{begun.json['id']}/results?limit=2").json
         self.assertEqual(([one["item"] for one in page["results"]], page["state"], page["next"]), ([0, 1], "done", "1"))
 
-    def test_waiting(self):
+    def test_requests_wait_for_answers(self):
         self.assertIn(self.daemon.put("large", sample("icosphere", level=6)).status, (200, 201))
         begun = begin(self.daemon, {"query": "all-pairs", "mesh": "large", "vertices": list(range(3000))})
         path = f"/v1/batches/{begun.json['id']}"
@@ -131,7 +131,7 @@ class Alone:
         field = found[0]["answer"]["id"]
         self.assertEqual(self.daemon.get(f"/v1/meshes/a/fields/{field}").status, 200)
 
-    def test_a_mesh_that_is_replaced_ends_its_batch(self):
+    def test_replacing_the_mesh_fails_the_remaining_items(self):
         self.assertIn(self.daemon.put("changes", sample("icosphere", level=5)).status, (200, 201))
         begun = begin(self.daemon, {"query": "all-pairs", "mesh": "changes", "vertices": list(range(2000))})
         self.assertEqual(self.daemon.put("changes", TETRAHEDRON).status, 200)
@@ -151,7 +151,7 @@ class Alone:
         self.assertEqual(self.daemon.request("DELETE", path).status, 204)
         self.assertEqual(self.daemon.get(path).status, 404)
 
-    def test_what_is_refused(self):
+    def test_invalid_requests_are_refused(self):
         for document, status, code, pointer in (
                 ({"query": "all-pairs", "mesh": "nobody", "vertices": [0]}, 404, "not_found", None),
                 ({"query": "all-pairs", "mesh": "a b", "vertices": [0]}, 400, "invalid_request", "/mesh"),
@@ -195,7 +195,7 @@ class InAFolder(Alone, unittest.TestCase):
         self.assertEqual(self.daemon.stop(), 0)
         self.place.cleanup()
 
-    def test_a_batch_goes_on_after_a_crash(self):
+    def test_a_batch_continues_after_a_crash(self):
         self.assertEqual(self.daemon.put("sphere", sample("icosphere", level=4)).status, 201)
         begun = begin(self.daemon, {"query": "all-pairs", "mesh": "sphere", "vertices": list(range(300))})
         path = f"/v1/batches/{begun.json['id']}"
@@ -210,7 +210,7 @@ class InAFolder(Alone, unittest.TestCase):
         rest, _ = follow(self.daemon, begun.json["id"], page["next"])
         self.assertEqual(sorted(one["item"] for one in page["results"] + rest), list(range(300)))
 
-    def test_a_daemon_that_ends_answers_who_waits(self):
+    def test_a_stopping_daemon_answers_waiting_clients(self):
         self.assertEqual(self.daemon.put("large", sample("icosphere", level=6)).status, 201)
         begun = begin(self.daemon, {"query": "all-pairs", "mesh": "large", "vertices": list(range(3000))})
         told = []
@@ -225,7 +225,7 @@ class InAFolder(Alone, unittest.TestCase):
         self.daemon = self.start()
         self.assertEqual(self.daemon.request("DELETE", f"/v1/batches/{begun.json['id']}").status, 204)
 
-    def test_a_batch_goes_on_after_a_restart(self):
+    def test_a_batch_continues_after_a_restart(self):
         self.assertEqual(self.daemon.put("sphere", sample("icosphere", level=4)).status, 201)
         begun = begin(self.daemon, {"query": "all-pairs", "mesh": "sphere", "vertices": list(range(200))})
         self.assertEqual(self.daemon.stop(), 0)

@@ -100,7 +100,7 @@ class Bulk(TestCase):
         answer = self.daemon.ask("apart", "pairs", {"from": vertices(0, 0), "to": vertices(1, 4)})
         self.assert_near(answer.json["distances"], found[:1] + [None])
 
-    def test_what_is_refused(self):
+    def test_invalid_requests_are_refused(self):
         good = {"from": ("I", 0, [0]), "to": ("I", 0, [1])}
         def refused(body, status=400):
             answer = self.daemon.request("POST", "/v1/meshes/ball/pairs", body, BYTES)
@@ -123,7 +123,7 @@ class Bulk(TestCase):
         self.assertEqual(self.daemon.request("POST", "/v1/meshes/ball/matrix", whole, BYTES).status, 415)
         self.assertEqual(self.daemon.request("POST", "/v1/meshes/ball/pairs", whole, {"Content-Type": "text/plain"}).status, 415)
 
-    def test_many(self):
+    def test_many_pairs_in_pieces(self):
         """Many pairs are answered in pieces, by all workers, compressed or not, and within the
         limits of the daemon."""
         count, chance = 100000, random.Random(3)

@@ -31,13 +31,13 @@ class CClient(TestCase):
         with tempfile.TemporaryDirectory() as folder, Daemon(listen="unix:" + folder + "/socket"):
             self.run_scenario("unix:" + folder + "/socket")
 
-    def test_patience(self):
+    def test_requests_are_repeated_if_the_daemon_is_busy(self):
         with scenario.busy(*[(503, {"Retry-After": "0"}, {"code": "overloaded"})] * 3, (0, {}, {})) as (server, url):
             self.run_scenario(url, "busy")
             self.assertEqual(len(server.seen), 4)
             self.assertEqual(set(server.codings), {None})  # same machine: no compression
 
-    def test_cmake_finds_it(self):
+    def test_cmake_finds_the_client(self):
         """Builds a C++ program against the installed client by cmake."""
         if not shutil.which("cmake"):
             raise unittest.SkipTest("cmake is not installed")
@@ -60,7 +60,7 @@ class CClient(TestCase):
                 self.assertEqual(done.returncode, 0, done.stdout)
             self.assertTrue((place / "build" / "example").exists())
 
-    def test_headers_need_nothing_else(self):
+    def test_headers_need_no_other_library(self):
         """The headers need no other library, compile as C99 and C++17 without extensions, and may
         be included twice."""
         for compiler, standard, language in (("cc", "c99", "c"), ("c++", "c++17", "c++")):

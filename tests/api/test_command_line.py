@@ -62,7 +62,7 @@ class CommandLine(TestCase):
                 else:
                     scenario.check(self, json.loads(printed), step.get("expect"))
 
-    def test_what_it_prints(self):
+    def test_the_output_of_each_command(self):
         self.assertIn("faces: 2", self.upload("square.obj", SQUARE.decode()))
         self.assertRegex(self.geodesic("list"), r"name +vertices +faces.*\n(.*\n)*square +4 +2 ")
         self.assertEqual(self.geodesic("distance", "square", "v:0", "v:2"), "1.4142135623730951\n")

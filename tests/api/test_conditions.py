@@ -150,7 +150,7 @@ class Conditions(TestCase):
                         if status == 200:
                             self.assertEqual(answer.headers["ETag"], f'"{self.tags(form)["own"]}"')
 
-    def test_writes(self):
+    def test_changes(self):
         for if_match, if_none_match, status in WRITES:
             given = conditions(if_match, if_none_match, self.tags("json"))
             with self.subTest(**given):
@@ -189,7 +189,7 @@ class Conditions(TestCase):
         for given in ({"If-Match": '"x"'}, {"If-None-Match": "*"}):
             self.assertEqual(self.daemon.request("OPTIONS", MESH, None, given).status, 204)
 
-    def test_jobs_keep_the_tags_of_their_answers(self):
+    def test_answers_of_jobs_have_the_same_tags(self):
         path = f"{MESH}/matrix"
         document = json.dumps(QUERIES["/matrix"][0])
         job = self.daemon.ended(self.daemon.request("POST", path, document, {**JSON, "Accept": "application/octet-stream", "Prefer": "respond-async"}))

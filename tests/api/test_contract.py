@@ -67,7 +67,7 @@ class Examples(TestCase):
         self.assertEqual(self.contract.faults(ask.method, ask.target, answer), [])
         return answer
 
-    def test_every_operation_has_what_a_request_takes(self):
+    def test_every_operation_has_examples_for_a_request(self):
         def check(operation):
             if operation.body:
                 self.assertTrue(list(operation.examples(self.contract.document)), f"give the request body of {operation} an example")
@@ -105,7 +105,7 @@ class Examples(TestCase):
 
         self.each(check)
 
-    def test_every_field_can_be_asked_for(self):
+    def test_every_field_can_be_selected(self):
         """`select` accepts each listed name, and no other; `geometry` accepts its words."""
         def check(operation):
             for name in ("select", "geometry"):
@@ -140,7 +140,7 @@ class Examples(TestCase):
         self.each(check)
         self.assertGreaterEqual(seen, {"arcs", "edges", "legend", "mesh", "triangulate"})
 
-    def test_it_is_what_the_daemon_publishes(self):
+    def test_the_daemon_publishes_the_contract(self):
         published = self.daemon.get("/openapi.json").json
         own = generate.published(json.loads(json.dumps(self.contract.document)))
         self.assertEqual(published["components"], own["components"])
@@ -183,10 +183,10 @@ class Checker(unittest.TestCase):
         answer.status, answer.body, answer.headers = status, body, {**self.Answer.headers, **dict(headers)}
         return contract.Contract(document).faults("GET", target, answer)
 
-    def test_what_is_right(self):
+    def test_correct_answers_have_no_fault(self):
         self.assertEqual(self.faults(), [])
 
-    def test_a_field_that_is_not_documented(self):
+    def test_an_undocumented_member_is_a_fault(self):
         self.assertRegex(self.faults(body=self.ANSWER.replace(b'"distance":1', b'"distance":1,"colour":2'))[0], "colour")
         self.assertRegex(self.faults(lambda document: document["components"]["schemas"]["PointAnswer"]["properties"].pop("vertex"))[0], "vertex")
 

@@ -67,7 +67,7 @@ class Problems(unittest.TestCase):
                    if status.isdigit() and int(status) < 400 and (int(status), "") not in self.found.seen[operation.name]]
         self.assertEqual(missing, [])
 
-    def test_most_is_provoked(self):
+    def test_most_documented_problems_are_provoked(self):
         """Checks that the situations cause most of the documented problems."""
         provoked = {(operation.name, *pair) for operation in self.found.contract.operations
                     for pair in set(documented(operation)) & self.found.seen[operation.name]}

@@ -96,7 +96,7 @@ class Cut(TestCase):
             whole = ask("grid", f"v:{frame['vertex_map'][a]}", f"v:{frame['vertex_map'][b]}")
             self.assertGreaterEqual(ask("holed", f"v:{a}", f"v:{b}"), whole * (1 - 1e-9))
 
-    def test_a_loop_that_does_not_separate(self):
+    def test_a_loop_that_separates_nothing(self):
         ring = [{"xyz": [1 + 0.4 * x, 0, 0.4 * z]} for x, z in ((1, 0), (0, 1), (-1, 0), (0, -1))]
         answer = self.cut("torus", {"points": ring, "closed": True}, names=["tube"])
         self.assertFalse(answer["separates"])
@@ -124,7 +124,7 @@ class Cut(TestCase):
         self.assertEqual(answer["pieces"][1]["vertex_map"], [12, 13, 23, 24])
         self.assertEqual(answer["largest_shift"], 0)
 
-    def test_other_components_are_pieces_too(self):
+    def test_other_components_are_pieces(self):
         corner = {"points": [{"edge": [0, 1], "t": 0.5}, {"edge": [0, 2], "t": 0.5}]}
         answer = self.cut("apart", corner, names=["one", "two", "three"])
         self.assertEqual([piece["vertex_map"] for piece in answer["pieces"]], [[0, None, None], [1, 2, None, None], [3, 4, 5]]
@@ -171,7 +171,7 @@ class Cut(TestCase):
         self.assertAlmostEqual(self.describe("mine")["area"], 0.25, 12)
         self.assertAlmostEqual(self.describe("mine-2")["area"], 0.75, 12)
 
-    def test_names_that_can_not_be(self):
+    def test_invalid_names(self):
         curve = square(0.25, 0.5)
         for names, pointer in ((["one"], "/names"), (["a", "b", "c"], "/names"), ([], "/names"), ("ab", "/names"),
                                (["a", "b/c"], "/names/1"), (["a", 3], "/names/1"), (["a"] * 65, "/names")):
@@ -193,7 +193,7 @@ class Cut(TestCase):
 
     # --- refusals --------------------------------------------------------------------------------
 
-    def test_curves_that_can_not_be(self):
+    def test_invalid_curves(self):
         point = {"vertex": 0}
         cases = [
             ("grid", {}, "/curve"),
@@ -227,7 +227,7 @@ class Cut(TestCase):
             with self.subTest(curve=curve):
                 self.assertIn(word, self.refusal("grid", {"curve": curve})["detail"])
 
-    def test_requests_that_can_not_be(self):
+    def test_invalid_requests(self):
         curve = square(0.2, 0.6)
         self.assertEqual(self.refusal("grid", {"curve": curve, "inside": {"vertex": 500}})["pointer"], "/inside")
         self.assertEqual(self.refusal("grid", {"curve": curve, "select_only": "yes"})["pointer"], "/select_only")

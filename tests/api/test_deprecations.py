@@ -55,7 +55,7 @@ class Deprecations(TestCase):
             return answer.body
         return {key: value for key, value in answer.json.items() if key not in VOLATILE}
 
-    def test_a_former_name_answers_as_the_new_one(self):
+    def test_a_former_name_gives_the_same_answer(self):
         for method, target, body, new in FORMER:
             with self.subTest(target):
                 # creates the result, so that both requests below find it
@@ -77,7 +77,7 @@ class Deprecations(TestCase):
         components = document["components"]["parameters"].values()
         self.assertEqual([each["name"] for each in components if each.get("deprecated")], ["fields"])
 
-    def test_problems_name_what_the_client_sent(self):
+    def test_problems_contain_the_name_that_the_client_sent(self):
         for name in ("fields", "select"):
             answer = self.ask("GET", f"/v1/meshes/tetrahedron/distance?from=v:0&to=v:1&{name}=no_such", None)
             self.assertEqual((answer.status, answer.json["parameter"]), (400, name))
@@ -89,12 +89,12 @@ class Deprecations(TestCase):
             answer = self.ask("POST", "/v1/meshes/tetrahedron/queries", [{**LINE, name: "no_such"}])
             self.assertEqual(json.loads(answer.body)["pointer"], "/" + name)
 
-    def test_a_former_name_is_unknown_where_it_never_was(self):
+    def test_a_former_name_is_unknown_in_other_operations(self):
         answer = self.ask("GET", "/v1/meshes?fields=name", None)
         self.assertEqual((answer.status, answer.json["parameter"]), (400, "fields"))
         self.assert_current(answer)
 
-    def test_a_job_is_deprecated_as_its_operation(self):
+    def test_a_job_of_a_former_name_has_the_deprecation_header(self):
         accepted = self.ask("POST", "/v1/nurbs/sheet/geodesic?fields=length", ENDS, Prefer="respond-async")
         self.assertEqual(accepted.status, 202)
         self.assert_deprecated(accepted)

@@ -185,7 +185,7 @@ class Split(TestCase):
         repeated = self.split(sizes, self.KEEP_ALL, status=200)["meshes"]
         self.assertEqual([part["etag"] for part in repeated], [part["etag"] for part in parts])
 
-    def test_their_number_is_bounded(self):
+    def test_the_number_of_parts_is_bounded(self):
         for mesh in self.daemon.get("/v1/meshes?limit=100").json["meshes"]:
             self.daemon.request("DELETE", f"/v1/meshes/{mesh['name']}")
         self.assertEqual(len(self.split(range(1, 65), self.KEEP_ALL)["meshes"]), 64)
@@ -212,7 +212,7 @@ class Upload(TestCase):
     def upload(self, query, file, name="made", **headers):
         return self.daemon.request("PUT", f"/v1/meshes/{name}?{query}", file, {key.replace("_", "-"): value for key, value in headers.items()})
 
-    def test_it_is_what_derive_makes(self):
+    def test_an_edited_upload_equals_derive(self):
         file = sample("cylinder", sides=20, rings=5)
         self.daemon.put("tube", file)
         operations = [{"operation": "components", "keep": 1}, {"operation": "fill", "max_edges": 100},
@@ -231,7 +231,7 @@ class Upload(TestCase):
         self.assertEqual(by_upload["mesh"], {"etag": by_derive["mesh"]["etag"]})
         self.assertEqual(self.daemon.get("/v1/meshes/made").json, made.json)
 
-    def test_again_and_another(self):
+    def test_the_same_upload_and_another_one(self):
         file = sample("icosphere", level=3)
         first = self.upload("simplify=100&description=thin", file, "again")
         again = self.upload("simplify=100", file, "again")
@@ -252,7 +252,7 @@ class Upload(TestCase):
         self.assert_problem(self.upload("simplify=200", file, "guarded", If_Match='"other"'), 412, "precondition_failed")
         self.assertEqual(self.upload("simplify=200", file, "guarded", If_Match=tag).status, 200)
 
-    def test_a_name_of_its_own(self):
+    def test_a_generated_name(self):
         file = sample("icosphere", level=3)
         names = set()
         for query in ("", "?simplify=100", "?simplify=200", "?simplify=100"):
@@ -306,7 +306,7 @@ class Kept(Folder):
             again = daemon.request("PUT", "/v1/meshes/small?simplify=100", sample("icosphere", level=3))
             self.assertEqual((again.status, again.json["etag"]), (200, before["etag"]))
 
-    def test_it_lasts(self):
+    def test_a_derived_mesh_survives_a_restart(self):
         with self.start() as daemon:
             daemon.put("sphere", sample("icosphere", level=3))
             before = daemon.ask("sphere", "derive", {"mesh": "small", "operations": [SIMPLIFY]}).json

@@ -32,7 +32,7 @@ class Descriptions(TestCase):
         self.assertNotIn("description", self.daemon.put("m", TETRAHEDRON, "?description=").json)
         self.assertEqual(self.daemon.put("n", SQUARE, "?description=new&weld=0").json["description"], "new")
 
-    def test_every_kind_has_one(self):
+    def test_every_kind_has_a_description(self):
         cube = {"points": [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], "faceVertexCounts": [4], "faceVertexIndices": [0, 1, 2, 3]}
         for kind, document in (("nurbs", SADDLE), ("subdivisions", cube)):
             path = f"/v1/{kind}/one"
@@ -41,7 +41,7 @@ class Descriptions(TestCase):
             self.assertEqual(change(self.daemon, "second", path).json["description"], "second")
             self.assertEqual(self.daemon.get(f"/v1/{kind}").json[kind][0]["description"], "second")
 
-    def test_a_change_keeps_fields_and_their_etags(self):
+    def test_a_change_keeps_fields_and_etags(self):
         first = self.daemon.put("m", sample("torus"), "?description=a")
         field = self.daemon.ask("m", "fields", {"set": {"points": [{"vertex": 0}]}}).json["id"]
         answer = change(self.daemon, "b")
@@ -69,7 +69,7 @@ class Descriptions(TestCase):
         self.assertEqual(bare, etag)
         self.assert_problem(change(self.daemon, "fifth", If_Match=second), 412, "precondition_failed")
 
-    def test_what_is_no_description(self):
+    def test_invalid_descriptions(self):
         self.daemon.put("m", SQUARE)
         for text in ("a\nb", "\x7f", "x" * 201, "\u20ac" * 201, 7, ["a"]):
             answer = change(self.daemon, text)

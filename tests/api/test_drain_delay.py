@@ -27,7 +27,7 @@ class DrainDelay(unittest.TestCase):
         self.assertGreaterEqual(time.monotonic() - begun, DELAY_MS / 1000)
         self.assertRaises(ConnectionRefusedError, daemon.get, "/livez")
 
-    def test_without_a_delay_it_ends_at_once(self):
+    def test_without_a_delay_the_daemon_ends_at_once(self):
         daemon = Daemon()
         begun = time.monotonic()
         self.assertEqual(daemon.stop(), 0)

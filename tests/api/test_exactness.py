@@ -151,7 +151,7 @@ class Lanes(Asking):
         a, b = sorted((numbers.random(), numbers.random()))
         return {"face": numbers.randrange(faces), "barycentric": [a, b - a, 1 - b]}
 
-    def test_one_answer(self):
+    def test_all_operations_give_one_distance(self):
         numbers = random.Random(1)
         with Daemon("--landmarks", "0") as plain:
             for name, description in self.put_all(self.MESHES).items():

@@ -32,7 +32,7 @@ class Fields(TestCase):
 
 
 class Life(Fields):
-    def test_made_once(self):
+    def test_equal_requests_make_one_field(self):
         self.daemon.put("tetrahedron", TETRAHEDRON)
         first = self.daemon.ask("tetrahedron", "fields", vertices(0))
         again = self.daemon.ask("tetrahedron", "fields", vertices(0))
@@ -89,7 +89,7 @@ class Life(Fields):
         rest = self.daemon.get(f"{url}?limit=3&after={first['next']}").json
         self.assertEqual(rest, {"fields": fields[3:], "next": None})
 
-    def test_removed(self):
+    def test_deletion(self):
         self.daemon.put("removed", SQUARE)
         field = self.make("removed", vertices(0))
         url = f"/v1/meshes/removed/fields/{field['id']}"
@@ -101,7 +101,7 @@ class Life(Fields):
         self.assertEqual(self.daemon.get("/v1/meshes/removed").json["fields_cached"], 0)
         self.assertEqual(self.make("removed", vertices(0))["id"], field["id"])
 
-    def test_a_mesh_takes_its_fields_with_it(self):
+    def test_deleting_a_mesh_deletes_its_fields(self):
         for change in ("replaced", "deleted"):
             self.daemon.put(change, SQUARE)
             field = self.make(change, vertices(0))["id"]
@@ -115,7 +115,7 @@ class Life(Fields):
             self.daemon.put(change, SQUARE)
             self.assert_problem(self.get(change, field), 404, "not_found")
 
-    def test_one_of_many_at_once_builds(self):
+    def test_one_of_many_simultaneous_requests_builds(self):
         self.daemon.put("crowd", sample("icosphere", level=4))
         builds = self.daemon.metric("cache_builds_total")
         with concurrent.futures.ThreadPoolExecutor(24) as pool:
@@ -202,7 +202,7 @@ class Values(Fields):
             results = self.evaluate(mesh, field, [{"vertex": number} for number in range(len(values))], "?select=distance")
             self.assertEqual([result["distance"] for result in results], values)
 
-    def test_values_that_are_none(self):
+    def test_vertices_without_a_distance(self):
         field = self.make("apart", vertices(1))["id"]
         self.assertEqual(self.get("apart", f"{field}/values").json["values"], [None, 0, 1, 1, None, None, None])
         binary = self.get("apart", f"{field}/values", Accept="application/octet-stream").body
@@ -324,7 +324,7 @@ class Memory(Fields):
         super().setUpClass()
         assert cls.daemon.put("sphere", sample("icosphere", level=4)).status == 201
 
-    def test_what_was_evicted_is_computed_again(self):
+    def test_evicted_fields_are_computed_again(self):
         fields = [self.make("sphere", vertices(number)) for number in range(30)]
         self.assertGreater(self.daemon.metric("cache_evictions_total"), 0)
         builds = self.daemon.metric("cache_builds_total")
@@ -338,7 +338,7 @@ class Memory(Fields):
         self.assertGreater(self.daemon.metric("cache_builds_total"), builds)
         self.assertEqual(self.make("sphere", vertices(0), 200), fields[0])
 
-    def test_ids_outlive_their_requests_for_a_while(self):
+    def test_ids_stay_valid_after_eviction(self):
         self.daemon.put("tiny", SQUARE)
         field = self.make("tiny", vertices(0))["id"]
         for number in range(1, 1025):
@@ -348,7 +348,7 @@ class Memory(Fields):
         self.assertEqual(self.make("tiny", vertices(0))["id"], field)
         self.assertEqual(self.get("tiny", field).status, 200)
 
-    def test_a_field_that_does_not_fit(self):
+    def test_a_field_that_exceeds_the_budget(self):
         self.assertEqual(self.daemon.put("large", sample("terrain", cells=120, amplitude=1)).status, 201)
         problem = self.assert_problem(self.daemon.ask("large", "fields", vertices(9)), 507, "insufficient_memory")
         self.assertEqual(problem["limit"], 24 << 20)
@@ -364,7 +364,7 @@ class Memory(Fields):
 
 
 class Deadline(Fields):
-    def test_it_ends_the_build_of_a_field_and_another_begins_it_again(self):
+    def test_a_build_ends_at_its_deadline_and_another_request_repeats_the_build(self):
         self.daemon.put("sphere", sample("icosphere", level=6))
         answer = self.daemon.ask("sphere", "fields?timeout_ms=1", vertices(3))
         self.assert_problem(answer, 504, "deadline_exceeded")
@@ -372,7 +372,7 @@ class Deadline(Fields):
 
 
 class Unloaded(Fields):
-    def test_a_mesh_that_comes_back_has_its_fields(self):
+    def test_a_mesh_that_is_loaded_again_has_its_fields(self):
         with tempfile.TemporaryDirectory() as folder:
             with Daemon("--data-dir", folder, "--memory-budget", "16MiB", "--max-body", "4MiB", "--landmarks", "0") as daemon:
                 body = sample("icosphere", level=4)

@@ -117,7 +117,7 @@ class Paths(Files):
         again = self.daemon.put("with-line", both).json
         self.assertEqual(again["faces"], self.daemon.get("/v1/meshes/torus").json["faces"])
 
-    def test_csv_tells_how_far_along(self):
+    def test_csv_has_the_length_along_the_path(self):
         path = self.path()
         rows = list(csv.DictReader(io.StringIO(self.get_file(self.QUESTION, "csv").decode(), newline="")))
         self.assertEqual([[float(row[axis]) for axis in "xyz"] for row in rows], path["points"])
@@ -149,7 +149,7 @@ class Paths(Files):
         self.assertGreaterEqual(faces, len(points) - 1)
         self.assertIn("unit of the mesh", "".join(drawing.itertext()))
 
-    def test_by_post_and_by_way_of_others(self):
+    def test_by_post_and_via_other_points(self):
         document = {"from": {"vertex": 0}, "to": {"vertex": 40}, "via": [{"face": 9, "barycentric": [0.3, 0.3, 0.4]}]}
         for form in ("obj", "glb", "csv", "svg"):
             answer = self.daemon.request("POST", f"/v1/meshes/torus/path?format={form}", json.dumps(document), {"Content-Type": "application/json"})
@@ -157,7 +157,7 @@ class Paths(Files):
         answer = self.daemon.get("/v1/meshes/torus/path?from=v:5&to=v:5&format=svg")
         self.assertEqual(answer.status, 200, answer)
 
-    def test_what_can_not_be_had(self):
+    def test_unavailable_formats(self):
         answer = self.daemon.get("/v1/meshes/apart/path?from=v:0&to=v:5&format=obj")
         self.assertIn("no path", self.assert_problem(answer, 406, "not_acceptable")["detail"])
         for more, name in (("&format=ply", "format"), ("&format=csv&mesh=true", "mesh"), ("&mesh=true", "mesh"), ("&format=glb&mesh=yes", "mesh")):
@@ -189,7 +189,7 @@ class Isolines(Files):
         again = self.daemon.put("with-isolines", self.get_file(self.question + "&mesh=true", "obj")).json
         self.assertEqual(again["faces"], self.daemon.get("/v1/meshes/torus").json["faces"])
 
-    def test_csv_tells_which_line(self):
+    def test_csv_has_the_number_of_the_line(self):
         rows = list(csv.DictReader(io.StringIO(self.get_file(self.question, "csv").decode(), newline="")))
         self.assertEqual([[float(row[axis]) for axis in "xyz"] for row in rows], self.points())
         for index, line in enumerate(self.lines):
@@ -211,10 +211,10 @@ class Isolines(Files):
         self.assertEqual(self.daemon.ended(accepted)["state"], "done")
         self.assertEqual(self.daemon.get(accepted.headers["Location"] + "/result").body, known)
 
-    def test_a_file_has_polylines_whatever_else_is_said(self):
+    def test_a_file_always_has_polylines(self):
         self.assertEqual(self.get_file(self.question + "&arcs=true&geometry=none", "csv"), self.get_file(self.question, "csv"))
 
-    def test_what_can_not_be_had(self):
+    def test_unavailable_formats(self):
         answer = self.daemon.get(self.path + "?levels=0&format=glb")
         self.assertIn("no lines", self.assert_problem(answer, 406, "not_acceptable")["detail"])
         for more, name in (("&format=svg", "format"), ("&format=csv&mesh=true", "mesh")):
@@ -250,7 +250,7 @@ class Gltf(Files):
 @unittest.skipUnless((PEERS / "node_modules" / "gltf-validator").exists() and shutil.which("node"),
                      "without node, and gltf-validator and three from npm (make nurbs-peers), no other program reads our GLB")
 class Others(Files):
-    def test_others_read_what_is_written(self):
+    def test_other_programs_read_the_files(self):
         path, values = self.values_of("torus")
         files = {"mesh": self.daemon.get("/v1/meshes/torus/content?format=glb").body, "field": self.get_file(path, "glb"),
                  "path": self.get_file(Paths.QUESTION, "glb"), "both": self.get_file(Paths.QUESTION + "&mesh=true", "glb"),
@@ -313,7 +313,7 @@ class Packages(Files):
             self.assertEqual(made.json["area"], 0.5)
         self.assertEqual(self.daemon.get("/v1/meshes/printed/content?format=3mf").status, 400)
 
-    def test_prefixes_may_stand_for_nothing(self):
+    def test_undeclared_prefixes(self):
         for text in (ONE.replace("<resources>", "<resources><m:colorgroup m:id='4'/>"),
                      ONE.replace("<", "<c:").replace("<c:/", "</c:").replace("xmlns=", "xmlns:c=")):
             self.assertIn(self.daemon.put("prefixed", package(text)).status, (200, 201))

@@ -251,7 +251,7 @@ class Smuggling(TestCase):
         self.assertEqual([pair for pair in zip(cases, answered) if len(pair[1][0]) > 2 or not set(pair[1][0]) <= known or pair[1][1] > 10], [])
         self.assertGreater(sum(is_refused(answers) for answers, _ in answered), 200)
 
-    def test_what_came_before_is_answered(self):
+    def test_requests_before_an_attack_are_answered(self):
         """A fault affects its own request and later ones, not earlier ones."""
         good = b"GET /livez HTTP/1.1\r\nHost: localhost\r\n\r\n"
         for bad, refusal in ((GET + HOST + b"\r\n", [b"400"]), (GET + b"X : y\r\n\r\n", [b"400"]), (b"rubbish\r\n\r\n", [])):
@@ -266,7 +266,7 @@ class Smuggling(TestCase):
             self.assertIn(b"application/problem+json", received)
             self.assertIn(words, json.loads(received.partition(b"\r\n\r\n")[2])["detail"])
 
-    def test_what_is_right_goes_on(self):
+    def test_unusual_valid_requests_are_answered(self):
         """Unusual but valid HTTP is answered."""
         for text in (b"\r\n" + GET + b"\r\n", GET + b"X:\r\nY: \t z \r\nZ: \xe9\r\n\r\n", b"HEAD /livez HTTP/1.0\r\n\r\n",
                      GET.replace(b"Host", b"hOsT") + b"\r\n", GET + b"Content-Length: 0\r\n\r\n"):
@@ -285,7 +285,7 @@ class Smuggling(TestCase):
 
 
 class KeepAlive(TestCase):
-    def test_uploads_and_questions_in_one_go(self):
+    def test_uploads_and_queries_sent_at_once(self):
         """Fifty requests of all kinds, sent at once in pieces of every length, are answered in
         order, each once."""
         def request(number):
@@ -351,7 +351,7 @@ class Sizes(TestCase):
     def head(self, extra):
         return b"PUT /v1/meshes/x HTTP/1.1\r\n" + HOST + extra + b"\r\n"
 
-    def test_an_announced_body_is_refused_before_it_comes(self):
+    def test_an_announced_body_is_refused_before_it_arrives(self):
         received = self.daemon.raw(self.head(b"Content-Length: 65537\r\nExpect: 100-continue\r\n"))
         self.assertTrue(received.startswith(b"HTTP/1.1 413 "), received)
         self.assertNotIn(b"100 Continue", received)
@@ -402,7 +402,7 @@ class Sizes(TestCase):
             answer = self.daemon.request("POST", "/v1/meshes/packed/distance", question, {**headers, **extra})
             self.assertIn(answer.status, (200, 202), answer)
 
-    def test_packed_bodies_that_are_none(self):
+    def test_invalid_gzip_bodies(self):
         packed = gzip.compress(SQUARE)
         for body in (SQUARE, b"", packed[:-1], packed[:10], packed + b"x", packed[:-8] + bytes(8), zlib.compress(SQUARE)):
             self.assert_problem(self.put_packed(body), 400, "invalid_request")

@@ -198,7 +198,7 @@ class Lines(Isolines):
             self.trace("none", field, "levels=9,0,1e300"), [{"level": level, "lines": []} for level in (9, 0, 1e300)]
         )
 
-    def test_a_field_that_ends(self):
+    def test_a_partial_field(self):
         self.daemon.put("ends", sample("box", cells=2))
         whole = self.make("ends", vertices(0))["id"]
         partial = self.make("ends", vertices(0, max_distance=0.75))["id"]
@@ -297,7 +297,7 @@ class Lines(Isolines):
 class Memory(Isolines):
     flags = ("--memory-budget", "24MiB", "--max-body", "8MiB", "--workers", "2", "--landmarks", "0")
 
-    def test_what_does_not_fit_is_refused_and_leaves_nothing_behind(self):
+    def test_an_answer_without_memory_is_refused_and_holds_no_memory(self):
         self.assertEqual(self.daemon.put("sphere", sample("icosphere", level=4)).status, 201)
         field = self.make("sphere", vertices(0))["id"]
         flight = self.daemon.metric('memory_bytes{class="flight"}')

@@ -64,7 +64,7 @@ class Events(OneWorker):
         while self.daemon.metric("event_streams"):
             time.sleep(0.001)
 
-    def test_who_goes_away_while_nothing_happens(self):
+    def test_a_watcher_that_disconnects_during_silence(self):
         """A waiting job sends no events, so the daemon must detect by itself that its watchers have
         left."""
         self.daemon.ask_often("big", "v:927")

@@ -64,13 +64,13 @@ class Answers(Jobs):
         bad = self.daemon.put("bad", b"hello", Prefer="respond-async").headers["Location"]
         self.assertEqual(self.wait(bad, "failed")["problem"]["code"], "invalid_mesh")
 
-    def test_what_never_begins_is_refused_as_ever(self):
+    def test_requests_refused_before_the_handler_make_no_job(self):
         self.assert_problem(self.daemon.request("POST", "/v1/nowhere", b"", ASYNC), 404, "not_found")
         self.assert_problem(self.daemon.request("POST", "/v1/meshes/square", b"", ASYNC), 405, "method_not_allowed")
         foreign = {**ASYNC, "Origin": "http://evil.example"}
         self.assert_problem(self.daemon.request("PUT", "/v1/meshes/a", SQUARE, foreign), 403, "forbidden")
 
-    def test_operations_that_are_neither_go_on_as_ever(self):
+    def test_other_operations_ignore_the_preference(self):
         for method, path, status in (("GET", "/v1", 200), ("GET", "/v1/meshes", 200), ("GET", "/v1/meshes/square", 200),
                                      ("GET", "/v1/jobs", 200), ("GET", "/livez", 200)):
             answer = self.daemon.request(method, path, headers=ASYNC)
@@ -83,7 +83,7 @@ class Answers(Jobs):
         for value in ("Respond-Async", "wait=10, respond-async", "respond-async; a=b", "a=b , respond-async"):
             self.assertEqual(self.daemon.get(path, Prefer=value).status, 202, value)
 
-    def test_how_the_client_of_the_job_wants_it_packed_is_its_own_matter(self):
+    def test_the_reader_of_the_result_chooses_its_compression(self):
         location = self.start("/v1/meshes/square/distance", pair(0, 2), **{"Accept-Encoding": "gzip"})
         self.wait(location, "done")
         answer = self.daemon.get(location + "/result")
@@ -187,7 +187,7 @@ class Work(OneWorker):
         self.cancel(location)
         self.assert_problem(self.daemon.get(location), 404, "not_found")
 
-    def test_cancel_of_what_waits(self):
+    def test_cancelling_a_waiting_job(self):
         running = self.start_field(300)
         self.wait(running, "running")
         queued = self.start("/v1/meshes/big/distance", pair(301, 5000))
@@ -200,7 +200,7 @@ class Work(OneWorker):
         self.assertEqual(self.daemon.get(running).json["state"], "running", "too fast to watch")
         self.cancel(running)
 
-    def test_two_that_want_the_same_share_a_flight(self):
+    def test_two_jobs_share_one_build(self):
         builds, waits = self.daemon.metric("cache_builds_total"), self.daemon.metric("cache_waits_total")
         first = self.start_field(400)
         self.wait(first, "running")
@@ -215,7 +215,7 @@ class Work(OneWorker):
         self.assertEqual(self.daemon.metric("cache_builds_total") - builds, 1)
         self.assertEqual(self.daemon.metric("cache_waits_total") - waits, 6)
 
-    def test_a_cancelled_job_goes_on_for_those_who_wait_for_its_field(self):
+    def test_a_cancelled_build_continues_for_waiting_requests(self):
         builds = self.daemon.metric("cache_builds_total")
         first = self.start_field(500)
         self.wait(first, "running")
@@ -236,7 +236,7 @@ class Work(OneWorker):
         self.assertEqual(self.daemon.get(running).json["state"], "running", "too fast to watch")
         self.cancel(running)
 
-    def test_a_full_queue_is_told_at_once(self):
+    def test_a_full_queue_refuses_at_once(self):
         running = self.start_field(700)
         self.wait(running, "running")
         waiting = [self.start("/v1/meshes/big/distance", pair(701 + i, 5000)) for i in range(2)]
@@ -248,7 +248,7 @@ class Work(OneWorker):
         for location in (running, *waiting):
             self.cancel(location)
 
-    def test_a_client_that_hangs_up_leaves_its_job(self):
+    def test_a_job_continues_when_its_client_disconnects(self):
         self.daemon.ask_often("big", "v:800")
         body = json.dumps(pair(800, 5000)).encode()
         head = (b"POST /v1/meshes/big/distance HTTP/1.1\r\nHost: localhost\r\nPrefer: respond-async\r\n"
@@ -319,7 +319,7 @@ class Expiry(Jobs):
         # its answer is freed, too
         wait_until(lambda: b'class="jobs"} 0\n' in self.daemon.get("/metrics").body, 5)
 
-    def test_the_oldest_go_when_there_are_too_many(self):
+    def test_the_oldest_jobs_are_removed_from_a_full_table(self):
         self.daemon.put("square", SQUARE)
         started = [self.start("/v1/meshes/square/distance", pair(0, 2)) for _ in range(8)]
         listed = [f"/v1/jobs/{job['id']}" for job in self.daemon.get("/v1/jobs").json["jobs"]]
@@ -366,7 +366,7 @@ class Drain(Jobs):
         self.assertEqual(ended[queued.rpartition("/")[2]], ("failed", "draining"))
         connection.close()
 
-    def test_what_does_not_end_in_time_is_cancelled(self):
+    def test_jobs_beyond_the_drain_time_are_cancelled(self):
         daemon, running, _, connection, watch = self.busy("--drain-ms", "10")
         self.assertEqual(daemon.stop(), 0)
         ended = {line["job"]: (line["state"], line.get("code")) for line in daemon.log if line["event"] == "job"}
@@ -374,7 +374,7 @@ class Drain(Jobs):
         watch.close()
         connection.close()
 
-    def test_who_waits_is_answered(self):
+    def test_waiting_clients_are_answered(self):
         daemon, running, queued, connection, watch = self.busy("--drain-ms", str(PATIENCE_SECONDS * 1000))
         with concurrent.futures.ThreadPoolExecutor(2) as pool:
             waiting = [pool.submit(daemon.get, location + "?wait=60") for location in (running, queued)]

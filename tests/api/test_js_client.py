@@ -163,7 +163,7 @@ class JavaScriptClient(TestCase):
             """, url)
             self.assertEqual(len(server.seen), 1)
 
-    def test_the_daemon_serves_it(self):
+    def test_the_daemon_serves_the_client(self):
         answer = self.daemon.get("/client.js")
         self.assertEqual(answer.body, (PACKAGE / "index.js").read_bytes())
         self.assertIn("javascript", answer.headers["Content-Type"])
@@ -182,7 +182,7 @@ class JavaScriptClient(TestCase):
             assert.equal((await client.job(started.id, { wait: 60 })).state, "done");
         """)
 
-    def test_a_refused_origin_is_told_from_a_dead_daemon(self):
+    def test_a_refused_origin_differs_from_a_dead_daemon(self):
         self.run_script("""
             const answered = globalThis.fetch;
             let isThere = true;
@@ -234,7 +234,7 @@ class JavaScriptClient(TestCase):
             await client.deleteBatch(many.id);
         """)
 
-    def test_patience(self):
+    def test_requests_are_repeated_if_the_daemon_is_busy(self):
         with scenario.busy((503, {"Retry-After": "0"}, {}), (429, {}, {}), (0, {}, {})) as (server, url):
             self.run_script('assert.deepEqual(await client.service(), { version: "1" });', url)
             self.assertEqual(len(server.seen), 4)
@@ -286,7 +286,7 @@ class Types(unittest.TestCase):
             subprocess.run([NODE, "--input-type=module", "-e", script], cwd=place, check=True)
         self.assertFalse((PACKAGE / "LICENSE").exists())
 
-    def test_they_are_those_of_the_contract(self):
+    def test_types_are_those_of_the_contract(self):
         made = subprocess.run([scenario.CLIENTS / "js" / "generate.py"], check=True, stdout=subprocess.PIPE, text=True).stdout
         self.assertEqual((scenario.CLIENTS / "js" / "types.d.ts").read_text(), made, "run clients/js/generate.py > clients/js/types.d.ts")
 

@@ -79,7 +79,7 @@ class Effort(unittest.TestCase):
             connection.close()
             return self.processor_seconds(daemon) - before
 
-    def test_searches_take_less_with_them(self):
+    def test_landmarks_shorten_searches(self):
         """With landmarks searches need about half the windows. The numbers would be equal if
         searches got no landmarks."""
         self.assertLess(self.search(16), 0.75 * self.search(0))
@@ -120,7 +120,7 @@ class Life(TestCase):
     def wait_idle(self):
         wait_until(lambda: self.daemon.metric("workers_background") == 0)
 
-    def test_requests_do_not_wait_for_them(self):
+    def test_requests_do_not_wait_for_landmarks(self):
         """Tests a single worker, which the landmarks' thread leaves free."""
         self.daemon.put("slow", sample("terrain", cells=128, amplitude=1))
         built = self.daemon.metric("landmarks_built_total")
@@ -131,7 +131,7 @@ class Life(TestCase):
             self.assertEqual(self.daemon.get("/v1/meshes/square/distance?from=v:0&to=v:2").status, 200)
         self.assertEqual(self.daemon.metric("landmarks_built_total"), built, "too fast to watch")
 
-    def test_a_mesh_that_is_deleted_meanwhile(self):
+    def test_a_mesh_that_is_deleted_during_the_build(self):
         self.daemon.put("gone", sample("terrain", cells=128, amplitude=1))
         built = self.daemon.metric("landmarks_built_total")
         self.daemon.get("/v1/meshes/gone/distance?from=v:0&to=v:1")
@@ -149,7 +149,7 @@ class Waiting(TestCase):
         text = self.daemon.get("/metrics").body.decode()
         return int(re.search(r'memory_bytes\{class="meshes"\} (\d+)', text)[1])
 
-    def test_they_hold_no_mesh_that_is_gone(self):
+    def test_queued_landmarks_hold_no_deleted_mesh(self):
         """Queued landmarks are dropped with their mesh, while those of another mesh keep the
         background thread busy."""
         self.daemon.put("slow", sample("terrain", cells=300, amplitude=1))
@@ -183,14 +183,14 @@ class Stored(Folder):
             self.assertEqual(daemon.metric("landmarks_built_total"), built)
             self.assertEqual(daemon.metric("landmarks_loaded_total"), loaded)
 
-    def test_a_restart_keeps_them(self):
+    def test_a_restart_keeps_landmarks(self):
         self.build()
         self.assert_they_come(0, 1)
         self.assert_they_come(0, 1, "--persist-fields")
         self.assert_they_come(0, 1)
         self.assertEqual(len(self.files()), 1)
 
-    def test_another_number_of_them_is_built(self):
+    def test_another_number_of_landmarks_is_built(self):
         self.build()
         self.assert_they_come(1, 0, "--landmarks", "4")
         self.assert_they_come(0, 1, "--landmarks", "4")
@@ -204,7 +204,7 @@ class Stored(Folder):
             self.assert_they_come(1, 0)
             self.assert_they_come(0, 1)
 
-    def test_their_file_goes_with_the_mesh(self):
+    def test_the_file_of_landmarks_is_deleted_with_the_mesh(self):
         self.build()
         with self.start() as daemon:
             daemon.put("twin", sample("icosphere", level=4))
@@ -213,7 +213,7 @@ class Stored(Folder):
             daemon.put("twin", SQUARE)
             self.assertEqual(self.files(), [])
 
-    def test_a_stop_does_not_wait_for_them(self):
+    def test_a_stop_does_not_wait_for_landmarks(self):
         with self.start() as daemon:
             daemon.put("slow", sample("terrain", cells=256, amplitude=1))
             daemon.get("/v1/meshes/slow/distance?from=v:0&to=v:1")

@@ -54,14 +54,14 @@ class Lanes(TestCase):
                 self.assertFalse(slow.done(), "too fast to watch")
             yield slow
 
-    def test_those_who_wait_for_one_field_take_no_place_in_the_queue(self):
+    def test_requests_that_wait_for_a_field_take_no_place_in_the_queue(self):
         builds = self.daemon.metric("cache_builds_total")
         with self.building(600):
             answers = all_of(10, lambda _: self.ask(600))
         self.assertEqual([answer.status for answer in answers], [200] * 10)
         self.assertEqual(self.daemon.metric("cache_builds_total") - builds, 1)
 
-    def test_overload_is_told_at_once(self):
+    def test_overload_is_refused_at_once(self):
         with concurrent.futures.ThreadPoolExecutor(12) as pool:
             asked = [pool.submit(self.ask, source) for source in range(100, 112)]
             answers = [future.result() for future in asked]
@@ -124,7 +124,7 @@ class Lanes(TestCase):
         self.assertEqual(self.daemon.metric("cache_waits_total") - waits, 5)
         self.assertEqual(self.daemon.metric("cache_builds_total") - builds, 3)
 
-    def test_a_client_that_went_away_frees_its_worker(self):
+    def test_a_client_that_disconnected_frees_its_worker(self):
         self.daemon.ask_often("slow", "v:500")
         connection = socket.create_connection(("127.0.0.1", self.daemon.port))
         connection.sendall(b"GET /v1/meshes/slow/distance?from=v:500&to=v:65500 HTTP/1.1\r\nHost: localhost\r\n\r\n")
@@ -142,7 +142,7 @@ class Lanes(TestCase):
 class Waiting(TestCase):
     flags = ("--workers", "2", "--queue-length", str(SEARCHES), "--landmarks", "0")
 
-    def test_one_build_and_a_few_searches_for_all_who_ask_at_the_same_time(self):
+    def test_simultaneous_requests_cause_one_build_and_a_few_searches(self):
         self.daemon.put("ball", sample("icosphere", level=5))
         builds, searches = self.daemon.metric("cache_builds_total"), self.daemon.metric("searches_total")
         answers = all_of(150, lambda _: self.daemon.get("/v1/meshes/ball/path?from=v:77&to=p:0,0,-9"))
@@ -152,7 +152,7 @@ class Waiting(TestCase):
         self.assertEqual(self.daemon.metric("cache_builds_total") - builds, 1)
         self.assertLess(self.daemon.metric("searches_total") - searches, SEARCHES)
 
-    def test_who_has_little_time_does_not_wait_for_a_field(self):
+    def test_requests_with_little_time_do_not_wait_for_a_field(self):
         self.daemon.put("slow", slow_mesh())
         self.daemon.ask_often("slow", "v:5")
         url = "/v1/meshes/slow/distance?from=v:5&to=p:9,9,0"
@@ -200,7 +200,7 @@ class Drain(unittest.TestCase):
         daemon.request("GET", "/livez", connection=connection)
         return daemon, query, connection
 
-    def test_what_is_under_way_is_finished(self):
+    def test_running_requests_are_finished(self):
         daemon, query, connection = self.busy()
         daemon.terminate()
         while "draining" not in [line["event"] for line in daemon.log]:
@@ -213,7 +213,7 @@ class Drain(unittest.TestCase):
         self.assertEqual(query.result().status, 200)
         self.assertEqual(daemon.stop(), 0)
 
-    def test_what_does_not_end_in_time_is_cancelled_and_told(self):
+    def test_requests_beyond_the_drain_time_are_cancelled(self):
         daemon, query, _ = self.busy("--drain-ms", "10")
         daemon.terminate()
         answer = query.result()
@@ -237,7 +237,7 @@ class Drain(unittest.TestCase):
         daemon.stop()
         return were_deferred
 
-    def test_interrupt_ends_it_too(self):
+    def test_sigint_ends_the_daemon(self):
         daemon = Daemon()
         daemon.process.send_signal(signal.SIGINT)
         self.assertEqual(daemon.stop(), 0)

@@ -241,7 +241,7 @@ class Limits(TestCase):
         self.assertLess(time.monotonic() - begun, 3)
         self.assertEqual(self.daemon.ask("large", "distance", {"from": {"vertex": 0}, "to": {"vertex": 9}}).status, 200)
 
-    def test_a_client_that_hangs_up_ends_all_rows(self):
+    def test_a_client_that_disconnects_ends_all_rows(self):
         body = json.dumps(self.document(500)).encode()
         head = ("POST /v1/meshes/large/matrix HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
                 f"Content-Length: {len(body)}\r\n\r\n")
@@ -250,7 +250,7 @@ class Limits(TestCase):
             time.sleep(0.3)
         wait_until(lambda: self.daemon.metric("workers_busy") == 0, 20)
 
-    def test_others_are_answered_meanwhile(self):
+    def test_other_requests_are_answered_during_a_matrix(self):
         """Helpers return to the queue after each row, so a long matrix leaves one of the two
         workers to other requests."""
         result = []
@@ -315,7 +315,7 @@ class LittleMemory(unittest.TestCase):
                 self.assertEqual((answer.status, answer.json["code"]), (507, "insufficient_memory"), answer)
         return budget
 
-    def test_rows_that_find_no_room_beside_others_wait_for_them(self):
+    def test_rows_without_memory_wait_for_other_rows(self):
         """Rows without room wait for other rows, so several workers need no more memory than
         one."""
         with Daemon("--workers", "2") as roomy:

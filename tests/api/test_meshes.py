@@ -14,7 +14,7 @@ IN_FLOATS = ("stl", "glb", "gltf")
 
 
 class Put(TestCase):
-    def test_create_tells_what_the_mesh_is(self):
+    def test_the_answer_describes_the_mesh(self):
         answer = self.daemon.put("created", TETRAHEDRON)
         self.assertEqual(answer.status, 201)
         mesh = answer.json
@@ -48,7 +48,7 @@ class Put(TestCase):
         self.assertEqual(second.status, 200)
         self.assertNotEqual(first.headers["ETag"], second.headers["ETag"])
 
-    def test_a_file_that_is_sent_in_chunks(self):
+    def test_a_file_in_chunks(self):
         chunks = (SQUARE[i : i + 7] for i in range(0, len(SQUARE), 7))
         self.assertEqual(self.daemon.put("chunked", chunks).status, 201)
 
@@ -219,7 +219,7 @@ class Content(TestCase):
         sent = [tuple(map(float, match)) for match in numbers.findall(self.file)]
         self.assertEqual([tuple(map(float, match)) for match in numbers.findall(answer.body)], sent)
 
-    def test_faces_that_were_turned_over_or_left_out(self):
+    def test_reversed_and_removed_faces(self):
         """Tests the statements of the contract and of the guide."""
         turned = SQUARE.replace(b"f 1 3 4", b"f 3 1 4")
         self.assertEqual(self.daemon.put("turned", turned).json["orientation"]["flipped_faces"], 1)
@@ -239,7 +239,7 @@ class Content(TestCase):
         self.assertEqual(answer.headers["Content-Disposition"], 'attachment; filename="torus.ply"')
         self.assert_problem(self.daemon.get("/v1/meshes/torus/content", Accept="text/html"), 406, "not_acceptable")
 
-    def test_what_is_packed_has_a_tag_of_its_own(self):
+    def test_compressed_answers_have_separate_tags(self):
         """Two sequences of bytes never share a strong tag; either tag names the mesh."""
         path = "/v1/meshes/torus/content"
         plain, packed = self.daemon.get(path), self.daemon.get(path, Accept_Encoding="gzip")
@@ -252,9 +252,9 @@ class Content(TestCase):
             self.assertEqual(self.daemon.get(path, If_Match=tag).status, 200)
             self.assertEqual(self.daemon.put("torus", self.file, If_Match=tag).status, 200)
 
-    def test_packed_files_are_cached(self):
-        """The packed file is made once and counted by the memory budget. It is that of the mesh and
-        the format that the request names."""
+    def test_compressed_files_are_cached(self):
+        """The daemon compresses a file once. The memory budget counts the compressed file. It depends
+        on the mesh and on the format of the request."""
         held = lambda: self.daemon.metric('memory_bytes{class="packed"}')  # noqa: E731
         path, before = "/v1/meshes/packed/content?format=ply", held()
         self.daemon.put("packed", sample("icosphere", level=5))
@@ -279,7 +279,7 @@ class Content(TestCase):
         self.daemon.put("packed", sample("icosphere", level=4))
         self.assertNotEqual(gzip.decompress(self.daemon.get(path, Accept_Encoding="gzip").body), plain.body)
 
-    def test_a_browser_on_this_host_gets_it_unpacked(self):
+    def test_a_browser_on_this_host_gets_uncompressed_answers(self):
         """A browser can't decline gzip."""
         packed = {"Accept_Encoding": "gzip, deflate, br", "Sec_Fetch_Site": "same-origin"}
         for path, is_page in (("/v1/meshes/torus/content", False), ("/", True), ("/openapi.json", True)):
@@ -290,7 +290,7 @@ class Content(TestCase):
                 far = self.daemon.get(path, **packed, **{header: "203.0.113.7"})
                 self.assertEqual(far.headers["Content-Encoding"], "gzip", (path, header))
 
-    def test_what_is_known_varies_like_what_is_sent(self):
+    def test_a_304_has_the_vary_header_of_the_answer(self):
         sent = self.daemon.get("/v1/meshes/torus/content")
         known = self.daemon.get("/v1/meshes/torus/content", If_None_Match=sent.headers["ETag"])
         self.assertEqual(known.status, 304)
@@ -301,7 +301,7 @@ class Content(TestCase):
 
 
 class Conditions(TestCase):
-    def test_the_contract_lists_them(self):
+    def test_the_contract_lists_the_conditions(self):
         """Answers about a mesh have an ETag, so the contract must list conditions for them."""
         for path, item in self.daemon.get("/openapi.json").json["paths"].items():
             for method in set(item) & {"get", "head", "put", "post", "patch", "delete"}:

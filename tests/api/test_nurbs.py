@@ -47,7 +47,7 @@ class Resource(Nurbs):
         self.assertEqual((sphere["domain"]["v"]["pole_low"], sphere["domain"]["v"]["pole_high"], sphere["domain"]["u"]["closed"]), (True,) * 3)
         self.assertTrue(all(d["geodesics"] and d["seeding_faces"] > 1000 for d in (torus, ring, sphere, open_)))
 
-    def test_life(self):
+    def test_upload_describe_list_delete(self):
         created = self.put("life", SADDLE)
         self.assertEqual((created.status, created.headers["Location"]), (201, "/v1/nurbs/life"))
         again = self.put("life", SADDLE)
@@ -65,7 +65,7 @@ class Resource(Nurbs):
         self.assert_problem(self.daemon.get("/v1/nurbs/life"), 404, "not_found")
         self.assertIn("NURBS", self.assert_problem(self.post("life", "evaluate", {"uv": [[0, 0]]}), 404, "not_found")["detail"])
 
-    def test_kinds_have_names_of_their_own(self):
+    def test_kinds_have_separate_names(self):
         self.assertEqual(self.daemon.put("torus", SQUARE).status, 201)
         self.assertEqual(self.daemon.get("/v1/nurbs/torus").json["shape"], "nurbs")
         self.assertEqual(self.daemon.request("DELETE", "/v1/meshes/torus").status, 204)
@@ -127,7 +127,7 @@ class Resource(Nurbs):
                 self.assertEqual(problem["reason"], reason)
         self.assertEqual(self.put("weighed", spoil(weights=ones)).json["rational"], False)
 
-    def test_files_that_can_not_be_read(self):
+    def test_unreadable_files(self):
         good = bumps(4, 4, 0.1, 3)
         points = good["controlPoints"]
         for pointer, body in (
@@ -192,7 +192,7 @@ class Evaluation(Nurbs):
             self.assert_close(point["normal"], [math.cos(v) * math.cos(u), math.cos(v) * math.sin(u), math.sin(v)], 1e-13)
             self.assert_near(point["gaussian_curvature"], math.cos(v) / (2 + math.cos(v)), 1e-12)
 
-    def test_derivatives_are_those_of_the_position(self):
+    def test_derivatives_agree_with_positions(self):
         h = 1e-5
         for name in ("torus", "bumps"):
             u, v = 0.31, 0.62
@@ -216,7 +216,7 @@ class Evaluation(Nurbs):
         self.assertEqual(self.ask("saddle", "evaluate", {"uv": [[0, 0], [1, 1]]}, "?select=xyz,du"), answer)
         self.assertEqual(self.ask("saddle", "evaluate", {"uv": [[1, 0]]}, "?select=points"), self.ask("saddle", "evaluate", {"uv": [[1, 0]]}))
 
-    def test_places_that_can_not_be(self):
+    def test_invalid_places(self):
         problem = self.refusal("saddle", "evaluate", {"uv": [[0, 0], [0.5, 1.5]]}, 422, "point_not_on_surface")
         self.assertEqual(problem["pointer"], "/uv/1")
         for pointer, document in (("/uv", {}), ("/uv", {"uv": []}), ("/uv/1", {"uv": [[0, 0], [1]]}), ("/uv/0", {"uv": [["a", 0]]}),
@@ -284,7 +284,7 @@ class Roles(Keyed):
     keys = (line("reader") + line("writer", "role=write") +
             f"stranger sha256:{digest(key_of('stranger'))} tenant=another role=write\n")
 
-    def test_who_may(self):
+    def test_rights_of_keys(self):
         tessellate = json.dumps({"mesh": "made", "resolution": [4, 4]})
         geodesic = json.dumps({"from": [0, 0], "to": [1, 1]})
         self.assert_problem(self.ask("PUT", "/v1/nurbs/saddle", "reader", json.dumps(SADDLE)), 403, "forbidden")

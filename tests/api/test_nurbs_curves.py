@@ -95,7 +95,7 @@ class Curves(Nurbs):
         self.assert_near(back["length"], answer["length"], 1e-11)
         self.assert_close(back["ends"]["b"]["xyz"], answer["ends"]["a"]["xyz"], 1e-6)
 
-    def test_curves_that_can_not_be(self):
+    def test_invalid_curves(self):
         ask = lambda curve: self.post("saddle", "point-curve-distance", {"point": [0, 0], "curve": curve})
         for pointer, curve in (
             ("/curve", {}), ("/curve", {"circle": 1}), ("/curve/polyline", {"polyline": []}), ("/curve", {"polyline": [[0, 1]]}),

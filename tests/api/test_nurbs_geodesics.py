@@ -115,7 +115,7 @@ class Geodesics(Nurbs):
         pole = [knot for knot in set(through["knots"]) if through["knots"].count(knot) == through["degree"] + 1]
         self.assertEqual(len(pole), 3)  # both ends, and the pole
 
-    def test_as_the_paper(self):
+    def test_single_splines_as_in_the_paper(self):
         """Uses one B-spline of a given number of control points: errors decrease, and the curve is
         never shorter than the shortest path."""
         exact = self.geodesic("bumps", [0.1, 0.1], [0.9, 0.8])["length"]
@@ -193,14 +193,14 @@ class Geodesics(Nurbs):
         self.assertNotIn("points", ask("?geometry=none"))
         self.assertEqual(ask("?select=ends"), {"ends": {"from": {"uv": [0, 0], "xyz": [0, 0, 0]}, "to": {"uv": [1, 1], "xyz": [1, 1, 1]}}})
 
-    def test_the_same_place(self):
+    def test_from_a_place_to_itself(self):
         for a, b in (([0.5, 0.5], [0.5, 0.5]), ([0, 1], [2 * PI, 1 - 2 * PI])):
             name = "saddle" if a == b else "ring"
             answer = self.geodesic(name, a, b)
             self.assertEqual((answer["length"], answer["control_points"], answer["knots"], len(answer["points"])), (0, [], [], 1))
             self.assertTrue(answer["is_minimum"] and answer["converged"])
 
-    def test_requests_that_can_not_be(self):
+    def test_invalid_requests(self):
         good = {"from": [0, 0], "to": [1, 1]}
         for pointer, document in (
             ("/to", {"from": [0, 0]}), ("/from", {"from": 3, "to": [0, 0]}), ("/from", {"from": [1, 2, 3], "to": [0, 0]}),

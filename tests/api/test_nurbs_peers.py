@@ -89,7 +89,7 @@ class Peers(Nurbs):
         """Compares positions, first and second derivatives."""
         self.check_program("verb")
 
-    def test_three(self):
+    def test_three_js(self):
         self.check_program("three")
 
     def test_rhino(self):

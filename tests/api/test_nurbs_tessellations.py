@@ -19,7 +19,7 @@ class Tessellations(Nurbs):
         text = self.daemon.get(f"/v1/meshes/{mesh}/content?format=obj").body.decode()
         return [tuple(map(float, row.split()[1:])) for row in text.splitlines() if row.startswith("v ")]
 
-    def test_vertices_remember_their_places(self):
+    def test_vertices_have_their_parameters(self):
         for name in self.surfaces:
             with self.subTest(name=name):
                 made = self.tessellate(name, mesh=f"{name}-mesh", resolution=[12, 10])
@@ -95,7 +95,7 @@ class Tessellations(Nurbs):
         self.assert_problem(self.daemon.get("/v1/meshes/taken/parameters"), 404, "not_found")
         self.assert_problem(self.daemon.get("/v1/meshes/nowhere/parameters"), 404, "not_found")
 
-    def test_requests_that_can_not_be(self):
+    def test_invalid_requests(self):
         for pointer, document in (
             ("", {"mesh": "m"}), ("", {"mesh": "m", "tolerance": 1, "resolution": [4, 4]}), ("/mesh", {"tolerance": 1}),
             ("/mesh", {"mesh": 3, "tolerance": 1}), ("/mesh", {"mesh": "a b", "tolerance": 1}), ("/tolerance", {"mesh": "m", "tolerance": 0}),

@@ -68,7 +68,7 @@ class Documents(Folder):
             self.assertTrue(rule["annotations"]["summary"].endswith("."))
             self.assertLessEqual(set(re.findall(r'code="([a-z_]+)"', rule["expr"])), codes, rule["alert"])
 
-    def test_the_text_is_what_prometheus_reads(self):
+    def test_metrics_have_the_format_of_prometheus(self):
         helped = re.findall(r"^# HELP (\S+) .+\.$", self.text, re.M)
         typed = re.findall(r"^# TYPE (\S+) (?:counter|gauge|histogram)$", self.text, re.M)
         self.assertEqual(helped, typed)
@@ -105,14 +105,14 @@ class Slow(unittest.TestCase):
             daemon.request("GET", "/livez", headers={"X-Request-Id": "fast"})
         return {line["request_id"]: line for line in daemon.log if "request_id" in line}
 
-    def test_slow_requests_are_told_with_their_trace(self):
+    def test_slow_requests_are_logged_with_their_trace(self):
         lines = self.lines("--slow-ms", "5")
         self.assertEqual((lines["slow"]["event"], lines["slow"]["level"]), ("slow_request", "warn"))
         self.assertEqual(lines["slow"]["traceparent"], self.TRACE)
         self.assertGreaterEqual(lines["slow"]["ms"], 5)
         self.assertEqual((lines["fast"]["event"], lines["fast"]["level"]), ("request", "info"))
 
-    def test_none_is_slow_unless_asked_for(self):
+    def test_slow_requests_are_not_logged_by_default(self):
         self.assertEqual({line["event"] for line in self.lines().values()}, {"request"})
 
 

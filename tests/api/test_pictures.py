@@ -91,7 +91,7 @@ class PictureTests(TestCase):
         self.assertEqual(seen("&view=front&up=z"), seen("&view=0,-1,0&up=0,0,3"))
         self.assertEqual(seen("&view=iso"), seen(""))
 
-    def test_a_path_is_red_where_it_is(self):
+    def test_a_path_is_drawn_red(self):
         png = Png(self.picture("?from=v:0&to=v:2&view=front&size=120x120&legend=false").body)
         for x in range(35, 85):
             red, green, blue = png.at(x, 119 - x)
@@ -130,7 +130,7 @@ class PictureTests(TestCase):
         for path in root.iter(SVG + "path"):
             self.assertRegex(path.get("d"), r"^(M[-0-9.e]+ [-0-9.e]+(L[-0-9.e]+ [-0-9.e]+)*)+$")
 
-    def test_what_cannot_be_drawn(self):
+    def test_invalid_pictures(self):
         self.refused("?size=800", "size")
         self.refused("?size=15x600", "size")
         self.refused("?size=4097x16", "size")
@@ -164,7 +164,7 @@ class PictureTests(TestCase):
         png = Png(self.picture("?source=v:0&view=front&size=400x100&legend=false&isolines=0", "two").body)
         self.assertLess(max(png.at(330, 70)) - min(png.at(330, 70)), 16)  # grey
 
-    def test_who_has_it_is_told_so_at_once(self):
+    def test_a_known_etag_gets_304_at_once(self):
         etag = self.picture("?view=top").headers["ETag"]
         self.assertEqual(self.picture("?view=top", status=304, **{"If-None-Match": etag}).body, b"")
         self.picture("?view=top", status=412, **{"If-Match": '"other"'})
@@ -189,7 +189,7 @@ class PictureTests(TestCase):
         answer = self.picture("?size=400x300", "sphere", "svg", **{"Accept-Encoding": "gzip"})
         self.assertEqual(answer.headers["Content-Encoding"], "gzip")
 
-    def test_it_ends_in_time(self):
+    def test_a_picture_ends_at_its_deadline(self):
         answer = self.picture("?source=v:0&isolines=100&size=3840x2160&timeout_ms=1", "sphere", status=504)
         self.assertEqual(answer.json["code"], "deadline_exceeded")
 

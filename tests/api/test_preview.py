@@ -52,7 +52,7 @@ class Preview(TestCase):
         derived = self.daemon.ask("terrain", "derive", {"mesh": "thin", "operations": [{"operation": "simplify", "faces": FACES}]}).json
         self.assertEqual(derived["derived_from"]["largest_distance"], distance)
 
-    def test_a_small_mesh_is_its_own(self):
+    def test_the_preview_of_a_small_mesh_is_the_mesh(self):
         answer = self.daemon.get("/v1/meshes/small/preview?format=ply")
         self.assertEqual((answer.status, answer.headers["Geodesic-Faces"], answer.headers["Geodesic-Largest-Distance"]), (200, "4", "0"))
         self.assertEqual(answer.body, self.daemon.get("/v1/meshes/small/content?format=ply").body)
@@ -68,7 +68,7 @@ class Preview(TestCase):
         self.assertIn(other.headers["Geodesic-Faces"], ("999", "1000"))
         self.assertNotEqual(other.headers["ETag"], glb.headers["ETag"])
 
-    def test_it_is_counted_and_goes_with_its_mesh(self):
+    def test_a_preview_is_counted_and_deleted_with_its_mesh(self):
         self.daemon.put("gone", sample("icosphere", level=5))
         before = self.daemon.metric('memory_bytes{class="previews"}')
         preview(self.daemon, "gone")
@@ -82,7 +82,7 @@ class Preview(TestCase):
         self.assert_problem(self.daemon.get("/v1/meshes/nowhere/preview"), 404, "not_found")
         self.assert_problem(self.daemon.get("/v1/meshes/small/preview", Accept="text/html"), 406, "not_acceptable")
 
-    def test_a_large_upload_has_one_made(self):
+    def test_a_large_upload_gets_a_preview(self):
         self.daemon.put("large", sample("icosphere", level=7))
         wait_until(lambda: self.daemon.metric("workers_background") == 1)
         self.daemon.request("DELETE", "/v1/meshes/large")
@@ -90,7 +90,7 @@ class Preview(TestCase):
 
 
 class Kept(Folder):
-    def test_over_a_restart(self):
+    def test_a_restart_keeps_previews(self):
         with self.start() as daemon:
             daemon.put("sphere", sample("icosphere", level=5))
             before = preview(daemon, "sphere")

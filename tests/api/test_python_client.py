@@ -70,7 +70,7 @@ class Meshes(TestCase):
         self.assertNotIn(b"\nf ", self.square.path_file(1, 3))
         self.assertIn(b"\nf ", self.square.path_file(1, 3, mesh=True))
 
-    def test_what_has_no_path(self):
+    def test_points_without_a_path(self):
         islands = self.client.upload("islands", ([[0, 0, 0], [1, 0, 0], [0, 1, 0], [5, 0, 0], [6, 0, 0], [5, 1, 0]], [[0, 1, 2], [3, 4, 5]]))
         self.assertIsNone(islands.distance(0, 3))
         self.assertIsNone(islands.path(0, 3))
@@ -183,7 +183,7 @@ class Meshes(TestCase):
         self.assertEqual({result["problem"]["code"] for result in results}, {"not_found"})
         self.client.delete_batch(many["id"])
 
-    def test_threads_have_connections_of_their_own(self):
+    def test_each_thread_has_its_connection(self):
         answers = []
         threads = [threading.Thread(target=lambda: answers.extend(self.square.distance(0, 2) for _ in range(50))) for _ in range(8)]
         for thread in threads:
@@ -197,39 +197,39 @@ class Meshes(TestCase):
 class Patience(unittest.TestCase):
     OVERLOADED = (503, {"Retry-After": "0"}, {"code": "overloaded", "detail": "the queue is full"})
 
-    def test_it_tries_again(self):
+    def test_refused_requests_are_repeated(self):
         with scenario.busy(self.OVERLOADED, (429, {}, {}), (0, {}, {})) as (server, url), geodesicd.Client(url) as client:
             self.assertEqual(client.service(), {"version": "1"})
             self.assertEqual(len(server.seen), 4)
             # the daemon compresses no answers for clients on its own machine
             self.assertEqual(set(server.codings), {"identity"})
 
-    def test_what_makes_something_new_each_time_is_sent_once(self):
+    def test_requests_that_create_something_are_not_repeated(self):
         with scenario.busy(self.OVERLOADED, (0, {}, {})) as (server, url), geodesicd.Client(url) as client:
             with self.assertRaises(geodesicd.ConnectionFailed):
                 client.create_batch({"query": "fields"})
             # retried after a refusal, but not where the request may have arrived
             self.assertEqual(len(server.seen), 2)
 
-    def test_it_waits_as_long_as_it_is_told(self):
+    def test_the_client_waits_for_retry_after(self):
         with scenario.busy((503, {"Retry-After": "1"}, {})) as (server, url), geodesicd.Client(url) as client:
             client.service()
             self.assertGreaterEqual(server.seen[1] - server.seen[0], 1)
 
-    def test_patience_ends(self):
+    def test_repetitions_are_limited(self):
         with scenario.busy(*[self.OVERLOADED] * 9) as (server, url), geodesicd.Client(url, retries=2) as client:
             with self.assertRaises(geodesicd.Overloaded) as caught:
                 client.service()
             self.assertEqual((caught.exception.status, caught.exception.retry_after, len(server.seen)), (503, 0, 3))
             self.assertEqual(str(caught.exception), "the queue is full")
 
-    def test_answers_of_others(self):
+    def test_answers_of_proxies(self):
         with scenario.busy((502, {}, b"<html>bad gateway</html>")) as (_, url), geodesicd.Client(url) as client:
             with self.assertRaises(geodesicd.ProblemError) as caught:
                 client.service()
             self.assertEqual(caught.exception.status, 502)
 
-    def test_nobody_there(self):
+    def test_no_daemon(self):
         with self.assertRaises(geodesicd.ConnectionFailed):
             geodesicd.Client("http://127.0.0.1:1", retries=1).service()
         with self.assertRaises(ValueError):

@@ -45,7 +45,7 @@ class ClosedForms(TestCase):
         far = self.distance("grid", "p:0.1,0.2,0", "p:0.9,0.7,0")
         self.assertAlmostEqual(far, math.dist((0.1, 0.2), (0.9, 0.7)), 12)
 
-    def test_it_is_a_metric(self):
+    def test_distances_are_a_metric(self):
         points = ["v:0", "p:1,1,1", "p:0.3,0.2,0", "p:0,0.4,0.7"]
         d = {(a, b): self.distance("box", a, b) for a in points for b in points}
         for a in points:
@@ -129,7 +129,7 @@ class Pairs(TestCase):
         refused = self.daemon.get(url, Accept_Encoding="gzip;q=0, identity")
         self.assertIsNone(refused.headers["Content-Encoding"])
 
-    def test_a_source_that_is_asked_about_again_and_again_has_its_field_built(self):
+    def test_a_frequent_source_gets_a_field(self):
         self.daemon.put("fresh", sample("icosphere", level=4))
         before = {name: self.daemon.metric(name) for name in ("cache_builds_total", "searches_total")}
 
@@ -158,7 +158,7 @@ class Pairs(TestCase):
         self.assertEqual(self.daemon.metric("cache_builds_total"), builds)
         self.assertEqual(self.daemon.metric("searches_total"), searches + 200)
 
-    def test_points_that_are_not_there(self):
+    def test_absent_points(self):
         for point in ("v:99", "f:2:1,0,0", "e:1-3:0.5"):
             answer = self.daemon.get(f"/v1/meshes/square/distance?from=v:0&to={point}")
             problem = self.assert_problem(answer, 400, "invalid_request")
@@ -186,7 +186,7 @@ class Pairs(TestCase):
         self.assertEqual(self.daemon.get(url, If_None_Match=form_tag(etag, "json")).status, 304)
         self.assertEqual(self.daemon.get(url, If_None_Match=etag).status, 200)
 
-    def test_a_mesh_that_is_not_there(self):
+    def test_an_absent_mesh(self):
         self.assert_problem(self.daemon.get("/v1/meshes/nobody/distance?from=v:0&to=v:1"), 404, "not_found")
 
 
@@ -256,7 +256,7 @@ class CompactPoints(TestCase):
                     spelled = self.daemon.ask("square", name, self.replace(body(point), objects))
                     self.assertEqual((compact.status, compact.json), (200, spelled.json))
 
-    def test_what_is_no_point_is_refused_by_pointer(self):
+    def test_invalid_points_are_refused_with_a_pointer(self):
         for name, body, pointer in (("nearest", {"point": "v:x"}, "/point"), ("path", {"from": "v:0", "to": "v:1", "via": ["v:0", "1"]}, "/via/1"),
                                     ("distance-to-set", {"set": {"points": ["v:0", "w:1"]}, "points": ["v:0"]}, "/set/points/1"),
                                     ("matrix", {"sources": [""], "targets": ["v:0"]}, "/sources/0"), ("distance", {"from": "v:9", "to": "v:0"}, "/from")):

@@ -43,7 +43,7 @@ class Resumed(TestCase):
     def assert_limited(self, values, whole, limit):
         self.assert_same(values, [value if value <= limit else None for value in whole])
 
-    def test_a_farther_field_is_resumed_and_the_nearer_one_stays_what_it_was(self):
+    def test_a_larger_field_extends_a_smaller_one_which_stays_unchanged(self):
         whole = self.values("fresh", self.make("fresh", 5))
         near = self.make("near", 5, max_distance=0.3)
         self.assert_limited(self.values("near", near), whole, 0.3)
@@ -60,12 +60,12 @@ class Resumed(TestCase):
         self.assert_limited(self.values("near", self.make("near", 5, max_distance=0.1)), whole, 0.1)
         self.assertEqual(self.metrics("builds", "resumed"), [before[0] + 2, before[1] + 2])
 
-    def test_the_largest_distance_of_a_nearer_field_is_beyond_it(self):
+    def test_the_largest_distance_of_a_partial_field_is_unknown(self):
         self.assertIsNotNone(self.daemon.ask("chain", "fields", {"set": members(1)}).json["max"])
         field = self.daemon.ask("chain", "fields", {"set": members(1), "max_distance": 0.2}).json
         self.assertEqual((field["max"], field["farthest"], field["max_distance"]), (None, None, 0.2))
 
-    def test_what_lies_beyond_a_limit_is_told_as_before(self):
+    def test_points_beyond_the_limit_are_reported_as_before(self):
         points = [{"vertex": number} for number in range(0, 1600, 37)]
         near = self.make("chain", 7, max_distance=0.35)
         url = f"fields/{near}/evaluate"
@@ -85,14 +85,14 @@ class Resumed(TestCase):
         levels = self.daemon.ask("chain", f"fields/{near}/isolines", {"levels": [0.5]})
         self.assert_problem(levels, 400, "invalid_request")
 
-    def test_a_removed_nearer_field_leaves_the_farther_one(self):
+    def test_removing_the_smaller_field_keeps_the_larger_one(self):
         near, far = self.make("sets", 3, max_distance=0.2), self.make("sets", 3, max_distance=0.4)
         hits = self.metrics("builds")
         self.assertEqual(self.daemon.request("DELETE", f"/v1/meshes/sets/fields/{near}").status, 204)
         self.values("sets", far)
         self.assertEqual(self.metrics("builds"), hits)
 
-    def test_distances_to_a_set_resume_its_field(self):
+    def test_distances_to_a_set_extend_its_field(self):
         points = [{"vertex": number} for number in range(0, 1600, 101)]
         self.make("sets", 9, max_distance=0.3)
         resumed = self.metrics("resumed")[0]
@@ -111,7 +111,7 @@ class Resumed(TestCase):
         other = self.daemon.get("/v1/meshes/fresh/distance?from=v:11&to=v:1500").json["distance"]
         self.assertLessEqual(abs(distance - other), 1e-12 * other)
 
-    def test_a_matrix_within_a_limit_uses_what_reaches_as_far(self):
+    def test_a_matrix_with_a_limit_uses_fields_of_that_radius(self):
         near = [{"vertex": number} for number in (20, 30)]
         targets = [{"vertex": number} for number in range(0, 1600, 53)]
         request = {"sources": near, "targets": targets, "max_distance": 0.4}
@@ -143,7 +143,7 @@ class Resumed(TestCase):
 class ShortOfMemory(TestCase):
     flags = ("--workers", "2", "--memory-budget", "16MiB", "--max-body", "4MiB", "--landmarks", "0")
 
-    def test_where_there_is_no_room_for_both_it_is_built_anew(self):
+    def test_without_room_for_both_the_larger_field_is_built_again(self):
         self.put_all({"terrain": sample("terrain", cells=60, amplitude=0.5)})
         for number in range(12):
             for limit in (0.2, 0.5, 0.9, None):

@@ -50,7 +50,7 @@ class Roles(Keyed):
             if "202" in operation.responses:
                 yield ask.plus(Prefer="respond-async")
 
-    def test_a_reader_changes_nothing_of_others(self):
+    def test_a_read_key_cannot_change_data_of_other_keys(self):
         refused = 0
         for operation, security in self.own_operations():
             is_change = bool(security) and security[0]["key"] == ["write"] or operation.name == "delete_job"
@@ -113,7 +113,7 @@ class Roles(Keyed):
                 field = self.ask("POST", "/v1/meshes/square/fields", owner, FIELD, **JSON).json["id"]
                 self.assertEqual(self.ask("DELETE", f"/v1/meshes/square/fields/{field}", name).status, asked, (owner, name))
 
-    def test_many_fields_of_a_reader_forget_none_of_a_writer(self):
+    def test_fields_of_a_read_key_do_not_remove_those_of_a_write_key(self):
         self.ask("PUT", "/v1/meshes/grid", "writer", sample("grid", columns=40, rows=40))
         written = self.ask("POST", "/v1/meshes/grid/fields", "writer", FIELD, **JSON).json["id"]
         first = None

@@ -32,7 +32,7 @@ class Sandbox(Folder):
         return [dict(line.split(":\t", 1) for line in (task / "status").read_text().splitlines() if ":\t" in line)
                 for task in folder.iterdir()]
 
-    def test_all_threads_are_in_it(self):
+    def test_all_threads_are_in_the_sandbox(self):
         with self.start("--scrub-s", "1", "--workers", "2") as daemon:
             said = states(daemon)
             threads = self.threads(daemon)
@@ -43,7 +43,7 @@ class Sandbox(Folder):
         if platform.machine() in ("x86_64", "aarch64") and int(platform.release().split(".")[0]) >= 6:
             self.assertEqual(said["seccomp"], "on")
 
-    def test_it_can_be_left_out(self):
+    def test_the_sandbox_can_be_switched_off(self):
         with self.start("--sandbox", "off") as daemon:
             self.assertIsNone(states(daemon))
             self.assertEqual({thread["Seccomp"] for thread in self.threads(daemon)}, {"0"})

@@ -39,7 +39,7 @@ class Stored(Folder):
 
 
 class Scrub(Stored):
-    def test_all_is_well(self):
+    def test_an_intact_store_has_no_faults(self):
         self.fill()
         size = sum(path.stat().st_size for path in self.folder.glob("objects/*/*"))
         with self.start("--scrub-s", "2") as daemon:
@@ -74,7 +74,7 @@ class Scrub(Stored):
             self.wait_for_a_round(daemon)
             self.assertEqual((daemon.metric("scrub_faults"), daemon.metric("store_damaged_files")), (0, 0))
 
-    def test_what_is_in_quarantine_is_not_read(self):
+    def test_files_in_quarantine_are_not_read(self):
         self.fill()
         good = self.object_of("a").read_bytes()
         self.damage("a")
@@ -87,7 +87,7 @@ class Scrub(Stored):
             self.assertEqual(daemon.request("DELETE", "/v1/meshes/a").status, 204)
             self.assertEqual(daemon.metric("store_damaged_files"), 0)
 
-    def test_it_is_slow_and_ends_at_once(self):
+    def test_a_scrub_is_slow_and_stops_at_once(self):
         self.fill()
         largest = max(path.stat().st_size for path in self.folder.glob("objects/*/*"))
         self.assertGreater(largest, 10 << 10)
@@ -100,7 +100,7 @@ class Scrub(Stored):
             self.assertEqual(daemon.stop(), 0)
             self.assertLess(time.monotonic() - begun, 5)
 
-    def test_nothing_is_looked_through_in_memory(self):
+    def test_a_store_in_memory_has_no_scrub(self):
         with Daemon("--scrub-s", "1") as daemon:
             daemon.put("a", SQUARE)
             self.assertNotIn("geodesicd_scrub_", daemon.get("/metrics").body.decode())
@@ -116,7 +116,7 @@ class Restore(Stored):
         self.backup = pathlib.Path(self.place.name) / "backup"
         self.assertEqual(self.tool(self.folder, "--backup", self.backup).returncode, 0)
 
-    def test_what_was_lost_is_there_again(self):
+    def test_a_restore_brings_lost_files_back(self):
         shutil.rmtree(self.folder)
         result = self.tool(self.folder, "--restore", self.backup)
         self.assertEqual(result.returncode, 0, result)
@@ -144,7 +144,7 @@ class Restore(Stored):
         with Daemon("--data-dir", str(self.backup)):
             self.assertEqual(self.tool(self.folder.parent / "new", "--restore", self.backup).returncode, 1)
 
-    def test_a_damaged_backup_is_told(self):
+    def test_a_damaged_backup_is_reported(self):
         target = next(self.backup.glob("objects/*/*"))
         target.unlink()
         target.write_bytes(b"not what it was")

@@ -156,7 +156,7 @@ class Pages(TestCase):
                 self.assertEqual((answer.headers["Vary"], answer.headers["Cache-Control"]), ("Accept-Encoding", "no-cache"))
                 self.assertEqual(self.daemon.get(path, If_None_Match=answer.headers["ETag"]).status, 304)
 
-    def test_an_index_is_its_folder(self):
+    def test_a_folder_serves_its_index(self):
         for index in ("/index.html", "/docs/index.html"):
             folder = index.removesuffix("index.html")
             tags = {self.daemon.get(path).headers["ETag"] for path in (index, folder, folder.rstrip("/") or "/")}
@@ -164,7 +164,7 @@ class Pages(TestCase):
         for path in ("/docs/none.js", "/docs//index.html", "/docs/../app.js", "/src/main.ts", "/package.json"):
             self.assertNotEqual(self.daemon.get(path).status, 200, path)
 
-    def test_pages_run_no_scripts_of_others(self):
+    def test_pages_run_no_foreign_scripts(self):
         for path in PAGES:
             policy = self.daemon.get(path).headers["Content-Security-Policy"]
             self.assertNotRegex(policy, r"unsafe|script-src|http|\*")
@@ -184,7 +184,7 @@ class Framing(TestCase):
             self.assertIn("frame-ancestors https://a.example https://b.example:8443; base-uri 'none'", policy)
             self.assertTrue(policy.startswith("default-src 'self'"), policy)
 
-    def test_data_has_none(self):
+    def test_data_may_not_be_framed(self):
         policy = self.daemon.get("/v1").headers["Content-Security-Policy"]
         self.assertIn("frame-ancestors 'none'", policy)
 
@@ -294,7 +294,7 @@ class Guard(TestCase):
 
 
 class Manual(unittest.TestCase):
-    def test_it_has_every_flag(self):
+    def test_the_manual_has_every_flag(self):
         script = pathlib.Path(__file__).resolve().parents[2] / "server" / "doc" / "manual.py"
         page = subprocess.run([script, PROGRAM], check=True, stdout=subprocess.PIPE, text=True).stdout
         told = subprocess.run([PROGRAM, "--help"], check=True, stdout=subprocess.PIPE, text=True).stdout

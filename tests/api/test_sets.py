@@ -68,7 +68,7 @@ class Sets(TestCase):
                 self.assertLess(abs(result["distance"] - min(ways)), 1e-12 * (1 + min(ways)), (mesh, i))
                 self.assertLess(abs(ways[result["nearest"]["index"]] - min(ways)), 1e-12 * (1 + min(ways)), (mesh, i))
 
-    def test_it_grows_no_faster_than_the_way(self):
+    def test_the_distance_grows_no_faster_than_the_path(self):
         chance = random.Random(3)
         for mesh in ("box", "terrain", "torus"):
             faces = self.faces[mesh]
@@ -79,7 +79,7 @@ class Sets(TestCase):
                 for j, way in enumerate(self.distances(mesh, [point], points)):
                     self.assertLess(abs(to_set[i] - to_set[j]), way + 1e-12, (mesh, i, j))
 
-    def test_a_member_is_as_far_as_its_offset_and_no_farther(self):
+    def test_the_distance_at_a_member_is_at_most_its_offset(self):
         members = [{"vertex": 0, "offset": 2}, {"vertex": 0, "offset": 1, "label": "near"}, {"vertex": 2, "offset": 9}]
         results = self.results("square", members, [{"vertex": 0}, {"vertex": 2}], path=True)
         self.assertEqual((results[0]["distance"], results[0]["nearest"]["label"], results[0]["path"]["length"]), (1, "near", 0))

@@ -57,7 +57,7 @@ class Slow(TestCase):
         self.assertGreaterEqual(self.daemon.metric("connections_cut_total"), 24)
         wait_until(lambda: self.daemon.metric("connections") <= 1)
 
-    def test_others_are_served_meanwhile(self):
+    def test_other_clients_are_served(self):
         crowd = [socket.create_connection(("127.0.0.1", self.daemon.port)) for _ in range(200)]
         for connection in crowd:
             connection.sendall(GET + b"X: ")
@@ -120,7 +120,7 @@ class Crowds(unittest.TestCase):
             for connection in crowd:
                 connection.close()
 
-    def test_one_address_leaves_places_to_others(self):
+    def test_one_address_leaves_connections_to_others(self):
         with Daemon("--max-connections", "40", "--http-threads", "1") as daemon:
             crowd = []
             for _ in range(40):

@@ -24,7 +24,7 @@ class Splines(TestCase):
             "ball": sample("icosphere", level=2),
         })
 
-    def test_the_answer_tells_the_step(self):
+    def test_the_answer_has_the_step(self):
         points = [place(0.1, 0.5), place(0.9, 0.5)]
         straight = 0.8
         for request, count in (({"spacing": 0.3}, 3), ({"spacing": 0.6}, 1), ({"spacing": 2}, 1), ({"samples": 4, "speed": "constant"}, 4)):

@@ -15,7 +15,7 @@ from test_batches import begin, results, wait
 
 
 class Conditions(TestCase):
-    def test_reading_what_is_known_already(self):
+    def test_reads_with_if_none_match(self):
         mesh = self.daemon.put("known", SQUARE).headers["ETag"]
         for path, form in (("", None), ("/content", "obj"), ("/content?format=ply", "ply"), ("/distance?from=v:0&to=v:2", "json"),
                            ("/path?from=v:0&to=v:2", "json"), ("/nearest?point=p:0,0,1", "json")):
@@ -27,7 +27,7 @@ class Conditions(TestCase):
             for other in ('"other"', etag.strip('"'), 'W/"x", "y"'):
                 self.assertEqual(self.daemon.get(url, If_None_Match=other).status, 200, (path, other))
 
-    def test_reading_one_version_only(self):
+    def test_reads_with_if_match(self):
         etag = self.daemon.put("version", SQUARE).headers["ETag"]
         for path in ("", "/content", "/distance?from=v:0&to=v:2"):
             url = f"/v1/meshes/version{path}"
@@ -41,7 +41,7 @@ class Conditions(TestCase):
         self.assert_problem(answer, 400, "invalid_request")
         self.assert_problem(self.daemon.get("/v1/meshes/nobody", If_None_Match="*"), 404, "not_found")
 
-    def test_writing(self):
+    def test_changes_with_conditions(self):
         put, delete = self.daemon.put, lambda name, **headers: self.daemon.request(
             "DELETE", f"/v1/meshes/{name}", headers=header_fields(headers))
         etag = put("written", SQUARE, If_None_Match="*").headers["ETag"]
@@ -94,13 +94,13 @@ class Restart(Stored):
             self.assertEqual(daemon.get("/v1/meshes/a").status, 404)
             self.assertEqual(daemon.get("/v1/meshes/same/content").status, 200)
 
-    def test_one_daemon_a_folder(self):
+    def test_one_daemon_for_each_folder(self):
         with self.start():
             second = self.tool("--listen", "127.0.0.1:0")
             self.assertEqual(second.returncode, 1)
             self.assertIn("in use by another geodesicd", second.stderr)
 
-    def test_one_load_for_all_who_ask(self):
+    def test_simultaneous_requests_share_one_load(self):
         with self.start() as daemon:
             for i in range(3):
                 daemon.put(f"m{i}", sample("icosphere", level=4 + i % 2))
@@ -123,7 +123,7 @@ class Restart(Stored):
             self.assertEqual(daemon.metric("mesh_loads_total"), 0)
             self.assertEqual(daemon.get("/v1/meshes/m07/distance?from=v:0&to=v:1").json["code"], "insufficient_memory")
 
-    def test_what_was_used_most_is_loaded_first(self):
+    def test_the_most_used_surfaces_are_loaded_first(self):
         with self.start() as daemon:
             for name in ("cold", "hot", "warm"):
                 size = daemon.put(name, sample("icosphere", level=5)).json["memory_bytes"]
@@ -197,7 +197,7 @@ class Fields(Stored):
             self.assertEqual(daemon.metric("searches_total"), 1)
             wait_until(lambda: self.events(daemon).count("field_discarded") == 6)
 
-    def test_what_becomes_of_the_files_later_does_no_harm(self):
+    def test_damaged_files_of_fields_do_no_harm(self):
         answer = self.warm()
         with self.start("--persist-fields") as daemon:
             self.assertEqual(daemon.get(self.URL).body, answer)
@@ -208,7 +208,7 @@ class Fields(Stored):
                 self.assertEqual(daemon.get(f"/v1/meshes/ball/path?from=v:{source}&to=p:0,0,-9").status, 200)
             self.assertEqual(daemon.metric("searches_total"), 0)
 
-    def test_fields_go_with_their_mesh(self):
+    def test_stored_fields_are_deleted_with_their_mesh(self):
         self.warm()
         self.assertEqual(len(list(self.folder.glob("fields/*/*.field"))), 6)
         with self.start() as daemon:

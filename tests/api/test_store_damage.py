@@ -25,7 +25,7 @@ class Damage(Stored):
                 daemon.put(name, file)
             return {name: daemon.get(f"/v1/meshes/{name}/distance?from=v:0&to=v:2").body for name in "ab"}
 
-    def test_a_folder_that_has_gone_is_the_operators_matter(self):
+    def test_a_missing_folder_is_an_error_for_the_operator(self):
         with self.start() as daemon:
             for folder, name in (("manifests", "a"), ("objects", "b")):
                 away = self.folder / (folder + "-away")
@@ -38,7 +38,7 @@ class Damage(Stored):
                 self.assertEqual(daemon.put(name, SQUARE).status, 201)
             self.assertEqual(len([line for line in daemon.log if line.get("event") == "store_refused" and "No such file" in line["message"]]), 2)
 
-    def test_a_folder_that_was_removed_shows_in_readyz(self):
+    def test_a_removed_folder_shows_in_readyz(self):
         away = self.folder.with_name("away")
         self.fill()
         with self.start() as daemon:
@@ -113,7 +113,7 @@ class Damage(Stored):
             self.assertEqual(daemon.get("/v1/batches").status, 200)
             self.assertEqual(daemon.get("/readyz").json, {"status": "ok"})
 
-    def test_a_damaged_file_ends_one_mesh_only_and_can_be_sent_again(self):
+    def test_a_damaged_file_makes_one_mesh_unavailable_until_the_next_upload(self):
         answers = self.fill()
         sha = json.loads(subprocess.run(["sed", "-n", "s/^description //p", self.folder / "manifests/a.manifest"],
                                         capture_output=True, check=True).stdout)["sha256"]
@@ -136,7 +136,7 @@ class Damage(Stored):
             self.assertEqual((answer.status, answer.json["code"]), (500, "internal"))
             self.assertEqual(daemon.put("a", SQUARE).status, 200)
 
-    def test_a_damaged_file_is_sent_again_while_its_mesh_is_in_memory(self):
+    def test_uploading_a_damaged_file_again_while_its_mesh_is_in_memory(self):
         with self.start() as daemon:
             daemon.put("a", SQUARE)
             answer = daemon.get("/v1/meshes/a/distance?from=v:0&to=v:2").body
@@ -219,7 +219,7 @@ class Earlier(Stored):
         self.assertAlmostEqual(answer.json["distance"], 2 ** 0.5, 14)
         self.assertEqual(daemon.get("/v1/meshes/b.c/distance?from=v:0&to=v:3").json["distance"], 1)
 
-    def test_it_is_checked_and_copied_as_it_is(self):
+    def test_an_old_store_is_checked_and_copied_unchanged(self):
         copy = pathlib.Path(self.place.name) / "copy"
         for folder in (self.folder, copy):
             check = self.tool("--check-store", folder=folder)
@@ -232,7 +232,7 @@ class Earlier(Stored):
         with Daemon("--data-dir", str(copy)) as daemon:
             self.assert_serves_both(daemon)
 
-    def test_it_is_brought_up_and_a_copy_of_its_database_kept(self):
+    def test_an_old_store_is_migrated_after_a_copy(self):
         before = self.query("geodesicd.db", "SELECT name, sha256, record, uses, used FROM surfaces")
         self.assertGreater(sum(row[3] for row in before), 0, "nothing was used")
         with self.start() as daemon:
@@ -247,7 +247,7 @@ class Earlier(Stored):
         self.assertEqual(after, [row[:3] for row in before])
         self.assertEqual(self.tool("--check-store").returncode, 0)
 
-    def test_it_is_used_as_one_of_today(self):
+    def test_an_old_store_works_like_a_new_one(self):
         with self.start() as daemon:
             known = self.ETAGS["square"]
             self.assertEqual(daemon.put("square", self.QUAD, If_Match='"other"').status, 412)
@@ -262,14 +262,14 @@ class Earlier(Stored):
             self.assertEqual(daemon.get("/v1/meshes/b.c/distance?from=v:0&to=v:2").status, 200)
         self.assertEqual(self.tool("--check-store").returncode, 0)
 
-    def test_its_manifests_alone_are_enough(self):
+    def test_manifests_of_an_old_store_suffice(self):
         for damage in (pathlib.Path.unlink, lambda path: path.write_bytes(b"no database at all" * 300)):
             damage(self.folder / "geodesicd.db")
             with self.start() as daemon:
                 self.assert_serves_both(daemon)
             self.assertEqual(self.tool("--check-store").returncode, 0)
 
-    def test_its_rows_alone_are_enough(self):
+    def test_rows_of_an_old_store_suffice(self):
         for path in self.folder.glob("manifests/*"):
             path.unlink()
         with self.start() as daemon:

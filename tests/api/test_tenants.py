@@ -53,7 +53,7 @@ class Tenants(Folder):
             self.assertEqual(self.names("plain"), [])
             self.assertEqual(self.names("ann"), ["it"])
 
-    def test_nothing_tells_that_another_has_the_same(self):
+    def test_no_answer_reveals_the_files_of_another_tenant(self):
         with self.start():
             answers = {}
             for who in ("ann", "bob"):
@@ -78,7 +78,7 @@ class Tenants(Folder):
             self.assertEqual(self.ask("DELETE", "/v1/meshes/it", "second").status, 204)
             self.assertEqual(self.names("ann"), [])
 
-    def test_jobs_are_known_to_their_tenant(self):
+    def test_jobs_are_visible_to_their_tenant_only(self):
         with self.start():
             self.ask("PUT", "/v1/meshes/it", "ann", SQUARE)
             job = self.ask("POST", "/v1/meshes/it/distance", "ann", PAIR, Prefer="respond-async").headers["Location"]
@@ -98,7 +98,7 @@ class Tenants(Folder):
     def metrics(self, who, **headers):
         return self.ask("GET", "/metrics", who, **headers).body.decode()
 
-    def test_metrics_of_all_are_the_operators(self):
+    def test_only_operators_get_the_metrics_of_all_tenants(self):
         """Only keys give the rights of an operator. Neither a local client address, as behind
         a proxy, nor the proxy's headers do."""
         with self.start():
@@ -132,7 +132,7 @@ class Tenants(Folder):
         wait_until(lambda: self.ask("GET", answer.headers["Location"], who).json["state"] in ("done", "failed"))
         return answer.headers["Location"]
 
-    def test_results_of_one_do_not_evict_those_of_another(self):
+    def test_results_of_one_tenant_do_not_evict_those_of_another(self):
         """Results of jobs may take an eighth of the budget; results of the tenant with the most are
         evicted."""
         with self.start("--memory-budget", "32MiB", "--max-body", "4MiB"):
@@ -145,7 +145,7 @@ class Tenants(Folder):
             self.assertEqual(kept, sorted(kept, reverse=True), "the oldest go first")
             self.assertEqual((kept[0], kept[-1]), (404, 200))
 
-    def test_jobs_of_one_do_not_evict_those_of_another(self):
+    def test_jobs_of_one_tenant_do_not_evict_those_of_another(self):
         with self.start("--max-jobs", "20"):
             for who in ("ann", "bob"):
                 self.assertEqual(self.ask("PUT", "/v1/meshes/grid", who, sample("grid", columns=3, rows=3)).status, 201)
@@ -154,7 +154,7 @@ class Tenants(Folder):
             self.assertEqual([self.ask("GET", job, "bob").status for job in own], [200] * 5)
             self.assertEqual(sum(self.ask("GET", job, "ann").status == 200 for job in others), 15)
 
-    def test_a_full_queue_of_one_leaves_places_for_another(self):
+    def test_a_tenant_with_a_full_queue_leaves_places_for_others(self):
         """While 250 jobs of one tenant wait, another tenant's query is answered at once, and its
         job is accepted."""
         with self.start("--workers", "1", "--landmarks", "0", "--queue-length", "64", "--timeout-ms", "120000"):

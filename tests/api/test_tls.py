@@ -61,7 +61,7 @@ class Tls(unittest.TestCase):
             except (ssl.SSLError, ConnectionError):
                 self.assertFalse(is_taken, ciphers)
 
-    def test_files_that_are_no_files_stop_nothing(self):
+    def test_a_reload_of_unreadable_files_keeps_the_old_certificate(self):
         for path in (self.certificate, self.key):
             path.unlink()
             os.mkfifo(path)
@@ -163,7 +163,7 @@ class Tls(unittest.TestCase):
         self.assertEqual(self.daemon.reload()["event"], "reload_failed")
         self.assertEqual(self.ask(self.first, "GET", "/livez")[0].status, 200)
 
-    def test_files_that_cannot_be_used(self):
+    def test_unusable_files(self):
         for certificate, key in ((self.first[0], self.second[1]), (self.first[1], self.first[1]), ("nothing", self.first[1])):
             flags = ["--listen", "127.0.0.1:0", "--store", "memory", "--tls-cert", str(certificate), "--tls-key", str(key)]
             result = subprocess.run([PROGRAM, *flags], capture_output=True, text=True, timeout=PATIENCE_SECONDS)

@@ -127,7 +127,7 @@ class Vectors(TestCase):
                     vectors = self.asked(mesh, query, document)["vectors"]
                     yield mesh, start, targets, vectors, first_only
 
-    def test_exp_takes_what_log_answers(self):
+    def test_exp_accepts_vectors_of_log(self):
         seen = set()
         for mesh, start, targets, vectors, first_only in self.vectors_of_log():
             seen.update(*(vector or {"null"} for vector in vectors))
@@ -145,7 +145,7 @@ class Vectors(TestCase):
                     self.assert_place(point["xyz"], self.asked(mesh, "nearest", {"point": target})["xyz"], 8)
         self.assertLessEqual({"direction", "length", "segments", "cut_locus", "reason", "null"}, seen)
 
-    def test_transport_takes_what_log_answers(self):
+    def test_transport_accepts_vectors_of_log(self):
         for mesh, start, _, vectors, _ in self.vectors_of_log():
             document = {"from": start, "to": start, "vectors": vectors}
             moved = self.asked(mesh, "transport", document)["vectors"]
@@ -163,14 +163,14 @@ class Vectors(TestCase):
             [sum_here] = self.asked(mesh, "exp", {**document, "start": start})["vectors"]
             self.assertAlmostEqual(sum_here["length"], sum_there["length"], 12)
 
-    def test_splines_take_what_log_answers(self):
+    def test_splines_accept_vectors_of_log(self):
         [cut, zero, *_] = self.asked("ball", "log", {"from": {"xyz": [0, 0, 1]}, "to": [{"xyz": [0, 0, -1]}, {"xyz": [0, 0, 1]}]})["vectors"]
         points = [{"xyz": [0, 0, 1]}, {"xyz": [0.5, 0, 0.8]}]
         for tangent in (cut, zero):
             answer = self.asked("ball", "spline", {"points": points, "tangents": [tangent, None]})
             self.assertAlmostEqual(answer["joints"][0]["tangent"]["length"], tangent["length"], 12)
 
-    def test_vectors_that_log_does_not_answer(self):
+    def test_vectors_that_log_does_not_return(self):
         zero = {"direction": None, "length": 0}
         nowhere = {"direction": None, "length": None, "reason": "no_path"}
         for vector, pointer in [({"direction": None, "length": 1}, "/vectors/0/direction"), ({"direction": 0, "length": None}, "/vectors/0/length"),
@@ -224,7 +224,7 @@ class Vectors(TestCase):
         [vector] = self.asked("square", "transport", document)["vectors"]
         self.assert_place(vector["direction"]["xyz"], [0, -1, 0])
 
-    def test_no_way(self):
+    def test_points_without_a_path(self):
         document = {"from": {"vertex": 0}, "to": {"vertex": 3}, "vectors": [{"direction": 0, "length": 1}]}
         answer = self.asked("apart", "transport?select=distance,vectors", document)
         self.assertEqual(answer, {"distance": None, "reason": "no_path", "vectors": None})
@@ -248,7 +248,7 @@ class Vectors(TestCase):
             self.assertTrue(answer["converged"])
             self.assertLess(answer["residual"], 1e-12)
 
-    def test_the_order_is_no_matter(self):
+    def test_the_order_of_points_does_not_matter(self):
         chance = random.Random(3)
         points = [random_point(chance, self.meshes["terrain"]["faces"]) for _ in range(5)]
         answers = [self.asked("terrain", "mean", {"points": chance.sample(points, 5)}) for _ in range(4)]

@@ -51,7 +51,7 @@ class Via(TestCase):
         wanted = self.daemon.get("/v1/meshes/grid/distance?select=via&from=v:0&to=v:9&via=v:3")
         self.assertEqual(list(wanted.json), ["via"])
 
-    def test_none_is_as_before(self):
+    def test_an_empty_list_gives_the_direct_path(self):
         plain = self.daemon.ask("grid", "path", {"from": {"vertex": 0}, "to": {"vertex": 9}})
         empty = self.daemon.ask("grid", "path", {"from": {"vertex": 0}, "to": {"vertex": 9}, "via": []})
         self.assertEqual(plain.json, empty.json)
@@ -63,7 +63,7 @@ class Via(TestCase):
         there_and_back = self.daemon.get("/v1/meshes/ball/path?from=v:5&to=v:5&via=v:900").json
         self.assertAlmostEqual(there_and_back["distance"], 2 * self.distance("ball", "v:5", "v:900"), 12)
 
-    def test_no_path_of_one_leg_is_none_of_all(self):
+    def test_a_leg_without_a_path_makes_the_path_null(self):
         for stops in ("from=v:0&to=v:1&via=v:4", "from=v:0&to=v:4&via=v:1", "from=v:4&to=v:0&via=v:1;v:2"):
             answer = self.daemon.get(f"/v1/meshes/apart/path?{stops}")
             self.assertEqual(answer.status, 200)

@@ -104,7 +104,7 @@ class Voronoi(TestCase):
                 own, least = ways[labels["labels"][vertex]][i], min(way[i] for way in ways)
                 self.assertLess(own - least, 1e-12 * (1 + least))
 
-    def test_what_no_path_reaches_has_no_label(self):
+    def test_unreachable_vertices_have_no_label(self):
         answer = self.voronoi("apart", [{"vertex": 0}, {"vertex": 1}])
         self.assertEqual(answer["labels"][3:], [None] * 3)
         self.assertEqual(len(answer["bisectors"]), 1)

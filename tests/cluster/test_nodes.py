@@ -57,7 +57,7 @@ class Shared(unittest.TestCase):
 
 
 class Nodes(Shared):
-    def test_any_node_answers_for_what_another_was_given(self):
+    def test_any_node_answers_for_uploads_to_another(self):
         one, two, three = self.start(), self.start(), self.start("--workers", "1")
         spheres = {f"sphere-{level}": sample("icosphere", level=level) for level in (1, 2, 3)}
         with Daemon() as alone:
@@ -71,7 +71,7 @@ class Nodes(Shared):
                 for other in (one, two, three):
                     self.assertEqual(other.get(f"/v1/meshes/{name}").headers["ETag"], alone.get(f"/v1/meshes/{name}").headers["ETag"])
 
-    def test_each_upload_can_be_asked_about_at_once_elsewhere(self):
+    def test_each_upload_can_be_queried_at_once_at_another_node(self):
         one, two = self.start(), self.start()
         for i in range(40):
             writer, reader = (one, two) if i % 2 else (two, one)
@@ -81,7 +81,7 @@ class Nodes(Shared):
         self.assertEqual(two.get("/v1/meshes?limit=1000").json, one.get("/v1/meshes?limit=1000").json)
         self.assertEqual(self.rows("objects"), 1)  # both meshes share one object
 
-    def test_replacing_and_deleting_reach_the_others_within_the_bound(self):
+    def test_replacements_and_deletions_reach_other_nodes_in_time(self):
         one, two, three = self.start(), self.start(), self.start()
         slowest = 0
         for i in range(20):
@@ -107,7 +107,7 @@ class Nodes(Shared):
         self.assertEqual(two.put("new-0", sample("icosphere", level=1), If_Match=tag).status, 200)
         self.assertEqual(one.put("new-0", SQUARE, If_Match=tag).status, 412)
 
-    def test_other_kinds_and_what_is_made_from_them(self):
+    def test_other_kinds_and_derived_meshes(self):
         one, two = self.start(), self.start()
         answer = one.request("PUT", "/v1/subdivisions/cube", CUBE, {"Content-Type": "application/json"})
         self.assertEqual(answer.status, 201, answer)
@@ -219,7 +219,7 @@ class Acknowledged:
 
 
 class Interruptions(Shared):
-    def test_connections_that_end_lose_and_repeat_nothing(self):
+    def test_broken_connections_lose_and_repeat_no_change(self):
         nodes = [self.start(), self.start()]
         clients = Acknowledged(nodes)
         ended, until = 0, time.monotonic() + (60 if LONG else 6)

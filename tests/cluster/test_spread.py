@@ -7,7 +7,7 @@ from test_nodes import LONG, Shared, setUpModule  # noqa: F401  (skips without P
 
 
 class Spread(Shared):
-    def test_three_daemons_one_of_which_dies(self):
+    def test_one_of_three_daemons_dies(self):
         nodes = [self.start("--workers", "1") for _ in range(3)]
         count = 2000 if LONG else 400
         self.assertEqual(nodes[0].put("sphere", sample("icosphere", level=4)).status, 201)
@@ -30,7 +30,7 @@ class Spread(Shared):
             for j in range(0, count, 11):
                 self.assertAlmostEqual(found[i]["answer"]["distances"][0][j], found[j]["answer"]["distances"][0][i], delta=1e-12)
 
-    def test_the_database_goes_and_comes_back(self):
+    def test_the_database_stops_and_returns(self):
         nodes = [self.start(), self.start()]
         self.assertEqual(nodes[0].put("sphere", sample("icosphere", level=4)).status, 201)
         begun = begin(nodes[1], {"query": "all-pairs", "mesh": "sphere", "vertices": list(range(300))})
