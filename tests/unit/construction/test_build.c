@@ -161,7 +161,7 @@ static void it_can_be_cancelled_within_every_loop(void **state)
     gd_polygons_free(&sphere);
 }
 
-static void a_deadline_in_the_past_stops_it(void **state)
+static void a_deadline_in_the_past_stops_the_build(void **state)
 {
     (void)state;
     struct gd_polygons polygons = cube();
@@ -178,7 +178,7 @@ int main(void)
         cmocka_unit_test(a_budget_that_many_copies_exceed_is_refused),
         cmocka_unit_test(it_can_be_cancelled_at_every_report),
         cmocka_unit_test(it_can_be_cancelled_within_every_loop),
-        cmocka_unit_test(a_deadline_in_the_past_stops_it),
+        cmocka_unit_test(a_deadline_in_the_past_stops_the_build),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

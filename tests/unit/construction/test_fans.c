@@ -100,7 +100,7 @@ static void a_cube_corner_is_convex(void **state)
     gd_mesh_release(mesh);
 }
 
-static void a_flat_vertex_is_no_saddle_and_a_saddle_is_one(void **state)
+static void saddles_are_distinguished_from_flat_vertices(void **state)
 {
     (void)state;
     struct gd_polygons polygons;
@@ -121,7 +121,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_fans_of_samples_are_whole),
         cmocka_unit_test(a_cube_corner_is_convex),
-        cmocka_unit_test(a_flat_vertex_is_no_saddle_and_a_saddle_is_one),
+        cmocka_unit_test(saddles_are_distinguished_from_flat_vertices),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

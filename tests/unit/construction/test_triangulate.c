@@ -152,7 +152,7 @@ static void a_star_of_thousands_of_corners_is_cut_up(void **state)
     free(corners);
 }
 
-static void too_many_corners_are_refused_by_name(void **state)
+static void too_many_corners_are_refused_with_an_error(void **state)
 {
     (void)state;
     enum { POINTS = 100000 };
@@ -184,7 +184,7 @@ int main(void)
         cmocka_unit_test(the_order_of_cutting_does_not_decide_whether_it_succeeds),
         cmocka_unit_test(polygons_that_are_not_flat_are_cut_up),
         cmocka_unit_test(a_star_of_thousands_of_corners_is_cut_up),
-        cmocka_unit_test(too_many_corners_are_refused_by_name),
+        cmocka_unit_test(too_many_corners_are_refused_with_an_error),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

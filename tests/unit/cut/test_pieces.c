@@ -92,7 +92,7 @@ static void faces_of_a_selection(void **state)
 
 /* The square has two triangles of area 0.5. The upper one has 0.255 to the left of x = 0.3, and
  * 0.248 to the left of x = 0.29. */
-static void a_crossed_face_goes_with_most_of_it(void **state)
+static void a_crossed_face_belongs_to_the_piece_with_most_of_it(void **state)
 {
     (void)state;
     static const struct {
@@ -156,7 +156,7 @@ int main(void)
         cmocka_unit_test(the_piece_that_holds_a_point),
         cmocka_unit_test(a_point_on_the_curve_is_on_no_side),
         cmocka_unit_test(faces_of_a_selection),
-        cmocka_unit_test(a_crossed_face_goes_with_most_of_it),
+        cmocka_unit_test(a_crossed_face_belongs_to_the_piece_with_most_of_it),
         cmocka_unit_test(other_components_stay),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

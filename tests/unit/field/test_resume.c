@@ -249,7 +249,7 @@ static void the_partial_field_stays(void **state)
     free(after);
 }
 
-static void an_image_is_resumed_too(void **state)
+static void a_field_from_an_image_is_resumed(void **state)
 {
     (void)state;
     char *image = image_of(partial);
@@ -382,7 +382,7 @@ int main(void)
         cmocka_unit_test(an_executor_rebuilds_small_fields),
         cmocka_unit_test(a_view_has_a_smaller_reach),
         cmocka_unit_test(the_partial_field_stays),
-        cmocka_unit_test(an_image_is_resumed_too),
+        cmocka_unit_test(a_field_from_an_image_is_resumed),
         cmocka_unit_test(a_workspace_is_used_again),
         cmocka_unit_test(progress_grows_and_cancels),
         cmocka_unit_test(memory_is_budgeted),

@@ -227,7 +227,7 @@ static void random_members_on_many_surfaces(void **state)
 
 /* --- what is omitted or refused --------------------------------------------------------------- */
 
-static void members_that_own_nothing(void **state)
+static void members_without_a_region(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = square(4);
@@ -328,7 +328,7 @@ int main(void)
         cmocka_unit_test(offsets_bend_the_bisector),
         cmocka_unit_test(opposite_points_of_symmetric_surfaces),
         cmocka_unit_test(random_members_on_many_surfaces),
-        cmocka_unit_test(members_that_own_nothing),
+        cmocka_unit_test(members_without_a_region),
         cmocka_unit_test(ties_behind_a_saddle),
         cmocka_unit_test(refusals),
     };

@@ -56,7 +56,7 @@ static void refuses_invalid_texts(void **state)
 
 /* Round trip of all lengths up to 100. AddressSanitizer checks that no byte is written beyond the
  * buffer. */
-static void reads_what_it_writes(void **state)
+static void reads_written_text(void **state)
 {
     (void)state;
     for (size_t size = 0; size <= 100; size++) {
@@ -79,7 +79,7 @@ int main(void)
         cmocka_unit_test(writes_known_texts),
         cmocka_unit_test(reads_known_texts),
         cmocka_unit_test(refuses_invalid_texts),
-        cmocka_unit_test(reads_what_it_writes),
+        cmocka_unit_test(reads_written_text),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -421,7 +421,7 @@ static void survives_damage(void **state)
 /* --- cost ------------------------------------------------------------------------------------- */
 
 /* The cost and the limits count a mesh once for each of its placements. */
-static void counts_what_is_placed(void **state)
+static void counts_each_placement_of_a_mesh(void **state)
 {
     (void)state;
     enum { PLACES = 1000 };
@@ -484,7 +484,7 @@ int main(void)
         cmocka_unit_test(refuses_broken_sparse_accessors),
         cmocka_unit_test(refuses_broken_containers),
         cmocka_unit_test(survives_damage),
-        cmocka_unit_test(counts_what_is_placed),
+        cmocka_unit_test(counts_each_placement_of_a_mesh),
         cmocka_unit_test(counts_zeros),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

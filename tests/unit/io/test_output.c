@@ -2,7 +2,7 @@
 
 #include "io/output.h"
 
-static void writes_one_thing_after_another(void **state)
+static void writes_nested_values(void **state)
 {
     (void)state;
     struct gd__output output = {0};
@@ -63,7 +63,7 @@ static void stays_failed(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(writes_one_thing_after_another),
+        cmocka_unit_test(writes_nested_values),
         cmocka_unit_test(grows),
         cmocka_unit_test(stays_failed),
     };

@@ -184,7 +184,7 @@ static bool stop_later(void *user, double fraction)
     return --*(uint32_t *)user > 0;
 }
 
-static void stops_when_it_is_told_to(void **state)
+static void stops_when_the_callback_asks(void **state)
 {
     (void)state;
     const uint32_t count = 300000;
@@ -222,7 +222,7 @@ int main(void)
         cmocka_unit_test(writes_gltf_as_floats),
         cmocka_unit_test(refuses_what_stl_cannot_hold),
         cmocka_unit_test(writes_text_as_documented),
-        cmocka_unit_test(stops_when_it_is_told_to),
+        cmocka_unit_test(stops_when_the_callback_asks),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

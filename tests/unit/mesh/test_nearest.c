@@ -119,7 +119,7 @@ static void a_vertex_is_found_at_its_own_position(void **state)
 }
 
 /* The nearest point to a point's position is the same point: of the same kind and element. */
-static void a_position_leads_back_to_its_point(void **state)
+static void the_point_nearest_to_a_position_is_the_point(void **state)
 {
     (void)state;
     const double offsets[] = {0, 1e4};
@@ -216,7 +216,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(agrees_with_brute_force),
         cmocka_unit_test(a_vertex_is_found_at_its_own_position),
-        cmocka_unit_test(a_position_leads_back_to_its_point),
+        cmocka_unit_test(the_point_nearest_to_a_position_is_the_point),
         cmocka_unit_test(ties_go_to_the_lowest_face),
         cmocka_unit_test(max_snap_bounds_the_distance),
         cmocka_unit_test(far_points_have_a_nearest_point),

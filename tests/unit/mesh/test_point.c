@@ -208,7 +208,7 @@ static void a_description_leads_back(void **state)
 }
 
 /* Two triangles without a common vertex. */
-static void points_know_their_component(void **state)
+static void points_have_their_component(void **state)
 {
     (void)state;
     double positions[][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 0, 0}, {6, 0, 0}, {5, 1, 0}};
@@ -251,7 +251,7 @@ int main(void)
         cmocka_unit_test(rounded_weights_are_accepted),
         cmocka_unit_test(invalid_points_are_refused),
         cmocka_unit_test(a_description_leads_back),
-        cmocka_unit_test(points_know_their_component),
+        cmocka_unit_test(points_have_their_component),
         cmocka_unit_test(a_batch_equals_single_calls),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -161,7 +161,7 @@ static void conventions_are_one_surface(void **state)
     }
 }
 
-static void flaws_are_refused_by_name(void **state)
+static void flaws_are_refused_with_an_error(void **state)
 {
     (void)state;
     const double good[6] = {0, 0, 0, 1, 1, 1}, falling[6] = {0, 0, 1, 0, 1, 1},
@@ -265,7 +265,7 @@ int main(void)
         cmocka_unit_test(known_curvatures),
         cmocka_unit_test(closed_directions_and_poles_are_recognised),
         cmocka_unit_test(conventions_are_one_surface),
-        cmocka_unit_test(flaws_are_refused_by_name),
+        cmocka_unit_test(flaws_are_refused_with_an_error),
         cmocka_unit_test(wrong_shapes_are_refused),
         cmocka_unit_test(nearest_points_are_global),
     };

@@ -170,7 +170,7 @@ static void a_line_overrides_the_query_string(void **state)
     assert_true(options.fields == 3 && options.geometry == PROTO_GEOMETRY_FULL);
 }
 
-static void a_query_without_lines_takes_no_geometry_of_its_own(void **state)
+static void queries_without_lines_have_no_geometry(void **state)
 {
     (void)state;
     struct proto_batch_query query = {.geometry = "none", .has_geometry = true};
@@ -187,7 +187,7 @@ static void a_query_without_lines_takes_no_geometry_of_its_own(void **state)
     assert_true(proto_batch_options(&query, &all, &distance, &options, &problem));
 }
 
-static void a_bad_option_is_named_where_it_stands(void **state)
+static void an_error_names_the_origin_of_a_bad_option(void **state)
 {
     (void)state;
     struct proto_batch_query query = {.select = "nix", .has_select = true};
@@ -288,8 +288,8 @@ int main(void)
         cmocka_unit_test(fields_have_a_largest_size),
         cmocka_unit_test(a_line_has_a_largest_size),
         cmocka_unit_test(a_line_overrides_the_query_string),
-        cmocka_unit_test(a_query_without_lines_takes_no_geometry_of_its_own),
-        cmocka_unit_test(a_bad_option_is_named_where_it_stands),
+        cmocka_unit_test(queries_without_lines_have_no_geometry),
+        cmocka_unit_test(an_error_names_the_origin_of_a_bad_option),
         cmocka_unit_test(answers_stand_beside_their_status),
         cmocka_unit_test(a_problem_takes_the_place_of_its_line_only),
         cmocka_unit_test(an_answer_that_does_not_fit_becomes_a_problem),

@@ -145,7 +145,7 @@ static void reads_members(void **state)
     json_decref(document);
 }
 
-static void points_at_what_is_wrong(void **state)
+static void pointers_name_the_wrong_member(void **state)
 {
     (void)state;
     json_t *document = document_of("{\"s\":\"x\",\"h\":1.5,\"m\":-1,\"l\":4294967295,\"a\":[1,2],"
@@ -232,7 +232,7 @@ int main(void)
         cmocka_unit_test(refuses_a_deep_megabyte_fast),
         cmocka_unit_test(takes_numbers_of_any_length),
         cmocka_unit_test(reads_members),
-        cmocka_unit_test(points_at_what_is_wrong),
+        cmocka_unit_test(pointers_name_the_wrong_member),
         cmocka_unit_test(refuses_unknown_fields),
         cmocka_unit_test(a_large_text_ends_at_its_deadline),
     };

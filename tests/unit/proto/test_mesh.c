@@ -333,7 +333,7 @@ static void boundaries_come_by_page(void **state)
     gd_mesh_release(mesh);
 }
 
-static void long_descriptions_of_before_are_shortened(void **state)
+static void long_descriptions_of_old_records_are_shortened(void **state)
 {
     (void)state;
     struct proto_writer writer = new_writer();
@@ -364,7 +364,7 @@ int main(void)
         cmocka_unit_test(describes_repairs),
         cmocka_unit_test(long_lists_of_boundaries_are_cut),
         cmocka_unit_test(boundaries_come_by_page),
-        cmocka_unit_test(long_descriptions_of_before_are_shortened),
+        cmocka_unit_test(long_descriptions_of_old_records_are_shortened),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

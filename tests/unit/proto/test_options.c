@@ -99,7 +99,7 @@ static void errors_list_the_choices(void **state)
                         "the answer has no member \"path\"; it has distance from to");
 }
 
-static void a_whole_means_all_of_its_parts(void **state)
+static void the_progress_of_the_whole_covers_all_parts(void **state)
 {
     (void)state;
     enum { OTHER = 1, WHOLE = 2, PARTS = 4 | 8 };
@@ -157,7 +157,7 @@ int main(void)
         cmocka_unit_test(refuses_bad_values),
         cmocka_unit_test(an_answer_without_fields_has_none_to_choose),
         cmocka_unit_test(errors_list_the_choices),
-        cmocka_unit_test(a_whole_means_all_of_its_parts),
+        cmocka_unit_test(the_progress_of_the_whole_covers_all_parts),
         cmocka_unit_test(refuses_repeated_parameters),
         cmocka_unit_test(requires_values),
         cmocka_unit_test(absent_parameters_change_nothing),

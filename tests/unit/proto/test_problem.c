@@ -1,6 +1,6 @@
 #include "support.h"
 
-static void encodes_what_applies(void **state)
+static void encodes_applicable_members(void **state)
 {
     (void)state;
     struct proto_problem problem;
@@ -152,7 +152,7 @@ static void shortens_long_texts(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(encodes_what_applies),
+        cmocka_unit_test(encodes_applicable_members),
         cmocka_unit_test(encodes_elements),
         cmocka_unit_test(maps_every_status),
         cmocka_unit_test(hides_details_of_a_failed_self_check),

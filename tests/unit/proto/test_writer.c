@@ -138,7 +138,7 @@ static void stops_at_its_maximum_for_good(void **state)
     proto_writer_free(&writer);
 }
 
-static void holds_a_size_that_is_no_power_of_two(void **state)
+static void a_maximum_need_not_be_a_power_of_two(void **state)
 {
     (void)state;
     struct proto_writer writer;
@@ -154,7 +154,7 @@ static void holds_a_size_that_is_no_power_of_two(void **state)
     proto_writer_free(&writer);
 }
 
-static void makes_room_once_for_what_is_expected(void **state)
+static void reserves_the_expected_size_once(void **state)
 {
     (void)state;
     struct proto_writer writer;
@@ -271,7 +271,7 @@ static void write_rows(struct proto_writer *writer)
     proto_write_object_end(writer);
 }
 
-static void hands_its_text_to_a_sink(void **state)
+static void passes_the_text_to_a_sink(void **state)
 {
     (void)state;
     struct drain drain = {.left = SIZE_MAX};
@@ -294,7 +294,7 @@ static void hands_its_text_to_a_sink(void **state)
 }
 
 /* The text has exactly the maximum size or one byte more, or the sink refuses a block. */
-static void a_sink_can_stop_it(void **state)
+static void a_sink_can_stop_the_writer(void **state)
 {
     (void)state;
     struct drain drain = {.left = SIZE_MAX};
@@ -332,12 +332,12 @@ int main(void)
         cmocka_unit_test(appends_plain_text),
         cmocka_unit_test(grows),
         cmocka_unit_test(stops_at_its_maximum_for_good),
-        cmocka_unit_test(holds_a_size_that_is_no_power_of_two),
-        cmocka_unit_test(makes_room_once_for_what_is_expected),
+        cmocka_unit_test(a_maximum_need_not_be_a_power_of_two),
+        cmocka_unit_test(reserves_the_expected_size_once),
         cmocka_unit_test(counts_large_buffers_until_they_are_freed),
         cmocka_unit_test(fails_when_there_is_no_room),
-        cmocka_unit_test(hands_its_text_to_a_sink),
-        cmocka_unit_test(a_sink_can_stop_it),
+        cmocka_unit_test(passes_the_text_to_a_sink),
+        cmocka_unit_test(a_sink_can_stop_the_writer),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -205,7 +205,7 @@ static void a_path_is_drawn_in_place(void **state)
 }
 
 /* The same path on a sphere: solid from the front, faint and dashed from behind. */
-static void what_is_behind_is_faint(void **state)
+static void hidden_lines_are_faint(void **state)
 {
     (void)state;
     struct gd_polygons polygons;
@@ -375,7 +375,7 @@ int main(void)
                                        cmocka_unit_test(colours_are_those_of_the_distance),
                                        cmocka_unit_test(isolines_are_circles),
                                        cmocka_unit_test(a_path_is_drawn_in_place),
-                                       cmocka_unit_test(what_is_behind_is_faint),
+                                       cmocka_unit_test(hidden_lines_are_faint),
                                        cmocka_unit_test(invalid_pictures_are_refused),
                                        cmocka_unit_test(random_pictures),
                                        cmocka_unit_test(an_svg_has_lines_and_an_image),

@@ -195,7 +195,7 @@ static void needles_collapse(void **state)
     gd_mesh_release(mesh);
 }
 
-static void what_is_thin_but_not_flat_stays(void **state)
+static void thin_faces_that_are_not_flat_stay(void **state)
 {
     (void)state;
     double positions[][3] = {
@@ -283,7 +283,7 @@ int main(void)
         cmocka_unit_test(caps_at_the_border_are_dropped),
         cmocka_unit_test(a_pocket_closes),
         cmocka_unit_test(needles_collapse),
-        cmocka_unit_test(what_is_thin_but_not_flat_stays),
+        cmocka_unit_test(thin_faces_that_are_not_flat_stay),
         cmocka_unit_test(a_mesh_without_area_is_empty),
         cmocka_unit_test(scale_does_not_matter),
         cmocka_unit_test(random_caps_are_repaired_in_bounded_time),

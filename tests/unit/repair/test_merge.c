@@ -123,7 +123,7 @@ static void a_ring_with_a_bridge_to_its_hole_is_cut(void **state)
     gd_mesh_release(mesh);
 }
 
-static void a_ring_that_goes_round_several_times_does_so_once(void **state)
+static void a_ring_that_repeats_itself_is_reduced(void **state)
 {
     (void)state;
     double positions[][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
@@ -190,7 +190,7 @@ int main(void)
         cmocka_unit_test(rings_lose_spurs),
         cmocka_unit_test(a_ring_that_passes_a_vertex_twice_is_refused),
         cmocka_unit_test(a_ring_with_a_bridge_to_its_hole_is_cut),
-        cmocka_unit_test(a_ring_that_goes_round_several_times_does_so_once),
+        cmocka_unit_test(a_ring_that_repeats_itself_is_reduced),
         cmocka_unit_test(of_duplicates_the_first_stays),
         cmocka_unit_test(a_polygon_given_twice_takes_up_its_indices),
         cmocka_unit_test(no_faces_left_is_empty),

@@ -102,7 +102,7 @@ static void of_three_faces_the_ones_with_the_inside_between_stay_together(void *
     gd_mesh_release(mesh);
 }
 
-static void faces_that_all_run_alike_are_joined_to_nothing(void **state)
+static void faces_of_one_direction_are_not_joined(void **state)
 {
     (void)state;
     uint32_t corners[] = {0, 1, 2, 0, 1, 3, 0, 1, 4};
@@ -267,7 +267,7 @@ int main(void)
         cmocka_unit_test(a_closed_bow_tie_is_cut),
         cmocka_unit_test(each_further_fan_gets_a_copy),
         cmocka_unit_test(of_three_faces_the_ones_with_the_inside_between_stay_together),
-        cmocka_unit_test(faces_that_all_run_alike_are_joined_to_nothing),
+        cmocka_unit_test(faces_of_one_direction_are_not_joined),
         cmocka_unit_test(solids_that_share_an_edge_are_taken_apart),
         cmocka_unit_test(a_fin_between_solids_is_cut_off),
         cmocka_unit_test(many_faces_at_an_edge_are_paired_in_a_moment),

@@ -80,7 +80,7 @@ static void a_soup_of_triangles_becomes_a_cube(void **state)
 
 /* Vertices 1, 3 and 4 are in a row, each within the tolerance of the next. 3 is welded to 1, but 4
  * is not. */
-static void a_chain_does_not_become_one(void **state)
+static void a_chain_of_close_points_is_not_welded_to_one(void **state)
 {
     (void)state;
     double positions[][3] = {{5, 5, 0}, {0, 0, 0}, {5, 0, 0}, {0, 0.9, 0}, {0, 1.8, 0}, {9, 9, 0}};
@@ -127,7 +127,7 @@ static void an_edge_of_three_faces_names_the_weld(void **state)
                     "the weld brought vertex 4 to vertex 0");
 }
 
-static void what_the_file_itself_holds_is_not_blamed_on_the_weld(void **state)
+static void errors_of_the_file_do_not_name_the_weld(void **state)
 {
     (void)state;
     double positions[][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}};
@@ -298,10 +298,10 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_soup_of_triangles_becomes_a_cube),
-        cmocka_unit_test(a_chain_does_not_become_one),
+        cmocka_unit_test(a_chain_of_close_points_is_not_welded_to_one),
         cmocka_unit_test(the_tolerance_itself_is_within_reach),
         cmocka_unit_test(an_edge_of_three_faces_names_the_weld),
-        cmocka_unit_test(what_the_file_itself_holds_is_not_blamed_on_the_weld),
+        cmocka_unit_test(errors_of_the_file_do_not_name_the_weld),
         cmocka_unit_test(faces_brought_upon_each_other_name_the_weld),
         cmocka_unit_test(faces_that_fall_together_are_removed),
         cmocka_unit_test(only_vertices_of_faces_are_welded),

@@ -114,7 +114,7 @@ static void takes_any_key(void **state)
 
 /* A queue that begins near its keys keeps the order of keys beyond the ring of a queue that begins
  * at zero, and of slightly smaller keys. */
-static void begins_near_its_keys(void **state)
+static void a_queue_can_begin_near_its_keys(void **state)
 {
     (void)state;
     double far = 2.0 * GD__QUEUE_BUCKETS;
@@ -237,7 +237,7 @@ int main(void)
         WITH_QUEUE(deletes_lazily),
         WITH_QUEUE(a_stale_entry_does_not_pop_twice),
         WITH_QUEUE(takes_any_key),
-        WITH_QUEUE(begins_near_its_keys),
+        WITH_QUEUE(a_queue_can_begin_near_its_keys),
         WITH_QUEUE(a_bucket_filled_while_emptied_stays_small),
         WITH_QUEUE(peeks_at_what_comes_next),
         WITH_QUEUE(keeps_every_node_once),

@@ -91,7 +91,7 @@ static void marks_gaps_before_between_and_behind(void **state)
 }
 
 /* Gaps of the size of rounding are closed. The first window begins at the edge's end. */
-static void closes_what_rounding_left_open(void **state)
+static void closes_gaps_of_the_size_of_rounding(void **state)
 {
     (void)state;
     double d = 0.1 * GD_TOL_ADJACENT;
@@ -243,7 +243,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(marks_gaps_before_between_and_behind, free_builder),
-        cmocka_unit_test_teardown(closes_what_rounding_left_open, free_builder),
+        cmocka_unit_test_teardown(closes_gaps_of_the_size_of_rounding, free_builder),
         cmocka_unit_test_teardown(tells_the_side_by_the_sign, free_builder),
         cmocka_unit_test_teardown(reads_back_what_was_written, free_builder),
         cmocka_unit_test(linear_windows_come_back),

@@ -33,7 +33,7 @@ static void a_builder_keeps_what_is_in_it(void **state)
 
 /* A whole group after the last window may be written, and a whole group before the first one may be
  * read. AddressSanitizer checks this. */
-static void a_group_more_is_there_on_both_sides(void **state)
+static void arrays_have_a_spare_group_on_both_sides(void **state)
 {
     (void)state;
     struct gd__window_builder builder = {0};
@@ -81,7 +81,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_builder_keeps_what_is_in_it),
-        cmocka_unit_test(a_group_more_is_there_on_both_sides),
+        cmocka_unit_test(arrays_have_a_spare_group_on_both_sides),
         cmocka_unit_test(copies_any_part),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -59,7 +59,7 @@ static void the_average_rate_is_kept(void **state)
     assert_in_range(entered, 50 * 10, 50 * 11);
 }
 
-static void a_client_that_waits_as_told_is_admitted(void **state)
+static void a_client_that_waits_for_retry_after_is_admitted(void **state)
 {
     (void)state;
     const struct server_limits limits = {.rate = 3};
@@ -143,7 +143,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(a_burst_is_as_large_as_the_rate, set_up, tear_down),
         cmocka_unit_test_setup_teardown(the_average_rate_is_kept, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_client_that_waits_as_told_is_admitted, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_client_that_waits_for_retry_after_is_admitted, set_up,
+                                        tear_down),
         cmocka_unit_test_setup_teardown(concurrent_requests_are_limited, set_up, tear_down),
         cmocka_unit_test_setup_teardown(refusals_use_neither_token_nor_place, set_up, tear_down),
         cmocka_unit_test_setup_teardown(threads_share_one_bucket, set_up, tear_down),

@@ -45,7 +45,7 @@ static void collects_pieces(void **state)
     }
 }
 
-static void takes_memory_for_received_bytes_only(void **state)
+static void allocates_for_received_bytes_only(void **state)
 {
     (void)state;
     assert_true(prepare(1 << 20, LIMIT));
@@ -221,7 +221,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(collects_pieces),
-        cmocka_unit_test(takes_memory_for_received_bytes_only),
+        cmocka_unit_test(allocates_for_received_bytes_only),
         cmocka_unit_test(refuses_a_length_before_it_is_sent),
         cmocka_unit_test(accepting_a_small_length_walks_no_meshes),
         cmocka_unit_test(remembers_that_chunks_passed_the_limit),

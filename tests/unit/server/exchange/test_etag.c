@@ -60,7 +60,7 @@ static void lists(void **state)
         assert_int_equal(known(without[i]), SERVER_ETAG_NONE);
 }
 
-static void any_with_blanks_around_it(void **state)
+static void an_asterisk_with_blanks(void **state)
 {
     (void)state;
     static const char *const any[] = {"* ", "*\t", " *", "\t * \t "};
@@ -85,7 +85,7 @@ static void several_lines_are_one_list(void **state)
     assert_true(server_precondition_holds(&none_match, "c"));
 }
 
-static void the_packed_form_is_the_same_resource(void **state)
+static void the_compressed_form_is_the_same_resource(void **state)
 {
     (void)state;
     assert_true(holds("\"a-gzip\"", NULL, "a"));
@@ -112,7 +112,7 @@ static void tags_of_forms(void **state)
 }
 
 /* If-None-Match of a GET compares the tag of one representation. */
-static void a_form_is_known_by_its_own_tag(void **state)
+static void each_form_has_a_separate_tag(void **state)
 {
     (void)state;
     static const char *const others[] = {"\"a\"",       "\"a-gzip\"",      "\"a-json.1\"",
@@ -168,11 +168,11 @@ int main(void)
         cmocka_unit_test(if_none_match),
         cmocka_unit_test(weak_tags),
         cmocka_unit_test(lists),
-        cmocka_unit_test(any_with_blanks_around_it),
+        cmocka_unit_test(an_asterisk_with_blanks),
         cmocka_unit_test(several_lines_are_one_list),
-        cmocka_unit_test(the_packed_form_is_the_same_resource),
+        cmocka_unit_test(the_compressed_form_is_the_same_resource),
         cmocka_unit_test(tags_of_forms),
-        cmocka_unit_test(a_form_is_known_by_its_own_tag),
+        cmocka_unit_test(each_form_has_a_separate_tag),
         cmocka_unit_test(every_form_names_the_resource),
         cmocka_unit_test(read_from_a_request),
     };

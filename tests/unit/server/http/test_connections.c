@@ -455,7 +455,7 @@ static void young_heads_are_spared(void **state)
     crowd_out(&crowd);
 }
 
-static void nothing_is_cut_while_the_reserve_is_free(void **state)
+static void connections_stay_while_the_reserve_is_free(void **state)
 {
     struct crowd crowd;
     (void)state;
@@ -491,7 +491,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(addresses_with_few_connections_are_spared, set_up,
                                         tear_down),
         cmocka_unit_test_setup_teardown(young_heads_are_spared, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(nothing_is_cut_while_the_reserve_is_free, set_up,
+        cmocka_unit_test_setup_teardown(connections_stay_while_the_reserve_is_free, set_up,
                                         tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -312,7 +312,7 @@ static void progress_never_falls(void **state)
     server_deferred_job_release(job);
 }
 
-static void what_waits_is_cancelled_without_a_worker(void **state)
+static void a_waiting_job_is_cancelled_without_a_worker(void **state)
 {
     (void)state;
     struct server_deferred_job *first = start(wait_in_a_worker);
@@ -332,7 +332,7 @@ static void what_waits_is_cancelled_without_a_worker(void **state)
     server_deferred_job_release(second);
 }
 
-static void what_runs_is_stopped_and_its_answer_dropped(void **state)
+static void a_running_job_is_stopped_and_its_answer_dropped(void **state)
 {
     (void)state;
     struct server_deferred_job *job = start(go_on);
@@ -454,7 +454,7 @@ static bool is_kept_for(const char *who, const char *id)
     return found;
 }
 
-static void large_answers_make_way_for_their_own_tenant(void **state)
+static void a_large_answer_evicts_answers_of_its_tenant(void **state)
 {
     (void)state;
     char bob[SERVER_JOB_ID], ann[3][SERVER_JOB_ID], refused[SERVER_JOB_ID];
@@ -530,7 +530,7 @@ static void odd_ids_are_not_found(void **state)
     for (size_t i = 0; i < COUNT(ids); i++) assert_false(is_there(ids[i]));
 }
 
-static void a_drain_refuses_what_waits(void **state)
+static void a_drain_refuses_waiting_jobs(void **state)
 {
     (void)state;
     struct proto_problem problem;
@@ -559,19 +559,19 @@ int main(void)
         TEST(the_request_comes_whole),
         TEST(states_follow_the_workers),
         TEST(progress_never_falls),
-        TEST(what_waits_is_cancelled_without_a_worker),
-        TEST(what_runs_is_stopped_and_its_answer_dropped),
+        TEST(a_waiting_job_is_cancelled_without_a_worker),
+        TEST(a_running_job_is_stopped_and_its_answer_dropped),
         TEST(ended_jobs_are_dropped_in_time),
         cmocka_unit_test_setup_teardown(an_expired_job_is_not_found, set_up_short_lived, tear_down),
         TEST(the_oldest_make_way),
         cmocka_unit_test_setup_teardown(a_full_table_refuses, set_up_small, tear_down),
         TEST(answers_have_a_share_of_the_budget),
         TEST(the_tenant_with_the_most_makes_way),
-        TEST(large_answers_make_way_for_their_own_tenant),
+        TEST(a_large_answer_evicts_answers_of_its_tenant),
         TEST(are_listed_by_age),
         TEST(are_known_to_their_tenant_only),
         TEST(odd_ids_are_not_found),
-        TEST(a_drain_refuses_what_waits),
+        TEST(a_drain_refuses_waiting_jobs),
     };
 #undef TEST
     return cmocka_run_group_tests(tests, NULL, NULL);

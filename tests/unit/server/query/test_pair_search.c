@@ -28,7 +28,7 @@ static void assert_polyline(const struct gd_mesh *mesh, const struct gd_path *pa
     assert_true(fabs(length - path->length) < 1e-12 * (1 + length));
 }
 
-static void legs_become_one_way(void **state)
+static void legs_become_one_path(void **state)
 {
     (void)state;
     static const uint32_t stops[] = {0, 40, 7, 7, 100, 0};
@@ -79,7 +79,7 @@ static void distances_need_no_paths(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(legs_become_one_way),
+        cmocka_unit_test(legs_become_one_path),
         cmocka_unit_test(a_gap_leaves_no_way),
         cmocka_unit_test(distances_need_no_paths),
     };

@@ -125,7 +125,7 @@ static void the_least_recently_used_is_forgotten(void **state)
     assert_int_equal(find("00000001"), SERVER_CATALOGUE_ABSENT); /* removed, not forgotten */
 }
 
-static void a_key_forgets_only_its_own(void **state)
+static void a_full_list_of_a_key_removes_resources_of_this_key_only(void **state)
 {
     (void)state;
     char id[PROTO_FIELD_ID + 1];
@@ -216,7 +216,7 @@ int main(void)
         TEST(resources_are_found_until_they_are_removed),
         TEST(lists_in_order),
         TEST(the_least_recently_used_is_forgotten),
-        TEST(a_key_forgets_only_its_own),
+        TEST(a_full_list_of_a_key_removes_resources_of_this_key_only),
         TEST(without_memory_there_is_no_resource),
         TEST(ids_of_different_fields_differ),
         TEST(many_threads_at_once),

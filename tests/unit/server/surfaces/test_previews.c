@@ -114,7 +114,7 @@ static void wait_for_background(void)
     while (server_previews_are_building(server.api.previews)) sched_yield();
 }
 
-static void it_comes_in_the_background_and_is_counted(void **state)
+static void the_preview_is_built_in_the_background_and_counted(void **state)
 {
     (void)state;
     struct server_preview *preview = made(FACES), *again = made(FACES);
@@ -129,7 +129,7 @@ static void it_comes_in_the_background_and_is_counted(void **state)
     assert_int_equal(counted(SERVER_BUDGET_PREVIEWS), 0);
 }
 
-static void another_number_of_faces_replaces_it(void **state)
+static void another_number_of_faces_replaces_the_preview(void **state)
 {
     (void)state;
     server_preview_release(made(FACES));
@@ -141,7 +141,7 @@ static void another_number_of_faces_replaces_it(void **state)
 }
 
 /* After eviction the preview is read from the store, equal to the last bit. */
-static void pressure_evicts_it_and_it_is_read_again(void **state)
+static void an_evicted_preview_is_read_again(void **state)
 {
     (void)state;
     struct server_preview *before = made(FACES), *after;
@@ -157,7 +157,7 @@ static void pressure_evicts_it_and_it_is_read_again(void **state)
     server_preview_release(after);
 }
 
-static void without_room_one_request_learns_it(void **state)
+static void without_memory_one_request_gets_the_error(void **state)
 {
     (void)state;
     struct server_preview *preview;
@@ -183,7 +183,7 @@ static void small_meshes_do_without(void **state)
 }
 
 /* A retired surface gets no preview, and no reference to it remains. */
-static void what_is_retired_gets_none(void **state)
+static void a_retired_surface_gets_no_preview(void **state)
 {
     (void)state;
     struct server_preview *preview = NULL;
@@ -206,12 +206,12 @@ static void what_is_retired_gets_none(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        PREVIEW_TEST(it_comes_in_the_background_and_is_counted),
-        PREVIEW_TEST(another_number_of_faces_replaces_it),
-        PREVIEW_TEST(pressure_evicts_it_and_it_is_read_again),
-        PREVIEW_TEST(without_room_one_request_learns_it),
+        PREVIEW_TEST(the_preview_is_built_in_the_background_and_counted),
+        PREVIEW_TEST(another_number_of_faces_replaces_the_preview),
+        PREVIEW_TEST(an_evicted_preview_is_read_again),
+        PREVIEW_TEST(without_memory_one_request_gets_the_error),
         PREVIEW_TEST(small_meshes_do_without),
-        PREVIEW_TEST(what_is_retired_gets_none),
+        PREVIEW_TEST(a_retired_surface_gets_no_preview),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -89,7 +89,7 @@ static void reclaim_fields(void *user, size_t bytes)
     server_budget_give(budget, SERVER_BUDGET_FIELDS, 40);
 }
 
-static void reclaims_what_is_missing(void **state)
+static void reclaims_the_missing_bytes(void **state)
 {
     (void)state;
     struct server_budget budget;
@@ -190,7 +190,7 @@ int main(void)
         cmocka_unit_test(adjusts_to_what_is_held),
         cmocka_unit_test(idle_workspaces_are_available_and_spare_memory_is_not),
         cmocka_unit_test(walks_the_meshes_only_when_memory_is_short),
-        cmocka_unit_test(reclaims_what_is_missing),
+        cmocka_unit_test(reclaims_the_missing_bytes),
         cmocka_unit_test(workspaces_go_before_fields),
         cmocka_unit_test(does_not_evict_in_vain),
         cmocka_unit_test(answers_leave_a_part_to_other_classes),

@@ -121,7 +121,7 @@ static void no_call_starts_without_memory(void **state)
     assert_int_equal(task.attempts, 0);
 }
 
-static void the_last_attempt_leaves_room_for_what_is_allocated_aside(void **state)
+static void the_last_attempt_leaves_memory_for_other_allocations(void **state)
 {
     (void)state;
     struct server_budgeted_call call = {
@@ -316,7 +316,7 @@ int main(void)
         SMALL(a_failed_call_runs_again_with_more),
         SMALL(the_last_attempt_gets_all_available_memory),
         SMALL(no_call_starts_without_memory),
-        SMALL(the_last_attempt_leaves_room_for_what_is_allocated_aside),
+        SMALL(the_last_attempt_leaves_memory_for_other_allocations),
         SMALL(a_call_waits_for_memory_that_others_hold),
         SMALL(a_waiting_call_can_be_cancelled),
         LARGE(the_next_call_reuses_the_memory_of_a_call),

@@ -5,7 +5,7 @@
 
 #include "gd/control.h"
 
-static void runs_what_is_submitted(void **state)
+static void runs_submitted_jobs(void **state)
 {
     (void)state;
     struct server_workers *workers = server_workers_create(2, 100);
@@ -120,7 +120,7 @@ static void a_cancel_refuses_all_waiting_jobs(void **state)
     assert_int_equal(first.runs, 1);
 }
 
-static void a_guest_makes_the_workers_busy(void **state)
+static void a_foreign_thread_makes_the_workers_busy(void **state)
 {
     (void)state;
     struct server_workers *workers = server_workers_create(1, 10);
@@ -287,12 +287,12 @@ static void submitted_jobs_belong_to_the_tenant(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(runs_what_is_submitted),
+        cmocka_unit_test(runs_submitted_jobs),
         cmocka_unit_test(a_full_queue_accepts_resumed_jobs_only),
         cmocka_unit_test(queued_jobs_have_deadlines),
         cmocka_unit_test(a_job_whose_deadline_has_passed_is_not_begun),
         cmocka_unit_test(a_cancel_refuses_all_waiting_jobs),
-        cmocka_unit_test(a_guest_makes_the_workers_busy),
+        cmocka_unit_test(a_foreign_thread_makes_the_workers_busy),
         cmocka_unit_test(a_parked_job_is_queued_again_or_refused),
         cmocka_unit_test(a_spare_thread_runs_a_job_of_another_tenant),
         cmocka_unit_test(a_spare_thread_runs_an_urgent_job_beside_patient_ones),

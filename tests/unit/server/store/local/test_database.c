@@ -49,7 +49,7 @@ static int64_t number(sqlite3 *database, const char *sql)
     return found;
 }
 
-static void makes_a_new_one_without_a_copy(void **state)
+static void creates_a_new_database_without_a_copy(void **state)
 {
     struct fixture *fixture = *state;
     assert_int_equal(server_sqlite_migrate(fixture->database, steps, 3, fixture->copy),
@@ -59,7 +59,7 @@ static void makes_a_new_one_without_a_copy(void **state)
     assert_int_not_equal(access(fixture->copy, F_OK), 0);
 }
 
-static void brings_an_older_one_up_and_keeps_a_copy(void **state)
+static void migrates_an_older_database_after_a_copy(void **state)
 {
     struct fixture *fixture = *state;
     sqlite3 *copy;
@@ -88,7 +88,7 @@ static void a_step_that_fails_changes_nothing(void **state)
     assert_int_equal(number(fixture->database, "PRAGMA user_version"), 1);
 }
 
-static void a_version_that_never_was_is_damage(void **state)
+static void an_unknown_version_is_damage(void **state)
 {
     struct fixture *fixture = *state;
     sqlite3_exec(fixture->database, "PRAGMA user_version = 99", NULL, NULL, NULL);
@@ -117,8 +117,8 @@ int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
     const struct CMUnitTest tests[] = {
-        TEST(makes_a_new_one_without_a_copy),    TEST(brings_an_older_one_up_and_keeps_a_copy),
-        TEST(a_step_that_fails_changes_nothing), TEST(a_version_that_never_was_is_damage),
+        TEST(creates_a_new_database_without_a_copy), TEST(migrates_an_older_database_after_a_copy),
+        TEST(a_step_that_fails_changes_nothing),     TEST(an_unknown_version_is_damage),
         cmocka_unit_test(codes_become_outcomes),
     };
 #undef TEST
