@@ -69,8 +69,9 @@ static enum gd_status begin_at(struct shortening *s, uint32_t at)
     return status;
 }
 
-/* Rotates a closed route to begin at the vertex nearest to its middle (a vertex may hold the
- * curve), or at its middle. The next round then straightens the bend at the present beginning. */
+/* Rotates a closed route to begin at its middle, or at the vertex nearest to the middle if the
+ * route passes a vertex, because the curve may bend there. The next round then straightens the bend
+ * at the present beginning. */
 static enum gd_status begin_elsewhere(struct shortening *s)
 {
     uint32_t count = s->route.count, best = 0;

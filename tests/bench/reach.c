@@ -10,7 +10,8 @@
 enum { TENTHS = 10 };
 
 struct reach {
-    double *propagated[TENTHS], *ms[TENTHS]; /* per source, as a fraction of the whole field's */
+    /* for each source: windows and time, as fractions of those of the whole field */
+    double *propagated[TENTHS], *ms[TENTHS];
     uint32_t count[TENTHS];
 };
 

@@ -20,7 +20,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 SOURCE = HERE.parent.parent
 PARTS = ("geodesic", "geodesic-tools", "geodesic-smooth")
 UMBRELLA = {"geodesic": "geodesic", "geodesic-tools": "tools", "geodesic-smooth": "smooth"}
-# of others, and of the system on any machine
+# The libraries that each library needs: those of other projects, and those of any system.
 NEEDED = {"geodesic": {"libstdc++.so.6", "libz.so.1", "libminizip.so.1", "libexpat.so.1"}, "geodesic-tools": {"libgeodesic.so.0", "libz.so.1", "libOpenMeshCore.so.9.0", "libOpenMeshTools.so.9.0", "libstdc++.so.6"}, "geodesic-smooth": {"libgeodesic.so.0"}}
 SYSTEM = re.compile(r"(libc|libm|libgcc_s|ld-linux.*)\.so\.\d+")
 LANGUAGES = {"C": ["cc", "-std=c17", "-x", "c"], "C++": ["c++", "-std=c++17", "-x", "c++"]}

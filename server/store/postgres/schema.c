@@ -11,7 +11,7 @@
  *     batches, items                          see batch_queue.h
  *
  * A change locks the clock's row first, until it commits. So versions are committed in order: a
- * reader that has seen one has seen all before it. */
+ * reader that has seen a version has seen all smaller versions. */
 #include "server/store/postgres/connection.h"
 
 /* number of the advisory lock of migrations, chosen at random */
