@@ -20,7 +20,7 @@ static enum gdc_status batch_ask(struct gdc_client *client, const struct gdc_req
     if (status) return status;
     if (json_unpack(json, "{s:s,s:s,s:F,s:I,s:I,s:I}", "id", &id, "state", &state, "progress",
                     &progress, "items", &items, "done", &done, "failed", &failed))
-        status = gdc__fail(problem, GDC_BAD_ANSWER, "the daemon does not describe the batch");
+        status = gdc__fail(problem, GDC_BAD_ANSWER, "the answer does not describe the batch");
     if (!status) {
         *batch = (struct gdc_batch){.progress = progress,
                                     .items = (size_t)items,
@@ -84,7 +84,7 @@ enum gdc_status gdc_batch_wait(struct gdc_client *client, const char *id, struct
             *batch = now;
             return GDC_OK;
         }
-        if (is_stopped) return gdc__fail(problem, GDC_CANCELLED, "the batch goes on");
+        if (is_stopped) return gdc__fail(problem, GDC_CANCELLED, "the batch continues");
     }
 }
 

@@ -33,9 +33,7 @@ static enum gdc_status hear(struct job *job, const struct gdc_answer *answer,
                                                                                   : STATE_ACTIVE;
     }
     json_decref(json);
-    return is_job ? GDC_OK
-                  : gdc__fail(problem, GDC_BAD_ANSWER,
-                              "the daemon does not say which job it has made");
+    return is_job ? GDC_OK : gdc__fail(problem, GDC_BAD_ANSWER, "the answer does not name the job");
 }
 
 static enum gdc_status cancel(struct gdc_client *client, const struct job *job,

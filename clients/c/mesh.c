@@ -306,7 +306,7 @@ enum gdc_status gdc_distance(struct gdc_client *client, const char *mesh, struct
     double found = json_number_value(value);
     if (json_is_null(value))
         status = gdc__fail(problem, GDC_NO_PATH,
-                           "no path joins the points: they are of different components");
+                           "no path joins the points: they lie on different components");
     else if (!json_is_number(value))
         status = gdc__fail(problem, GDC_BAD_ANSWER, "the answer has no distance");
     json_decref(answer);
@@ -339,7 +339,7 @@ enum gdc_status gdc_shortest_path(struct gdc_client *client, const char *mesh,
     found.xyz = read_corners(json_object_get(json, "points"), &found.count);
     if (!json_is_object(json))
         status = gdc__fail(problem, GDC_NO_PATH,
-                           "no path joins the points: they are of different components");
+                           "no path joins the points: they lie on different components");
     else if (!found.xyz)
         status = gdc__fail(problem, GDC_BAD_ANSWER,
                            "the answer has no path, or there is no memory for it");

@@ -12,7 +12,7 @@ ITEM = re.compile(r"^  (\S.*?)(?:  +(\S.*))?$")
 
 BEFORE = r""".TH GEODESIC 1 "" "geodesicd {version}" "User commands"
 .SH NAME
-geodesic \- ask a geodesicd daemon for exact geodesics on surfaces
+geodesic \- query exact geodesics on surfaces from a geodesicd daemon
 .SH SYNOPSIS
 .B geodesic
 [\fB\-\-url\fR \fIURL\fR] [\fB\-\-key\fR \fIKEY\fR] \fICOMMAND\fR ...
@@ -20,7 +20,7 @@ geodesic \- ask a geodesicd daemon for exact geodesics on surfaces
 .B geodesic
 uploads meshes to a
 .BR geodesicd (8)
-daemon and asks for distances, shortest paths and everything else that it answers.
+daemon and queries distances, shortest paths and the other operations of the daemon.
 .PP
 A point is a vertex
 .RB ( 12 " or " v:12 ),
@@ -28,14 +28,14 @@ a point of an edge
 .RB ( e:3\-9:0.25 )
 or of a face
 .RB ( f:34:0.2,0.3,0.5 ),
-or the point of the surface that is nearest to a place
+or the point of the surface that is nearest to a point in space
 .RB ( p:1,2,3 ).
 """
 
 AFTER = r""".SH ENVIRONMENT
 .TP
 .BR GEODESICD_URL ", " GEODESICD_KEY
-Where the daemon is, and its key.
+The address of the daemon, and the access key.
 .SH EXAMPLES
 .EX
 geodesic upload bunny.obj

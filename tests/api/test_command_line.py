@@ -166,7 +166,8 @@ class CommandLine(TestCase):
 
     def test_manual(self):
         manual = subprocess.run([PROGRAM.parent / "manual.py", PROGRAM], check=True, stdout=subprocess.PIPE, text=True).stdout
-        for line in ("split: separate parts that are not a surface.", "auto, front, back,", "Default: the sources.", "A point: 12 or v:12"):
+        for line in ("split: separate the mesh where it is not manifold.", "Direction towards the viewer: auto, front,",
+                     "Targets of the distances (default: the sources).", "A point: 12 or v:12"):
             self.assertIn("\n" + line.replace("-", "\\-"), manual)
 
 
