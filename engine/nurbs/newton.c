@@ -90,8 +90,8 @@ static bool joint_is_held(const struct gd__joint *joint, double slope)
 }
 
 /* Assembles the joints' system of F = sum sqrt(2 E_k). A piece contributes S / L, and to Newton's
- * matrix also - g g^T / L^3. Gauss-Newton's matrix has no stiffness against moving the path
- * sideways as a whole, so the joints are damped as if the path were a spring of its own length. */
+ * matrix also - g g^T / L^3. Gauss-Newton's matrix is nearly singular for steps that move the whole
+ * path sideways. So a damping term is added: the stiffness of a spring as long as the path. */
 static void couple(struct state *state, enum gd__hessian kind)
 {
     uint32_t joints = state->chain->piece_count + 1;
@@ -250,8 +250,8 @@ static double newton_length_of(const struct gd__chain *chain)
     return sum;
 }
 
-/* Fraction of the distance to a pole that one step may cover. In a pole a control point could move
- * along the border at no cost. */
+/* Fraction of the distance to a pole that one step may cover. All points of the border in a pole
+ * are one point of the surface, so a control point there has no unique position. */
 static const double towards_pole = 0.8;
 
 /* Returns a coordinate's movement, relative to its allowed movement. */

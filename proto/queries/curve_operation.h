@@ -27,7 +27,7 @@ struct proto_curve_result {
 
 void proto_curve_result_free(struct proto_curve_result *result); /* may be called again */
 
-/* Writes those of the members above that are selected. */
+/* Writes the members of the result that the options select. */
 void proto_curve_result_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
                                const struct proto_curve_result *result,
                                const struct proto_options *options);

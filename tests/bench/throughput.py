@@ -38,10 +38,10 @@ from common import Checks, Failure, bench_arguments, find_program, machine, numb
 
 PAIRS = 10_000
 SOURCES = 20
-ASKED = 17  # queries of a source until its field is built and cached
+ASKED = 17  # queries from each source, so that its field is cached
 START_SECONDS = 20
 SIZES = 500  # answers whose sizes are averaged
-# parameters, the required ratio, the goal
+# parameters of the request, the required ratio, the intended ratio
 KINDS = {"distance": ("", 0.7, 0.9), "path": ("&geometry=xyz", 0.5, 0.75)}
 PACED_CONNECTIONS = 64
 P99_MS = 1.5
@@ -266,8 +266,8 @@ class Building(threading.Thread):
 
 
 def pace_for(rate):
-    """Returns the script's delay() with which PACED_CONNECTIONS reach about that rate: random whole
-    milliseconds around the exact pause."""
+    """Returns the delay() function of a wrk script. It pauses for random whole milliseconds around
+    the exact pause, so that PACED_CONNECTIONS together send about `rate` requests a second."""
     mean = PACED_CONNECTIONS / rate * 1e3
     return PACE % (max(0, round(mean) - 1), round(mean) + 1)
 
@@ -286,7 +286,7 @@ def paced(work, options, rate, is_building):
 
 
 def measure_latency(work, options, rate):
-    """Measures turns at that rate, without and with a field being built."""
+    """Measures the latency at `rate`, in turns without and with a field being built."""
     work.large = work.daemon.upload("large", sample_of(options, options.large))
     return [paced(work, options, rate, is_building) for _ in range(options.turns) for is_building in (False, True)]
 

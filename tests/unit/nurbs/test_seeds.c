@@ -1,5 +1,5 @@
-/* The global minimum for random pairs of points: it satisfies the geodesic equation and is never
- * longer than the geodesic that follows the path on a dense mesh. */
+/* Computes the global minimum for random pairs of points. It satisfies the geodesic equation. It is
+ * at most as long as the geodesic near the shortest path on a dense mesh. */
 #include "tests/unit/nurbs/surfaces.h"
 
 #include <stdio.h>
@@ -76,8 +76,8 @@ static struct brute brute_force(const struct gd_tessellation *dense, struct plac
     return brute;
 }
 
-/* Tolerance of lengths by the geodesic equation. Steps are accurate to 1e-15; diverging geodesics
- * amplify that by up to some ten thousand. */
+/* Tolerance of lengths that are computed by integrating the geodesic equation. A step has an error
+ * of 1e-15. Where geodesics diverge, this error grows up to some ten thousand times. */
 static const double equation = 1e-10;
 
 /* Tolerance between splines of different degrees, which share no intermediate result. */
