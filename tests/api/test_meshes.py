@@ -253,8 +253,8 @@ class Content(TestCase):
             self.assertEqual(self.daemon.put("torus", self.file, If_Match=tag).status, 200)
 
     def test_compressed_files_are_cached(self):
-        """The daemon compresses a file once. The memory budget counts the compressed file. It depends
-        on the mesh and on the format of the request."""
+        """The daemon compresses a file once, for each mesh and each format. The memory budget
+        counts the compressed file."""
         held = lambda: self.daemon.metric('memory_bytes{class="packed"}')  # noqa: E731
         path, before = "/v1/meshes/packed/content?format=ply", held()
         self.daemon.put("packed", sample("icosphere", level=5))
