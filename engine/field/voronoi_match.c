@@ -109,8 +109,9 @@ static bool are_of_same_two(const struct gd__loose_end *a, const struct gd__loos
     return a->member[0] == b->member[0] && a->member[1] == b->member[1];
 }
 
-/* Returns the nearest end at a triple point of the same three members that separates another pair
- * of them than `first` and `second` (may be NULL). Returns NULL if none is within reach. */
+/* Returns the nearest end at a triple point of the same three members that separates a different
+ * pair of members than `first` and `second` (may be NULL). Returns NULL if no such end is near
+ * enough. */
 static struct gd__loose_end *find_partner(const struct work *work,
                                           const struct gd__loose_end *first,
                                           const struct gd__loose_end *second)
@@ -298,8 +299,8 @@ static struct gd__loose_end *find_third(const struct work *work, const struct gd
     return NULL;
 }
 
-/* Makes a triple point of three ends. One of its bisectors is the border of a shadow and has no
- * part here: a bridge replaces it. */
+/* Makes a triple point of three ends. One of its bisectors is the border of a shadow and is not
+ * computed here. A bridge replaces it. */
 static enum gd_status match_corner(const struct work *work, struct gd__loose_end *a,
                                    struct gd__loose_end *b, struct gd__loose_end *third)
 {

@@ -61,7 +61,7 @@
 enum phase { PHASE_HEAD, PHASE_BODY, PHASE_PARKED, PHASE_ANSWERED };
 
 struct client {
-    struct server_transport transport; /* first: an exchange finds its client by it */
+    struct server_transport transport; /* first: its address is that of the client */
     struct server_exchange exchange;
     const struct server_http *http;
     struct MHD_Connection *connection;
@@ -271,7 +271,8 @@ static ssize_t on_read(void *user, uint64_t position, char *bytes, size_t size)
     return read < 0 ? MHD_CONTENT_READER_END_OF_STREAM : read;
 }
 
-/* Copies the body from `position` on: first its own text, then the lent bytes and their tail. */
+/* Copies the body from `position` on. The body consists of its own text, the lent bytes and their
+ * tail. */
 static ssize_t on_body(void *user, uint64_t position, char *bytes, size_t size)
 {
     const struct server_response *reply = user;
@@ -315,7 +316,7 @@ static struct MHD_Response *response_create(struct client *client)
             ? MHD_create_response_from_buffer_with_free_callback(reply->size, reply->owned, free)
             : MHD_create_response_from_buffer(reply->size, (void *)reply->body,
                                               MHD_RESPMEM_PERSISTENT);
-    if (response) reply->owned = NULL; /* the library's now */
+    if (response) reply->owned = NULL; /* the library has taken ownership */
     return response;
 }
 
@@ -382,7 +383,7 @@ static enum MHD_Result client_end(struct client *client)
     server_connection_work(client->deadlines);
     atomic_store_explicit(&client->looked_ns, gd_now_ns(), memory_order_relaxed);
     MHD_suspend_connection(client->connection);
-    server_exchange_submit(&client->exchange); /* do not touch it from here on */
+    server_exchange_submit(&client->exchange); /* another thread may now free it */
     return MHD_YES;
 }
 
@@ -496,10 +497,11 @@ struct server_http *server_http_start(const struct server_http_parts *parts, int
     return NULL;
 }
 
-/* Does not use MHD_quiesce_daemon: it and a thread of the library that wakes at that moment both
- * remove the listening socket from the thread's epoll set, and the second removal aborts the
- * program (0.9.75; measured: one stop in three thousand). Instead dup2 replaces the socket by a
- * silent one under the same number, and the kernel removes a closed socket from every set. */
+/* Does not use MHD_quiesce_daemon, because it removes the listening socket from the epoll set of
+ * each thread. A thread that wakes at that moment also removes it, and the second removal aborts
+ * the program (version 0.9.75, one stop in three thousand). Instead dup2 replaces the socket, under
+ * the same number, by a socket that nobody connects to. The kernel removes the closed socket from
+ * each epoll set. */
 void server_http_quiesce(struct server_http *http)
 {
     (void)dup2(http->silent[0], http->listening);

@@ -76,7 +76,7 @@ static void file_discard(const char *path, const char *why)
                        path, why);
 }
 
-struct image { /* image of a stored file; as many bytes of SERVER_BUDGET_FLIGHT are taken */
+struct image { /* image of a stored file; SERVER_BUDGET_FLIGHT counts its bytes */
     void *bytes;
     size_t size;
 };
