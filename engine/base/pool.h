@@ -35,7 +35,8 @@ void gd__pool_destroy(struct gd__pool *pool);
  * faults. The pool may be all zero. */
 void gd__pool_restart(struct gd__pool *pool, size_t item_size, struct gd__budget *budget);
 
-/* Returns the items of a block: 1 to 16 by class, then powers of two. */
+/* Returns the number of items of a block: 1 to 16 for the first 16 classes, powers of two for the
+ * others. */
 static inline uint32_t gd__pool_items(uint32_t size_class)
 {
     return size_class < 16 ? size_class + 1 : 16u << (size_class - 15);

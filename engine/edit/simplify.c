@@ -44,8 +44,8 @@ static enum gd_status run(const struct gd_mesh *mesh, const struct gd_simplify_o
 }
 
 /* Repeats the simplification until the distance is within its bound. The last attempt but one
- * allows rounding errors only. Quadrics do not see folds: planes that meet at a fold of 180 degrees
- * are one plane to them. So the last attempt collapses nothing. */
+ * allows rounding errors only. But the decimater measures distances from planes, so it does not
+ * notice if faces fold by 180 degrees within their plane. So the last attempt collapses nothing. */
 static enum gd_status run_bounded(const struct gd_mesh *mesh,
                                   const struct gd_simplify_options *options,
                                   struct gd__share *share, struct gd_edited *out)

@@ -11,8 +11,8 @@
 GD_MUST_USE enum gd_status gd__field_is_cut(const struct gd_field *field,
                                             const struct gd_point *point, bool *out);
 
-/* As gd__field_is_cut, but also sets *out if several paths arrive at a vertex that a path of the
- * field passes, where other paths may join. Tests the path's first point and its vertices. */
+/* As gd__field_is_cut, for a path of the field. Tests the path's first point and each vertex of the
+ * path, because other paths may join there. */
 GD_MUST_USE enum gd_status gd__field_path_is_cut(const struct gd_field *field,
                                                  const struct gd_path *path, bool *out);
 

@@ -44,9 +44,9 @@ static struct direction from_chord(const struct gd_mesh *mesh, uint32_t face,
     return (struct direction){side, -left * chord.along.y, left * chord.along.x};
 }
 
-/* Returns the direction from the source of a wedge across a side of the leg's face, or from the
- * wedge's end where the leg bends. If the point lies on that side, the leg arrives through the face
- * across the side. */
+/* Returns the direction of a leg that enters its face across a side: from the wedge's source, or
+ * from the wedge's end if the leg bends there. If the point lies on this side, the leg arrives
+ * through the face on the other side of it. */
 static struct direction through_wedge(const struct gd_mesh *mesh, const struct gd__leg *leg,
                                       const struct gd_point *point)
 {

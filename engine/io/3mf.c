@@ -333,7 +333,8 @@ enum gd_status gd__3mf_read(struct gd__scan *scan, struct gd__builder *builder)
 
 /* Memory of the tables, the parser and the inflater. */
 #define TABLE_BYTES (GD__3MF_XML_BYTES + ((size_t)16 << 20))
-/* Arrays grow by half, so that up to 2.5 times an array exists while it is copied. */
+/* Arrays grow by half. While an array is copied, the old and the new array together take up to 2.5
+ * times the old size. */
 #define GROWTH 2.5
 
 size_t gd__3mf_cost(const void *bytes, size_t size, const struct gd_read_options *options)

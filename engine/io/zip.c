@@ -63,7 +63,7 @@ static long seek_archive(voidpf user, voidpf stream, ZPOS64_T offset, int origin
                   : origin == ZLIB_FILEFUNC_SEEK_CUR ? zip->at
                                                      : zip->size;
     (void)user;
-    size_t target = base + (size_t)offset; /* unsigned wrap-around subtracts for an offset back */
+    size_t target = base + (size_t)offset; /* a negative offset wraps */
     if (target > zip->size) return -1;
     zip->at = target;
     return 0;

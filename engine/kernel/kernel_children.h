@@ -1,7 +1,7 @@
 /* Part of kernel_lanes.h: lists of children under construction. Joins windows of one source;
  * contests other windows that overlap. */
-/* A list of children under construction: the last window (before its successor cut it) in all
- * lanes, and the source of the window offered last, joined or not. */
+/* A list of children under construction. All lanes hold the last window of the list, before its
+ * successor cut it, and the source of the window offered last. */
 struct chain {
     struct gd__children *list;
     double width;

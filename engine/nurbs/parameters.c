@@ -9,8 +9,8 @@ void gd_tessellation_vertex(const struct gd_tessellation *tessellation, struct g
     gd__node_parameters(&tessellation->grid, tessellation->node_of[vertex.index], uv);
 }
 
-/* Sets the parameter along a pole of a corner at the pole, where it is undefined, to the weighted
- * mean of the other two corners' parameters. */
+/* If a corner lies at a pole, its parameter along the pole is undefined. Sets this parameter to the
+ * weighted mean of the parameters of the other two corners. */
 static void settle_poles(const struct gd_parametric *surface, const double weight[3],
                          double uv[3][2])
 {

@@ -149,7 +149,7 @@ static void try_point(struct search *search, uint32_t i)
                          way.kind == GD__LEG_NONE ? GD__FAR : way.distance);
 }
 
-/* Searches segment i. The stored distance is the field's at exactly the stored point. */
+/* Searches segment i. Stores the best point, and the field's distance at exactly this point. */
 static enum gd_status try_segment(struct search *search, uint32_t i, struct gd__profile *profile)
 {
     const struct gd_point *a = &search->b->points[i], *b = curve_distance_end_of(search->b, i);

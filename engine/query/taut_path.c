@@ -4,8 +4,9 @@
 #include "line/straighten.h"
 #include "mesh/canonical.h"
 
-/* Converts the guide's path to a route. The path runs along edges, or straight across one. In that
- * case any point of the edge serves, because only the strip of faces is straightened. */
+/* Converts the guide's path to a route. A step of the path runs along an edge or straight across an
+ * edge. For a step across an edge, any point of the edge may be used, because only the strip of
+ * faces is straightened. */
 static enum gd_status taut_path_walk(const struct gd__guide *guide, const struct gd_point *from,
                                      const struct gd_point *to, const struct gd_control *control,
                                      struct gd__route *route)

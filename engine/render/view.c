@@ -7,7 +7,7 @@
 
 #define END_PART 0.1 /* weight of the visibility of each end */
 
-static const struct gd__viewport sketch = {4, 4, 232, 172}; /* of pictures of 240 x 180 pixels */
+static const struct gd__viewport sketch = {4, 4, 232, 172}; /* in a picture of 240 x 180 pixels */
 
 struct angles {
     double azimuth, elevation; /* degrees */

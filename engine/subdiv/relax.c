@@ -21,7 +21,7 @@ struct aim {
 struct shot {
     double angle, length;
     struct gd_limit_path path;
-    /* the path's end; if the path met the boundary, extended straight to `length` */
+    /* end of the path, which is extended straight to `length` if it met the boundary */
     struct gd_vec3 end;
     double miss;
 };

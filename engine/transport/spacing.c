@@ -74,9 +74,10 @@ static enum gd_status find_leaves(struct gd__sampler *sampler, struct gd__parame
 
 /* --- by arc length ---------------------------------------------------------------------------- */
 
-/* A leaf as a piece of the function from parameter to length, which is nearly cubic in a leaf. The
- * speeds at its ends are known. Its length is the mean of the lengths of chord and polygon (J.
- * Gravesen's estimate for cubics, with an error of fourth order). */
+/* A leaf of the subdivision, as a piece of the function from parameter to length. In a leaf this
+ * function is nearly cubic, and the speeds at the ends are known. The length of a leaf is the mean
+ * of the lengths of its chord and its polygon (J. Gravesen's estimate for cubics, with an error of
+ * fourth order). */
 struct stretch {
     double begin, end; /* parameters */
     double length, first_speed, last_speed;

@@ -8,7 +8,7 @@
 
 #define PROTO_PAGE_DEFAULT 100
 #define PROTO_PAGE_MOST    1000
-/* a page ends beyond this size, even below `limit` items */
+/* a page ends after the item that exceeds this size, even if it has fewer than `limit` items */
 #define PROTO_PAGE_BYTES  ((size_t)1 << 20)
 #define PROTO_PAGE_NUMBER 24 /* bytes of a number's text */
 

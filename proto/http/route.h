@@ -59,7 +59,7 @@ struct proto_route {
     /* deprecation of this path; NULL: the path is current */
     const struct proto_deprecation *deprecation;
     const struct proto_deprecation *deprecated_parameters; /* ends with name NULL; NULL: none */
-    /* path of the page about the current operation; set if either of the two above is */
+    /* path of the page about the current operation; NULL unless something above is deprecated */
     const char *documentation;
 };
 

@@ -9,7 +9,7 @@ static int is_continuation(char byte)
 
 size_t proto_utf8_length(const char *text, size_t size)
 {
-    /* smallest character by length: smaller ones have shorter forms, so these are overlong */
+    /* Smallest character of each length. A smaller character in this length is overlong. */
     static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
     unsigned char first = (unsigned char)text[0];
     if (first < 0x80) return 1;

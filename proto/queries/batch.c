@@ -132,7 +132,8 @@ void proto_batch_query_free(struct proto_batch_query *query)
 
 /* --- options ---------------------------------------------------------------------------------- */
 
-/* Turns a problem at a parameter that the line gave into one at the line's member. */
+/* If a problem is at a parameter that comes from the line, moves the problem to the line's
+ * member. */
 static bool put_in_line(const struct proto_batch_query *query, struct proto_problem *problem)
 {
     bool is_select = query->has_select && strcmp(problem->parameter, SELECT) == 0;

@@ -7,7 +7,7 @@
 #include "proto/values/points.h"
 
 struct proto_picture {
-    struct gd_picture picture; /* without mesh, field and path */
+    struct gd_picture picture; /* the members mesh, field and path are not set */
     const char *field;         /* an id, borrowed from the query string; NULL: none */
     bool has_source;
     struct proto_point source;

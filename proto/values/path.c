@@ -9,8 +9,7 @@
 /* reserved for the last point, because the writer reserves the longest form of each number */
 #define LAST_BYTES 2500
 
-/* Returns the fields of the element that a point lies on: those that name the point in a
- * request. */
+/* Returns the fields that describe a point of this kind in a request. */
 static uint32_t fields_by_kind(enum gd_point_kind kind)
 {
     switch (kind) {

@@ -13,8 +13,8 @@ struct proto_usd {
     enum gd_scheme scheme;
 };
 
-/* Returns whether the bytes (NULL: none) are JSON of this form, and not {"vertices", "faces"},
- * judging by the names in them. */
+/* Returns whether the bytes (NULL: none) are JSON of this form. Distinguishes it from {"vertices",
+ * "faces"} by the names of the members. */
 bool proto_usd_is(const void *bytes, size_t size);
 
 /* Reads a control mesh. Problems: invalid_request; invalid_mesh with a reason (index, empty);

@@ -18,10 +18,10 @@
 #define LINE_ROOM     (SERVER_LOG_LINE - 2) /* a brace and a newline end the line */
 #define TEXT_LIMIT    512                   /* most bytes of a text member */
 #define GATHER_NS     10000000              /* longest time that a line waits for others */
-#define GATHERED_MOST (1 << 20)  /* bytes of waiting lines; up to as many more are being written */
-#define GATHERED_DUE  (32 << 10) /* bytes that wake the thread: they fit in a cache */
-#define NOTE_ROOM     256        /* room kept for the line `log_dropped` */
-#define DIRECT_MS     100        /* longest wait of a caller that writes its own line */
+#define GATHERED_MOST (1 << 20)             /* bytes of one of the two buffers */
+#define GATHERED_DUE  (32 << 10)            /* bytes that wake the thread: they fit in a cache */
+#define NOTE_ROOM     256                   /* room kept for the line `log_dropped` */
+#define DIRECT_MS     100                   /* longest wait of a caller that writes its own line */
 #define LAST_LINES_NS UINT64_C(1000000000)
 #define CRASH_MS      200
 

@@ -23,7 +23,7 @@
 
 #define SERVER_ETAG_PACKED_SUFFIX "-gzip"
 #define SERVER_ETAG_TEXT          64 /* bytes of a representation's tag, with the NUL */
-/* most values of one header: as many as a request may have headers */
+/* most values of one header; a request may have as many headers */
 #define SERVER_ETAG_LINES 64
 
 struct server_exchange;
@@ -53,7 +53,8 @@ void server_etag_write(char out[SERVER_ETAG_TEXT], const char *etag, const char 
  * tag or that of one of its representations; NULL: the resource does not exist. */
 bool server_precondition_matches(const struct server_precondition *precondition, const char *etag);
 
-/* Returns which of the representation's tags If-None-Match lists first; `etag` is the plain one. */
+/* A representation has a plain tag, `etag`, and a packed tag. Returns which of the two
+ * If-None-Match lists first. */
 enum server_etag_form server_precondition_known(const struct server_precondition *precondition,
                                                 const char *etag);
 

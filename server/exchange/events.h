@@ -32,9 +32,9 @@ struct server_event_source {
     uint64_t (*version)(void *user);
     /* Writes the next message; returns false for the last one. */
     bool (*write)(void *user, struct proto_writer *writer);
-    /* Used instead of `version` and `write` for the text of an answer, for which a drain waits;
-     * arguments and result as for server_stream_read. After the client has hung up, the stream
-     * returns SERVER_STREAM_CUT. */
+    /* Used instead of `version` and `write` if the stream is the text of an answer. Arguments and
+     * result are those of server_stream_read. A drain waits for the end of such streams. After the
+     * client has hung up, the stream returns SERVER_STREAM_CUT. */
     ptrdiff_t (*read)(void *user, char *bytes, size_t size);
     void (*release)(void *user);
     void *user;
@@ -44,7 +44,7 @@ struct server_event_source {
 struct server_stream_reader {
     void (*pause)(void *user);  /* called within a read: the transport reads no more until resume */
     void (*resume)(void *user); /* called by any thread */
-    /* returns whether a paused reader's client has hung up; a system call */
+    /* returns whether a paused reader's client has hung up; makes a system call */
     bool (*is_gone)(void *user);
     void *user;
 };

@@ -6,12 +6,12 @@
 
 struct server_tls;
 
-/* A GnuTLS priority string: TLS 1.2 and 1.3, and no key exchange by RSA, which lacks forward
- * secrecy: a private key that leaks later would decrypt recorded traffic. */
+/* A GnuTLS priority string: TLS 1.2 and 1.3 without key exchange by RSA. Key exchange by RSA lacks
+ * forward secrecy. If the private key leaked later, an attacker could decrypt recorded traffic. */
 #define SERVER_TLS_PRIORITIES "NORMAL:-VERS-ALL:+VERS-TLS1.3:+VERS-TLS1.2:-RSA"
 
 /* Reads both files (PEM; the certificate first, then its issuers). NULL with a sentence in `error`.
- * Only one can be open in a process: GnuTLS hands no pointer to the callback. */
+ * A process can have only one open pair, because GnuTLS passes no user pointer to the callback. */
 struct server_tls *server_tls_open(const char *certificate, const char *key,
                                    char error[SERVER_ERROR]);
 

@@ -13,9 +13,9 @@
  *
  * Bounds: ended jobs are dropped when their time to live is over, and earlier when the table or the
  * memory for answers (SERVER_BUDGET_JOBS) is full: then the oldest ended job of the largest user is
- * dropped. Jobs that have not ended are never dropped; with keys, a tenant's unfinished jobs may
- * take at most as many places as they leave free. Ids grow, so the table is sorted by both id and
- * age.
+ * dropped. Jobs that have not ended are never dropped. If the daemon has keys, a tenant with n
+ * unfinished jobs gets another one only while more than n places have no unfinished job. Ids grow,
+ * so the table is sorted by both id and age.
  *
  * A job is reference-counted; table, exchange and each holder have a reference. One mutex guards
  * the table and the states. Under it only the workers' lock is taken. All functions are

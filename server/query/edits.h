@@ -16,7 +16,7 @@ struct server_edits {
     bool is_upload; /* the surface comes from an uploaded file and has no name */
     struct proto_edits edits;
     struct gd_edited edited;      /* the result */
-    struct server_budget *budget; /* this and the rest are set by server_edits_run */
+    struct server_budget *budget; /* server_edits_run sets this member and the next */
     size_t held;                  /* bytes of SERVER_BUDGET_FLIGHT */
 };
 

@@ -63,10 +63,11 @@ struct server_record {
     const struct server_kind *kind;
     char tenant[SERVER_TENANT + 1];
     char name[PROTO_MESH_NAME + 1];
-    char key[SERVER_KEY_TEXT];                                            /* made of these three */
+    /* kind, tenant and name as one text */
+    char key[SERVER_KEY_TEXT];
     char sha256[SERVER_SHA256_HEX], attachment_sha256[SERVER_SHA256_HEX]; /* empty: there is none */
     uint64_t size, attachment_size;
-    struct server_object objects[SERVER_PARTS]; /* derived from these four and the tenant */
+    struct server_object objects[SERVER_PARTS]; /* their ids have the tenant */
     char etag[SERVER_ETAG]; /* derived from objects, options, kind and tenant; without quotes */
     char options[SERVER_OPTIONS];
     uint64_t memory;
@@ -111,7 +112,8 @@ void server_record_caption(const struct server_record *record, char out[SERVER_C
 /* Exchanges the captions of two records. `to` may be shared. */
 void server_record_exchange_captions(struct server_record *to, struct server_record *from);
 
-/* Returns whether both are of one upload: equal, with the same time of creation. */
+/* Returns whether both records come from the same upload: they are equal and have the same time of
+ * creation. */
 bool server_record_is_same_upload(const struct server_record *a, const struct server_record *b);
 
 /* Attaches `made`, or destroys it if another thread was first. Returns the attached struct. */

@@ -12,7 +12,7 @@
 struct server_derived {
     char word[8]; /* SERVER_DERIVED_WORD, without a NUL */
     char mesh[PROTO_MESH_NAME + 8],
-        etag[SERVER_ETAG + 7];         /* mesh and etag of the original; an upload has no name */
+        etag[SERVER_ETAG + 7];         /* of the original; mesh is empty for an upload */
     double largest_distance;           /* largest distance from the original */
     char operations[PROTO_EDITS_TEXT]; /* as JSON; NUL-terminated */
 };

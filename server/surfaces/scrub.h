@@ -21,9 +21,9 @@ struct server_scrub *server_scrub_create(struct server_registry *registry,
 void server_scrub_destroy(struct server_scrub *scrub);
 
 struct server_scrub_statistics {
-    uint64_t bytes, files, rounds; /* read, and whole rounds */
+    uint64_t bytes, files, rounds; /* bytes and files read, complete rounds */
     uint64_t faults; /* damaged, missing or unreadable files of the last whole round */
-    int64_t ended;   /* the last whole round, seconds since 1970; 0: there was none */
+    int64_t ended;   /* end of the last complete round, seconds since 1970; 0: none */
     double progress; /* progress of the current round, in [0,1]; 1 between rounds */
 };
 struct server_scrub_statistics server_scrub_statistics(const struct server_scrub *scrub);

@@ -64,8 +64,8 @@ void server_handle_get_readyz(struct server_exchange *exchange)
     }
 }
 
-/* Replies with metrics. Only an operator's key gets those of all tenants. The client's address
- * proves nothing: behind a proxy every client is local. */
+/* Replies with metrics. Only an operator's key gets the metrics of all tenants. The client's
+ * address is no proof, because behind a proxy every client has a local address. */
 void server_handle_get_metrics(struct server_exchange *exchange)
 {
     const struct server_api *api = exchange->host->api;

@@ -36,7 +36,7 @@ DARK = {
 
 
 def source_name(target):
-    """The path from the root of a file that a document links to."""
+    """Returns the path, from the repository's root, of a file that a document links to."""
     return (HERE / target).resolve().relative_to(HERE.parents[2]).as_posix()
 
 

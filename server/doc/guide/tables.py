@@ -61,7 +61,7 @@ def problem_codes():
     return re.findall(r'X\((\d+), \w+, (\w+), "([^"]+)"\)', text_of("proto/json/problem.h"))
 
 
-# Of codes that the contract's shared responses do not describe alone.
+# Sentences for the codes that have no sentence of their own in the contract's shared responses.
 CAUSES = {
     "conflict": "The name is in use, the job or batch has not ended, or a maximum number is reached.",
     "method_not_allowed": "The path does not support the method. The header `Allow` lists those that it does.",

@@ -1,5 +1,5 @@
-/* Pages are allocated at first use and reused when nothing has waited on them for a while. Pages
- * with `stays` are never reused. */
+/* A page is allocated at its first use. If none of its records has waited for some buckets, its
+ * memory is reused for another page. Pages with `stays` are never reused. */
 #include "tests/support/test.h"
 
 #include "wavefront/pages.h"
@@ -9,7 +9,7 @@ enum {
     PAGES_A_SLAB = 32,
     SLAB = PAGES_A_SLAB * 48 + 8,
     MADE_MOST = 4,
-    LONG = 1000 /* in buckets: longer than any rest */
+    LONG = 1000 /* buckets; longer than a page must be idle before its reuse */
 };
 
 struct numbers {
@@ -59,14 +59,14 @@ static void pages_that_woke_up_stay_where_they_are(void **state)
     (void)state;
     struct gd__page *awake = make(0, 10), *drowsy = make(1, 10), *asleep = make(2, 10);
     awake->waiting = 1;
-    gd__pages_rest(&pages, drowsy, LONG); /* something waited on it meanwhile */
+    gd__pages_rest(&pages, drowsy, LONG); /* a record of it has waited meanwhile */
     assert_ptr_equal(make(3, LONG), asleep);
     assert_true(pages.page[0] == awake && pages.page[1] == drowsy);
     awake->waiting = 0;
     gd__pages_rest(&pages, awake, 2 * LONG);
     assert_ptr_equal(make(4, 2 * LONG), drowsy);
     assert_ptr_equal(pages.page[0], awake);
-    assert_ptr_equal(make(5, 3 * LONG), asleep); /* used by number 3 until now */
+    assert_ptr_equal(make(5, 3 * LONG), asleep); /* was page 3 until now */
     assert_ptr_equal(make(6, 3 * LONG), awake);
 }
 
@@ -79,7 +79,7 @@ static void pages_that_stay_are_kept(void **state)
     assert_ptr_equal(pages.page[0], page);
 }
 
-/* The front returns to two pages in turn. After some reallocations both stay. */
+/* Two pages are needed alternately. After some reallocations both stay. */
 static void a_page_made_often_stays(void **state)
 {
     (void)state;
