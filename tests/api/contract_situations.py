@@ -204,8 +204,8 @@ def instead(scene, operation, name, value):
 
 
 def try_conflicts(found, daemon, scene):
-    """Provokes conflicts: a job that has not ended has no answer; a saved answer is returned with
-    its own status; pieces must not replace their own mesh."""
+    """Provokes conflicts and rare statuses: reads the result of a running job, reads the result of
+    an upload (201), and names a piece after the mesh that is cut."""
     result, cut, events, isolines = (scene.by_name[name] for name in ("get_job_result", "post_cut", "get_job_events", "get_isolines"))
     scene.fill()
     daemon.put("tetrahedron-1", TETRAHEDRON)

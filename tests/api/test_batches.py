@@ -230,6 +230,6 @@ class InAFolder(Alone, unittest.TestCase):
         begun = begin(self.daemon, {"query": "all-pairs", "mesh": "sphere", "vertices": list(range(200))})
         self.assertEqual(self.daemon.stop(), 0)
         self.daemon = self.start()
-        # running items were returned, so no lease delays them
+        # the stopped daemon returned its running items, so their leases delay nothing
         told = wait(self.daemon, begun.json["id"], 10)
         self.assertEqual((told["done"], told["failed"]), (200, 0))

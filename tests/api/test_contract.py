@@ -16,7 +16,7 @@ from harness import TestCase
 # Members that differ between runs or machines.
 VOLATILE = {"created", "build_ms", "bytes", "memory_bytes", "fields_cached", "id", "etag"}
 CLOSE = 1e-12
-# Operations whose answers describe the daemon, or have another name or state.
+# Operations whose answers differ from the example in the daemon's figures, a name or a state.
 NOT_REPEATED = {"get_service", "create_mesh", "create_nurbs", "create_subdivision", "list_jobs", "get_job", "get_readyz"}
 
 

@@ -148,7 +148,7 @@ class Damage(Stored):
             self.assertEqual(daemon.get("/v1/meshes/a/distance?from=v:0&to=v:2").body, answer)
 
     def test_the_same_is_sent_again_while_the_name_changes(self):
-        """The mesh in memory may belong to another record by the time its file is checked."""
+        """While the file of a mesh is checked, another upload may replace the mesh's record."""
         with self.start("--workers", "2") as daemon:
             files = (SQUARE, TETRAHEDRON)
             with concurrent.futures.ThreadPoolExecutor(6) as pool:

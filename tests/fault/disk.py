@@ -8,8 +8,9 @@
 - While the disk is slow, queries are answered, meshes that are created and deleted are present or
   absent, and the daemon can stop.
 
-    tests/fault/disk.py [--most N] [--step N]      tries the first N calls (until nothing fails
-                                                   any more); of EIO each N-th
+    tests/fault/disk.py [--most N] [--step N]
+
+--most: only the first N calls fail in turn. --step: with EIO, only every N-th call fails.
 """
 import argparse
 import collections

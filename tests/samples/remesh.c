@@ -13,7 +13,7 @@
 struct candidate {
     double cost;
     uint32_t slot;
-    uint32_t age[2]; /* of both ends at the time of the push */
+    uint32_t age[2]; /* ages of both ends when the candidate was queued */
 };
 
 struct decimation {

@@ -19,8 +19,8 @@
  * wrong. */
 struct exact_tally {
     uint64_t asked, failed, wrong;
-    uint64_t wrong_near; /* units that are wrong only at points less than 1e-6 edge lengths away */
-    double worst;        /* largest relative error, without nearby points */
+    uint64_t wrong_near; /* units that are wrong only within 1e-6 edge lengths of a source */
+    double worst;        /* largest relative error, except within 1e-6 edge lengths of a source */
     double worst_near;
     uint64_t scene; /* the current scene */
 };
@@ -53,7 +53,7 @@ struct exact_unit {
     const struct gd_seed *seeds; /* the sources, for reports */
     uint32_t seed_count;
     struct exact_answer worst;  /* value with the largest excess */
-    struct exact_answer nearby; /* the same, of points less than 1e-6 edge lengths away */
+    struct exact_answer nearby; /* the same, within 1e-6 edge lengths of a source */
     const char *failure;        /* name of the failed call; NULL: none */
     enum gd_status status;
     struct gd_point failed_at;

@@ -89,7 +89,7 @@ static void across_an_edge(void **state)
         struct place from = place_at(mesh, corner, 0, a, 0.375),
                      to = place_at(mesh, corner, 1, 0.375, b);
         double x = a * corner[0][0] - b * corner[2][0], y = a * corner[0][1] - b * corner[2][1];
-        from.x = x, from.y = y, to.x = to.y = 0; /* differences of exact weights */
+        from.x = x, from.y = y, to.x = to.y = 0; /* computed from differences, not from positions */
         check(mesh, &from, &to);
     }
     gd_mesh_release(mesh);

@@ -211,14 +211,16 @@ static void counts_large_buffers_until_they_are_freed(void **state)
     assert_int_equal(budget.taken, writer.capacity);
     append_many(&writer, 3000000);
     assert_int_equal(budget.taken, writer.capacity);
-    assert_true(writer.capacity < writer.size + writer.size / 3); /* grow by less than a third */
+    assert_true(writer.capacity <
+                writer.size + writer.size / 3); /* the free part is less than a third */
     proto_writer_free(&writer);
     assert_int_equal(budget.taken, 0);
 
-    append_many(&writer, 20000); /* the writer is counted again */
+    append_many(&writer, 20000); /* counted again after proto_writer_free */
     size_t size = 0;
     char *text = proto_writer_take(&writer, &size);
-    assert_int_equal(budget.taken, proto_writer_counted(size)); /* only the text's size */
+    assert_int_equal(budget.taken,
+                     proto_writer_counted(size)); /* the free part is no longer counted */
     give(&budget, proto_writer_counted(size));
     free(text);
     proto_writer_free(&writer);
