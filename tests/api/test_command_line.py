@@ -98,7 +98,7 @@ class CommandLine(TestCase):
             self.assertTrue(printed.startswith(f"usage: geodesic {arguments[0]} "), printed)
             self.assertIn(told, printed)
         self.assertIn("No such file", self.geodesic("upload", "/there/is/none", status=1))
-        self.assertIn("no JSON", self.geodesic("query", "square", "distance", "{", status=1))
+        self.assertIn("is not JSON", self.geodesic("query", "square", "distance", "{", status=1))
         self.assertIn("usage", self.geodesic("nonsense", status=2))
 
     def test_lists_by_prefix(self):
