@@ -156,24 +156,24 @@
 #define GD_TOL_TIE 1e-11
 
 /* Nodes of a diagram are searched within this distance of their nudged positions, relative to the
- * edge or the face. Ends that close are one node. Where a bisector meets the border of two sources'
- * views at a small angle, nudge and rounding move its end by much more than their size. */
+ * edge or the face. Ends within this distance of each other are one node. If a bisector meets the
+ * border of the views of two sources at a small angle, nudge and rounding move its end by much more
+ * than their own size. */
 #define GD_TOL_NODE 1e-6
 
 /* If two bisectors of three sources meet at a smaller angle, the distances do not determine the
- * common point: a line and its end have one tangent there. The nudged position is kept; its error
- * is at most the nudge. */
+ * common point precisely. The nudged position is kept. Its error is at most the nudge. */
 #define GD_TOL_TANGENT 1e-3
 
 /* A span of a bisector's angles is empty if it is no wider than this: the rounding of an angle. */
 #define GD_TOL_SPAN 0x1p-52
 
-/* The view of a line may be widened by this part of its distance, to close gaps due to rounding.
- * The distance is then too short by half this part of the widening. */
+/* To close gaps due to rounding, the view of a line may be widened by this part of its distance.
+ * Distances in the added strip are too short by at most half this part of the strip's width. */
 #define GD_TOL_LENGTHENED 1e-3
 
-/* Ends of arcs this close together, relative to the face, are matched first. The tolerance limits
- * the work, not which ends may match. */
+/* Ends of arcs within this distance of each other, relative to the face, are matched first. The
+ * tolerance saves time. Ends that are farther apart may also match. */
 #define GD_TOL_MEET 1e-6
 
 /* Largest relative difference between a path's own length and the distance of the wedges. The
@@ -190,9 +190,9 @@
  * one. */
 #define GD_TOL_BOUND 1e-8
 
-/* Rounding of a distance that is stored as a float, or of a difference of two: this part of it. In
- * components so small that floats do not represent lengths well, the rounding is a few times the
- * smallest float. */
+/* Rounding error of a distance that is stored as a float, or of a difference of two such distances,
+ * relative to the distance. In components whose lengths are near the smallest float, the error is a
+ * few times the smallest float. */
 #define GD_TOL_FLOAT       6e-8
 #define GD_TOL_FLOAT_LEAST 1e-44
 
@@ -203,7 +203,8 @@
  * it. */
 #define GD_TOL_HIT 1e-12
 
-/* Added to GD_TOL_HIT: this part of the length walked, for the rounding of unfolded faces. */
+/* This part of the length of a walk is added to GD_TOL_HIT, because each unfolded face adds
+ * rounding. */
 #define GD_TOL_DRIFT 1e-15
 
 /* A segment of a vector that another segment follows ends at a vertex this close, relative to the
@@ -211,8 +212,8 @@
  * Faces as flat as GD_TOL_FLAT have nearly as much rounding. */
 #define GD_TOL_JOINT 1e-9
 
-/* A line touches an earlier segment of itself if it misses it by less than this part of both. The
- * rounding of a line is that of its whole length. */
+/* A line touches an earlier segment of itself if their distance is less than this part of the
+ * lengths of both. The rounding error of a line grows with its whole length. */
 #define GD_TOL_TOUCH 1e-9
 
 /* A cut's curve is moved onto a vertex or an edge within this part of a face's longest edge: ten
@@ -358,8 +359,8 @@
 #define GD_TOL_SHOT        1e-11
 #define GD_TOL_SAME_WAY    0.1
 
-/* Neighbouring strips of a segment's profile leave gaps narrower than this part of it: 2^-32 of an
- * edge, seen at a slant. */
+/* Gaps between neighbouring strips of a segment's profile are narrower than this part of the
+ * profile. They come from ends of windows, which are rounded to 2^-32 of an edge. */
 #define GD_TOL_GAP 1e-6
 
 /* Two paths to a point are different if their arrival directions differ by this angle, in radians.
@@ -381,10 +382,10 @@
  * bound of their distance then needs no division by zero. It is far below GD_TOL_RING. */
 #define GD_TOL_RING_NEAR 1e-9
 
-/* Segments of a curve that turn by less than this at their joint are straight there. The sector
- * behind the joint has that angle. The paths around the ends of the segments' windows are as short
- * in the sector, up to the square of the angle. A point this near to the line across a joint also
- * belongs to the joint. */
+/* If two segments of a curve turn by a smaller angle at their joint, the joint counts as straight.
+ * The sector behind the joint has this angle. In the sector, paths around the ends of the segments'
+ * windows are as short, up to the square of the angle. A point this near to the line across a joint
+ * also belongs to the joint. */
 #define GD_TOL_ONWARD 1e-10
 
 /* Rounding of the foot of the joint's perpendicular, relative to the lengths of its face's
