@@ -32,7 +32,7 @@ PUBLIC = {
     "edit": ["edit"],
     "cut": ["cut"],
     "transport": ["trace", "vector", "mean", "spline", "frame", "shortening", "resampling", "offset", "flat_strip"],
-    "subdiv": ["subdivision", "limit", "limit_place", "limit_path", "limit_mesh", "limit_shortest", "discretization"],
+    "subdiv": ["subdivision", "limit", "limit_place", "limit_path", "limit_mesh", "limit_grid", "limit_shortest", "discretization"],
     "nurbs": ["parametric", "nurbs", "domain_curve", "tessellation", "geodesic_like", "space_distance"],
     "umbrella": ["tools", "smooth"],
 }

@@ -5,11 +5,11 @@
  *     ... fine->mesh ...
  *     server_discretization_release(fine);
  *
- * DESIGN. A surface has a *slot* with two places for each level. The first request that finds a level
- * missing builds it. Other requests wait in their workers and check their deadlines every few
- * milliseconds; if the builder fails, one of them becomes the builder. Built meshes are kept in a
- * list (lru.h), and evicted before any mesh of a client: a rebuild takes less than a second. All
- * functions are thread-safe. */
+ * DESIGN. A surface has a *slot* with two places for each level. The first request that finds a
+ * level missing builds it. Other requests wait in their workers and check their deadlines every few
+ * milliseconds. If the builder fails, one of them becomes the builder. The built grids and meshes
+ * are kept in a list (lru.h), and evicted before any mesh of a client, because a rebuild takes less
+ * than a second. All functions are thread-safe. */
 #ifndef SERVER_FIELDS_DISCRETIZATIONS_H
 #define SERVER_FIELDS_DISCRETIZATIONS_H
 
