@@ -118,9 +118,10 @@ lists=/var/lib/apt/lists
 had_lists=$(find $lists -name '*_Packages*' -print -quit 2>/dev/null)
 "${root[@]}" apt-get -qq update
 find_missing "${wanted[@]}"
+available=()
 for package in "${optional[@]}"; do
     if [ -n "$(apt-cache search --names-only "^$package\$")" ]; then
-        required+=("$package")
+        available+=("$package")
     else
         echo "    apt has no package $package: tests that need it are skipped"
     fi
@@ -132,14 +133,20 @@ policy=/usr/sbin/policy-rc.d # Debian's own way to say that no service starts
 # A system without lists, such as a container's image, keeps none.
 trap 'rm -rf "$place"; [ -z "$policy" ] || "${root[@]}" rm -f "$policy"; [ -n "$had_lists" ] || "${root[@]}" find $lists -type f -delete' EXIT
 
-# Prints a line for each tenth of the work, and the output of apt only if it fails.
-"${root[@]}" apt-get -y --no-install-recommends install "${required[@]}" 2>&1 | tee "$log" | awk '
-    /newly installed/ { steps = 3 * $3 }
-    /^Need to get|^After this operation/ { print "    " $0; fflush() }
-    /^Get:|^Unpacking |^Setting up / && steps {
-        done++
-        if (int(10 * done / steps) > tenths) { tenths = int(10 * done / steps); printf "    %d %%\n", 10 * tenths; fflush() }
-    }' || { tail -n 20 "$log" >&2; exit 1; }
+# Installs packages. Prints a line for each tenth of the work, and the output of apt only if it fails.
+install_all() {
+    "${root[@]}" apt-get -y --no-install-recommends install "$@" 2>&1 | tee "$log" | awk '
+        /newly installed/ { steps = 3 * $3 }
+        /^Need to get|^After this operation/ { print "    " $0; fflush() }
+        /^Get:|^Unpacking |^Setting up / && steps {
+            done++
+            if (int(10 * done / steps) > tenths) { tenths = int(10 * done / steps); printf "    %d %%\n", 10 * tenths; fflush() }
+        }' || { tail -n 20 "$log" >&2; return 1; }
+}
+
+[ ${#required[@]} = 0 ] || install_all "${required[@]}"
+[ ${#available[@]} = 0 ] || install_all "${available[@]}" ||
+    echo "    not all of ${available[*]} could be installed: tests that need them are skipped"
 $is_unpacked || unpack_headers
 for service in haproxy postgresql; do
     if [[ " ${required[*]} " == *" $service "* ]] && command -v systemctl >/dev/null; then
