@@ -133,7 +133,7 @@ policy=/usr/sbin/policy-rc.d # Debian's own way to say that no service starts
 # A system without lists, such as a container's image, keeps none.
 trap 'rm -rf "$place"; [ -z "$policy" ] || "${root[@]}" rm -f "$policy"; [ -n "$had_lists" ] || "${root[@]}" find $lists -type f -delete' EXIT
 
-# Installs packages. Prints a line for each tenth of the work, and the output of apt only if it fails.
+# Installs packages. Prints a line for each tenth of the work, and apt's output only if it fails.
 install_all() {
     "${root[@]}" apt-get -y --no-install-recommends install "$@" 2>&1 | tee "$log" | awk '
         /newly installed/ { steps = 3 * $3 }
