@@ -55,12 +55,6 @@ static void encode_body(struct proto_writer *writer, const struct proto_job *job
         encode_link(writer, job);
 }
 
-static bool shows_body(const struct proto_job *job, enum proto_job_detail detail)
-{
-    if (detail == PROTO_JOB_EVENT) return job->state == PROTO_JOB_FAILED;
-    return detail == PROTO_JOB_FULL;
-}
-
 static void encode_state(struct proto_writer *writer, const struct proto_job *job)
 {
     proto_write_object_begin(writer);
@@ -85,8 +79,10 @@ bool proto_job_encode_head(struct proto_writer *writer, const struct proto_job *
 void proto_job_encode(struct proto_writer *writer, const struct proto_job *job,
                       enum proto_job_detail detail)
 {
+    bool shows_body =
+        detail == PROTO_JOB_FULL || (detail == PROTO_JOB_EVENT && job->state == PROTO_JOB_FAILED);
     encode_state(writer, job);
-    if (job->answer && shows_body(job, detail)) encode_body(writer, job);
+    if (job->answer && shows_body) encode_body(writer, job);
     proto_write_object_end(writer);
 }
 

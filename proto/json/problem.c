@@ -75,14 +75,9 @@ bool proto_problem_exceed(struct proto_problem *problem, const char *place, uint
     return proto_problem_limit(problem, limit);
 }
 
-static bool is_pointer(const char *place)
-{
-    return place[0] == '\0' || place[0] == '/';
-}
-
 bool proto_problem_at(struct proto_problem *problem, const char *place)
 {
-    problem->has_pointer = is_pointer(place);
+    problem->has_pointer = place[0] == '\0' || place[0] == '/';
     char *to = problem->has_pointer ? problem->pointer : problem->parameter;
     size_t size = problem->has_pointer ? sizeof problem->pointer : sizeof problem->parameter;
     snprintf(to, size, "%s", place);

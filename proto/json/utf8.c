@@ -2,11 +2,6 @@
 
 #include <stdint.h>
 
-static int is_continuation(char byte)
-{
-    return ((unsigned char)byte & 0xc0) == 0x80;
-}
-
 size_t proto_utf8_length(const char *text, size_t size)
 {
     /* Smallest character of each length. A smaller character in this length is overlong. */
@@ -17,7 +12,7 @@ size_t proto_utf8_length(const char *text, size_t size)
     if (first < 0xc0 || first >= 0xf8 || length > size) return 0;
     uint32_t character = first & (0xffu >> (length + 1));
     for (size_t i = 1; i < length; i++) {
-        if (!is_continuation(text[i])) return 0;
+        if (((unsigned char)text[i] & 0xc0) != 0x80) return 0; /* no continuation byte */
         character = character << 6 | ((unsigned char)text[i] & 0x3f);
     }
     if (character < least[length] || character > 0x10ffff) return 0;

@@ -35,11 +35,6 @@ bool proto_batch_next(const char *text, size_t size, struct proto_batch_line *li
 
 /* --- a line's own members --------------------------------------------------------------------- */
 
-static bool refuse_member(struct proto_problem *problem, const char *member, const char *expected)
-{
-    return proto_problem_refuse_member(problem, "", member, "expected %s", expected);
-}
-
 /* Appends a string to `out`. */
 static bool append_string(const json_t *value, char *out, size_t size)
 {
@@ -70,7 +65,7 @@ static bool take_member(json_t *document, const char *member, const char *expect
     bool is_list =
         json_is_array(value) && (strcmp(member, SELECT) == 0 || strcmp(member, FORMER_SELECT) == 0);
     if (!(is_list ? append_names(value, out, size) : append_string(value, out, size)))
-        return refuse_member(problem, member, expected);
+        return proto_problem_refuse_member(problem, "", member, "expected %s", expected);
     json_object_del(document, member);
     return true;
 }

@@ -108,17 +108,13 @@ bool proto_geodesic_decode(const json_t *document, const struct proto_geodesic_f
 
 /* --- the curve -------------------------------------------------------------------------------- */
 
-static bool is_same_place(const double a[2], const double b[2])
-{
-    return a[0] == b[0] && a[1] == b[1];
-}
-
 /* Returns whether the piece begins where the preceding one ends. At a pole it need not. */
 static bool continues(const struct gd_geodesic *path, uint32_t piece)
 {
     if (piece == 0) return false;
     const struct gd_geodesic_piece *before = &path->pieces[piece - 1];
-    return is_same_place(before->points[before->count - 1], path->pieces[piece].points[0]);
+    const double *end = before->points[before->count - 1], *begin = path->pieces[piece].points[0];
+    return end[0] == begin[0] && end[1] == begin[1];
 }
 
 uint32_t proto_geodesic_control_points(const struct gd_geodesic *path, double (*out)[2])
