@@ -60,8 +60,8 @@ static void reads_files(void **state)
     (void)state;
     static const char *const texts[] = {"v 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nf 1 2 3\r\n",
                                         "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
-                                        "{\"vertices\":[[0,0,0],[1,0,0],[0,1,0]],"
-                                        "\"faces\":[[0,1,2]]}"};
+                                        ("{\"vertices\":[[0,0,0],[1,0,0],[0,1,0]],"
+                                         "\"faces\":[[0,1,2]]}")};
     for (size_t i = 0; i < 2 * COUNT_OF(texts); i++) {
         char bytes[256];
         size_t size = encode(texts[i / 2], i % 2, bytes);

@@ -244,15 +244,15 @@ struct store_counts {
 static struct store_counts stores;
 
 /* Room for one chunk of that many wedges and a guard behind it. */
-struct shelf {
-    union {
-        struct gd__chunk chunk;
+union shelf {
+    struct gd__chunk chunk;
+    struct {
         double room[1 + 3 * 3 * MOST];
+        uint64_t guard[GUARD];
     };
-    uint64_t guard[GUARD];
 };
 
-static struct gd__chunk *on_shelf(struct shelf *shelf, enum gd__wedge_form form)
+static struct gd__chunk *on_shelf(union shelf *shelf, enum gd__wedge_form form)
 {
     memset(shelf, 0x5a, sizeof *shelf);
     shelf->chunk.form = form;
@@ -260,7 +260,7 @@ static struct gd__chunk *on_shelf(struct shelf *shelf, enum gd__wedge_form form)
 }
 
 /* Checks that the chunks are equal and that nothing is written more than one group behind them. */
-static void check_as_stored(const struct shelf *stored, const struct shelf *expected)
+static void check_as_stored(const union shelf *stored, const union shelf *expected)
 {
     size_t bytes = gd__chunk_bytes(&expected->chunk),
            end = bytes + GD__WINDOWS_GROUP * sizeof(double);
@@ -293,7 +293,7 @@ static bool has_gap_inside(const struct gd__windows *w, uint32_t count, double l
 
 static void store(struct rng *rng, double length)
 {
-    static struct shelf shelves[3], general;
+    static union shelf shelves[3], general;
     bool mirrored = rng_unit(rng) < 0.5;
     enum gd__wedge_form form = rng_below(rng, 3);
     build_windows(&list, &plain);

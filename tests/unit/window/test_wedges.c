@@ -11,12 +11,12 @@ enum { MOST = 12 };
 
 /* The wedges of a list, with room for them. */
 struct written {
+    struct gd__wedges wedges;
+    uint32_t count;
     union {
         struct gd__chunk chunk;
         uint64_t room[1 + 3 * (2 * MOST + 1)];
     };
-    struct gd__wedges wedges;
-    uint32_t count;
 };
 
 static struct gd__window_builder builder;
