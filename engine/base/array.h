@@ -38,7 +38,8 @@ GD_MUST_USE static inline enum gd_status gd__array_extend(void *array, uint32_t 
     return GD_OK;
 }
 
-/* Appends a copy of an item, which is not part of the array. Otherwise as gd__array_extend. */
+/* Appends a copy of `item`, which must not point into the array. Makes room and fails as
+ * gd__array_extend does. */
 GD_MUST_USE static inline enum gd_status
 gd__array_append(void *array, uint32_t *count, uint32_t *capacity, const void *item, size_t size)
 {

@@ -1,6 +1,6 @@
 /* Memory budget of one call: counts the bytes that all its allocations have charged.
  *
- * One call, one thread. */
+ * A budget belongs to one call and one thread. */
 #ifndef GD_BASE_BUDGET_H
 #define GD_BASE_BUDGET_H
 

@@ -2,7 +2,8 @@
 
 #include <math.h>
 
-/* The longest helix of this kind within sRGB. */
+/* Chroma and lightness in the Oklab space. They define the longest helix of constant chroma that
+ * lies within sRGB. */
 #define CHROMA          0.117
 #define LIGHTNESS_FIRST 0.45
 #define LIGHTNESS_LAST  0.92

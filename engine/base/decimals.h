@@ -14,8 +14,8 @@ extern "C" {
 
 enum {
     GD__DECIMALS = 24, /* largest number of values of one call; a multiple of every lane count */
-    /* Decimal point of 1e-6. Numbers below 1e-6 and numbers from 1e17 on are written with an
-     * exponent; the kernels leave them out. */
+    /* The `point` (struct gd__decimals) of 1e-6. Numbers below 1e-6 and numbers from 1e17 on are
+     * written with an exponent; the kernels leave them out. */
     GD__DECIMAL_LEAST = -5
 };
 
@@ -60,7 +60,7 @@ gd__decimals_kernel *gd__decimals_kernel_here(void);
  * of 10^k, the upper end is (2c + 1) 2^8 / 2^128 times the scale, and the length is 0.1 to 1. */
 struct gd__decimal_scale {
     uint64_t high;       /* upper 64 bits of the scale; `low`: the 32 bits below them */
-    uint32_t low, width; /* the interval's length x 2^32, rounded down */
+    uint32_t low, width; /* `width`: the interval's length x 2^32, rounded down */
 };
 
 /* Scales for 2^-19 <= value < 2^56, indexed by the value's biased exponent. */

@@ -9,16 +9,16 @@
  * fraction of its upper end is less than its length, the whole part of the upper end is the
  * shortest decimal. Otherwise the shortest decimal is the multiple of 1/10 nearest to the
  * interval's middle. Fractions have 32 bits and are at most 5 units too small. If that precision
- * does not decide, the number is left out: one in thirty million, and all ties. The interval of a
- * power of two extends only half as far below it. That changes no result for the 75 exponents of
- * the scales (test_decimals.c tests all). */
+ * does not decide, the kernel leaves the number out. It leaves out about one number in thirty
+ * million, and all ties. The interval of a power of two extends only half as far below it. That
+ * changes no result for the 75 exponents of the scales (test_decimals.c tests all). */
 
 #define FRACTION_BITS 52
 #define HALF          UINT64_C(0xffffffff) /* the lower half of a lane */
 #define MARGIN        8                    /* margin of comparisons of fractions, up and down */
 #define TENTHS_MARGIN 64                   /* margin of tenths, whose error is ten times as large */
 
-/* Four integers. A choice has all bits of a lane set, or none. */
+/* Four integers. In a mask, each lane has all bits set or none. */
 typedef uint64_t lanes __attribute__((vector_size(32)));
 typedef int64_t signed_lanes __attribute__((vector_size(32)));
 enum { LANES = 4 };
@@ -98,7 +98,8 @@ struct parts {
 static inline struct parts part(lanes digits)
 {
     const lanes e8 = all(100000000);
-    lanes quotient = times(digits >> 25, all(2882303761)) >> 33; /* by 10^8, or one less */
+    /* the quotient by 10^8, or one less */
+    lanes quotient = times(digits >> 25, all(2882303761)) >> 33;
     lanes rest = digits - times(quotient, e8), is_less = below(all(99999999), rest);
     quotient -= is_less;
     lanes first = times(quotient, all(1441151881)) >> 57; /* divides by 10^8 */
@@ -143,8 +144,8 @@ static inline __m256i two_scales(uint64_t a, uint64_t b)
                                    _mm_loadu_si128((const __m128i *)&of[b]), 1);
 }
 
-/* Returns the decimal point of 17 digits whose last digit counts 10^(k - 1), where 10^k is the
- * least power of ten above 2^(biased - 1075). 1262611 / 2^22 is log10(2). */
+/* Returns the decimal point of 17 digits whose last digit has the place value 10^(k - 1). 10^k is
+ * the least power of ten above 2^(biased - 1075). 1262611 / 2^22 is log10(2). */
 static inline lanes point_of(lanes biased)
 {
     enum { UP = 400 }; /* makes all terms positive */
@@ -164,7 +165,7 @@ find_some(lanes bits, struct gd__decimals *out, uint32_t at)
     lanes fraction = bits & all((UINT64_C(1) << FRACTION_BITS) - 1);
     lanes is_in_range = below(biased, all(END)) & ~below(biased, all(FIRST));
     lanes index = (biased - all(FIRST)) & is_in_range;
-    /* whole entries, because a gather is slower */
+    /* loads whole entries, because a gather is slower */
     __m256i even = two_scales(index[0], index[2]), odd = two_scales(index[1], index[3]);
     lanes high = (lanes)_mm256_unpacklo_epi64(even, odd),
           low = (lanes)_mm256_unpackhi_epi64(even, odd);

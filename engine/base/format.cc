@@ -20,15 +20,16 @@ gd__decimals_kernel *gd__decimals_kernel_here(void)
 namespace
 {
 
-/* number of decimal points: up to five zeros before the digits, and up to the end of the last
- * digit */
+/* Number of positions of the decimal point, from -5 (five zeros before the digits) to 17 (behind
+ * the last digit). */
 constexpr int POINTS = 23;
 
-/* Where the digits of a number are written: all of them at `digits`, and those from `tail` on again
- * behind the point. */
+/* The layout of a number's text. All digits are written from index `digits` on. The digits from
+ * index `tail` of gd__decimals.digits on are then written once more, behind the point. */
 struct layout {
     unsigned char digits, point, tail;
-    /* False: there is no point within the digits, and it is written to scratch space. */
+    /* False: the number has no point between its digits. The code then writes the point to scratch
+     * space. */
     bool is_pointed_within;
 };
 
@@ -108,7 +109,8 @@ inline char *put_item(char *at, const run &run, const double *values, std::size_
     return at;
 }
 
-/* Writes numbers with a comma behind each, or arrays of three numbers. */
+/* Writes numbers with a comma behind each. With IN_TRIPLES it writes arrays of three numbers
+ * instead. */
 template <bool IN_TRIPLES> char *put_all(char *at, const double *values, std::size_t count)
 {
     static_assert(GD__DECIMALS % 3 == 0, "a triple is in one run");

@@ -1,5 +1,6 @@
 /* Large arrays on huge pages, if the system has them. Huge pages avoid most page faults and TLB
- * misses. They also shorten freeing, which delays the end of a cancelled call. */
+ * misses. They also make it faster to free an array. A slow free would delay the end of a cancelled
+ * call. */
 #ifndef GD_BASE_LARGE_H
 #define GD_BASE_LARGE_H
 

@@ -60,7 +60,7 @@ static inline uint32_t gd__pace_slice(struct gd__pace *pace, uint32_t done, uint
         for (; i < i##_slice; i++)
 
 /* Writes a zero to each page of a new array, so that the system provides the pages in order.
- * Scattered writes would fault on nearly all pages within one slice. */
+ * Otherwise scattered writes would cause page faults on nearly all pages within one slice. */
 static inline void gd__pace_touch(struct gd__pace *pace, void *array, size_t bytes)
 {
     const size_t page = 4096;

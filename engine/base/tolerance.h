@@ -9,18 +9,20 @@
  * assembly has its own scale. */
 #define GD_TOL_BETTER 1e-14
 
-/* A tie of two windows at an end of their overlap decides the whole overlap only if it is narrower
- * than 1 / FACTOR of the distance of their sources. In a wider one, one of them may win inside. */
+/* If two windows tie at an end of their overlap, the tie decides the whole overlap only if the
+ * overlap is narrow: narrower than 1 / FACTOR of the distance to the sources. Inside a wider
+ * overlap one of the windows may win. */
 #define GD_TOL_TIE_FACTOR 1024
 
-/* A window is stale if its source has come nearer since it cast the window, by more than this times
- * the window's distance. The source casts new windows, which replace a stale one. The tolerance
- * absorbs some ties of a contest. */
+/* A window is stale if the distance of its source has decreased since the source cast the window,
+ * by more than this times the window's distance. The source casts new windows, which replace the
+ * stale one. The tolerance is ten times GD_TOL_BETTER, so that a tie of a contest makes no window
+ * stale. */
 #define GD_TOL_STALE 1e-13
 
-/* A window narrower than this part of its edge is dropped. The vertex candidates close the gap. The
- * error is of second order in the angle that the gap subtends, at most GD_TOL_WIDTH /
- * GD_TOL_FLAT. */
+/* A window narrower than this part of its edge is dropped. Paths that bend at the ends of the
+ * neighbouring windows close the gap. The error is of second order in the angle that the gap
+ * subtends, at most GD_TOL_WIDTH / GD_TOL_FLAT. */
 #define GD_TOL_WIDTH 1e-13
 
 /* Where several seeds meet, only windows as narrow as rounding are dropped: a seed beside the edge
@@ -33,28 +35,30 @@
 #define GD_TOL_FLAT 1e-7
 
 /* A source sees an edge end on if it lies beyond the edge's ends and less than this part of the
- * edge's length off its line. The candidate of the edge's end covers this case. */
+ * edge's length off its line. The path through the edge's end covers this case. */
 #define GD_TOL_GRAZING 1e-13
 
-/* A ray that passes the apex of its face at more than this part of the crossed edge's length did
- * not miss the apex due to rounding. */
+/* If a ray passes the apex of its face at a distance of more than this part of the crossed edge's
+ * length, rounding is not the reason that the ray misses the apex. */
 #define GD_TOL_BESIDE_APEX 1e-2
 
-/* Exception: a source within this part of the length of the edge itself sees the edge at all
- * angles. */
+/* Exception to GD_TOL_GRAZING: a source that is nearer to the edge itself than this part of the
+ * edge's length sees the edge at all angles. */
 #define GD_TOL_BESIDE 1e-6
 
 /* A point is beside a vertex if it is nearer to it than this part of the least altitude of the
- * vertex' faces. Outside the vertex' fan it sees what the vertex sees, and its rays leave the fan's
- * edges near the vertex. From farther away the ends of windows, which are rounded by 2e-16 of their
- * edges, determine angles to 1e-13 (doc 002). */
+ * vertex' faces. Outside the vertex' fan (the faces around the vertex) the point sees the same
+ * places as the vertex. Its rays leave the fan's edges near the vertex. From farther away the ends
+ * of windows, which are rounded by 2e-16 of their edges, determine angles to 1e-13 (doc 002). */
 #define GD_TOL_BESIDE_VERTEX 1e-2
 
-/* The quadratic of a bisector. A discriminant this far below zero (relative to b^2) has no root, up
- * to rounding. A root may miss the branch condition by this part of its terms. Its residual in the
- * distances decides whether it is a root. One step of Newton's method improves a root if the slope
- * is not zero (at a double root the step would be far too large) and the step is at most this part
- * of the interval. Closer roots count as one. */
+/* The quadratic equation a u^2 - 2 b u + e = 0 of a bisector (window/contest.c). DISCRIMINANT:
+ * there is no root if the discriminant is farther below zero than this part of b^2. BRANCH: a root
+ * may miss the branch condition by this part of the condition's terms. ROOT_RESIDUAL: a candidate
+ * is a root if the two distances differ by at most this part. One step of Newton's method improves
+ * a root, unless the slope is less than POLISH_SLOPE (at a double root the step would be far too
+ * large), or the step is more than POLISH_STEP of the interval. ROOT_SEPARATION: closer roots count
+ * as one. */
 #define GD_TOL_DISCRIMINANT    1e-12
 #define GD_TOL_BRANCH          1e-10
 #define GD_TOL_ROOT_RESIDUAL   1e-6
@@ -84,7 +88,7 @@
 #define GD_TOL_CONE 1e-7
 
 /* A face flatter than this (height over its longest edge) counts as nearly degenerate. A vertex
- * that close to its opposite edge casts its whole window through the face, because the ends of a
+ * that close to its opposite edge casts a window through the whole edge, because the ends of a
  * clipped window would not determine the angle. The shadow cone only saves work, so a wider window
  * is correct. */
 #define GD_TOL_CAP 1e-6
@@ -96,14 +100,14 @@
 
 /* A path whose length disagrees with the distance is traced again with a wider tolerance. A leg
  * then passes through a vertex if the vertex is off the leg by less than this part of the distance
- * to the leg's nearer end. The detour is the square of this part. The first attempt uses LEAST,
- * each further one STEP times more. */
+ * to the leg's nearer end. The detour is of the order of the square of this part. The first attempt
+ * uses LEAST. Each further attempt uses STEP times the tolerance of the previous one. */
 #define GD_TOL_ASIDE_LEAST 1e-16
 #define GD_TOL_ASIDE_STEP  100
 
-/* Also added to that tolerance: this part of the crossed edge at most, because the ends of wedges
- * are stored to 2^-32 of the edge; and this part of the distance, because in smaller faces rounding
- * decides between wedges. */
+/* Two terms are added to the tolerance of GD_TOL_ASIDE_LEAST. END: at most this part of the crossed
+ * edge, because the ends of wedges are stored to 2^-32 of the edge. NOISE: this part of the
+ * distance, because in faces smaller than this length rounding decides between wedges. */
 #define GD_TOL_ASIDE_END   1e-9
 #define GD_TOL_ASIDE_NOISE 1e-14
 
@@ -115,8 +119,8 @@
  * to the ray and the face. */
 #define GD_TOL_ARRIVED 1e-6
 
-/* Barycentric coordinates and edge parameters this close to the border are on it. This is the
- * rounding of their own sum. */
+/* Barycentric coordinates and edge parameters this close to the border are on it. The tolerance is
+ * the rounding of their sum. */
 #define GD_TOL_ON_BORDER 4e-15
 
 /* A corner of a curve this close to an edge is moved onto it. The corner's view ends right beside
@@ -143,10 +147,11 @@
  * ends of wedges are stored to 2^-32. */
 #define GD_TOL_STRAIGHT 1e-9
 
-/* A source that is seen through several wedges has unfolded images that differ by this part of its
- * distance, because each image is unfolded along its own faces. Positions in a face are rounded by
- * this part of the face's size. In an envelope, sources tie if they differ by no more than the sum
- * of both. */
+/* ENVELOPE: a source that is seen through several wedges has unfolded images that differ by this
+ * part of its distance, because each image is unfolded along its own faces. PLACE: positions in a
+ * face are rounded by this part of the face's size. In an envelope (the minimum of the distances
+ * from all sources of a face), two sources tie if their distances differ by no more than the sum of
+ * both errors. */
 #define GD_TOL_ENVELOPE 1e-12
 #define GD_TOL_PLACE    4e-15
 
@@ -162,14 +167,16 @@
 #define GD_TOL_NODE 1e-6
 
 /* If two bisectors of three sources meet at a smaller angle, the distances do not determine the
- * common point precisely. The nudged position is kept. Its error is at most the nudge. */
+ * common point precisely. The point then keeps its nudged position, whose error is at most the
+ * nudge. */
 #define GD_TOL_TANGENT 1e-3
 
 /* A span of a bisector's angles is empty if it is no wider than this: the rounding of an angle. */
 #define GD_TOL_SPAN 0x1p-52
 
-/* To close gaps due to rounding, the view of a line may be widened by this part of its distance.
- * Distances in the added strip are too short by at most half this part of the strip's width. */
+/* To close gaps due to rounding, the strip that a segment source sees may be widened by this part
+ * of its distance from the segment. Distances in the added strip are too short by at most half this
+ * part of the strip's width. */
 #define GD_TOL_LENGTHENED 1e-3
 
 /* Ends of arcs within this distance of each other, relative to the face, are matched first. The
@@ -197,10 +204,10 @@
 #define GD_TOL_FLOAT_LEAST 1e-44
 
 /* A straight line goes through a vertex if it passes this close, relative to the shorter of the
- * edge that it crosses there and the length from its start (plus GD_TOL_PLACE of the edge). Its end
- * is put on an edge or a vertex this close, relative to the shorter of the edge and the line. This
- * is also the largest angle by which a direction may miss a boundary edge and still run along
- * it. */
+ * edge that it crosses there and the length from its start (plus GD_TOL_PLACE of the edge). The
+ * line's end is put on an edge or a vertex this close, relative to the shorter of the edge and the
+ * line. This is also the largest angle by which a direction may miss a boundary edge and still run
+ * along it. */
 #define GD_TOL_HIT 1e-12
 
 /* This part of the length of a walk is added to GD_TOL_HIT, because each unfolded face adds
@@ -208,8 +215,8 @@
 #define GD_TOL_DRIFT 1e-15
 
 /* A segment of a vector that another segment follows ends at a vertex this close, relative to the
- * segment's length. A segment that meets the boundary with so little left has reached its end.
- * Faces as flat as GD_TOL_FLAT have nearly as much rounding. */
+ * segment's length. A segment that meets the boundary with at most this part of its length left has
+ * reached its end. Faces as flat as GD_TOL_FLAT have nearly as much rounding. */
 #define GD_TOL_JOINT 1e-9
 
 /* A line touches an earlier segment of itself if their distance is less than this part of the
@@ -227,8 +234,8 @@
  * below zero. Rounding is smaller, so no flip is undone. */
 #define GD_TOL_DELAUNAY 1e-12
 
-/* The iteration for a mean has converged if the next step is this part of its distance from the
- * points: the rounding of directions and lengths. */
+/* The iteration for a mean has converged if the next step is at most this part of the root mean
+ * square distance from the points. The tolerance is the rounding of directions and lengths. */
 #define GD_TOL_MEAN 1e-11
 
 /* A line that bends at a vertex by less than this angle is straight there. Passing the vertex on
@@ -254,14 +261,15 @@
  * flips need a normal. */
 #define GD_TOL_EDIT_PATCH 1e-5
 
-/* An edge of a patch is flipped if the angles opposite to it exceed pi by more than this part. An
- * angle of a triangle of GD_TOL_EDIT_PATCH is known to about 1e-16 / GD_TOL_EDIT_PATCH = 1e-11. So
- * the diagonals of four points on a circle, whose angles sum to pi, do not replace each other
- * forever. */
+/* An edge of a patch is flipped if the sum of the angles opposite to it exceeds pi by more than
+ * this part of pi. An angle of a triangle of GD_TOL_EDIT_PATCH is known to about 1e-16 /
+ * GD_TOL_EDIT_PATCH = 1e-11. So the diagonals of four points on a circle, whose angles sum to pi,
+ * do not replace each other forever. */
 #define GD_TOL_EDIT_FLIP 1e-9
 
 /* Two faces are folded onto each other if they meet at less than this angle, in radians: about five
- * degrees. Faces that a patch turns over in a plane meet at zero, up to the noise of the loop. */
+ * degrees. If a patch folds back in a plane, the faces at the fold meet at an angle of zero, up to
+ * the noise of the loop's positions. */
 #define GD_TOL_EDIT_FOLD 0.09
 
 /* Coordinates and extents beyond this and its inverse are rejected: their squares leave the range
@@ -286,16 +294,16 @@
  * matrix is not positive definite. */
 #define GD_TOL_PIVOT 1e-13
 
-/* The second derivative of a length by the position of its end, relative to 1 / length, is zero up
- * to rounding below this. */
+/* A second derivative of a length with respect to the position of the path's end counts as zero if
+ * it is less than this part of 1 / length. */
 #define GD_TOL_DEGENERATE 1e-9
 
 /* Newton's method on a length has converged if the next step would save less than this part of the
  * length: the square of the gradient's rounding. */
 #define GD_TOL_STATIONARY 1e-24
 
-/* Below this saving, lengths do not distinguish steps. Steps are then accepted as long as the
- * expected saving decreases. */
+/* If a step is expected to save less than this part of the length, the computed lengths do not show
+ * whether it helps. Such steps are accepted as long as the expected saving decreases. */
 #define GD_TOL_BLIND 1e-12
 
 /* A curve may leave its smooth cell of a surface by this part of the cell's width. There the cell's
@@ -342,9 +350,9 @@
 #define GD_TOL_VERTEX 1e-11
 
 /* Two directions from a corner of a limit surface are parallel, and there is no normal, if their
- * cross product is shorter than this part of them. If there is a normal, the component across
- * exceeds that part of the component along, even after the last halving and for any number of
- * faces. */
+ * cross product is shorter than this part of them. If there is a normal, the component of one
+ * direction perpendicular to the other exceeds this part of the parallel component, even after the
+ * last halving and for any number of faces. */
 #define GD_TOL_SPIKE 1e-10
 
 /* Newton's method for the closest point of a limit surface has converged if its step is this small
@@ -365,8 +373,8 @@
 
 /* Two paths to a point are different if their arrival directions differ by this angle, in radians.
  * Paths around both sides of a vertex that they nearly pass differ by less. The point lies on the
- * cut locus if the lengths of the paths differ by no more than the second part of its distance: the
- * rounding of a tie. */
+ * cut locus if it is nearer to an exact tie of the two paths than GD_TOL_CUT of its distance. This
+ * is the rounding of a tie. */
 #define GD_TOL_CUT_ANGLE 1e-3
 #define GD_TOL_CUT       1e-10
 

@@ -39,8 +39,8 @@ enum gd_status gd__children_grow(struct gd__children *children, struct gd__pool 
 
 /* --- sorting ---------------------------------------------------------------------------------- */
 
-/* Number of sorted windows before the first tangled one that are sorted together with it. A window
- * rarely belongs farther back. */
+/* Number of sorted windows before the first tangled (unsorted) one that are sorted together with
+ * it. A window rarely belongs farther back. */
 #define BEFORE_TANGLE 4
 
 /* Sorts windows [base, count) into scratch->stack[0]. The windows before children->tangled are
@@ -59,7 +59,7 @@ static bool untangle_from(const struct gd__children *children, uint32_t base, do
     for (uint32_t i = children->tangled; i < children->count; i++) {
         struct gd__window w = gd__windows_get(windows, i);
         *rest = i;
-        if (w.b1 - w.b0 <= min_width) continue; /* nothing is left between its neighbours */
+        if (w.b1 - w.b0 <= min_width) continue; /* too narrow to keep */
         if (scratch->apart) w.tags = (i + 1) * GD__WINDOW_SERIAL;
         bool is_clear = list->count && w.b0 >= list->windows[list->count - 1].b1 - min_width;
         if (is_clear && i > children->tangled_last) return true;

@@ -12,9 +12,9 @@
 
 #define BISECTIONS 60
 
-/* The window that is strictly better at a point. A tie at one point does not decide an interval:
- * far away, two neighbouring sources are equally distant up to rounding, although one of them is
- * better nearby. */
+/* The window that gives the strictly shorter distance at a point. A tie at one point does not
+ * decide an interval: far away, two neighbouring sources are equally distant up to rounding,
+ * although one of them is better nearby. */
 enum winner { CHALLENGER = -1, TIE = 0, OWNER = 1 };
 
 /* Branchless, because a branch would be mispredicted half of the time. */
@@ -35,7 +35,8 @@ static double clamp(double t, double lo, double hi)
 }
 
 /* Returns half the difference of the squared distances to both sources at t, and a bound on its
- * rounding error. Neither factor suffers from cancellation. */
+ * rounding error. The difference is computed as a product, and neither factor suffers from
+ * cancellation. */
 static double square_difference_at(const struct gd__window *c, const struct gd__window *o, double t,
                                    double *scale)
 {
@@ -65,7 +66,8 @@ static struct gd__contest_result split_linearly(struct sample a, struct sample b
     return result;
 }
 
-/* Decides a tie at an end of the interval by the points that are nearest to the two sources. */
+/* Decides a contest with a tie at an end of the interval. Compares the windows at the points of the
+ * interval that are nearest to the two sources. */
 static struct gd__contest_result settle_linear_tie(const struct gd__window *c,
                                                    const struct gd__window *o, struct sample lo,
                                                    struct sample hi)
@@ -83,8 +85,8 @@ static struct gd__contest_result settle_linear_tie(const struct gd__window *c,
     return all_to(last.winner);
 }
 
-/* Contests windows of equal sigma. The bisector is a line. Its root needs no square root, and is
- * robust where D cancels. */
+/* Contests (compares, see contest.h) windows of equal sigma. The bisector is a line. Its root needs
+ * no square root, and is robust where D cancels. */
 static struct gd__contest_result contest_equal(const struct gd__window *c,
                                                const struct gd__window *o, double lo, double hi)
 {
@@ -233,8 +235,8 @@ BOTH_KINDS int roots_of(const struct gd__window *c, const struct gd__window *o, 
     return settle_root(c, o, lo, hi, &root[0]);
 }
 
-/* Returns the magnitude to which the rounding error of a distance is proportional. The distance of
- * a linear window is a difference of larger terms. */
+/* Returns the magnitude that determines the rounding error of a distance. The distance of a linear
+ * window is a difference of larger terms. */
 static double size_at(const struct gd__window *w, double t, double distance)
 {
     return gd__window_is_linear(w) ? fabs(w->sigma) + fabs(w->x * t) : distance;
@@ -256,8 +258,8 @@ BOTH_KINDS enum winner winner_at(const struct gd__window *c, const struct gd__wi
     return winner_of(difference, scale);
 }
 
-/* Finds by bisection where the winner changes. Used if it changes exactly once and the quadratic is
- * too ill-conditioned. */
+/* Finds by bisection where the winner changes. The caller uses bisection if the winner changes
+ * exactly once and the quadratic equation is too ill-conditioned. */
 BOTH_KINDS double bisect(const struct gd__window *c, const struct gd__window *o, double lo,
                          double hi, enum winner at_lo, bool linear)
 {
@@ -302,8 +304,9 @@ BOTH_KINDS struct gd__contest_result settle_different_ends(const struct gd__wind
     struct gd__contest_result result = all_to(at_lo);
     int count = roots_of(c, o, lo, hi, linear, result.at);
     if (count == 0) result.at[0] = bisect(c, o, lo, hi, at_lo, linear);
-    /* Two roots and different winners at the ends: up to rounding one root is at an end. The middle
-     * decides which one. */
+    /* With different winners at the ends there is an odd number of roots. If two are found, one of
+     * them is at an end of the interval up to rounding. The winner in the middle decides which
+     * one. */
     if (count == 2 && winner_at(c, o, 0.5 * (result.at[0] + result.at[1]), linear) == at_lo)
         result.at[0] = result.at[1];
     result.switches = 1;
@@ -324,8 +327,8 @@ BOTH_KINDS enum winner winner_of_piece(const struct gd__window *c, const struct 
     return OWNER;
 }
 
-/* Contests windows that tie at an end. Up to rounding a root lies there, which is not one of the
- * roots inside. So each piece between roots is decided separately. */
+/* Contests windows that tie at an end of the interval. Up to rounding a root lies at that end, and
+ * it may be missing among the roots inside. So each piece between roots is decided separately. */
 BOTH_KINDS struct gd__contest_result settle_tie(const struct gd__window *c,
                                                 const struct gd__window *o, double lo, double hi,
                                                 bool linear)
@@ -363,8 +366,8 @@ static struct gd__contest_result contest_linear(const struct gd__window *c,
     return contest(c, o, lo, hi, true);
 }
 
-/* Contests two linear windows: one is nearer at both ends and so everywhere between, or there is
- * one root. */
+/* Contests two linear windows. Either one window is nearer at both ends, and so everywhere between
+ * them, or there is one root. */
 static struct gd__contest_result contest_lines(const struct gd__window *c,
                                                const struct gd__window *o, double lo, double hi)
 {

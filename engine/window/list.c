@@ -13,7 +13,7 @@ struct seam {
 
 enum closing { CLOSING_DONE, CLOSING_NEXT, CLOSING_GENERAL };
 
-/* Contests the two windows that face each other. The window of the list before is the
+/* Contests the two windows that face each other. The window of the list `before` is the
  * challenger. */
 static struct gd__contest_result contest_facing(const struct seam *s, double lo, double hi)
 {
@@ -26,7 +26,8 @@ static struct gd__contest_result contest_facing(const struct seam *s, double lo,
 }
 
 /* Cuts the windows that face each other at their bisector, and drops a window that loses
- * everywhere. If that requires a window farther away, cuts nothing and returns CLOSING_GENERAL. */
+ * everywhere. If the result depends on a window farther away, the function cuts nothing and returns
+ * CLOSING_GENERAL. */
 static enum closing close_facing(struct seam *s, double min_width)
 {
     double *a0 = &s->before->b0[s->last], *a1 = &s->before->b1[s->last];
@@ -167,8 +168,8 @@ struct insertion {
     uint32_t skip, end;
 };
 
-/* Extends the neighbours of an insertion by windows of the same source, which are then not
- * inserted. */
+/* Extends the neighbours of an insertion by its windows of the same source. These windows are then
+ * not inserted. */
 static void join_neighbours(const struct gd__windows *list, uint32_t count, struct insertion *in,
                             double min_width)
 {
@@ -303,7 +304,8 @@ static void parts_put(struct parts *parts, const struct gd__window *w, double fr
     parts->last = w;
 }
 
-/* Contests the new window with a window of the list, which wins ties, and appends the pieces. */
+/* Contests the new window with a window of the list, and appends the pieces. The window of the list
+ * wins ties. */
 static void parts_put_overlap(struct parts *parts, const struct gd__window *w,
                               const struct gd__window *o, double lo, double hi)
 {

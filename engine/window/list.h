@@ -25,7 +25,7 @@ static inline struct gd__windows gd__list_windows(const struct gd__list *list)
 }
 
 /* Inserts sorted windows, at least one, into a list that is not empty. Takes ownership of their
- * block: it becomes the list's or is released. The list's windows win ties. Contests overlapping
+ * block: the list uses the block or releases it. The list's windows win ties. Contests overlapping
  * windows only. GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__list_add(struct gd__list *list, struct gd__pool *pool,
                                         struct gd__children *newer, double min_width,

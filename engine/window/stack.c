@@ -22,8 +22,8 @@ void gd__stack_load(struct gd__stack *stack, const struct gd__windows *windows, 
         stack->windows[stack->count++] = gd__windows_get(windows, i);
 }
 
-/* Appends the piece [from, to] of a window. Extends the last piece if that belongs to the same
- * window and ends at `from`. */
+/* Appends the piece [from, to] of a window. If the last piece belongs to the same window and ends
+ * at `from`, the function extends that piece instead. */
 static void append_piece(struct gd__stack *out, const struct gd__window *w, double from, double to,
                          double min_width, const struct gd__window **last)
 {
@@ -108,8 +108,8 @@ void gd__merge(const struct gd__window *existing, uint32_t existing_count,
     }
 }
 
-/* Pushes a window in the general case: merges it with the part of the list that ends after its
- * start. */
+/* Pushes a window in the general case: merges it with the windows of the list that end after the
+ * window's start. */
 static enum gd_status merge_into_tail(struct gd__stack *list, const struct gd__window *window,
                                       double min_width, struct gd__stack *scratch)
 {
@@ -127,8 +127,8 @@ static enum gd_status merge_into_tail(struct gd__stack *list, const struct gd__w
 
 enum push { PUSH_REST, PUSH_AGAIN, PUSH_DONE, PUSH_GENERAL };
 
-/* Returns true if the part of the window before the list's last window loses: better windows cover
- * it without a gap. */
+/* Returns true if the window loses everywhere before the list's last window: better windows of the
+ * list cover that part without a gap. */
 static bool is_beaten_before(const struct gd__stack *list, const struct gd__window *w,
                              double min_width)
 {
@@ -146,8 +146,9 @@ static bool is_beaten_before(const struct gd__stack *list, const struct gd__wind
     return w->b0 >= until - min_width;
 }
 
-/* Handles a window that wins [from, to) of the list's last window, which becomes two pieces. The
- * part beyond the last window remains in the window. There must be room. */
+/* Handles a window that wins the part [from, to) of the list's last window. The last window becomes
+ * two pieces around that part. `w` keeps only its part beyond the last window. There must be room
+ * for two more windows. */
 static enum push split_last(struct gd__stack *list, struct gd__window *w, double from, double to,
                             double min_width)
 {
@@ -159,8 +160,9 @@ static enum push split_last(struct gd__stack *list, struct gd__window *w, double
     return w->b1 > w->b0 ? PUSH_REST : PUSH_DONE;
 }
 
-/* Contests the window with the list's last window, which it overlaps. The frequent results trim one
- * of the two in place. There must be room for three more windows. */
+/* Contests the window with the list's last window, which it overlaps. In the frequent cases the
+ * function only trims one of the two windows in place. There must be room for three more
+ * windows. */
 static enum push contest_last(struct gd__stack *list, struct gd__window *w, double min_width)
 {
     struct gd__window *last = &list->windows[list->count - 1];

@@ -1,9 +1,10 @@
 /* Wedges: the final form of windows, stored in chunks. A chunk holds the windows of one side that
  * were propagated together. Its wedges are in the frame of side 0 of the edge, sorted by start. A
  * wedge ends where the next wedge of its chunk starts; the last one ends at the edge's end. A wedge
- * without a source is a gap. In a linear wedge, `x` is the distance at the edge's origin and `y`
- * the tangent of half the angle between the segment source's line and the edge. The ends of a
- * linear wedge are rounded inwards, because its segment ends there.
+ * without a source is a gap. In a linear wedge (a wedge of a segment source), `x` is the distance
+ * at the edge's origin. `y` is the tangent of half the angle between the edge and the direction to
+ * the segment. The ends of a linear wedge are rounded inwards, because the segment has no paths
+ * beyond them.
  *
  * An edge has a chain of chunks, newest first; most chains have one chunk. Chunks of a chain may
  * overlap. Each wedge describes an existing path, so the distance is the minimum over all wedges.

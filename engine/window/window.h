@@ -1,8 +1,8 @@
-/* Window: an interval of an edge, on one of its sides, and the source whose paths reach it, during
- * propagation (Definition 1 of the paper). A wedge is the final form of a window. In the frame of
- * its side (mesh/topology.h) the window has its pseudo-source at (x, -y), y > 0. Straight lines
- * from the source through [b0, b1] are shortest paths. The distance at parameter t of the edge is
- * sigma + |(t, 0) - (x, -y)|. The window propagates into the side's face.
+/* Window: during propagation, an interval of an edge, on one side of the edge, and the source whose
+ * paths reach the interval (Definition 1 of the paper). A wedge is the final form of a window. In
+ * the frame of its side (mesh/topology.h) the window has its pseudo-source at (x, -y), y > 0.
+ * Straight lines from the source through [b0, b1] are shortest paths. The distance at parameter t
+ * of the edge is sigma + |(t, 0) - (x, -y)|. The window propagates into the side's face.
  *
  * A linear window belongs to a segment source (Bommes and Kobbelt 2007). Its rays are parallel, as
  * if the source were infinitely far away in the direction (x, -y), a unit vector, y > 0. The
