@@ -5,7 +5,8 @@
 
 #include "mesh/segment.h"
 
-/* limit on work for each point of the curve; also the least limit on total work */
+/* Limit on the number of processed segments: WORK_AT_LEAST, plus WORK_A_SEGMENT for each point of
+ * the curve. */
 #define WORK_A_SEGMENT 4096
 #define WORK_AT_LEAST  (UINT64_C(1) << 22)
 

@@ -5,10 +5,11 @@
 #include "base/array.h"
 #include "field/sources.h"
 
-/* The last leg of each shortest path is a source (sources.h) that sees the point through the face
- * of the leg. A path through a corner where no shortest path bends is longer by more than the tie
- * tolerance. Two paths of nearly equal length that arrive at an angle are equally long at a nearby
- * point: its distance is the difference of the lengths over twice the sine of half of the angle. */
+/* The last leg of each shortest path comes from a source (sources.h) that sees the point through
+ * the leg's face. A path through a corner where no shortest path bends is longer by more than the
+ * tie tolerance. Two paths of nearly equal length that arrive at an angle are equally long at a
+ * nearby point. The distance to that point is the difference of the lengths, divided by twice the
+ * sine of half of the angle. */
 
 struct arrival {
     double distance;

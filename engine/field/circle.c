@@ -5,8 +5,8 @@
 #include "base/array.h"
 
 /* The part of a circle that lies in the face and is not nearer to another source is bounded by
- * disks and half-planes. On a circle each of them is a condition cos(angle - phi) >= q; on a line,
- * an interval. */
+ * disks and half-planes. On a circle each of them is a condition cos(angle - phi) >= q. On a line
+ * (the circle of a segment source) each of them is an interval. */
 
 static struct gd__local opposite(struct gd__local v)
 {
@@ -107,8 +107,8 @@ static bool circle_touches(const struct gd__circle *circle, struct gd__local nor
 }
 
 /* Returns the part on the negative side of a line. A circle that touches the line within `slack`
- * counts as on the centre's side; a straight circle that coincides with it counts as on its
- * source's side. */
+ * counts as lying on its centre's side. A straight circle that coincides with the line counts as
+ * lying on its own source's side. */
 static struct gd__turn beyond_line(const struct gd__circle *circle, struct gd__local normal,
                                    struct gd__local through, double slack)
 {

@@ -2,8 +2,8 @@
  * where no other source is nearer.
  *
  * For a linear source the circle is a straight line, which is parametrised by an angle too: the
- * tangent of half the angle is the length along the line. The whole line has the angles from -pi to
- * pi, in the order of a counter-clockwise circle. */
+ * tangent of half the angle is the length along the line, divided by `radius`. The whole line has
+ * the angles from -pi to pi, in the order of a counter-clockwise circle. */
 #ifndef GD_FIELD_CIRCLE_H
 #define GD_FIELD_CIRCLE_H
 

@@ -8,14 +8,14 @@
 enum {
     DIGIT_BITS = 8,
     DIGIT = 1 << DIGIT_BITS,
-    FEW = 32 /* runs are sorted in place */,
+    FEW = 32 /* up to this number, entries are sorted in place */,
     SEEDS_AHEAD = 24
 };
 
 /* --- by face ---------------------------------------------------------------------------------- */
 
 /* Finds the edge or the face whose interior contains a seed; both are GD_NONE for a seed at a
- * vertex. Returns false if no face contains a segment. */
+ * vertex. Returns false if the seed is a segment that no face contains. */
 static bool home_of(const struct gd_mesh *mesh, const struct gd__seed *seed,
                     struct gd__segment_location *location)
 {
@@ -123,14 +123,14 @@ static void enter_both(struct gd_field *field, const uint32_t face[2], uint32_t 
     append_face_seed(field, face[!second], seed);
 }
 
-/* Adds the entries of a seed. Returns false if no face contains a segment. */
+/* Adds the entries of a seed. Returns false if the seed is a segment that no face contains. */
 static bool enter_seed(struct gd_field *field, uint32_t seed)
 {
     struct gd__seed *s = &field->seeds[seed];
     struct gd__segment_location location;
     if (!home_of(field->mesh, s, &location)) return false;
     field->has_segments |= s->is_segment;
-    /* seeds of an image are neither written nor propagated */
+    /* The seeds of an image are read-only, and they are not propagated. */
     if (s->is_segment && !field->is_image) s->face = location.face;
     append_face_seed(field, location.face, seed);
     if (location.edge != GD_NONE)

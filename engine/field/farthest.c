@@ -4,14 +4,14 @@
 #include "field/circle.h"
 #include "window/contest.h"
 
-/* The farthest point. Inside a region with one nearest source the distance has no maximum. On a
- * line between two sources inside a face it can only have one where the gradients are opposite.
- * Between two points, or a point and a segment, such a place is a saddle. Between two parallel
- * segments it belongs to a ridge of constant height, which ends at a third source or on the
- * boundary, or crosses edges and closes. Therefore a maximum is a vertex, a point of a boundary
- * edge between two sources, a point of any edge between two segments, or a point between three
- * sources. Vertices are tried first. Then only faces that may exceed the best point so far are
- * searched, with only the sources that may exceed it. */
+/* The farthest point. Inside a region with one nearest source the distance has no maximum. On the
+ * bisector of two sources inside a face the distance can have a maximum only where the two
+ * gradients are opposite. Between two points, or a point and a segment, such a place is a saddle.
+ * Between two parallel segments the place belongs to a ridge of constant distance, which ends at a
+ * third source or on the boundary, or crosses edges and closes. Therefore a maximum is a vertex, a
+ * point of a boundary edge between two sources, a point of any edge between two segments, or a
+ * point between three sources. Vertices are tried first. Then only faces that may exceed the best
+ * point so far are searched, with only the sources that may exceed it. */
 
 enum { CHECK_INTERVAL = 64 /* faces */ };
 
@@ -280,8 +280,8 @@ static enum gd_status search_face(struct search *search, uint32_t face)
     return GD_OK;
 }
 
-/* Returns true if the field reaches every seed that is a vertex, and corner 0 of the face of every
- * other seed. */
+/* Returns true if the field reaches every seed at a vertex, and corner 0 of the face of every other
+ * seed. */
 static bool is_heard_of_all_seeds(const struct gd_field *field)
 {
     const struct gd_mesh *mesh = field->mesh;

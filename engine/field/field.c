@@ -26,7 +26,7 @@ size_t gd__field_bytes(const struct gd_field *field)
 }
 
 /* Returns true if the distances of an edge's ends differ by more than the edge's length, within the
- * field's reach. If no edge breaks this law, every vertex is reached. */
+ * field's reach. If no edge breaks this law, every vertex within the reach has a distance. */
 static bool breaks_law(const struct gd_field *field, uint32_t side)
 {
     const struct gd_mesh *mesh = field->mesh;
@@ -58,8 +58,8 @@ static bool mend_edge(struct gd_field *field, uint32_t side)
 
 /* Repairs distances in faces as small as rounding. If windows tie to the last bit, rounding may
  * discard all of them, and vertices keep a distance that is too long, or none. In such small faces
- * paths along edges are equally good. Elsewhere, as around a very thin tube, the field is an error.
- * Distances only decrease, so the loop ends. */
+ * paths along edges are equally good. In larger faces, for example around a very thin tube, such
+ * distances are not repaired, and the build fails. Distances only decrease, so the loop ends. */
 static enum gd_status mend_field(struct gd_field *field)
 {
     bool is_mended = true;

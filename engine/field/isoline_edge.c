@@ -1,9 +1,9 @@
 #include "base/array.h"
 #include "field/isoline_parts.h"
 
-/* Crossings: where the distance along an edge passes the level. Each source seen from the edge
- * gives candidates. Between two consecutive candidates the edge is entirely below the level or
- * entirely not below, so one evaluation in the middle decides.
+/* Crossings: where the distance along an edge passes the level. For each source seen from the edge,
+ * the places where its distance equals the level are candidates. Between two consecutive candidates
+ * all points of the edge are below the level, or none is. So one evaluation in the middle decides.
  *
  * A distance that equals the level up to rounding counts as not below: the isoline of a segment may
  * run along whole edges and touch others between their ends. At a vertex the stored distance

@@ -287,8 +287,8 @@ static enum gd_status bridge_crossings(const struct work *work, const struct gd_
     return append_piece(work->parts, &piece);
 }
 
-/* Returns true for a loop inside the face that is shorter than the promised precision: an uncovered
- * spot where arcs cross. */
+/* Returns true for a loop inside the face that is shorter than the promised precision. Rounding
+ * creates such a loop where arcs cross and leave a tiny area uncovered. */
 static bool is_rounding(const struct work *work, const struct gd__isoline_chain *chain)
 {
     double length = 0;

@@ -114,8 +114,8 @@ static inline void try_corner(const struct gd_field *field, uint32_t side, struc
               vertex);
 }
 
-/* Returns true if a seed ties with a vertex. The seed then wins, because the path passes the vertex
- * first. */
+/* Returns true if a seed ties with a vertex. The seed then wins, because the path to the seed
+ * passes through the vertex. */
 static inline bool seed_takes_tie(const struct gd__leg_key *best, double distance)
 {
     return distance == best->distance && best->kind == GD__LEG_VERTEX;
@@ -174,10 +174,11 @@ static bool are_beside(const struct gd_field *field, uint32_t vertex, uint32_t f
            (gd__polar_beside(field->mesh, &seed->point, &polar) && polar.vertex == vertex);
 }
 
-/* Returns the amount by which a path through a wedge must be shorter than the known path: if the
- * known path is short compared with the face, the rounding of places in the face. The known path
- * from a close point seed is more precise, also through a vertex beside both. A known path through
- * another corner may be too long by less than this amount. */
+/* Returns the amount by which a path through a wedge must be shorter than the known path. The
+ * amount is the rounding of places in the face if the known path is short compared with the face
+ * and comes from a point seed, directly or through a vertex beside both the point and the seed.
+ * Such a path is more precise than a path through a wedge. In all other cases the amount is 0. For
+ * example, a known path through another corner may be slightly too long. */
 static inline double margin_of(const struct gd_field *field, uint32_t face, const double weight[3],
                                const struct gd__leg_key *best)
 {
@@ -259,8 +260,9 @@ void gd__field_leg_key(const struct gd_field *field, const struct gd_point *poin
 
 /* --- its last leg ----------------------------------------------------------------------------- */
 
-/* Returns where the straight line crosses the edge, measured from the end of the leg that is nearer
- * to the edge, so that the rounding error is relative to that end's distance. */
+/* Returns where the straight line crosses the edge. The crossing is computed from the end of the
+ * leg that is nearer to the edge, so that the rounding error is relative to the distance of that
+ * end from the edge. */
 static double straight_crossing(const struct gd__wedge_view *wedge_view, const struct gd__window *w)
 {
     if (gd__window_is_linear(w)) return wedge_view->x + w->x * (wedge_view->y / w->y);

@@ -61,7 +61,7 @@ struct passage {
     double edge, segment;
 };
 
-/* For functions that are compiled for rays to points and for rays to segments. */
+/* Marks functions that are compiled twice: for rays to points and for rays to segments. */
 #define BOTH_KINDS static inline __attribute__((always_inline))
 
 /* Transforms a ray to the face across its side, where its source is above the side, at (x, y). */
@@ -200,7 +200,8 @@ static uint32_t vertex_beside(const struct gd__path_builder *builder, const stru
 }
 
 /* Returns true for a vertex that no window reached, or whose distance comes along an edge from the
- * leg's own vertex (field.c). From such a vertex the path would circle or could not continue. */
+ * leg's own vertex (field.c). From such a vertex the path would return to the same vertex, or could
+ * not continue. */
 static bool leads_back(const struct gd__path_builder *builder, const struct gd_point *at)
 {
     if (at->kind != GD_POINT_VERTEX) return false;

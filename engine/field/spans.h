@@ -35,7 +35,7 @@ struct gd__spans {
     uint32_t count, capacity;
 };
 
-/* Appends the spans of a turn, with `by` as the number of all borders. Error: GD_NO_MEMORY. */
+/* Appends the spans of a turn. Each of their borders gets the number `by`. Error: GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__spans_put(struct gd__spans *spans, const struct gd__turn *turn,
                                          uint32_t by);
 

@@ -187,7 +187,7 @@ static enum gd_status try_path(const struct gd_field *field, const struct gd_poi
         gd_path_free(&builder.path);
         return builder.status;
     }
-    /* the distance has digits that the sum has lost */
+    /* The distance is more precise than the sum of the lengths of the path's segments. */
     builder.path.length = (leg->distance - offset) * mesh->unit;
     *out = builder.path;
     *seed = end;

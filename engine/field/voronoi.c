@@ -141,8 +141,8 @@ static enum gd_status find_owners(struct tracer *tracer, int round)
     return status;
 }
 
-/* Computes the owners of all vertices. If a vertex changes owner, so do the vertices whose
- * pseudo-source it is: hence several rounds. */
+/* Computes the owners of all vertices. If a vertex changes its owner, all vertices that have it as
+ * pseudo-source change their owner too. Therefore several rounds may be needed. */
 static enum gd_status settle_owners(struct tracer *tracer)
 {
     struct gd__diagram *diagram = &tracer->diagram;

@@ -40,8 +40,8 @@ static bool from_point_to_line(const struct gd__focus *source, const struct gd__
 }
 
 /* Computes the branch of two linear sources: the line d p = k, where d is the difference of the
- * gradients, seen from a place at distance `size`. Gradients that differ by less than the nudge
- * count as equal. */
+ * gradients. The centre of the polar form lies at distance `size` from the line. Gradients that
+ * differ by less than the nudge count as equal. */
 static bool between_lines(const struct gd__focus *source, const struct gd__focus *other,
                           struct gd__local middle, double size, struct gd__branch *out)
 {

@@ -268,8 +268,8 @@ static bool is_out_of_reach(const struct work *work, uint32_t i, uint32_t j)
 }
 
 /* Returns true if source i takes precedence over source j, when both belong to one member and are
- * equally near. Of one source seen through two wedges the first takes precedence; a line takes
- * precedence over its end. */
+ * equally near. If one source is seen through two wedges, the first wedge takes precedence. A
+ * segment takes precedence over its end. */
 static bool takes_tie(const struct work *work, uint32_t i, uint32_t j)
 {
     const struct gd__source *source = work->scratch->sources.source;
@@ -312,7 +312,8 @@ static enum gd_status append_between(const struct work *work, uint32_t i, uint32
     if (is_out_of_reach(work, i, j) || is_out_of_reach(work, j, i)) return GD_OK;
     if (!gd__branch_between(&source, &other, work->middle, scratch->sources.frame.size, &branch))
         return GD_OK;
-    /* the branch is a ray, due to the nudge: matching bridges it */
+    /* Due to the nudge, the branch folds back along a ray. Matching replaces the branch by a
+     * straight bridge. */
     if (gd__branch_width(&branch) <= work->tie) return GD_OK;
     struct gd__turn domain = domain_of(work, &branch, i, j);
     if (!domain.count) return GD_OK;

@@ -27,8 +27,8 @@ struct work {
 /* --- places ----------------------------------------------------------------------------------- */
 
 /* Returns the place near `at` that is equally far from three sources; `at` itself if that place is
- * outside the face. For a line and its end, or for a vertex and a source behind it, the solutions
- * form a whole perpendicular, which may leave the face. */
+ * outside the face. For a segment and its end, or for a vertex and a source behind it, all points
+ * of a perpendicular line are solutions, and this line may leave the face. */
 static struct gd__local refine_takeover(const struct work *work, const struct gd__focus focus[3],
                                         struct gd__local at)
 {

@@ -3,8 +3,8 @@
 #include "field/voronoi_parts.h"
 #include "mesh/segment.h"
 
-/* The member of each pseudo-source. The caller defines the members of seeds. For each vertex its
- * path is followed back up to a pseudo-source with a known member. */
+/* The member of each pseudo-source. The caller defines the members of seeds. The path of each
+ * vertex is followed back until it meets a pseudo-source with a known member. */
 
 /* --- coinciding seeds ------------------------------------------------------------------------- */
 

@@ -129,8 +129,8 @@ static uint32_t heap_pop(struct gd__guide *guide)
     uint32_t vertex = guide->heap[0].vertex, count = --guide->heap_count, at = 0;
     struct gd__guide_entry entry = guide->heap[count];
     for (uint32_t child; (child = 2 * at + 1) < count; at = child) {
-        /* may read the removed entry behind the last one; so the lesser child is chosen without a
-         * branch */
+        /* This may read the removed entry behind the last one. Due to this read, the lesser child
+         * is chosen without a branch. */
         child += (child + 1 < count) & (guide->heap[child + 1].key < guide->heap[child].key);
         if (guide->heap[child].key >= entry.key) break;
         guide->heap[at] = guide->heap[child];
@@ -206,8 +206,8 @@ enum gd_status gd__guide_step(struct gd__guide *guide)
     return ++guide->steps % CHECK_INTERVAL ? GD_OK : gd_control_check(guide->control, 0);
 }
 
-/* Prefetches the nodes of the corners around a vertex and of the corners behind them. A* waits for
- * little else. */
+/* Prefetches the nodes of the corners around a vertex and of the corners behind them. Most of the
+ * waiting time of A* is cache misses of these nodes. */
 GD__PREFETCH guide_prefetch(const struct gd__guide *guide, uint32_t vertex)
 {
     const struct gd_mesh *mesh = guide->mesh;
@@ -340,9 +340,9 @@ enum gd_status gd__guide_aim(struct gd__guide *guide, const struct gd_mesh *mesh
 
 /* --- choice of the end ------------------------------------------------------------------------ */
 
-/* Returns the estimated work of a search. Its width is about the square root of the part of the
- * remaining length that the lower bounds miss. Its number of windows grows with the distance from
- * its source. */
+/* Returns the estimated work of a search at one place. The width of the searched strip is about the
+ * square root of `rest` - `lower`, the part of the remaining length that the lower bound misses.
+ * The number of windows grows with `run`, the distance from the search's source. */
 static double work_at(double run, double rest, double lower)
 {
     return sqrt(run * fmax(rest - lower, 0));

@@ -55,7 +55,7 @@ struct gd__guide {
 
 /* Sets the target `to` and finds paths to it in the region between it and `from`. The guide is all
  * zero or was used before. Returns in *upper the length of a path between the two, rounded up. Both
- * must lie on one component. `control` is borrowed until the guide is cleaned. GD_NO_MEMORY,
+ * points must lie on one component. `control` is borrowed until the guide is cleaned. GD_NO_MEMORY,
  * GD_BUDGET, GD_DEADLINE, GD_CANCELLED. Cost: the vertices that A* visits, some percent of those
  * around the path. */
 GD_MUST_USE enum gd_status gd__guide_aim(struct gd__guide *guide, const struct gd_mesh *mesh,
@@ -73,12 +73,12 @@ uint32_t gd__guide_first(const struct gd__guide *guide, const struct gd_point *f
  * target. Estimates this from the path. O(vertices of the path). */
 bool gd__guide_prefers_turn(const struct gd__guide *guide, const struct gd_point *from);
 
-/* Makes `from` the target. Upper bounds remain for its own corners only; the path is discarded.
- * Errors: those of gd__guide_aim. */
+/* Makes `from` the target. Upper bounds remain only for the corners of the faces that contain
+ * `from`; the path is discarded. Errors: those of gd__guide_aim. */
 GD_MUST_USE enum gd_status gd__guide_turn(struct gd__guide *guide, const struct gd_point *from);
 
-/* Returns a lower bound of the distance from a vertex to the target. */
-/* Computes the lower bound at its first use. */
+/* gd__guide_lower returns a lower bound of the distance from a vertex to the target. At its first
+ * use it calls gd__guide_measure, which computes the bound. */
 double gd__guide_measure(struct gd__guide *guide, uint32_t vertex);
 static inline double gd__guide_lower(struct gd__guide *guide, uint32_t vertex)
 {

@@ -11,8 +11,8 @@
  * With a larger spacing the straight lines cut more through the inside of the surface. */
 #define SPACING 6
 #define LEAST   3 /* least number of hops between a vertex and the ring that gives its bound */
-/* Smallest part of the bound by which the other lower bounds must miss the path. If they miss less,
- * rings cost more than they save. */
+/* Rings are computed only if the other lower bounds are below the search's bound by more than this
+ * part of it. Otherwise rings cost more than they save. */
 #define GAP   0.02
 #define AHEAD 8 /* vertices ahead whose records are prefetched */
 /* Largest length of an edge relative to the bound. With longer edges floats would lose all

@@ -50,9 +50,10 @@ struct gd__kernel {
                  bool coalesce, struct gd__apex *apex, struct gd__children *left,
                  struct gd__children *right);
 
-    /* Returns a lower bound of the paths from a place through the edges of groups [first, end) of a
-     * ring. The bound also holds, as a linear function, for paths from parts of edges between such
-     * places, if no part is longer than `own`. Returns GD__RING_NOWHERE if there is no path. */
+    /* Returns a lower bound of the lengths of the paths from a place through the edges of groups
+     * [first, end) of a ring. The bound also holds, as a linear function, for paths from parts of
+     * edges between such places, if no part is longer than `own`. Returns GD__RING_NOWHERE if there
+     * is no path. */
     float (*ring)(const struct gd__ring_group *first, const struct gd__ring_group *end,
                   struct gd__place place, float own);
 };

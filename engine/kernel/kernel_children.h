@@ -1,7 +1,8 @@
 /* Part of kernel_lanes.h: lists of children under construction. Joins windows of one source;
  * contests other windows that overlap. */
-/* A list of children under construction. All lanes hold the last window of the list, before its
- * successor cut it, and the source of the window offered last. */
+/* A list of children under construction. Each vector has the same value in all lanes. b0, b1, x, y,
+ * sigma and source belong to the list's last window, with the ends that it had before its successor
+ * cut it. The other vectors belong to the window that was offered last. */
 struct chain {
     struct gd__children *list;
     double width;
@@ -26,7 +27,8 @@ static inline void tangle(struct chain *chain, uint32_t first, uint32_t last)
 }
 
 /* A compressed group of children. own_b1: a window's end before other windows were joined to it.
- * Contests use own_b1, because the others may come in the next group. */
+ * Contests use own_b1: with fewer lanes the joined windows may belong to the next group, and the
+ * result must be the same. */
 struct group {
     uint32_t count;
     lanes b0, b1, own_b1, x, y, sigma;

@@ -4,8 +4,8 @@
 /* Returns a bound on how far a distance in space between points of two parts of edges may lie below
  * the bilinear interpolation of the distances between their ends. For a part of length s and a
  * point at distance d from one of its ends, the second derivative is at most 1 / d (1 - (s/d)^2),
- * and the chord lies above the distance by at most s^2 / 8 of it. If parts are as long as they are
- * far away, half of their lengths is a bound. */
+ * and the distance lies below its chord by at most s^2 / 8 times this derivative. If the parts are
+ * as long as they are far apart, half of the sum of their lengths is a bound. */
 static inline floats ring_sag(floats square, floats d, floats part, floats own)
 {
     floats both = part + own, eighth = floats_all(0.125f),

@@ -30,7 +30,7 @@ static struct sample sample_face(const struct gd_mesh *mesh, uint32_t face, stru
 }
 
 /* Compares samples by distance. No two samples are equal, so the order does not depend on the
- * sort. */
+ * sorting algorithm. */
 static int by_distance(const void *a, const void *b)
 {
     const struct sample *first = a, *second = b;
@@ -98,7 +98,7 @@ void gd__bisection_divide(const struct gd_mesh *mesh, struct gd_vec3 source, uin
         for (int k = 0; k < 3; k++) {
             uint32_t side = mesh->face_side[face][k];
             side_part[side] = half;
-            /* a boundary side, whose own record would be another cache line */
+            /* Also sets the part of the edge's boundary side, which has no face of its own. */
             if (mesh->side_face[side ^ 1] == GD_NONE) side_part[side ^ 1] = half;
             vertex_parts[mesh->origin[side]] |= (uint8_t)(1 << half);
         }

@@ -6,12 +6,13 @@
 
 #include "partition/bisection.h"
 
-#define FACES_LEAST  20000 /* one wavefront finishes a smaller surface before two are faster */
+#define FACES_LEAST  20000 /* on a smaller surface two wavefronts are not faster than one */
 #define TURN_BUCKETS 32 /* lead of one part over the other; more buckets cause more repeated work */
 /* Sides and vertices per turn, for either part: a tenth of a millisecond. */
 #define TURN_WORK  512
 #define COPY_BYTES 16384 /* bytes copied at a time; heads of chunks need not be aligned to it */
-/* Bytes. A smaller budget may have no room for two sets of arrays. */
+/* Least budget for two wavefronts, in bytes for each edge. A smaller budget may not allow two sets
+ * of arrays. */
 #define BUDGET_AN_EDGE 1000
 
 /* --- outbox ----------------------------------------------------------------------------------- */

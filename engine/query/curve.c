@@ -48,7 +48,7 @@ uint32_t gd_curve_seed_count(const struct gd_curve *curve)
     return curve->closed && curve->count > 2 ? 2 * curve->count : 2 * curve->count - 1;
 }
 
-/* Padding is zeroed, so equal curves have equal bytes. */
+/* Zeroes the padding, so that the seeds of equal curves have equal bytes. */
 void gd_curve_seeds(const struct gd_curve *curve, double offset, struct gd_seed *out)
 {
     uint32_t count = gd_curve_seed_count(curve);

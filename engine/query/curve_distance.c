@@ -207,7 +207,7 @@ static struct gd_curve_place curve_distance_place_of(const struct gd_mesh *mesh,
         .angle = next ? curve_distance_angle_at(mesh, curve, location, next) : NAN};
 }
 
-/* Returns the length of an edge at a point. */
+/* Returns the length of an edge of a face that contains the point. */
 static double face_size(const struct gd_mesh *mesh, const struct gd_point *point)
 {
     switch (point->kind) {

@@ -8,11 +8,11 @@
 #include "query/landmarks.h"
 #include "query/taut_path.h"
 
-/* A path in a graph, straightened, is the shortest path on the surface or little longer. Its length
- * bounds the distance from above (guide/guide.h, query/taut_path.h). The search propagates windows
- * within this bound. A window propagates only if the path through it plus the lower bounds at its
- * edge's ends can be as short, so few windows do (Xin and Wang 2009; Qin et al. 2016 prune fields,
- * not pairs). */
+/* After straightening, a path in a graph is the shortest path on the surface, or slightly longer.
+ * Its length bounds the distance from above (guide/guide.h, query/taut_path.h). The search
+ * propagates windows within this bound. A window propagates only if a path through it to the target
+ * can be as short. The lower bounds at the ends of the window's edge decide this. Therefore few
+ * windows propagate (Xin and Wang 2009; Qin et al. 2016 prune fields, not pairs). */
 
 struct search {
     const struct gd_mesh *mesh;
@@ -68,7 +68,8 @@ static enum gd_status search_run(struct search *search, struct gd__guide *guide,
 {
     double rounding =
         guide->margin + GD_TOL_PLACE * (search->mesh->summary.edge_length.max / search->mesh->unit);
-    /* added, because for close points the rounding is more than a part of their distance */
+    /* The rounding is added, because for close points it exceeds any fixed part of their
+     * distance. */
     search->bound = bound + rounding;
     enum gd_status status = gd__rings_draw(guide, &search->seed.point, search->bound);
     if (status) return status;
@@ -112,8 +113,8 @@ static enum gd_status run_turned(struct search *search, struct gd__guide *guide,
     return status == GD_INTERNAL ? GD_OK : status;
 }
 
-/* Searches within the length of the taut path. That is shorter than the safe bound `upper`, but has
- * the rounding of many unfolded faces. If the search fails for that reason, it is repeated with
+/* Searches within the length of the taut path. That length is less than the safe bound `upper`, but
+ * has the rounding of many unfolded faces. If the search fails for that reason, it is repeated with
  * `upper`. */
 static enum gd_status run_bounded(struct search *search, struct gd__guide *guide, double upper,
                                   const struct gd_control *control)

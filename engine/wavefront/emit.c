@@ -37,7 +37,8 @@ static double incoming_angle(const struct gd__wavefront *front, uint32_t vertex)
     struct gd__predecessor predecessor = *gd__wavefront_predecessor(front, vertex);
     struct gd__polar beside;
     if (is_beside(front, vertex, predecessor.source, &beside)) return beside.angle;
-    /* between p -> origin and p -> destination of the side opposite to the vertex p */
+    /* The ray lies between the directions p -> origin and p -> destination, where p is the vertex,
+     * and origin and destination are the ends of the side opposite to p. */
     if (predecessor.side != GD_NONE) {
         const struct gd_side *s = &mesh->side[predecessor.side];
         double px = s->left_length * s->left_x, py = s->left_length * s->left_y;
@@ -216,9 +217,9 @@ static struct beside beside_of(const struct gd__wavefront *front, uint32_t seed,
     return b;
 }
 
-/* Stores a wedge of an edge of the vertex, all of which the seed sees from (x, -y) in the frame of
- * a side. The wedge serves queries in the side's face. The windows across that face are emitted
- * from the vertex. */
+/* Stores a wedge that covers a whole edge of the vertex. The seed sees the whole edge, and lies at
+ * `at` in the frame of `side`, a side of the edge. The wedge serves queries in the side's face. The
+ * windows across that face are emitted from the vertex. */
 static void store_edge(struct gd__wavefront *front, const struct beside *b, uint32_t side,
                        struct gd__local at)
 {
@@ -230,8 +231,8 @@ static void store_edge(struct gd__wavefront *front, const struct beside *b, uint
     if (window.y > 0) gd__store_window(front, side, &window);
 }
 
-/* Offers a neighbour of the vertex the straight path `way` from the seed. It starts at `at` in the
- * frame of `side`, the side opposite to the neighbour. */
+/* Offers a neighbour of the vertex the straight path from the seed, whose vector is `way`. The path
+ * starts at `at` in the frame of `side`, the side opposite to the neighbour. */
 static void reach_neighbour(struct gd__wavefront *front, const struct beside *b, uint32_t side,
                             struct gd__local at, struct gd__local way)
 {
@@ -292,7 +293,8 @@ void gd__emit_beside(struct gd__wavefront *front, uint32_t seed, const struct gd
         if (i == first && !is_closed) break;
         i = i > first ? i - 1 : end - 1;
         double opening = gd__fan_end(mesh, polar->vertex, i) - mesh->fan[i].angle;
-        /* 0: the entry is a face of the seed's edge */
+        /* If `right` is 0, the entry's face contains the seed's edge, so nothing is emitted into
+         * it. */
         if (right > 0) emit_to_right(front, &b, i, right, opening);
         right += opening;
     }

@@ -5,8 +5,8 @@
 
 #include "base/large.h"
 
-/* A page that was created more often stays, so that visits of its sides accumulate for
- * gd__prune_by_stored. */
+/* A page of sides that was created more than this number of times stays, so that visits of its
+ * sides accumulate for gd__prune_by_stored. */
 #define SIDES_MADE_MOST 4
 
 static uint32_t pages_of(uint32_t count, uint32_t records)
@@ -55,7 +55,8 @@ enum gd_status gd__paged_need_side(struct gd__paged *paged, uint32_t side, uint3
     enum gd_status status = gd__pages_make(&paged->sides, side / GD__PAGE_SIDES, now);
     if (status) return status;
     struct gd__side_page *page = gd__paged_side(paged, side);
-    for (uint32_t i = 0; i < GD__PAGE_SIDES; i++) /* `touched`: the page needs no cleaning later */
+    /* `touched` is true, because a page needs no cleaning */
+    for (uint32_t i = 0; i < GD__PAGE_SIDES; i++)
         page->list[i] = (struct gd__list){.bucket = GD_NONE, .touched = true};
     memset(page->newest, 0xff, sizeof page->newest);
     return GD_OK;

@@ -1,7 +1,7 @@
 /* Paged records: records of sides and vertices in pages (wavefront/pages.h), for a propagation that
  * computes distances only. They replace the workspace's arrays: a few bytes a face for the whole
- * mesh, and full records only near the front. If a vertex without a record is reached and paths may
- * bend there, it has already emitted. */
+ * mesh, and full records only near the front. A new record of a vertex where paths may bend states
+ * that the vertex has emitted with its present distance (GD__FAR: not yet). */
 #ifndef GD_WAVEFRONT_PAGED_H
 #define GD_WAVEFRONT_PAGED_H
 

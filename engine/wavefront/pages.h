@@ -2,9 +2,9 @@
  * computes distances only needs no records behind the front. The records of neighbouring elements
  * share a page, because neighbours have similar numbers (mesh/topology.h). A page is created at its
  * first use. If none of its records has waited in the queue for some buckets, its memory is reused.
- * If the front returns, its records start anew. Two kinds of pages stay: pages with stored wedges,
- * and pages that were created repeatedly. In the latter, visits of a side must accumulate for
- * gd__prune_by_stored. One owner, one thread. */
+ * If the front returns, the page is created again, and its records have their initial values. Two
+ * kinds of pages stay: pages with stored wedges, and pages that were created repeatedly. In the
+ * latter, visits of a side must accumulate for gd__prune_by_stored. One owner, one thread. */
 #ifndef GD_WAVEFRONT_PAGES_H
 #define GD_WAVEFRONT_PAGES_H
 
@@ -18,7 +18,8 @@ struct gd__page {
     uint32_t number;  /* number of the page */
     uint32_t waiting; /* number of its records that wait in the queue */
     uint32_t rested;  /* bucket of the queue since which none of its records waits */
-    uint32_t entered; /* bucket of the queue at which it entered the line */
+    /* bucket of the queue at which the page entered the line (see struct gd__pages) */
+    uint32_t entered;
     bool in_line;
     bool stays;
     struct gd__page *next; /* next page in the line */
@@ -34,7 +35,8 @@ struct gd__pages {
      * scatter them. */
     struct gd__page_slab *slab;
     uint32_t fresh; /* number of unused pages of the newest slab */
-    /* The line: pages that may be reused, the oldest first. They were idle when they entered it. */
+    /* The line: pages whose memory may be reused, the oldest first. A page is idle when it enters
+     * the line. */
     struct gd__page *first, *last;
     struct gd__budget *budget;
 };

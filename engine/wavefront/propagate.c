@@ -97,8 +97,9 @@ static inline bool passes_far_off(const struct gd__windows *w, uint32_t at, doub
            !gd__source_is_linear(w->source[at]);
 }
 
-/* Offers the apex the path round the end of a window beside it. It is needed if rounding cut off
- * the window that would see the apex. Only the two windows beside the apex need it. */
+/* Offers the apex the path that bends at the end of a window beside the apex. This path is needed
+ * if rounding removed the window that would see the apex. Only the two windows beside the apex need
+ * it. */
 static inline void offer_bend(struct gd__apex *apex, const struct gd_side *s,
                               const struct gd__windows *w, uint32_t at, double end)
 {
@@ -147,8 +148,9 @@ void gd__cast(struct gd__wavefront *front, const struct gd__receiver *at,
                      &front->work->right);
 }
 
-/* Returns true if the window's source came nearer after it cast the window, by more than the tie of
- * a contest. The source casts its windows again, so this window must not win against them. */
+/* Returns true if the distance of the window's source decreased after the source cast the window,
+ * by more than the tie of a contest. The source casts its windows again, so this window must not
+ * win against them. */
 static bool is_stale(const struct gd__wavefront *front, const struct gd__windows *w, uint32_t i,
                      double length)
 {

@@ -6,9 +6,10 @@
  * because the windows beside them cover their rays.
  *
  * A wedge stores its source, not the source's distance when it was stored. If that distance has
- * decreased since, the wedge was propagated with the longer one. It would tie with the windows of
- * the later emission, which must propagate. So chunks older than the source's present distance are
- * skipped, and waiting windows with an older distance are dropped before they are stored. */
+ * decreased since, the wedge was propagated with the longer one. Computed with the decreased
+ * distance, the wedge would tie with the windows of the later emission, which must propagate. So
+ * chunks older than the source's present distance are skipped, and waiting windows with an older
+ * distance are dropped before they are stored. */
 
 #define NARROW (4 * GD__WEDGE_UNIT)
 

@@ -3,24 +3,26 @@
 #include "wavefront/wavefront.h"
 
 /* Resuming: continues a propagation that ended at a bound (doc 022). Copies its distances,
- * predecessors and wedges. All of them are existing paths, and those within the bound are final.
- * The windows that the bound cut off are generated again from stored data: from children of wedges,
- * from vertices that emitted, and from vertices beyond the bound, which have not emitted yet.
+ * predecessors and wedges. All of them describe existing paths, and those within the bound are
+ * final. The windows that the bound cut off are generated again from stored data: from children of
+ * wedges, from vertices that emitted, and from vertices beyond the bound, which have not emitted
+ * yet.
  *
  * A window is useful on an edge only where it is shorter than the paths along the edge from its
  * ends. Where those paths lie within the bound, no window is missing. On all other edges all wedges
  * are cast again. A child is dropped if its nearest point lies within the bound by more than the
  * rounding of its ends, which are stored to 2^-32 of an edge: then the bound cannot have cut it
- * off. Duplicates cost time only. Windows are cast without joining, so that a window that was cut
- * off is not joined to one that was not. */
+ * off. Windows that are cast twice cost time only. Windows are cast without joining, so that a
+ * window that was cut off is not joined to one that was not. */
 
 #define COPY_BYTES  ((size_t)1 << 20) /* bytes copied between two checks of the monitor */
 #define CHECK_NODES 1024              /* edges or vertices between two checks of the monitor */
 
 /* Returns a bound, at most the side's length, on how far the end of a window has moved since the
  * window was first cast. The rounding of a wedge's end turns the ray through it, and a slanted ray
- * moves farther along the side. The bound by rounding holds if the ray is longer than twice the
- * longest edge of the face: then at least half of the ray lies before the face. */
+ * moves farther along the side. The bound that follows from this rounding holds if the ray is
+ * longer than twice the longest edge of the face. Then at least half of the ray lies before the
+ * face. */
 static double end_slack(const struct gd__wavefront *front, uint32_t side,
                         const struct gd__window *w)
 {
@@ -64,8 +66,8 @@ static void copy_checked(struct gd__wavefront *front, void *to, const void *from
 }
 
 /* Copies the stored data. Afterwards any element of the workspace may be dirty. A vertex beyond the
- * bound may have emitted with an earlier distance. `emitted` is 0 for it, which means that it may
- * have emitted. */
+ * bound may have emitted with an earlier distance. `emitted` of such a vertex is set to 0, which
+ * states that the vertex may have emitted. */
 static void copy_partial_field(struct gd__wavefront *front, const struct gd__partial_state *partial)
 {
     const struct gd_mesh *mesh = front->mesh;
@@ -106,10 +108,10 @@ static bool leads_beyond(const struct gd__wavefront *front, uint32_t side)
            is_open(front, apex, mesh->origin[side ^ 1], s->right_length);
 }
 
-/* Restores the common end of two windows to its position before rounding, if it is the border of a
- * shadow: along that ray the farther of the two sources sees the nearer one. On the ray the windows
- * tie in distance and direction. If they did not meet exactly on it, they would overlap and be
- * contested on edge after edge. */
+/* Restores the common end of two windows to its position before rounding, if that end is the border
+ * of a shadow. In this case the ray from the farther source through the end passes through the
+ * nearer source. On the ray the windows tie in distance and direction. Windows that did not meet
+ * exactly on the ray would overlap, and would be contested on edge after edge. */
 static void mend_end(struct gd__window *a, struct gd__window *b, double length)
 {
     if (a->b1 != b->b0 || gd__window_is_linear(a) || gd__window_is_linear(b)) return;

@@ -12,8 +12,8 @@
 
 /* --- points ----------------------------------------------------------------------------------- */
 
-/* Prefetches the cache lines that a window some windows later will fill. Most windows begin a list,
- * in a block of the pool that is not in the cache. */
+/* Prefetches the cache lines that a later window will fill. Most windows begin a list, in a block
+ * of the pool that is not in the cache. */
 GD__PREFETCH prefetch_block(const struct gd__pool *pool)
 {
     /* bytes of an array in a block for one window: two groups */
@@ -64,8 +64,8 @@ static struct gd__local to_apex_of_face(const struct gd_side *s, double origin, 
                               (origin + destination) * py};
 }
 
-/* Offers the apex of `side`, a side of the seed's face, the straight path, unless a segment is
- * nearer to it. */
+/* Offers the straight path from the seed to the apex of `side`, a side of the seed's face, unless a
+ * segment is nearer to the apex. */
 static void seed_apex(struct gd__wavefront *front, uint32_t seed, uint32_t side,
                       struct gd__local at, struct gd__local way,
                       const struct gd__segment_directions *directions)
@@ -184,7 +184,7 @@ static void reach_vertex(struct gd__wavefront *front, uint32_t seed)
                         predecessor);
 }
 
-/* Makes the vertex of a seed a pseudo-source, of whatever kind it is, unless another seed is
+/* Makes the vertex of a seed a pseudo-source, even if it is a convex vertex, unless another seed is
  * nearer. */
 static void seed_vertex(struct gd__wavefront *front, uint32_t seed)
 {
@@ -236,8 +236,8 @@ static void seed_strip_across(struct gd__wavefront *front, uint32_t seed, uint32
     if (w.b1 - w.b0 > GD_TOL_WIDTH * length) seed_side(front, side ^ 1, &w);
 }
 
-/* Returns true if the vertex is an end of the segment. The end is a separate seed, which the
- * segment must not replace, although up to rounding it is as near. */
+/* Returns true if the vertex is an end of the segment. The end is a separate seed. The segment is
+ * as near to the vertex up to rounding, but must not replace this seed. */
 static bool is_end(const struct gd__wavefront *front, uint32_t seed, uint32_t vertex)
 {
     const struct gd_point *ends[2] = {&front->seeds[seed].point, &front->seeds[seed].end};

@@ -5,8 +5,9 @@
 
 #include "base/prefetch.h"
 
-/* Width of a bucket relative to the grain. Narrower buckets cost rounds. Wider ones propagate
- * windows in pieces, which is quadratic on needles. */
+/* Width of a bucket relative to the grain (mean of the shortest edges of faces, mesh/topology.h).
+ * Narrower buckets cause more rounds. Wider buckets propagate the windows of a side in several
+ * parts, which takes quadratic time on needle-shaped faces. */
 #define BUCKET_WIDTH 0.3
 /* Position of a side's key between the distances of its nearer end (0) and its farther end (1). */
 #define KEY_WEIGHT 0.25
@@ -61,8 +62,8 @@ static void wait_at(struct gd__wavefront *front, uint32_t vertex, double distanc
     if (front->paged && before == GD_NONE) gd__paged_vertex(front->paged, vertex)->page.waiting++;
 }
 
-/* Sets a shorter distance. Counts it if windows of the vertex are already queued or stored, see
- * prune.c. */
+/* Sets a shorter distance. Counts the decrease in `distance_drops` if windows of the vertex are
+ * already queued or stored, see prune.c. */
 static void set_distance(struct gd__wavefront *front, uint32_t vertex, double distance,
                          const struct gd__predecessor *predecessor, bool has_emitted)
 {

@@ -64,16 +64,16 @@ struct gd__partial_state {
 struct gd__propagation {
     const struct gd__seed *seeds;
     uint32_t seed_count;
-    /* State to continue, by one wavefront; `radius` is beyond its bound. NULL: start from the
-     * seeds. */
+    /* State to continue, with one wavefront only; `radius` exceeds the bound of this state. NULL:
+     * start from the seeds. */
     const struct gd__partial_state *partial;
     double radius;                 /* normalised unit; GD__FAR: no limit */
     const struct gd_point *target; /* NULL: no target */
     /* Bounds for one target. With a guide only the target's distance and path are final. NULL:
      * none. */
     struct gd__guide *guide;
-    /* Computes distances only, in little memory: the sink reads front->distance. Stored wedges
-     * serve gd__prune_by_stored only. One wavefront; no guide and no `partial`. */
+    /* Computes distances only, in little memory: the sink reads front->distance. Wedges are stored
+     * for gd__prune_by_stored only. Requires one wavefront, no guide and no `partial`. */
     bool without_wedges;
     /* Limit on windows; 0: the default limit of the mesh, far above the windows of any real
      * mesh. */
@@ -267,8 +267,8 @@ void gd__wavefront_offer_with_care(struct gd__wavefront *front, uint32_t side,
                                    const struct gd__window *window);
 
 /* Offers a side one window. If every window is accepted, the side's key is the distance in the
- * middle of the window. That order is as good as by the distances of the side's ends, which then
- * need not be loaded. */
+ * middle of the window. This key orders the queue as well as the distances of the side's ends
+ * would. So these distances need not be loaded. */
 static inline void gd__wavefront_offer(struct gd__wavefront *front, uint32_t side,
                                        const struct gd__window *window)
 {

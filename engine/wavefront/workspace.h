@@ -1,5 +1,5 @@
-/* Workspace: arrays that are clean between propagations. So a propagation costs only what it
- * touches. */
+/* Workspace: arrays that are clean between propagations. So the cost of preparing a propagation
+ * depends on the records that the last propagation touched, not on the size of the mesh. */
 #ifndef GD_WAVEFRONT_WORKSPACE_H
 #define GD_WAVEFRONT_WORKSPACE_H
 
@@ -30,10 +30,11 @@ struct gd_workspace {
     /* per edge: its newest chunk of wedges, in GD__CHUNK_UNITs of `wedges`; GD_NONE: none */
     uint32_t *newest;
 
-    /* Nodes that are not clean: sides, then vertices, which are numbered after all sides. As many
-     * as fit, see touched_count. */
+    /* Numbers of nodes that are not clean. A node is a side or a vertex; vertices are numbered
+     * after all sides. The list is complete unless touched_count > touched_capacity. */
     uint32_t *touched;
-    /* touched_count > touched_capacity: any node may be dirty */
+    /* touched_count > touched_capacity: the list is incomplete, and any node may be dirty (not
+     * clean) */
     uint32_t touched_capacity, touched_count;
 
     /* Replaces the arrays in a propagation that computes distances only. Closed between

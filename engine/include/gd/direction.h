@@ -52,10 +52,11 @@ GD_MUST_USE enum gd_status gd_direction_along(const struct gd_mesh *mesh,
                                               const struct gd_point *point, struct gd_vec3 vector,
                                               struct gd_direction *out, struct gd_detail *detail);
 
-/* Returns the straight continuation of a line whose way back from this point is the direction
- * `back`: half of the total angle further. If the continuation leads over the boundary, its angle
- * is off the surface (at a vertex: larger than the total angle), and its vector is the negative of
- * the vector of `back`. O(1); O(faces) at a vertex. */
+/* Returns the straight continuation of a line that arrives at the point. `back` is the direction
+ * from the point back along the line. The continuation is half a turn (pi) from `back`, which is
+ * half of the total angle except at a boundary vertex. If the continuation leads over the boundary,
+ * its angle is off the surface (at a vertex: larger than the total angle), and its vector is the
+ * negative of the vector of `back`. O(1); O(faces) at a vertex. */
 struct gd_direction gd_direction_opposite(const struct gd_mesh *mesh, const struct gd_point *point,
                                           const struct gd_direction *back);
 

@@ -93,7 +93,8 @@ void gd_field_release(const struct gd_field *field); /* NULL is harmless */
 size_t gd_field_memsize(const struct gd_field *field);
 const struct gd_mesh *gd_field_mesh(const struct gd_field *field);
 
-/* Returns the largest final distance, in the caller's unit; INFINITY for a complete field. */
+/* Returns the reach: distances up to it are final. In the caller's unit; INFINITY for a complete
+ * field. */
 double gd_field_reach(const struct gd_field *field);
 
 /* Returns true and sets `*out` if the field's only seed is a point without offset. */

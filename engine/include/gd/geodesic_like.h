@@ -10,9 +10,10 @@
  *
  * Source: W.-H. Chen, "Improvement of the shortest path problem with geodesic-like method": the
  * B-spline of least energy among those of a given order. Extensions of the paper: pieces that join
- * at the surface's lines, a covariant Newton's method, refinement where the geodesic curvature is
- * large, and the global minimum, found with exact geodesics on a tessellation (engine/doc/018).
- * Lengths are in the surface's unit, angles in radians. */
+ * at the surface's lines (lines of constant u or v across which the surface is not smooth), a
+ * covariant Newton's method, refinement where the geodesic curvature is large, and the global
+ * minimum, found with exact geodesics on a tessellation (engine/doc/018). Lengths are in the
+ * surface's unit, angles in radians. */
 #ifndef GD_GEODESIC_LIKE_H
 #define GD_GEODESIC_LIKE_H
 
@@ -41,9 +42,9 @@ struct gd_geodesic_options {
     /* relative error of the length, GD_GEODESIC_TOLERANCE_LEAST to 1; 0: GD_GEODESIC_TOLERANCE */
     double tolerance;
     bool all_minima; /* returns every local minimum that the search finds, not only the shortest */
-    /* With all_minima, on surfaces that are closed in a direction: the search also begins with
-       paths of each homotopy class whose winding numbers are within this limit, at most
-       GD_GEODESIC_TURN_LIMIT_MOST. 0: only the classes that the tessellation's distances show. */
+    /* With all_minima, on surfaces that are closed in a direction: the search also starts from
+     * paths of each homotopy class whose winding numbers are within this limit, at most
+     * GD_GEODESIC_TURN_LIMIT_MOST. 0: only the classes that the tessellation's distances show. */
     uint32_t turn_limit;
 };
 

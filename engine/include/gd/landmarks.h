@@ -17,11 +17,12 @@ GD_EXTERN_C_BEGIN
 
 struct gd_landmarks;
 
-/* Builds up to 16 landmarks, each as far as possible from the previous ones. They keep the mesh
- * alive; the caller owns one reference. Errors: GD_INVALID_ARGUMENT (count is 0 or more than 16),
- * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL, GD_RUNAWAY. Cost: count + 1
- * propagations without wedges (the first propagation only chooses the first landmark), and 64 bytes
- * a vertex for any number of landmarks. Thread-safe. */
+/* Builds `count` landmarks, at most 16. Each landmark is a vertex as far as possible from the
+ * previous ones. They keep the mesh alive; the caller owns one reference. Errors:
+ * GD_INVALID_ARGUMENT (count is 0 or more than 16), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
+ * GD_DEADLINE, GD_INTERNAL, GD_RUNAWAY. Cost: count + 1 propagations without wedges (the first
+ * propagation only chooses the first landmark), and 64 bytes a vertex for any number of landmarks.
+ * Thread-safe. */
 GD_MUST_USE enum gd_status gd_landmarks_build(const struct gd_mesh *mesh, uint32_t count,
                                               const struct gd_control *control,
                                               struct gd_landmarks **out);

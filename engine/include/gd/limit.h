@@ -38,10 +38,10 @@ struct gd_limit_jet {
        sphere: -1/r) */
     double curvatures[2];
     /* True at an extraordinary vertex, at the end of a crease, and at a corner with several faces,
-       where derivatives in u and v vanish or are infinite. At such a place du and dv are unit
-       vectors along the face's two edges, second derivatives are 0, and curvatures are NAN, because
-       they have no limit in general. A corner inside a smooth surface is the tip of a spike and has
-       no normal: du and dv are both along the spike's axis, or NAN. */
+     * where derivatives in u and v vanish or are infinite. At such a place du and dv are unit
+     * vectors along the face's two edges, second derivatives are 0, and curvatures are NAN, because
+     * they have no limit in general. A vertex with a corner tag inside a smooth surface is the tip
+     * of a spike and has no normal: du and dv both point along the spike's axis, or are NAN. */
     bool singular;
 };
 

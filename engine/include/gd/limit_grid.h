@@ -49,9 +49,9 @@ struct gd_limit_grid_request {
     uint32_t step_limit; /* largest number of points; 0: GD_LIMIT_STEPS */
 };
 
-/* Traces a straightest geodesic on the triangles of the grid. The positions of the steps lie on the
- * triangles. Sets *is_traced to false, without a path, in cases that need the mesh: the line begins
- * at the boundary, meets it at a small angle or in a vertex, ends in a vertex, or crosses a
+/* Traces a straightest geodesic on the triangles of the grid. The positions of the path's steps lie
+ * on the triangles. Sets *is_traced to false, without a path, in cases that need the mesh: the line
+ * begins at the boundary, meets it at a small angle or in a vertex, ends in a vertex, or crosses a
  * triangle without area. `control` and `detail` may be NULL; the caller frees `*out` by
  * gd_limit_path_free. Errors: those of gd_limit_place_check and gd_direction_along;
  * GD_INVALID_ARGUMENT (length not finite), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE.

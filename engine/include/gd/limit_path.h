@@ -47,16 +47,16 @@ struct gd_limit_trace_request {
  * The equation is solved patch by patch. Each patch is a polynomial that continues smoothly beyond
  * its border, and the path leaves it exactly at the border. Across a crease the path continues as
  * if the crease were flattened; through an extraordinary vertex it continues along its tangent. If
- * the start is a vertex and the direction does not lead into its face, the path starts in the face
- * into which it leads, on the same side of creases. If no face qualifies, or the start has no
- * normal, the path ends at once. Method: Gragg's method with Bulirsch and Stoer's extrapolation,
- * with a relative error of 1e-13 for each patch (more in slivers near a spike), about 1e-11 after a
- * hundred patches. Negative curvature amplifies these errors, as it amplifies errors of the start.
- * `control` and `detail` may be NULL; the caller frees `*out` by gd_limit_path_free. Errors: those
- * of gd_limit_evaluate; GD_INVALID_ARGUMENT (length or direction not finite, or a direction without
- * tangential component); GD_INTERNAL (no step is short enough: control points nearly coincide);
- * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: about 50 us for each patch.
- * Thread-safe. */
+ * the start is a vertex and the direction does not lead into the start's face, the path starts in
+ * the face into which the direction leads, on the same side of creases. If no face qualifies, or
+ * the start has no normal, the path ends at once. Method: Gragg's method with Bulirsch and Stoer's
+ * extrapolation, with a relative error of 1e-13 for each patch (more in slivers near a spike),
+ * about 1e-11 after a hundred patches. Negative curvature amplifies these errors, as it amplifies
+ * errors of the start. `control` and `detail` may be NULL; the caller frees `*out` by
+ * gd_limit_path_free. Errors: those of gd_limit_evaluate; GD_INVALID_ARGUMENT (length or direction
+ * not finite, or a direction without tangential component); GD_INTERNAL (no step is short enough:
+ * control points nearly coincide); GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: about
+ * 50 us for each patch. Thread-safe. */
 GD_MUST_USE enum gd_status gd_limit_trace(const struct gd_subdivision *surface,
                                           const struct gd_limit_trace_request *request,
                                           const struct gd_control *control,

@@ -21,10 +21,10 @@ double gd_locate_distance(const struct gd_mesh *mesh, struct gd_vec3 xyz,
                           const struct gd_point *point);
 
 /* Finds the first point where a ray meets the surface, from either side. The test is watertight
- * along edges and vertices. If the ray lies in a face's plane, the result is where it meets the
- * face's border, or the origin if the origin lies on the face. Errors: GD_INVALID_ARGUMENT (not
- * finite, direction of length zero), GD_NOT_ON_SURFACE (no hit, or an origin beyond 1e75 mean
- * edges). Cost: expected O(log n). Thread-safe. */
+ * along edges and vertices. If the ray lies in a face's plane, the result is the point where the
+ * ray meets the face's border, or the ray's origin if the origin lies on the face. Errors:
+ * GD_INVALID_ARGUMENT (not finite, direction of length zero), GD_NOT_ON_SURFACE (no hit, or an
+ * origin beyond 1e75 mean edges). Cost: expected O(log n). Thread-safe. */
 GD_MUST_USE enum gd_status gd_locate_first_hit(const struct gd_mesh *mesh, struct gd_vec3 origin,
                                                struct gd_vec3 direction, struct gd_point *out,
                                                struct gd_detail *detail);

@@ -2,10 +2,10 @@
  *
  * The Karcher mean is the point x that minimises f(x) = sum of w_i d(x, p_i)^2. At x the weighted
  * vectors from x to the points sum to zero. The mean does not depend on the order of the points. If
- * f has several minima (points half a closed surface apart), the iteration converges to one of
- * them. It starts at the given point nearest to the points' mean in space, or at the surface point
- * nearest to that mean. At a vertex whose total angle exceeds 2 pi, f may have a minimum although
- * the vectors do not sum to zero. */
+ * f has several minima (for example for two points on opposite sides of a closed surface), the
+ * iteration converges to one of them. It starts at the given point nearest to the points' mean in
+ * space, or at the surface point nearest to that mean. At a vertex whose total angle exceeds 2 pi,
+ * f may have a minimum although the vectors do not sum to zero. */
 #ifndef GD_MEAN_H
 #define GD_MEAN_H
 

@@ -61,9 +61,9 @@ const char *gd_nurbs_flaw_name(enum gd_nurbs_flaw flaw);
 enum gd_nurbs_flaw gd_nurbs_inspect(const struct gd_nurbs_data *data, struct gd_detail *detail);
 
 /* Creates the surface. Closed directions (both borders are the same curve) and poles (a border that
- * is one point) are recognised. The interior knots are the surface's lines. Errors:
- * GD_INVALID_ARGUMENT (a flaw, with the sentence of gd_nurbs_inspect), GD_NO_MEMORY. The caller
- * owns one reference of `*out`. O(data). Thread-safe. */
+ * is one point) are recognised. The interior knots are the surface's lines (see gd/parametric.h).
+ * Errors: GD_INVALID_ARGUMENT (a flaw, with the sentence of gd_nurbs_inspect), GD_NO_MEMORY. The
+ * caller owns one reference of `*out`. O(data). Thread-safe. */
 GD_MUST_USE enum gd_status gd_nurbs_create(const struct gd_nurbs_data *data,
                                            struct gd_parametric **out, struct gd_detail *detail);
 

@@ -29,7 +29,7 @@ GD_EXTERN_C_BEGIN
 /* The direction of view, relative to `up`. With up y, the front is seen from +z and the right from
  * +x; with up z, the front from -y. */
 enum gd_view {
-    /* GD_VIEW_ISO, or another view if that view shows more of the path or of the field's source */
+    /* GD_VIEW_ISO, or another view that shows more of the path or of the field's source */
     GD_VIEW_CHOSEN,
     GD_VIEW_FRONT,
     GD_VIEW_BACK,

@@ -17,9 +17,9 @@
  *     bisect    leaves half of the total angle on each side
  *     normal    continues in the plane that contains the arriving line and the vertex' normal: for
  *               meshes that approximate a smooth surface
- * A line that passes a vertex within rounding goes through the vertex, so that rounding does not
- * choose a side. The tolerance is 1e-12 of the crossed edge or of the distance from the start,
- * whichever is shorter, plus 4e-15 of the edge.
+ * A line that passes a vertex at a distance within rounding goes through the vertex, so that
+ * rounding does not choose the side. The tolerance is 1e-12 of the crossed edge or of the distance
+ * from the start, whichever is shorter, plus 4e-15 of the edge.
  *
  * At the boundary a line stops or slides. A sliding line follows the boundary, to the side to which
  * it leans, as long as it makes an acute angle with the next edge. It leaves the boundary where its
@@ -91,9 +91,9 @@ GD_MUST_USE enum gd_status gd_trace_follow(const struct gd_mesh *mesh,
 
 /* Traces lines in request->count <= GD_TRACE_LANES directions into as many elements of `out`: the
  * results equal those of gd_trace_follow to the last bit. The lines advance by one face in turn, so
- * that on meshes larger than the caches their memory latencies overlap: four times as fast. On
- * failure of any line `out` is untouched, and the detail describes the first failure. Memory is
- * allocated once for all lines. */
+ * that their memory latencies overlap. On meshes larger than the caches this is about four times as
+ * fast as single calls. On failure of any line `out` is untouched, and the detail describes the
+ * first failure. Memory is allocated once for all lines. */
 GD_MUST_USE enum gd_status gd_trace_follow_many(const struct gd_mesh *mesh,
                                                 const struct gd_trace_request *request,
                                                 const struct gd_control *control,

@@ -83,9 +83,9 @@ struct gd_vector gd_vector_combine(const struct gd_mesh *mesh, const struct gd_p
  * for each vertex index the angle at p of the shortest path to the vertex, and the distance; both
  * arrays have index_count entries. NAN, INFINITY: no path. NAN, 0: the vertex is p. NAN, NAN: an
  * unreferenced vertex. If several shortest paths lead to a vertex, the result belongs to one of
- * them, not always that of gd_field_path. A path is only followed to the nearest face with a known
- * direction: about O(n log n) in all. Errors: GD_INVALID_ARGUMENT (another kind of field),
- * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL. */
+ * them, not always that of gd_field_path. The function follows a path only to the first face with a
+ * known direction, so the cost is about O(n log n) in all. Errors: GD_INVALID_ARGUMENT (another
+ * kind of field), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL. */
 GD_MUST_USE enum gd_status gd_vector_log_all(const struct gd_field *field,
                                              const struct gd_control *control, double *angles,
                                              double *lengths, struct gd_detail *detail);

@@ -19,8 +19,8 @@
  * Ties: members may be equally near in a region with area (behind a saddle or a boundary corner
  * that is equally far from both, behind a common point, or because the members coincide). Then one
  * member, chosen deterministically, owns the region. A member that is nowhere strictly nearest has
- * no label and no bisector. Along the edge of a tied region a bisector may oscillate by 1e-6 of the
- * field's greatest distance. */
+ * no label and no bisector. Along the border of such a region a bisector may oscillate by 1e-6 of
+ * the field's greatest distance. */
 #ifndef GD_VORONOI_H
 #define GD_VORONOI_H
 
