@@ -10,8 +10,8 @@
 #define GD_TOL_BETTER 1e-14
 
 /* If two windows tie at an end of their overlap, the tie decides the whole overlap only if the
- * overlap is narrow: narrower than 1 / FACTOR of the distance to the sources. Inside a wider
- * overlap one of the windows may win. */
+ * overlap is narrower than 1 / FACTOR of the distance to the sources. Inside a wider overlap one of
+ * the windows may win. */
 #define GD_TOL_TIE_FACTOR 1024
 
 /* A window is stale if the distance of its source has decreased since the source cast the window,
@@ -56,9 +56,9 @@
  * there is no root if the discriminant is farther below zero than this part of b^2. BRANCH: a root
  * may miss the branch condition by this part of the condition's terms. ROOT_RESIDUAL: a candidate
  * is a root if the two distances differ by at most this part. One step of Newton's method improves
- * a root, unless the slope is less than POLISH_SLOPE (at a double root the step would be far too
- * large), or the step is more than POLISH_STEP of the interval. ROOT_SEPARATION: closer roots count
- * as one. */
+ * a root. POLISH_SLOPE: no step is made at a smaller slope, because at a double root it would be
+ * far too large. POLISH_STEP: a step of more than this part of the interval is not made.
+ * ROOT_SEPARATION: closer roots count as one. */
 #define GD_TOL_DISCRIMINANT    1e-12
 #define GD_TOL_BRANCH          1e-10
 #define GD_TOL_ROOT_RESIDUAL   1e-6
@@ -133,8 +133,8 @@
 #define GD_TOL_INPUT 1e-9
 
 /* A field with a reach below this part of the longest edge is not resumed but rebuilt from the
- * seeds. A field of a graded mesh is not resumed either: a mesh is graded if its shortest edge is
- * less than this part of the longest one. */
+ * seeds. A field of a graded mesh is not resumed either. A mesh is graded if its shortest edge is
+ * less than GD_TOL_GRADED of the longest one. */
 #define GD_TOL_COARSE_REACH 1e-3
 #define GD_TOL_GRADED       1e-6
 
@@ -143,8 +143,8 @@
  * this is below rounding. */
 #define GD_TOL_PACKED 1e-6
 
-/* A leg is straight if it crosses an edge within this part of the edge from the straight line: the
- * ends of wedges are stored to 2^-32. */
+/* A leg counts as straight if its crossing of an edge is off the straight line by at most this part
+ * of the edge. The reason is that the ends of wedges are stored to 2^-32 of the edge. */
 #define GD_TOL_STRAIGHT 1e-9
 
 /* ENVELOPE: a source that is seen through several wedges has unfolded images that differ by this
@@ -155,15 +155,15 @@
 #define GD_TOL_ENVELOPE 1e-12
 #define GD_TOL_PLACE    4e-15
 
-/* The nudge of a Voronoi diagram: it increases each member's distance by less than this part of the
- * field's greatest distance, by a different amount for each member. It is well above the rounding
- * of ties and well below the promised precision. */
+/* The nudge of a Voronoi diagram increases each member's distance, by a different amount for each
+ * member. The amounts are less than this part of the field's greatest distance. It is well above
+ * the rounding of ties and well below the promised precision. */
 #define GD_TOL_TIE 1e-11
 
 /* Nodes of a diagram are searched within this distance of their nudged positions, relative to the
  * edge or the face. Ends within this distance of each other are one node. If a bisector meets the
- * border of the views of two sources at a small angle, nudge and rounding move its end by much more
- * than their own size. */
+ * border of the views of two sources at a small angle, nudge and rounding move the bisector's end
+ * by much more than their own size. */
 #define GD_TOL_NODE 1e-6
 
 /* If two bisectors of three sources meet at a smaller angle, the distances do not determine the
@@ -203,11 +203,11 @@
 #define GD_TOL_FLOAT       6e-8
 #define GD_TOL_FLOAT_LEAST 1e-44
 
-/* A straight line goes through a vertex if it passes this close, relative to the shorter of the
- * edge that it crosses there and the length from its start (plus GD_TOL_PLACE of the edge). The
- * line's end is put on an edge or a vertex this close, relative to the shorter of the edge and the
- * line. This is also the largest angle by which a direction may miss a boundary edge and still run
- * along it. */
+/* A straight line goes through a vertex if it passes this close to the vertex. The tolerance is
+ * relative to the crossed edge or to the line's length so far, whichever is shorter; GD_TOL_PLACE
+ * of the edge is added. The line's end is put on an edge or a vertex this close, relative to the
+ * shorter of the edge and the line. This is also the largest angle by which a direction may miss a
+ * boundary edge and still run along it. */
 #define GD_TOL_HIT 1e-12
 
 /* This part of the length of a walk is added to GD_TOL_HIT, because each unfolded face adds
@@ -223,9 +223,9 @@
  * lengths of both. The rounding error of a line grows with its whole length. */
 #define GD_TOL_TOUCH 1e-9
 
-/* A cut's curve is moved onto a vertex or an edge within this part of a face's longest edge: ten
- * times the flatness below which a face is rejected. In faces that are nearly flat themselves,
- * larger parts are tried, multiplied by STEP each time, up to MOST. */
+/* A cut's curve is moved onto a vertex or an edge that is nearer than this part of a face's longest
+ * edge. This is ten times the flatness below which a face is rejected. In faces that are nearly
+ * flat themselves, larger parts are tried, multiplied by STEP each time, up to MOST. */
 #define GD_TOL_SEAM      1e-6
 #define GD_TOL_SEAM_MOST 1.5e-2
 #define GD_TOL_SEAM_STEP 10
@@ -349,10 +349,10 @@
  * move the path. */
 #define GD_TOL_VERTEX 1e-11
 
-/* Two directions from a corner of a limit surface are parallel, and there is no normal, if their
- * cross product is shorter than this part of them. If there is a normal, the component of one
- * direction perpendicular to the other exceeds this part of the parallel component, even after the
- * last halving and for any number of faces. */
+/* Two directions from a corner of a limit surface count as parallel if their cross product is
+ * shorter than this part of the product of their lengths. The corner then has no normal. If there
+ * is a normal, the component of one direction perpendicular to the other exceeds this part of the
+ * parallel component, even after the last halving and for any number of faces. */
 #define GD_TOL_SPIKE 1e-10
 
 /* Newton's method for the closest point of a limit surface has converged if its step is this small

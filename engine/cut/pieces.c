@@ -218,8 +218,8 @@ static uint32_t cut_pieces_key_of(const struct gd__refined *refined, uint32_t no
 }
 
 /* Sorts the corners that represent vertices by key (counting sort). `begin` has one entry for each
- * key and one more, all zero before the call; afterwards key k has the corners sorted[begin[k - 1]]
- * to sorted[begin[k] - 1]. */
+ * key and one more, all zero before the call. After the call, the corners of key k are
+ * sorted[begin[k - 1]] to sorted[begin[k] - 1]. */
 static void sort_vertices(const struct gd__refined *refined, uint32_t keys, uint32_t *begin,
                           uint32_t *sorted)
 {

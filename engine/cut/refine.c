@@ -224,8 +224,8 @@ static enum gd_status split_face(struct refining *refining, uint32_t face)
 
 /* --- all faces -------------------------------------------------------------------------------- */
 
-/* Returns an upper bound on triangles: a node on an edge adds one triangle to each of the edge's
- * faces; a node inside a face adds two. */
+/* Returns an upper bound on the number of triangles. A node on an edge adds one triangle to each of
+ * the edge's faces. A node inside a face adds two triangles. */
 static size_t triangle_count(const struct gd__nodes *nodes)
 {
     return nodes->mesh->face_count + 2 * (size_t)nodes->count;

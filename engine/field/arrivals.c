@@ -27,7 +27,7 @@ struct arrivals {
 };
 
 /* Returns true if the point is so near to the source that the straight path is the only shortest
- * path: no other path can arrive at a distinct angle. */
+ * path. No other path of nearly equal length can then arrive at a distinct angle. */
 static bool is_beside(const struct gd__source *source, struct gd__local to, double slack)
 {
     double away = hypot(to.x, to.y);

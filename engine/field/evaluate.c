@@ -79,8 +79,8 @@ static void open_block(const struct batch *batch, uint32_t number, struct block 
     }
 }
 
-/* Returns the face in which a point is evaluated: for a point of an edge, the edge's first face;
- * GD_NONE for a vertex, whose distance is stored. */
+/* Returns the face in which a point is evaluated. For a point of an edge this is the edge's first
+ * face. For a vertex it is GD_NONE, because the distance of a vertex is stored. */
 static inline uint32_t face_of(const struct gd_mesh *mesh, const struct gd_point *point)
 {
     if (point->kind == GD_POINT_FACE) return point->element;

@@ -8,10 +8,10 @@
  * bisector of two sources inside a face the distance can have a maximum only where the two
  * gradients are opposite. Between two points, or a point and a segment, such a place is a saddle.
  * Between two parallel segments the place belongs to a ridge of constant distance, which ends at a
- * third source or on the boundary, or crosses edges and closes. Therefore a maximum is a vertex, a
- * point of a boundary edge between two sources, a point of any edge between two segments, or a
- * point between three sources. Vertices are tried first. Then only faces that may exceed the best
- * point so far are searched, with only the sources that may exceed it. */
+ * third source or on the boundary, or is a closed line that crosses edges. Therefore a maximum is a
+ * vertex, a point of a boundary edge between two sources, a point of any edge between two segments,
+ * or a point between three sources. Vertices are tried first. Then only faces that may exceed the
+ * best point so far are searched, with only the sources that may exceed it. */
 
 enum { CHECK_INTERVAL = 64 /* faces */ };
 

@@ -5,9 +5,9 @@
  * the places where its distance equals the level are candidates. Between two consecutive candidates
  * all points of the edge are below the level, or none is. So one evaluation in the middle decides.
  *
- * A distance that equals the level up to rounding counts as not below: the isoline of a segment may
- * run along whole edges and touch others between their ends. At a vertex the stored distance
- * decides without slack, so that all its edges agree. */
+ * A distance that equals the level up to rounding counts as not below. This rule is needed because
+ * the isoline of a segment may run along whole edges, and may touch other edges between their ends.
+ * At a vertex the stored distance decides without slack, so that all its edges agree. */
 
 static enum gd_status put_place(struct gd__places *places, double t, double length)
 {

@@ -6,9 +6,9 @@
 /* work of one source of a face, in steps of the pace */
 enum { STEPS_A_SOURCE = 8 };
 
-/* A place in the face where a part of a line must continue. A departing end (the end of an arc, or
- * a crossing where the line enters the face) is matched with an arriving end (the start of an arc,
- * or a crossing where the line leaves the face). */
+/* A place in the face where a part of a line must continue. Each departing end is matched with an
+ * arriving end. A departing end is the end of an arc, or a crossing where the line enters the face.
+ * An arriving end is the start of an arc, or a crossing where the line leaves the face. */
 struct gd__end {
     struct gd__local at;
     uint32_t arc;      /* GD_NONE: a crossing */

@@ -142,8 +142,8 @@ struct gd__leg {
     uint32_t source;
 };
 
-/* The best path to a point in compact form. `from` is a vertex, a seed or, for GD__LEG_WEDGE, the
- * number of a wedge, counted over the search of the face's edges (leg.c). */
+/* The best path to a point in compact form. `from` is a vertex or a seed. For GD__LEG_WEDGE it is
+ * the number of a wedge, in the order in which leg.c searches the wedges of the face's edges. */
 struct gd__leg_key {
     double distance;
     enum gd__leg_kind kind;

@@ -6,9 +6,9 @@
 enum { CACHE_LINE = 64 };
 
 /* The distance at a point of a face is the minimum over the face's corners, the seeds in the face,
- * and the wedges of its edges whose source lies across the edge. Paths from a source on the face's
- * own side reach the point through another edge or a corner. The search finds the best candidate
- * and only completes the leg of that candidate. */
+ * and those wedges of its edges whose source lies on the other side of the edge. Paths from a
+ * source on the face's own side reach the point through another edge or a corner. The search finds
+ * the best candidate and only completes the leg of that candidate. */
 
 /* --- views ----------------------------------------------------------------------------------- */
 

@@ -192,8 +192,8 @@ struct gd__profile_place gd__profile_least(const struct gd__profile *profile)
     return least;
 }
 
-/* Returns an upper bound of the distance at t, from the nearest point of a window: along the
- * segment the distance grows by at most the length. */
+/* Returns an upper bound of the distance at t: the distance at the nearest point of the window,
+ * plus the length of the segment between that point and t. */
 static double at_most(const struct gd__window *w, double t)
 {
     double end = t < w->b0 ? w->b0 : fmin(t, w->b1);

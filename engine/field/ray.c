@@ -72,9 +72,10 @@ BOTH_KINDS void enter_face(const struct gd_side *s, struct gd__ray *ray, bool li
     ray->x = linear ? -ray->x : s->length - ray->x;
 }
 
-/* Transforms a ray that entered the face of its side to the side where it leaves: the left edge,
- * from the origin to the apex, or the right one, from the apex to the destination. (ux, uy) runs
- * along that edge, (rx, ry) from its end to the source. */
+/* Transforms a ray that entered the face of its side to the side where the ray leaves the face.
+ * This is the left edge, from the origin to the apex, or the right edge, from the apex to the
+ * destination. The vector (ux, uy) runs along that edge. The vector (rx, ry) runs from the edge's
+ * end to the source. */
 BOTH_KINDS void cross_face(const struct gd_side *s, struct gd__ray *ray, struct passage *passage,
                            bool linear)
 {

@@ -5,8 +5,8 @@
 
 #include "field/path_builder.h"
 
-/* A ray in the frame of a side of its face: it crosses the side at t, and the image of its source
- * lies beyond the side, at (x, -y); for a segment, in the direction (x, -y). */
+/* A ray in the frame of a side of its face. The ray crosses the side at t. The image of a point
+ * source lies beyond the side, at (x, -y). A segment source lies in the direction (x, -y). */
 struct gd__ray {
     uint32_t side, source;
     double t, x, y;
@@ -49,8 +49,8 @@ static inline struct gd__stop gd__stop_failed(struct gd__path_builder *builder,
  * vertex. */
 struct gd__stop gd__ray_follow(struct gd__path_builder *builder, struct gd__ray ray);
 
-/* Returns true if the source, a vertex or a point, lies in the face of `side` at (x, y), where the
- * leg ends. */
+/* Returns true if the source, a vertex or a point seed, lies in the face of `side` at (x, y). The
+ * leg then ends in this face. */
 bool gd__ray_has_arrived(const struct gd__path_builder *builder, uint32_t side, double x, double y,
                          uint32_t source);
 

@@ -2,9 +2,10 @@
  * minimum over the sources that see the point: sigma + |point - source|, or sigma + gradient .
  * point for a linear source. Thus the distance is the lower envelope of cones and planes.
  *
- * Sources are the seeds in the face; the unfolded pseudo-sources of the wedges that enter the face,
- * each visible in the sector or strip behind its wedge; and the face's corners, which see the whole
- * face. In a tie segments take precedence over points, then the lower number decides.
+ * There are three kinds of sources: the seeds in the face, the unfolded pseudo-sources of the
+ * wedges that enter the face, and the face's corners. The pseudo-source of a wedge sees the sector
+ * or strip behind the wedge. A corner sees the whole face. In a tie segments take precedence over
+ * points, then the lower number decides.
  *
  * A segment across the face gives two sources, one for each side of it. A linear source is only
  * used where its distance is at least `nearest`. */

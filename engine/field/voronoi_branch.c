@@ -143,8 +143,8 @@ static struct gd__turn line_lost_to_line(const struct gd__branch *branch,
     return where_beyond(branch, gd__local_minus(branch->source.gradient, third->gradient), l);
 }
 
-/* Solves s^2 + y^2 < (a + b s)^2 and a + b s > 0. s is the position along the line, measured from
- * the projection of the third point; y is that point's distance from the line. */
+/* Solves s^2 + y^2 < (a + b s)^2 and a + b s > 0. `s` is the position along the line, measured from
+ * the projection of the third point. `y` is the distance of the third point from the line. */
 static struct gd__turn line_lost_to_point(const struct gd__branch *branch,
                                           const struct gd__focus *third, double slack)
 {

@@ -10,9 +10,10 @@
  *   1/r = (1 - g u) / k.
  * - A line has this form about any place off the line. For two linear sources the centre is a
  *   chosen place, not a source.
- * So 1/r is linear in u. Tests of a place c + r u of the branch (on which side of a line it lies,
- * whether a third source is nearer), divided by r, are linear in u too: m u >= h, a span of angles.
- * Only the test of a third point against two linear sources is quadratic along their line. */
+ * So 1/r is linear in u. There are two tests of a place c + r u of the branch: on which side of a
+ * line it lies, and whether a third source is nearer. Divided by r, these tests are linear in u
+ * too: m u >= h. Their solution is a span of angles. Only the test of a third point against two
+ * linear sources is quadratic along their line. */
 #ifndef GD_FIELD_VORONOI_BRANCH_H
 #define GD_FIELD_VORONOI_BRANCH_H
 
@@ -58,15 +59,17 @@ bool gd__branch_between(const struct gd__focus *source, const struct gd__focus *
                         struct gd__local middle, double size, struct gd__branch *out);
 
 /* Returns the distance of the directrix from the centre. If the distance is nearly zero, the branch
- * folds back along a ray: one source hides behind the other, or is the end of the other's
- * segment. */
+ * folds back along a ray. This happens if one source is hidden behind the other, or is the end of
+ * the other's segment. */
 double gd__branch_width(const struct gd__branch *branch);
 
 struct gd__local gd__branch_place(const struct gd__branch *branch, double angle);
 
-/* Return spans of angles. gd__branch_turn: where the branch exists. gd__branch_beyond: where it
- * lies on the side of `normal` of the line through `through`. gd__branch_lost_to: where a third
- * source is nearer by more than `slack` (if negative: nearer, or farther by less than -slack). */
+/* Return spans of angles. gd__branch_turn returns the angles where the branch exists.
+ * gd__branch_beyond returns the angles where the branch lies on the side of `normal` of the line
+ * through `through`. gd__branch_lost_to returns the angles where a third source is nearer by more
+ * than `slack`. If `slack` is negative, the third source may also be farther, by less than
+ * -slack. */
 struct gd__turn gd__branch_turn(const struct gd__branch *branch);
 struct gd__turn gd__branch_beyond(const struct gd__branch *branch, struct gd__local normal,
                                   struct gd__local through);

@@ -51,9 +51,9 @@ struct bound {
 
 enum { BOUNDS_MOST = 3 };
 
-/* Collects the borders of a source's view and returns their number: the two of its sector, and for
- * a linear source the line at the distance `nearest`, so that a segment in the face only sees one
- * side of itself. */
+/* Collects the borders of a source's view and returns their number. A sector has two borders. A
+ * linear source has a third one: the line at the distance `nearest`. This border limits a segment
+ * in the face to one side of itself. */
 static int bounds_of(const struct work *work, const struct gd__source *source,
                      struct bound bound[BOUNDS_MOST])
 {
@@ -359,9 +359,9 @@ static enum gd_status append_switches(const struct work *work)
     return status;
 }
 
-/* Returns true if the branch's centre should be source i rather than j: a point rather than a line;
- * of two points the one around which the branch bends. Seen from the other point, the two sides of
- * a narrow branch nearly coincide. */
+/* Returns true if the branch's centre should be source i rather than j. The centre is a point
+ * rather than a linear source. Of two points, the centre is the point around which the branch
+ * bends. Seen from the other point, the two sides of a narrow branch nearly coincide. */
 static bool is_before(const struct work *work, uint32_t i, uint32_t j)
 {
     struct gd__focus a = nudged_focus(work, i), b = nudged_focus(work, j);

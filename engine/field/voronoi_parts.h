@@ -104,8 +104,8 @@ struct gd__diagram {
         bisector_part_capacity;
 };
 
-/* The end of a part in the current face, or a node where a part must end: an owner change, or a
- * triple point that lacks a part. */
+/* The end of a part in the current face, or a node where a part must end. Such a node is an owner
+ * change, or a triple point with a missing part. */
 struct gd__loose_end {
     struct gd__local at;
     uint32_t member[2]; /* ascending */

@@ -168,8 +168,8 @@ static enum gd_status relax_vertex(struct gd__guide *guide, uint32_t vertex, str
     return GD_OK;
 }
 
-/* Returns the length of the straight segment from a vertex across the opposite edge, from a to b,
- * to the corner behind; GD__FAR if the segment misses the edge. Computed from positions, which A*
+/* Returns the length of the straight segment from a vertex across the opposite edge a-b to the
+ * corner behind the edge; GD__FAR if the segment misses the edge. Computed from positions, which A*
  * loads anyway; records of sides would cost cache misses. */
 static double way_across(const struct gd_vec3 *vertex, const struct gd_vec3 *a,
                          const struct gd_vec3 *b, const struct gd_vec3 *beyond)

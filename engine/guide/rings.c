@@ -281,8 +281,8 @@ static enum gd_status begin_rings(struct gd__guide *guide)
     return status ? status : close_ring(guide);
 }
 
-/* Returns half of the edge from an outermost vertex to another vertex; 0 if the other vertex is not
- * an outermost one or is out of the way. */
+/* Returns half of the length of the edge from an outermost vertex to another vertex; 0 if the other
+ * vertex is not outermost or is out of the way. */
 static float half_edge(const struct growth *growth, uint32_t vertex, uint32_t other)
 {
     const struct gd_mesh *mesh = growth->guide->mesh;

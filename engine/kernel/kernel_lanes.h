@@ -1,6 +1,7 @@
 /* The kernel for one set of lanes. kernel_plain.c, kernel_avx2.c and kernel_avx512.c define the
- * lanes (lanes_*.h) and then include this file. kernel_linear_plain.c and so on define WITH_LINEAR
- * 1 first; otherwise the code for linear windows is left out.
+ * lanes (lanes_*.h) and then include this file. kernel_linear_plain.c, kernel_linear_avx2.c and
+ * kernel_linear_avx512.c define WITH_LINEAR as 1 first. Without this definition the code for linear
+ * windows is left out.
  *
  * A `lanes` holds LANES doubles, an `ids` as many 32-bit integers, a `mask` one truth value for
  * each lane. Arithmetic uses C's operators. `pick` selects by lane. `compress` moves the lanes of a

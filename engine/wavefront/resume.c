@@ -10,10 +10,10 @@
  *
  * A window is useful on an edge only where it is shorter than the paths along the edge from its
  * ends. Where those paths lie within the bound, no window is missing. On all other edges all wedges
- * are cast again. A child is dropped if its nearest point lies within the bound by more than the
- * rounding of its ends, which are stored to 2^-32 of an edge: then the bound cannot have cut it
- * off. Windows that are cast twice cost time only. Windows are cast without joining, so that a
- * window that was cut off is not joined to one that was not. */
+ * are cast again. The ends of wedges are stored to 2^-32 of an edge. A child (a window cast from a
+ * wedge) is dropped if its nearest point lies within the bound by more than this rounding. In this
+ * case the bound cannot have cut the child off. Windows that are cast twice cost time only. Windows
+ * are cast without joining, so that a window that was cut off is not joined to one that was not. */
 
 #define COPY_BYTES  ((size_t)1 << 20) /* bytes copied between two checks of the monitor */
 #define CHECK_NODES 1024              /* edges or vertices between two checks of the monitor */

@@ -163,8 +163,8 @@ static inline double gd__wavefront_rest(const struct gd__wavefront *front, uint3
     return front->guide ? gd__guide_lower(front->guide, vertex) : 0;
 }
 
-/* Return the record of a side, an edge or a vertex: in the arrays, or in a page, which must exist
- * (gd__paged_need_side, gd__paged_need_vertex). */
+/* Return the record of a side, an edge or a vertex. The record is in the arrays or in a page. The
+ * page must exist (gd__paged_need_side, gd__paged_need_vertex). */
 static inline struct gd__list *gd__wavefront_list(const struct gd__wavefront *front, uint32_t side)
 {
     return front->paged ? &gd__paged_side(front->paged, side)->list[side % GD__PAGE_SIDES]
@@ -291,7 +291,8 @@ void gd__emit_seeds(struct gd__wavefront *front);
 void gd__emit_vertex(struct gd__wavefront *front, uint32_t vertex);
 
 /* emit.c: emits from a seed beside a vertex into the faces of the vertex that do not contain the
- * seed: past the vertex on both sides, bounded by rays of the vertex (doc 002). */
+ * seed. The windows pass the vertex on both sides and are bounded by rays of the vertex (doc
+ * 002). */
 void gd__emit_beside(struct gd__wavefront *front, uint32_t seed, const struct gd__polar *polar);
 
 /* propagate.c: stores a window of a side as a wedge without propagating it. */

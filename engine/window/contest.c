@@ -13,8 +13,8 @@
 #define BISECTIONS 60
 
 /* The window that gives the strictly shorter distance at a point. A tie at one point does not
- * decide an interval: far away, two neighbouring sources are equally distant up to rounding,
- * although one of them is better nearby. */
+ * decide an interval. At a point far from two neighbouring sources, both are equally distant up to
+ * rounding, although one of them is nearer to other points of the interval. */
 enum winner { CHALLENGER = -1, TIE = 0, OWNER = 1 };
 
 /* Branchless, because a branch would be mispredicted half of the time. */

@@ -60,9 +60,9 @@ GD_MUST_USE enum gd_status gd_curve_resolve(const struct gd_mesh *mesh,
                                             const struct gd_control *control, struct gd_curve *out,
                                             struct gd_detail *detail);
 
-/* Convert a curve to seeds of a field (gd/field.h): seed 2i is point i, seed 2i + 1 the segment
- * from point i to the next point. gd_curve_seed_count returns the number of seeds; gd_curve_seeds
- * writes that many to the caller's array. O(points). Thread-safe. */
+/* Convert a curve to seeds of a field (gd/field.h): seed 2i is point i, and seed 2i + 1 is the
+ * segment from point i to the next point. gd_curve_seed_count returns the number of seeds.
+ * gd_curve_seeds writes that many seeds to the caller's array. O(points). Thread-safe. */
 uint32_t gd_curve_seed_count(const struct gd_curve *curve);
 void gd_curve_seeds(const struct gd_curve *curve, double offset, struct gd_seed *out);
 

@@ -49,9 +49,9 @@ GD_MUST_USE enum gd_status gd_curve_distance(const struct gd_field *field, const
                                              const struct gd_control *control,
                                              struct gd_curve_distance *out);
 
-/* Computes the one-sided Hausdorff distance from b to a: the greatest distance of a point of `b`
- * from `a`, that point, and its nearest point on `a`. The distance is INFINITY if a part of b has
- * no path to a. Errors and cost: those of gd_curve_distance. */
+/* Computes the one-sided Hausdorff distance from b to a, that is, the greatest distance of a point
+ * of `b` from `a`. Also computes that point, and its nearest point on `a`. The distance is INFINITY
+ * if a part of b has no path to a. Errors and cost: those of gd_curve_distance. */
 GD_MUST_USE enum gd_status gd_curve_farthest(const struct gd_field *field, const struct gd_curve *a,
                                              const struct gd_curve *b,
                                              const struct gd_control *control,

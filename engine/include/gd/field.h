@@ -69,14 +69,14 @@ GD_MUST_USE enum gd_status gd_field_distances_only(const struct gd_mesh *mesh,
 /* Extends a partial field to `radius` (0: no limit): copies the wedges of `partial` and propagates
  * beyond its reach. `partial` does not change. The distances equal those of a field built for the
  * radius, up to rounding. The statistics count the work for `partial` and for the extension.
- * `control` and `detail` may be NULL. The function builds the field from the seeds instead if that
- * is faster (with an executor of width 2 or more, if at least half of the vertices lie beyond the
- * reach and gd_field_build would share the surface between tasks) or more accurate (if the reach is
- * below 1e-3 of the longest edge, or the shortest edge is below 1e-6 of the longest). The caller
- * owns one reference of `*out`. Errors: GD_INVALID_ARGUMENT (the radius is negative or not a
- * number, `partial` already reaches that far, or `partial` comes from a damaged image), and those
- * of gd_field_build except for the request. Cost: a copy of `partial`, and the propagation beyond
- * it. Thread-safe. */
+ * `control` and `detail` may be NULL. In two cases the function builds the field from the seeds
+ * instead. This is faster if `control` has an executor of width 2 or more, at least half of the
+ * vertices lie beyond the reach, and gd_field_build would share the surface between tasks. It is
+ * more accurate if the reach is below 1e-3 of the longest edge, or the shortest edge is below 1e-6
+ * of the longest. The caller owns one reference of `*out`. Errors: GD_INVALID_ARGUMENT (the radius
+ * is negative or not a number, `partial` already reaches that far, or `partial` comes from a
+ * damaged image), and those of gd_field_build except for the request. Cost: a copy of `partial`,
+ * and the propagation beyond it. Thread-safe. */
 GD_MUST_USE enum gd_status gd_field_resume(const struct gd_field *partial, double radius,
                                            const struct gd_control *control, struct gd_field **out,
                                            struct gd_detail *detail);
@@ -156,20 +156,20 @@ GD_MUST_USE enum gd_status gd_field_path_to_seed(const struct gd_field *field,
 
 /* Computes the gradient of the distance at a point: the unit vector of the direction in which the
  * shortest path from the source arrives. The vector lies in the plane of the face that contains the
- * path's last segment; at a point of an edge or a vertex, other faces have other planes. Where
- * several shortest paths arrive, the gradient is undefined; the result then belongs to the path
- * that gd_field_path returns. Errors: GD_INVALID_ARGUMENT (the point is a seed), GD_NOT_ON_SURFACE
- * (no path), GD_BEYOND_REACH. O(wedges of a face's edges). Thread-safe. */
+ * path's last segment; at a point of an edge or a vertex, the other faces at the point lie in other
+ * planes. Where several shortest paths arrive, the gradient is undefined; the result then belongs
+ * to the path that gd_field_path returns. Errors: GD_INVALID_ARGUMENT (the point is a seed),
+ * GD_NOT_ON_SURFACE (no path), GD_BEYOND_REACH. O(wedges of a face's edges). Thread-safe. */
 GD_MUST_USE enum gd_status gd_field_gradient(const struct gd_field *field,
                                              const struct gd_point *point, struct gd_vec3 *out);
 
 /* Computes the point farthest from the seeds, among all points of components with a seed, and its
  * distance. The farthest point is a vertex, a point of a boundary edge where two shortest paths are
- * equally long, or a point of a face where three shortest paths are. The choice between several
- * such points is deterministic. `control` may be NULL. Errors: GD_BEYOND_REACH (the surface may
- * continue beyond the reach of a partial field), GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE. Cost: one
- * pass over the faces, and a search of the few faces whose distances may exceed those of all
- * vertices. Thread-safe. */
+ * equally long, or a point of a face where three shortest paths are equally long. The choice
+ * between several such points is deterministic. `control` may be NULL. Errors: GD_BEYOND_REACH (the
+ * surface may continue beyond the reach of a partial field), GD_NO_MEMORY, GD_CANCELLED,
+ * GD_DEADLINE. Cost: one pass over the faces, and a search of the few faces whose distances may
+ * exceed those of all vertices. Thread-safe. */
 GD_MUST_USE enum gd_status gd_field_farthest(const struct gd_field *field,
                                              const struct gd_control *control,
                                              struct gd_point *point, double *distance);

@@ -112,17 +112,17 @@ struct gd_geodesics {
 
 void gd_geodesics_free(struct gd_geodesics *geodesics); /* NULL is harmless */
 
-/* Computes the shortest path between two points or curves of the tessellation's surface; with
- * `all_minima` also longer local minima, sorted by length: paths that do not cross `from` or `to`
- * between their ends, and one of each family of equally long paths. If no path is a minimum, the
- * result is one path with GD_GEODESIC_NOT_MINIMAL. If `from` and `to` meet, the path has length 0
- * and no pieces. Exchanging `from` and `to` changes the result only by rounding. The function finds
- * the global minimum if the tessellation is fine enough to distinguish the routes around the
- * surface's features. `control` and `detail` may be NULL; the caller frees `*out` by
- * gd_geodesics_free. Errors: GD_INVALID_ARGUMENT (a curve of another surface, options out of
- * range), those of gd_field_build, GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL
- * (no path converged). Cost: milliseconds, for two fields of the tessellation and about 20 Newton
- * steps. Thread-safe. */
+/* Computes the shortest path between two points or curves of the tessellation's surface. With
+ * `all_minima` the function also computes longer local minima, sorted by length. These are paths
+ * that do not cross `from` or `to` between their ends. Of each family of equally long paths only
+ * one is listed. If no path is a minimum, the result is one path with GD_GEODESIC_NOT_MINIMAL. If
+ * `from` and `to` meet, the path has length 0 and no pieces. Exchanging `from` and `to` changes the
+ * result only by rounding. The function finds the global minimum if the tessellation is fine enough
+ * to distinguish the routes around the surface's features. `control` and `detail` may be NULL; the
+ * caller frees `*out` by gd_geodesics_free. Errors: GD_INVALID_ARGUMENT (a curve of another
+ * surface, options out of range), those of gd_field_build, GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
+ * GD_DEADLINE, GD_INTERNAL (no path converged). Cost: milliseconds, for two fields of the
+ * tessellation and about 20 Newton steps. Thread-safe. */
 GD_MUST_USE enum gd_status gd_geodesic_solve(const struct gd_tessellation *tessellation,
                                              const struct gd_geodesic_request *request,
                                              const struct gd_control *control,

@@ -21,14 +21,14 @@
  * more than 256 times the package's bytes are rejected.
  *
  * glTF 2.0, as GLB or as JSON whose buffers are base64 data: URIs: the triangles, strips and fans
- * of the meshes of the default scene, transformed by their nodes. Without a default scene the first
- * scene is read; without scenes, all root nodes; without nodes, all meshes. Points and lines are
- * skipped. Positions are floats or integers (KHR_mesh_quantization), sparse or not, and are
- * transformed in double precision. A mirroring transform reverses the faces. glTF repeats a vertex
- * wherever normals or texture coordinates differ, so equal positions are welded as in STL. Meshes
- * are read in their bind pose, without morphing. Files that are compressed (Draco, meshopt) or
- * refer to external bytes are rejected. A file may use its bytes many times: for its memory see
- * gd_read_cost. */
+ * of the meshes of the default scene, transformed by their nodes. Without a default scene, the
+ * first scene is read. Without scenes, all root nodes are read. Without nodes, all meshes are read.
+ * Points and lines are skipped. Positions are floats or integers (KHR_mesh_quantization), sparse or
+ * not, and are transformed in double precision. A mirroring transform reverses the faces. glTF
+ * repeats a vertex wherever normals or texture coordinates differ, so equal positions are welded as
+ * in STL. Meshes are read in their bind pose, without morphing. Files that are compressed (Draco,
+ * meshopt) or refer to external bytes are rejected. A file may use its bytes many times: for its
+ * memory see gd_read_cost. */
 #ifndef GD_IO_H
 #define GD_IO_H
 
@@ -102,10 +102,10 @@ size_t gd_read_cost(const void *bytes, size_t size, const struct gd_read_options
 /* Reads a mesh file. `bytes` are borrowed for the call; `options` and `detail` may be NULL; the
  * caller frees `*out` by gd_polygons_free. Errors: GD_UNRECOGNIZED, GD_TRUNCATED, GD_SYNTAX,
  * GD_UNSUPPORTED, GD_INDEX, GD_NON_FINITE, GD_EMPTY (no faces, or no bytes), GD_TOO_LARGE,
- * GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE. The detail names the line; in binary files and in JSON,
- * the byte; for numbers of a glTF, the byte of their accessor. The result may contain faces that
- * repeat a vertex, which gd_mesh_build rejects. Time: linear in `size` (STL: expected linear, a
- * hash welds equal corners). Thread-safe. */
+ * GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE. The detail names the line of the error. In binary files
+ * and in JSON it names the byte. For numbers of a glTF it names the byte of their accessor. The
+ * result may contain faces that repeat a vertex, which gd_mesh_build rejects. Time: linear in
+ * `size` (STL: expected linear, a hash welds equal corners). Thread-safe. */
 GD_MUST_USE enum gd_status gd_read_polygons(const void *bytes, size_t size,
                                             const struct gd_read_options *options,
                                             struct gd_polygons *out, struct gd_detail *detail);

@@ -7,10 +7,10 @@
  * A place is a point of the limit surface, given by a face of the control mesh, numbered as in the
  * input, and (u,v) in that face. In Catmull-Clark quads (u,v) is in [0,1]^2; u runs from the first
  * corner to the second, v from the first to the fourth. A polygon of n != 4 corners consists of n
- * quads, one for each `corner`: u runs from that corner to the midpoint of the edge to the next
- * corner, v to the midpoint of the edge to the previous corner; (1,1) is the middle of the face. In
- * Loop triangles u, v >= 0 and u + v <= 1; u runs from the first corner to the second, v from the
- * first to the third. */
+ * quads, one for each `corner`: In such a quad u runs from its corner to the midpoint of the edge
+ * to the next corner, and v runs from its corner to the midpoint of the edge to the previous
+ * corner. (1,1) is the middle of the face. In Loop triangles u, v >= 0 and u + v <= 1; u runs from
+ * the first corner to the second, v from the first to the third. */
 #ifndef GD_LIMIT_H
 #define GD_LIMIT_H
 
@@ -46,15 +46,16 @@ struct gd_limit_jet {
 };
 
 /* Evaluates the limit surface at a place, exactly up to rounding (about 1e-15 of the one-ring's
- * size). Method: local subdivision to a bicubic B-spline or quartic box spline patch; at
- * extraordinary vertices the limit masks (Halstead, Kass, DeRose 1993; Biermann, Levin, Zorin
- * 2000). On a crease the values are those of the side of place->face. At a boundary vertex of only
- * one face (GD_INTERPOLATE_EDGE_ONLY) the normal is the limit of the normals nearby. If coincident
- * control points make the derivatives parallel or zero, the result has a position but no normal.
- * `detail` may be NULL. Errors: GD_OUT_OF_RANGE (face or corner), GD_INVALID_ARGUMENT (u, v outside
- * the face by more than 1e-9 or not finite), GD_NO_MEMORY. Cost: O(1) at regular places; elsewhere
- * a few microseconds for each halving of the distance to the extraordinary vertex, and an
- * allocation of working memory, which gd_limit_evaluate_many shares between places. Thread-safe. */
+ * size). Method: the control mesh is subdivided locally until the place lies in a bicubic B-spline
+ * or quartic box spline patch. At extraordinary vertices the limit masks are used (Halstead, Kass,
+ * DeRose 1993; Biermann, Levin, Zorin 2000). On a crease the values are those of the side of
+ * place->face. At a boundary vertex of only one face (GD_INTERPOLATE_EDGE_ONLY) the normal is the
+ * limit of the normals nearby. If coincident control points make the derivatives parallel or zero,
+ * the result has a position but no normal. `detail` may be NULL. Errors: GD_OUT_OF_RANGE (face or
+ * corner), GD_INVALID_ARGUMENT (u, v outside the face by more than 1e-9 or not finite),
+ * GD_NO_MEMORY. Cost: O(1) at regular places; elsewhere a few microseconds for each halving of the
+ * distance to the extraordinary vertex, and an allocation of working memory, which
+ * gd_limit_evaluate_many shares between places. Thread-safe. */
 GD_MUST_USE enum gd_status gd_limit_evaluate(const struct gd_subdivision *surface,
                                              const struct gd_limit_point *place,
                                              struct gd_limit_jet *out, struct gd_detail *detail);

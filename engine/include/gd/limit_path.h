@@ -50,7 +50,7 @@ struct gd_limit_trace_request {
  * the start is a vertex and the direction does not lead into the start's face, the path starts in
  * the face into which the direction leads, on the same side of creases. If no face qualifies, or
  * the start has no normal, the path ends at once. Method: Gragg's method with Bulirsch and Stoer's
- * extrapolation, with a relative error of 1e-13 for each patch (more in slivers near a spike),
+ * extrapolation. The relative error is 1e-13 for each patch (more in slivers near a spike), and
  * about 1e-11 after a hundred patches. Negative curvature amplifies these errors, as it amplifies
  * errors of the start. `control` and `detail` may be NULL; the caller frees `*out` by
  * gd_limit_path_free. Errors: those of gd_limit_evaluate; GD_INVALID_ARGUMENT (length or direction
@@ -74,12 +74,12 @@ struct gd_limit_geodesic {
  * such as the shortest path on a discretization. The method is shooting: from the polyline's first
  * direction and length, Newton's method adjusts both until the geodesic ends at the polyline's end.
  * A second geodesic with a slightly different direction measures the derivative of the end point
- * (the Jacobi field). The method does not converge, which is not an error, if the end is a
- * conjugate point, if no geodesic inside the surface exists (a shortest path along a boundary or
- * around a corner), or if the length changes by more than a tenth (another geodesic). `control` and
- * `detail` may be NULL; the caller frees out->path. Errors: those of gd_limit_trace for the first
- * place; those of gd_limit_evaluate for the others; GD_INVALID_ARGUMENT (fewer than two places, or
- * all at one point). Cost: about ten traces. Thread-safe. */
+ * (the Jacobi field). The method does not converge if the end is a conjugate point, if no geodesic
+ * inside the surface exists (a shortest path along a boundary or around a corner), or if the length
+ * changes by more than a tenth (another geodesic). This is not an error. `control` and `detail` may
+ * be NULL; the caller frees out->path. Errors: those of gd_limit_trace for the first place; those
+ * of gd_limit_evaluate for the others; GD_INVALID_ARGUMENT (fewer than two places, or all at one
+ * point). Cost: about ten traces. Thread-safe. */
 GD_MUST_USE enum gd_status gd_limit_relax(const struct gd_subdivision *surface,
                                           const struct gd_limit_places *polyline,
                                           const struct gd_control *control,

@@ -99,9 +99,10 @@ GD_MUST_USE enum gd_status gd_trace_follow_many(const struct gd_mesh *mesh,
                                                 const struct gd_control *control,
                                                 struct gd_trace *out, struct gd_detail *detail);
 
-/* Returns direction `i` < `count` of a fan of `count` directions at equal angles. In the interior
- * the fan goes all around from angle zero; at the boundary it goes from one side to the other, both
- * included (if `count` is 1: along the first side). O(1); O(faces) at a vertex. */
+/* Returns direction `i` < `count` of a fan of `count` directions at equal angles. At an interior
+ * point the fan goes all around, from angle zero. At a boundary point it goes from one direction
+ * along the boundary to the other, both included. If `count` is 1, the fan has only the first of
+ * these directions. O(1); O(faces) at a vertex. */
 struct gd_direction gd_trace_fan(const struct gd_mesh *mesh, const struct gd_point *point,
                                  uint32_t count, uint32_t i);
 

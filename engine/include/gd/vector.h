@@ -8,10 +8,10 @@
  *     }
  *
  * Source: "Geodesic Hermite splines on triangular meshes", section 3. p (+) v is the end of the
- * straightest geodesic from p in the direction of v, of v's length. q (-) p is the vector of the
- * shortest path from p to q. Transport along a shortest path keeps the signed angle between vector
- * and path. A shortest path may bend at saddle and boundary vertices; it then has one vector for
- * each segment between bends.
+ * straightest geodesic that starts at p in the direction of v and has the length of v. q (-) p is
+ * the vector of the shortest path from p to q. Transport along a shortest path keeps the signed
+ * angle between vector and path. A shortest path may bend at saddle and boundary vertices; it then
+ * has one vector for each segment between bends.
  *
  * Angles are those of gd/direction.h: at an interior vertex the total angle counts as 2 pi. The
  * length of a vector is in the caller's unit. All functions are thread-safe. */
