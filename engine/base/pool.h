@@ -48,7 +48,7 @@ static inline uint32_t gd__pool_class(uint32_t count)
     return count <= 16 ? count - 1 : 47 - (uint32_t)__builtin_clz((count - 1) >> 4);
 }
 
-/* Takes a block from a new chunk. Otherwise as gd__pool_take. */
+/* Works as gd__pool_take, but takes the block from a new chunk. */
 void *gd__pool_take_new(struct gd__pool *pool, uint32_t size_class);
 
 /* Takes a block of gd__pool_items(size_class) items, uninitialised. Returns NULL on an error, which

@@ -90,10 +90,11 @@ static enum gd_status find_candidates(struct search *search)
 
 /* --- candidate sources ------------------------------------------------------------------------ */
 
-/* Sets *out if a source may give a distance beyond the best at some point of the face. The straight
- * line from the source to that point either enters the face beyond the best distance, or passes it
- * inside the face. A segment's line may enter along an edge at the best distance, and the best
- * point may be a seed at a vertex: hence the slack. */
+/* Sets *out to true if a source may give a distance beyond the best distance at some point of the
+ * face. The straight line from the source to that point either enters the face beyond the best
+ * distance, or reaches the best distance inside the face. The slack covers two cases: all points of
+ * an edge are at the best distance from a segment source, or the best point is a seed at a
+ * vertex. */
 static enum gd_status is_rising(struct search *search, uint32_t i, bool *out)
 {
     const struct gd__source *source = &search->sources.source[i];

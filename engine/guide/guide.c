@@ -129,8 +129,8 @@ static uint32_t heap_pop(struct gd__guide *guide)
     uint32_t vertex = guide->heap[0].vertex, count = --guide->heap_count, at = 0;
     struct gd__guide_entry entry = guide->heap[count];
     for (uint32_t child; (child = 2 * at + 1) < count; at = child) {
-        /* This may read the removed entry behind the last one. Due to this read, the lesser child
-         * is chosen without a branch. */
+        /* The lesser child is chosen without a branch. For this purpose the code may read the
+         * removed entry behind the last one. */
         child += (child + 1 < count) & (guide->heap[child + 1].key < guide->heap[child].key);
         if (guide->heap[child].key >= entry.key) break;
         guide->heap[at] = guide->heap[child];

@@ -22,9 +22,9 @@ struct gd__place {
 };
 
 /* Points of a ring. x, y, z are positions relative to the target. `lower` is a lower bound of the
- * distance to the target. `part` is an upper bound on the length of the part of the edge between
- * the point and the next point. All values are divided by the search's bound. Empty lanes are far
- * away. */
+ * distance to the target. `part` is an upper bound on the lengths of the parts of edges between the
+ * point and the neighbouring points of the ring. All values are divided by the search's bound.
+ * Empty lanes are far away. */
 struct gd__ring_group {
     float x[GD__RING_LANES], y[GD__RING_LANES], z[GD__RING_LANES], lower[GD__RING_LANES],
         part[GD__RING_LANES];

@@ -136,8 +136,8 @@ static enum gd_status take_all(struct gd__wavefront *front, const struct gd__wav
 
 /* --- turns ------------------------------------------------------------------------------------ */
 
-/* One of the two wavefronts. Data that one thread writes shares no cache line, nor a pair of lines,
- * with data that the other thread reads. */
+/* One of the two wavefronts. Data that one thread writes shares neither a cache line nor a pair of
+ * adjacent lines with data that the other thread reads. */
 struct part {
     alignas(128) struct gd__wavefront front;
     struct gd__partition partition;

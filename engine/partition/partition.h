@@ -12,8 +12,8 @@
  *   last bit: the lesser one.
  * - The order of all work depends on the surface and the source only. So distances are the same on
  *   any number of threads. They equal those of one wavefront up to rounding.
- * - Messages arrive late. That costs work, not exactness, because propagation corrects itself
- *   (wavefront.h). */
+ * - Messages arrive late. The delay causes repeated work, but no inexact distances, because the
+ *   propagation is label-correcting (wavefront.h). */
 #ifndef GD_PARTITION_PARTITION_H
 #define GD_PARTITION_PARTITION_H
 

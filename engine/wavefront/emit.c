@@ -293,8 +293,8 @@ void gd__emit_beside(struct gd__wavefront *front, uint32_t seed, const struct gd
         if (i == first && !is_closed) break;
         i = i > first ? i - 1 : end - 1;
         double opening = gd__fan_end(mesh, polar->vertex, i) - mesh->fan[i].angle;
-        /* If `right` is 0, the entry's face contains the seed's edge, so nothing is emitted into
-         * it. */
+        /* If `right` is 0, the seed lies on an edge of the entry's face, and seeds.c emits into
+         * this face. */
         if (right > 0) emit_to_right(front, &b, i, right, opening);
         right += opening;
     }

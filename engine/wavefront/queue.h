@@ -2,9 +2,9 @@
  * width of a bucket. A node whose key decreases is entered again, and its old entry becomes stale.
  * The owner of a node stores the bucket in which the node waits, and ignores its entries in other
  * buckets. Within a bucket the order is first in, first out. A key beyond the ring goes to the last
- * bucket. The order costs time, never exactness, because propagation corrects itself. First in,
- * first out keeps the work polynomial if a whole component is in one bucket. One owner, one
- * thread. */
+ * bucket. The order affects the time, but never the exactness, because sides and vertices are
+ * processed again when shorter paths reach them. First in, first out keeps the work polynomial if a
+ * whole component is in one bucket. One owner, one thread. */
 #ifndef GD_WAVEFRONT_QUEUE_H
 #define GD_WAVEFRONT_QUEUE_H
 

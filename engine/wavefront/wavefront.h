@@ -6,8 +6,9 @@
  * - All windows that wait on a side are filtered, stored as wedges, cast across the face and
  *   released together. Later arrivals on that side form a new list.
  * - The propagation is label-correcting: a vertex emits again when its distance decreases, and a
- *   side is propagated again when new windows reach it. The order of the queue costs time, never
- *   exactness. Windows of a side that is propagated often are pruned against its stored wedges.
+ *   side is propagated again when new windows reach it. The order of the queue affects the time,
+ *   but never the exactness. Windows of a side that is propagated often are pruned against its
+ *   stored wedges.
  * - Invariants: the windows of a list are sorted and disjoint, and each is an existing path, so
  *   distances are upper bounds. A window is dropped only where an existing path is shorter, or
  *   where no path below the bound can use it.
@@ -37,7 +38,7 @@ struct gd__seed {
 
 /* Optimisations that are switched off. All false is the fastest variant. The distances of all
  * variants agree up to rounding. A field that fails its check is built again in another variant,
- * where rounding displaces other windows (field.c). */
+ * where rounding affects other windows (field.c). */
 struct gd__variant {
     bool no_filter; /* windows are not compared with the distances of their edge's ends */
     /* saddle and boundary vertices emit in all directions, not only into their shadow cone */

@@ -25,7 +25,8 @@
 enum gd__wedge_form { GD__WEDGE_16, GD__WEDGE_24, GD__WEDGE_WIDE };
 
 struct gd__chunk {
-    /* offset of the next older chunk of the same edge; always smaller; GD_NONE ends the chain */
+    /* offset of the next older chunk of the same edge, which is less than the offset of this chunk;
+     * GD_NONE ends the chain */
     uint32_t previous;
     uint32_t count : 29;
     /* the windows belong to side 1; all windows of a chunk belong to one side */

@@ -51,8 +51,9 @@ struct gd_geodesic_options {
 struct gd_geodesic_request {
     const struct gd_domain_curve *from, *to;   /* points or curves of the tessellation's surface */
     const struct gd_geodesic_options *options; /* NULL: all zero */
-    /* At most one of these selects a class of paths, and excludes all_minima; NULL: none. The
-       result is a geodesic of the class, not the shortest path of all classes. */
+    /* At most one of `initial` and `turns` is not NULL. It selects a class of paths, and must not
+     * be combined with all_minima. The result is a geodesic of the class, not the shortest path of
+     * all classes. */
     const struct gd_domain_curve *initial; /* from `from` to `to`: deformed into the result */
     /* winding numbers (u, v), at most GD_GEODESIC_TURNS_MOST in closed directions, else 0: see
        gd_geodesic.turns */

@@ -61,8 +61,8 @@ struct gd_mesh_options {
  * lowest-numbered unmerged vertex within the tolerance. Thus no vertex moves by more than the
  * tolerance, and a chain of near vertices does not collapse into one. The index of a merged vertex
  * then names the vertex that it was merged into. Faces that become degenerate or equal are removed,
- * see struct gd_mesh_repair. If the weld makes an edge or a vertex non-manifold, the build fails,
- * or the repair cuts the edge or vertex.
+ * see struct gd_mesh_repair. If the weld makes an edge or a vertex non-manifold, the build fails.
+ * With repair_split, the build cuts the edge or the vertex instead.
  *
  * Repair: see struct gd_mesh_repair. A non-orientable component is rejected even with repair.
  *

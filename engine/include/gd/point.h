@@ -2,7 +2,7 @@
  * constructors decide the kind.
  *
  * The constructors canonicalise: they move a point that lies on a vertex or an edge up to rounding
- * onto that vertex or edge, so that later geometry need not check again. `element` is an internal
+ * onto that vertex or edge, so that later computations need no such test. `element` is an internal
  * number of the mesh; gd_point_describe converts a point to the caller's numbering. */
 #ifndef GD_POINT_H
 #define GD_POINT_H
