@@ -81,9 +81,9 @@ static void seam_mark(struct gd__seam *seam, const struct gd__arrangement *arran
 
 /* --- dead ends -------------------------------------------------------------------------------- */
 
-/* The parts of the seam that meet at a node: `degree` counts them, `parts` is the exclusive or of
- * their numbers: if one part is left, this is its number. Pieces are numbered first, then
- * segments. */
+/* The parts of the seam that meet at a node: `degree` is the number of these parts. `parts` is the
+ * exclusive or of their numbers. If one part is left, `parts` is the number of that part. Pieces
+ * are numbered first, then segments. */
 struct meeting {
     uint32_t degree, parts;
 };

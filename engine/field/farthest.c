@@ -232,8 +232,8 @@ static void search_inside(struct search *search)
 
 /* --- along edges ------------------------------------------------------------------------------ */
 
-/* Returns a source as a window of side k. For distances along the side it does not matter on which
- * side of the line the source lies. */
+/* Returns a source as a window of side k. The window always has y >= 0, because distances along the
+ * side do not depend on which side of the line the source lies. */
 static struct gd__window window_of(const struct gd__face_frame *frame, int k,
                                    const struct gd__source *source)
 {

@@ -177,8 +177,8 @@ static bool are_beside(const struct gd_field *field, uint32_t vertex, uint32_t f
 /* Returns the amount by which a path through a wedge must be shorter than the known path. The
  * amount is the rounding of places in the face if the known path is short compared with the face
  * and comes from a point seed, directly or through a vertex beside both the point and the seed.
- * Such a path is more precise than a path through a wedge. In all other cases the amount is 0. For
- * example, a known path through another corner may be slightly too long. */
+ * Such a path is more precise than a path through a wedge. In all other cases the amount is 0. In
+ * particular, a known path through another corner may itself be slightly too long. */
 static inline double margin_of(const struct gd_field *field, uint32_t face, const double weight[3],
                                const struct gd__leg_key *best)
 {

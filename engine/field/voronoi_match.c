@@ -226,8 +226,8 @@ static enum gd_status give_node(const struct work *work, struct gd__loose_end *l
     return status;
 }
 
-/* Matches two ends. At the same place they share the node that one of them has; otherwise a part
- * bridges them. */
+/* Matches two ends. Two ends at the same place share one node. Ends at different places are joined
+ * by a straight part (a bridge). */
 static enum gd_status match_two(const struct work *work, struct gd__loose_end *a,
                                 struct gd__loose_end *b)
 {

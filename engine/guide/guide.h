@@ -69,8 +69,8 @@ size_t gd__guide_held(const struct gd__guide *guide);
  * follow by node[].parent. */
 uint32_t gd__guide_first(const struct gd__guide *guide, const struct gd_point *from);
 
-/* Returns true if a search from the target to `from` seems cheaper than one from `from` to the
- * target. Estimates this from the path. O(vertices of the path). */
+/* Returns true if a search from the target to `from` is estimated to be cheaper than a search from
+ * `from` to the target. The estimate uses the path that was found. O(vertices of the path). */
 bool gd__guide_prefers_turn(const struct gd__guide *guide, const struct gd_point *from);
 
 /* Makes `from` the target. Upper bounds remain only for the corners of the faces that contain

@@ -184,7 +184,8 @@ static enum gd_status leave_out_of_the_way(const struct growth *growth)
     return status;
 }
 
-/* Prefetches the fan of a vertex that is needed soon, and the start of the fan of a later one. */
+/* Prefetches the fan of the vertex `near`, which is needed soon, and the index of the fan of the
+ * vertex `far`, which is needed later. */
 GD__PREFETCH prefetch_fan(const struct gd_mesh *mesh, uint32_t near, uint32_t far)
 {
     __builtin_prefetch(&mesh->fan_first[far]);

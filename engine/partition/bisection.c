@@ -38,7 +38,8 @@ static int by_distance(const void *a, const void *b)
     return first->number < second->number ? -1 : 1;
 }
 
-/* Takes samples, sorted by distance: a wavefront meets about one shell after another. */
+/* Takes samples, sorted by distance from the source. A shell is a group of SHELL consecutive
+ * samples; a wavefront meets the shells roughly one after another. */
 static void take_samples(const struct gd_mesh *mesh, struct gd_vec3 source, struct sample *samples)
 {
     for (uint32_t i = 0; i < SAMPLES; i++) {

@@ -56,7 +56,7 @@ static void receive_messages(struct gd__wavefront *front, struct gd__outbox *out
 
 /* --- merged result ---------------------------------------------------------------------------- */
 
-/* Appends the chunks of the other wavefront behind the own ones. Chunks of one edge keep their
+/* Appends the chunks of the other wavefront behind the own chunks. Chunks of one edge keep their
  * links. Copies block by block, so that a block stays in the cache. */
 static void append_chunks(struct gd__region *own, const struct gd__region *from, uint32_t shift)
 {
@@ -284,7 +284,8 @@ bool gd__partition_is_worth_it(const struct gd_mesh *mesh,
 }
 
 /* Propagates by two wavefronts. `front` must not be open. Afterwards it is in the same state as if
- * it had worked alone. After GD_BUDGET one wavefront may still succeed. */
+ * it had worked alone. If the status is GD_BUDGET, a propagation by one wavefront may still
+ * succeed. */
 static enum gd_status propagate_in_parts(struct gd__wavefront *front,
                                          const struct gd__propagation *propagation,
                                          const struct gd_executor *executor)

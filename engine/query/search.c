@@ -90,8 +90,9 @@ static enum gd_status search_turn(struct search *search, struct gd__guide *guide
     return status;
 }
 
-/* Searches from the other end too, and keeps the shorter path. On a graded mesh the rounding of
- * windows may lose a path from one end. Either result is an existing path. */
+/* Searches from the other end too, and keeps the shorter path. On a graded mesh
+ * (gd__mesh_is_graded) the search from one end may miss a path due to the rounding of windows.
+ * Either result is an existing path. */
 static enum gd_status run_turned(struct search *search, struct gd__guide *guide,
                                  const struct gd_control *control)
 {

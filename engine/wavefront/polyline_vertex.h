@@ -1,6 +1,6 @@
-/* Polyline vertex (joint): a point of a curve and the segments that end there. It is the nearest
- * point of the curve only for points behind the ends of all its segments. In any other direction a
- * point of a segment is nearer (first variation of length). */
+/* Polyline vertex (joint): a point of a curve and the segments that end there. A joint is the
+ * nearest point of the curve only for points behind it, that is, beyond the end of each of its
+ * segments. In any other direction a point of a segment is nearer (first variation of length). */
 #ifndef GD_WAVEFRONT_POLYLINE_VERTEX_H
 #define GD_WAVEFRONT_POLYLINE_VERTEX_H
 

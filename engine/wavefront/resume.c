@@ -13,7 +13,8 @@
  * are cast again. The ends of wedges are stored to 2^-32 of an edge. A child (a window cast from a
  * wedge) is dropped if its nearest point lies within the bound by more than this rounding. In this
  * case the bound cannot have cut the child off. Windows that are cast twice cost time only. Windows
- * are cast without joining, so that a window that was cut off is not joined to one that was not. */
+ * are cast without joining, so that a window that was cut off is not joined to a window that was
+ * kept. */
 
 #define COPY_BYTES  ((size_t)1 << 20) /* bytes copied between two checks of the monitor */
 #define CHECK_NODES 1024              /* edges or vertices between two checks of the monitor */

@@ -56,7 +56,7 @@ static struct gd__local to_apex(const struct gd_side *s, struct gd__local at)
 }
 
 /* Returns the vector from a point of a face to the apex of `side`, computed from the weights of the
- * side's ends. It has full precision however near the apex is. */
+ * side's ends. The vector has full precision, no matter how near the point is to the apex. */
 static struct gd__local to_apex_of_face(const struct gd_side *s, double origin, double destination)
 {
     double px = s->left_length * s->left_x, py = s->left_length * s->left_y;
@@ -299,8 +299,8 @@ GD__PREFETCH prefetch_way_out(const struct gd__wavefront *front, uint32_t side)
     if (!front->paged) __builtin_prefetch(&front->lists[side]);
 }
 
-/* Prefetches the edge of a joint some seeds ahead, and the two faces of the edge of a nearer
- * one. */
+/* Prefetches the edge of a joint some seeds ahead, and the two faces of the edge of a joint fewer
+ * seeds ahead. */
 GD__PREFETCH prefetch_seeds(const struct gd__wavefront *front, uint32_t seed)
 {
     const struct gd_mesh *mesh = front->mesh;

@@ -282,8 +282,8 @@ static bool may_turn(const struct gd__window *c, const struct gd__window *o, dou
     return at_lo * at_hi <= 0;
 }
 
-/* Contests windows if the same one wins at both ends. It wins the whole interval, or the other one
- * wins a piece in the middle. */
+/* Contests windows if the same window wins at both ends. This window wins the whole interval,
+ * unless the other window wins a piece in the middle. */
 BOTH_KINDS struct gd__contest_result settle_same_ends(const struct gd__window *c,
                                                       const struct gd__window *o, double lo,
                                                       double hi, enum winner at_ends, bool linear)
@@ -305,8 +305,8 @@ BOTH_KINDS struct gd__contest_result settle_different_ends(const struct gd__wind
     int count = roots_of(c, o, lo, hi, linear, result.at);
     if (count == 0) result.at[0] = bisect(c, o, lo, hi, at_lo, linear);
     /* With different winners at the ends there is an odd number of roots. If two are found, one of
-     * them is at an end of the interval up to rounding. The winner in the middle decides which
-     * one. */
+     * them is at an end of the interval up to rounding. The winner in the middle decides which of
+     * the two roots that is. */
     if (count == 2 && winner_at(c, o, 0.5 * (result.at[0] + result.at[1]), linear) == at_lo)
         result.at[0] = result.at[1];
     result.switches = 1;

@@ -2,8 +2,8 @@
 
 #include "window/contest.h"
 
-/* Two sorted lists that follow each other. Only the last window of one (`last`) and the first of
- * the other (`first`) may overlap. */
+/* Two sorted lists that follow each other. Only the last window of `before` (number `last`) and the
+ * first window of `behind` (number `first`) may overlap. */
 struct seam {
     const struct gd__windows *before, *behind;
     uint32_t last, first;
@@ -56,8 +56,9 @@ static enum closing close_facing(struct seam *s, double min_width)
                                                                         : CLOSING_DONE;
 }
 
-/* Joins the lists if one lies before the other: cuts the overlap and removes dropped windows from
- * both. Returns false if the lists must be merged. `newer` is a view of *count windows. */
+/* Joins two lists of which one ends where the other begins: cuts the overlap and removes dropped
+ * windows from both lists. Returns false if the lists must be merged. `newer` is a view of *count
+ * windows. */
 static bool close_seam(struct gd__list *list, struct gd__windows *newer, uint32_t *count,
                        double min_width, bool *newer_is_before)
 {

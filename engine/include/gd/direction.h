@@ -43,11 +43,12 @@ GD_MUST_USE enum gd_status gd_direction_at_angle(const struct gd_mesh *mesh,
 
 /* Computes the direction of a vector of any length, projected onto the surface. In a face the
  * projection is perpendicular. On an edge the vector is projected perpendicularly into one of the
- * two faces: if both qualify, into the nearer one; if neither, onto the edge. At a vertex the
- * vector is projected along the vertex normal (the mean of the faces' normals weighted by angle)
- * into the face that it meets. A tangent vector keeps its direction. `detail` may be NULL. Errors:
- * GD_INVALID_ARGUMENT (the vector is not finite, or its projection vanishes), GD_NOT_ON_SURFACE
- * (the direction leads over the boundary). O(1); O(faces) at a vertex. */
+ * two faces. If both projections lie in their faces, the projection that turns the vector less is
+ * used. If neither does, the vector is projected onto the edge. At a vertex the vector is projected
+ * along the vertex normal (the mean of the faces' normals weighted by angle) into the face that it
+ * meets. A tangent vector keeps its direction. `detail` may be NULL. Errors: GD_INVALID_ARGUMENT
+ * (the vector is not finite, or its projection vanishes), GD_NOT_ON_SURFACE (the direction leads
+ * over the boundary). O(1); O(faces) at a vertex. */
 GD_MUST_USE enum gd_status gd_direction_along(const struct gd_mesh *mesh,
                                               const struct gd_point *point, struct gd_vec3 vector,
                                               struct gd_direction *out, struct gd_detail *detail);

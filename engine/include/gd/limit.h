@@ -7,7 +7,7 @@
  * A place is a point of the limit surface, given by a face of the control mesh, numbered as in the
  * input, and (u,v) in that face. In Catmull-Clark quads (u,v) is in [0,1]^2; u runs from the first
  * corner to the second, v from the first to the fourth. A polygon of n != 4 corners consists of n
- * quads, one for each `corner`: In such a quad u runs from its corner to the midpoint of the edge
+ * quads, one for each `corner`. In such a quad u runs from its corner to the midpoint of the edge
  * to the next corner, and v runs from its corner to the midpoint of the edge to the previous
  * corner. (1,1) is the middle of the face. In Loop triangles u, v >= 0 and u + v <= 1; u runs from
  * the first corner to the second, v from the first to the third. */

@@ -45,7 +45,7 @@ struct gd_limit_trace_request {
 /* Traces the geodesic from a place in a direction. On a geodesic x = S(u,v) the acceleration x'' is
  * normal to the surface: (u'',v'') = -g^-1 (S_u.a, S_v.a), a = S_uu u'^2 + 2 S_uv u'v' + S_vv v'^2.
  * The equation is solved patch by patch. Each patch is a polynomial that continues smoothly beyond
- * its border, and the path leaves it exactly at the border. Across a crease the path continues as
+ * its border. The path leaves a patch exactly at its border. Across a crease the path continues as
  * if the crease were flattened; through an extraordinary vertex it continues along its tangent. If
  * the start is a vertex and the direction does not lead into the start's face, the path starts in
  * the face into which the direction leads, on the same side of creases. If no face qualifies, or

@@ -82,8 +82,8 @@ GD_MUST_USE enum gd_status gd_mesh_build(const struct gd_polygons *polygons,
                                          struct gd_detail *detail);
 
 /* Returns an upper bound of the bytes needed to build a mesh of that size, including the mesh. The
- * bound holds with weld and repair if repair appends at most one vertex for every four faces;
- * beyond that, repair checks the budget for more. */
+ * bound holds with weld and repair if repair appends at most one vertex for every four faces; if
+ * repair needs more copies of vertices, it checks the budget for their bytes. */
 size_t gd_mesh_build_cost(uint64_t faces, uint64_t vertices);
 
 struct gd_mesh *gd_mesh_retain(const struct gd_mesh *mesh);

@@ -69,8 +69,8 @@ struct gd_spline_request {
     const struct gd_landmarks *landmarks; /* of the same mesh, to speed up searches; NULL: none */
     /* only used by gd_spline_curve, which ignores sampling->spline */
     const struct gd_spline_sampling *sampling;
-    /* runs two searches, then two segments, at a time; NULL: one at a time. The result is the
-       same. */
+    /* Runs two searches at a time, and then computes two segments at a time. NULL: one at a time.
+     * The result is the same. */
     const struct gd_executor *executor;
 };
 
