@@ -16,8 +16,8 @@
 
 /* A window is stale if the distance of its source has decreased since the source cast the window,
  * by more than this times the window's distance. The source casts new windows, which replace the
- * stale one. The tolerance is ten times GD_TOL_BETTER, so that a tie of a contest makes no window
- * stale. */
+ * stale one. The tolerance is ten times GD_TOL_BETTER, so that a single tie of a contest makes no
+ * window stale. */
 #define GD_TOL_STALE 1e-13
 
 /* A window narrower than this part of its edge is dropped. Paths that bend at the ends of the

@@ -35,8 +35,8 @@ static double clamp(double t, double lo, double hi)
 }
 
 /* Returns half the difference of the squared distances to both sources at t, and a bound on its
- * rounding error. The difference is computed as a product, and neither factor suffers from
- * cancellation. */
+ * rounding error. The difference is computed as a sum of two products, whose factors do not suffer
+ * from cancellation. */
 static double square_difference_at(const struct gd__window *c, const struct gd__window *o, double t,
                                    double *scale)
 {
