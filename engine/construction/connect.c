@@ -33,8 +33,8 @@ static int compare_apices(const void *x, const void *y)
     return a->side < b->side ? -1 : a->side > b->side;
 }
 
-/* Finds equal faces. They share the edge of their two lowest vertices. Only that edge is searched,
- * so each duplicate is found once. */
+/* Finds faces with the same vertices. Such faces share the edge between their two lowest vertices.
+ * Only that edge is searched, so each duplicate is found once. */
 static enum gd_status find_duplicates(const struct gd__construction *work,
                                       const struct gd__edge_use *use, uint32_t count,
                                       struct findings *findings)

@@ -1,6 +1,6 @@
 /* DESIGN. The polygon is projected to its Newell plane, where it runs counter-clockwise, and stored
- * as a ring of corners. Each corner has a score for its triangle (previous, corner, next) as the
- * next one to cut off. The best score is cut first:
+ * as a ring of corners. Each corner has a score, which rates the triangle (previous, corner, next).
+ * The triangle with the best score is cut off next:
  *
  *   -INFINITY        the diagonal exists already or has length zero: never cut
  *   shape - 2        the corner is reflex in the plane
@@ -9,8 +9,8 @@
  *
  * shape is 4 sqrt(3) area / (sum of squared sides) in space: 1 for an equilateral triangle. If four
  * corners are left, cutting one off determines both triangles, and the worse of the two counts. A
- * cut changes only the triangles of the two neighbours, and only these can become ears: the corners
- * within other triangles stay there.
+ * cut changes only the triangles of the two neighbouring corners. All other triangles still contain
+ * the same corners, so only the two neighbours can become ears.
  *
  * This greedy order can end with corners that may not be cut off, although another order would
  * succeed. Then the ears are cut again, and an exhaustive search (interval.c) handles the last

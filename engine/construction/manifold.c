@@ -1,5 +1,5 @@
-/* Checks that each vertex has one fan of faces, open or closed. Counts the fans of a vertex by
- * walking around it from each first corner. */
+/* Checks that each vertex has one fan of faces, open or closed. Counts the fans of a vertex: walks
+ * around the vertex from each corner that no earlier walk has visited. */
 #include <stdlib.h>
 
 #include "base/large.h"

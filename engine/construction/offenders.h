@@ -18,8 +18,8 @@ struct gd__offenders {
 
 void gd__offenders_add(struct gd__offenders *offenders, uint64_t a, uint64_t b, uint32_t witness);
 
-/* Appends the elements to `detail`, which already has its sentence. Does nothing if `detail` is
- * NULL. Returns `status`. */
+/* Appends the elements to `detail`, which already contains the text of the error. Does nothing if
+ * `detail` is NULL. Returns `status`. */
 enum gd_status gd__offenders_report(const struct gd__offenders *offenders, enum gd_element kind,
                                     enum gd_status status, struct gd_detail *detail);
 

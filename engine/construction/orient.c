@@ -28,7 +28,7 @@ static uint32_t side_after_flips(const struct gd_mesh *mesh, uint32_t side)
     return side - side % 3 + (2 - side % 3);
 }
 
-/* Swaps corners 1 and 2 of the flipped faces: their side k becomes side 2 - k. */
+/* Swaps corners 1 and 2 of the flipped faces. Side k of such a face becomes side 2 - k. */
 static void turn_over(struct gd__construction *work)
 {
     GD__PACED (&work->pace, f, work->mesh->face_count) {

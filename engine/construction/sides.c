@@ -11,8 +11,8 @@ static struct gd__triangle sides_measure(const struct gd_mesh *mesh, const uint3
     return gd__triangle_measure(gd_vec3_sub(b, a), gd_vec3_sub(c, b), gd_vec3_sub(a, c));
 }
 
-/* Computes the frame of side k of the triangle. The apex is the end of the side before it and the
- * start of the side after it. */
+/* Computes the frame of side k of the triangle. The apex is the start of the triangle's side before
+ * k and the end of the side after k. */
 static void frame_side(const struct gd__triangle *t, uint32_t k, struct gd_side *side)
 {
     uint32_t after = gd__next_corner(k), before = gd__previous_corner(k);

@@ -68,8 +68,9 @@ static enum gd_status triangulate_split(struct gd__construction *work, uint32_t 
     return GD_OK;
 }
 
-/* Assigns face indices, which count the triangles of the uploaded polygons. A polygon that lost
- * corners leaves its last indices unused. Returns the first index of the next polygon. */
+/* Assigns face indices to the triangles of a polygon. A face index counts the triangles of the
+ * input's polygons, before vertices are merged. A polygon that lost corners leaves its last indices
+ * unused. Returns the first index of the next polygon. */
 static uint32_t name_triangles(struct gd__construction *work, uint32_t polygon, uint32_t made,
                                uint32_t index)
 {

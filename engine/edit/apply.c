@@ -8,8 +8,9 @@
 
 struct chain {
     const struct gd_mesh *original;
-    const struct gd_mesh *mesh; /* the mesh to edit: a reference, also to the original */
-    struct gd_edited made;      /* result of the steps so far; empty before the first */
+    /* the mesh to edit, a counted reference; the original before the first rebuild */
+    const struct gd_mesh *mesh;
+    struct gd_edited made; /* result of the steps so far; empty before the first */
     struct gd__share share;
 };
 

@@ -6,7 +6,8 @@
 #include "base/tolerance.h"
 #include "mesh/bvh.h"
 
-#define STEPS_A_SEARCH 40 /* steps of a pace: a search takes some microseconds */
+/* pace steps that one search counts as, because it takes some microseconds */
+#define STEPS_A_SEARCH 40
 
 struct triangle {
     uint32_t vertex[3];

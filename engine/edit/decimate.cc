@@ -20,8 +20,8 @@ typedef OpenMesh::FaceHandle Face;
 typedef OpenMesh::VertexHandle Vertex;
 typedef OpenMesh::Geometry::Quadricd Quadric;
 
-/* The decimater asks the mesh about each collapse that it considers, also about those that the
- * topology forbids. The module gets only the others. */
+/* A mesh that counts the collapses that the decimater considers. The decimater calls is_collapse_ok
+ * for each of them. It calls the module only for the collapses that is_collapse_ok allows. */
 struct WatchedMesh : EditMesh {
     Watch *watch = nullptr;
 
@@ -42,7 +42,8 @@ static Quadric plane_quadric(const Vec3 &unit_normal, const Vec3 &p, double weig
     return plane;
 }
 
-/* Returns the sum of the weights of a quadric's planes: each plane's normal has length 1. */
+/* Returns the sum of the weights of a quadric's planes. This is the trace of the quadric's 3x3
+ * part, because each plane's normal has length 1. */
 static double weight_of(const Quadric &q)
 {
     return q.a() + q.e() + q.h();
@@ -230,7 +231,8 @@ static void lock_boundary(EditMesh &edited, Watch &watch)
     }
 }
 
-/* Steps per collapse: the collapse has about 6 neighbours, each with 6 of its own. */
+/* Expected steps of the watch per collapse. About 6 neighbours of the vertex are evaluated again,
+ * and each has about 6 neighbours. */
 static const double STEPS_A_COLLAPSE = 40;
 
 static enum gd_status decimate(const struct gd_mesh *mesh,

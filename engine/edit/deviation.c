@@ -6,7 +6,8 @@
 #include "mesh/bvh.h"
 #include "mesh/closest_point.h"
 
-#define STEPS_A_SEARCH 40 /* steps of a pace: a search takes some microseconds */
+/* pace steps that one search counts as, because it takes some microseconds */
+#define STEPS_A_SEARCH 40
 
 struct farthest {
     struct gd__bvh_search search; /* its keys are squared distances */

@@ -2,18 +2,20 @@
  * (mesh/topology.h): half-edge h is side h. Coordinates are in the unit box, because OpenMesh
  * stores priorities as floats.
  *
- * The connectivity is copied. add_face would take quadratic time in the valence and may reject a
- * face. */
+ * The connectivity is copied from gd_mesh. OpenMesh's add_face is not used, because it takes
+ * quadratic time in the valence and may reject a face. */
 #ifndef GD_EDIT_EDIT_MESH_HPP
 #define GD_EDIT_EDIT_MESH_HPP
 
-/* C names structs and functions alike. gcc cannot analyse OpenMesh's Property::push_back. */
+/* In C a struct and a function may have the same name, but -Wshadow reports this in C++. gcc
+ * reports false uninitialised values in OpenMesh's Property::push_back. */
 #pragma GCC diagnostic ignored "-Wshadow"
 #ifndef __clang__
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #endif
 
-/* OpenMesh asserts each handle that it receives, which takes half of the time. */
+/* Disables OpenMesh's assertions. They check every handle, which would take half of the run
+ * time. */
 #ifndef NDEBUG
 #define NDEBUG
 #endif
@@ -74,8 +76,9 @@ class Watch
     uint64_t done_ = 0;
 };
 
-/* Calls `grow(i)` for i = 1 to SLICES, which makes i / SLICES of new arrays, and checks the control
- * between. The system provides the pages at the first write: milliseconds for each slice. */
+/* Calls `grow(i)` for i = 1 to SLICES, and checks the control after each call. `grow(i)` extends
+ * new arrays to the fraction i / SLICES of their final size. The system allocates memory pages at
+ * the first write, which takes milliseconds for each slice. */
 const size_t SLICES = 32;
 template <class Grow> void grow_in_slices(const Watch &watch, const Grow &grow)
 {

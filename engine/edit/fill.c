@@ -11,7 +11,8 @@
 struct filling {
     const struct gd_mesh *mesh;
     const struct gd_fill_options *options;
-    /* two parts for each loop (its triangulation, its refinement), and one for the result */
+    /* progress: two parts for each loop (its triangulation, its refinement), and one for the
+     * result */
     struct gd__share share;
     struct gd_control part;
     struct gd__pace pace; /* of `part` */
@@ -28,7 +29,8 @@ static bool is_lone_face(const struct gd_mesh *mesh, uint32_t loop)
            mesh->side_face[side ^ 1] == mesh->side_face[gd__edit_side(mesh, side).next ^ 1];
 }
 
-/* Sums over the patches; `loops`: vertices of the mesh. */
+/* Sums over the patches. `vertices` counts all vertices of the patches, `loops` those that are
+ * vertices of the mesh. */
 struct patch_sizes {
     uint32_t vertices, loops, faces;
 };

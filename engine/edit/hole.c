@@ -55,7 +55,8 @@ static bool is_pinched(const struct gd__hole *hole)
     return false;
 }
 
-/* Returns true if an edge joins two vertices of the loop. It cannot be a chord of the hole then. */
+/* Returns true if an edge of the mesh joins two vertices of the loop. The patch must not contain a
+ * second edge between these vertices. */
 static bool is_taken(const void *user, uint32_t i, uint32_t j)
 {
     const struct gd__hole *hole = user;
@@ -106,7 +107,7 @@ static void corners_write(const struct spans *spans, uint32_t i, uint32_t j)
         uint32_t apex = spans->apex[i * (size_t)spans->hole->count + j];
         uint32_t *corner = &rough->corners[3 * rough->face_count++];
         corner[0] = i, corner[1] = apex, corner[2] = j;
-        /* the shorter part by recursion, so the depth is at most the logarithm of the count */
+        /* recursion handles the shorter part, so its depth is at most the logarithm of the count */
         if (apex - i < j - apex) {
             corners_write(spans, i, apex);
             i = apex;

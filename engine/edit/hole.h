@@ -23,9 +23,9 @@ void gd__hole_free(struct gd__hole *hole);
 GD_MUST_USE enum gd_status gd__hole_triangulate(struct gd__hole *hole, struct gd__pace *pace,
                                                 struct gd_detail *detail);
 
-/* Makes the patch from the rough one: refined and smoothed, or else refined, or else as it is; the
- * first of them whose faces do not cross. GD_NOT_TRIANGULABLE (all cross), GD_NO_MEMORY, GD_BUDGET,
- * GD_CANCELLED, GD_DEADLINE. */
+/* Computes the final patch from the rough one. Tries three forms: refined and smoothed, only
+ * refined, and unchanged. Keeps the first form whose faces do not cross. GD_NOT_TRIANGULABLE (in
+ * every form faces cross), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__hole_finish(struct gd__hole *hole, const struct gd_control *control,
                                            struct gd_detail *detail);
 

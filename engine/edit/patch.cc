@@ -1,5 +1,5 @@
-/* Refinement after Liepa (2003). A triangle is divided at its middle as long as the middle is
- * farther from the corners than the length of the edges there. Edges are flipped as long as that
+/* Refinement after Liepa (2003). A triangle is divided at its middle if the middle is farther from
+ * each corner than the mean length of the edges at this corner. Edges are flipped as long as that
  * makes them locally Delaunay. Then each new vertex moves repeatedly to the mean of its
  * neighbours. */
 #include "edit/edit_mesh.hpp"

@@ -25,7 +25,8 @@ static struct gd_vec3 face_normal(const struct gd_mesh *mesh, const struct gd_ve
     return gd_vec3_cross(gd_vec3_sub(p[1], p[0]), gd_vec3_sub(p[2], p[0]));
 }
 
-/* Fixes the ends of sharp edges, by the angle between their faces. */
+/* Fixes the vertices of the boundary and the ends of sharp edges. An edge is sharp if the angle
+ * between its faces exceeds options->feature_angle. */
 static void fix_vertices(struct smoothing *smoothing)
 {
     const struct gd_mesh *mesh = smoothing->mesh;

@@ -143,8 +143,8 @@ static void divide_in_four(struct level *level)
     }
 }
 
-/* Replaces each edge by two faces, between its ends and the middles of its faces; by one face at
- * the boundary. */
+/* Writes the faces of the sqrt(3) scheme. Each interior edge yields two faces, whose corners are
+ * the edge's ends and the middles of its two faces. A boundary edge yields one face. */
 static void divide_in_three(struct level *level)
 {
     const struct gd_mesh *mesh = level->mesh;

@@ -1,5 +1,5 @@
-/* 3MF: reads the objects of a package (a zip archive) of model parts (XML), placed as the build
- * demands. See 3mf.h. */
+/* Reads a 3MF package, a zip archive with model parts in XML. Places the objects as the package's
+ * list of build items specifies. See 3mf.h. */
 #include "io/3mf.h"
 
 #include <stdlib.h>
@@ -123,8 +123,8 @@ static uint64_t saturated(uint64_t sum)
     return sum < UINT32_MAX ? sum : UINT32_MAX;
 }
 
-/* Computes the vertices and triangles of object i with its components. These are earlier objects of
- * its part, or objects of another part. */
+/* Computes the number of vertices and triangles of object i with its components. Each component is
+ * an earlier object of the same part, or an object of another part. */
 static enum gd_status add_up(struct gd__3mf *package, uint32_t i)
 {
     struct gd__3mf_object *object = &package->objects[i];
@@ -289,7 +289,7 @@ static enum gd_status place_build(struct gd__3mf *package, struct gd__builder *b
 
 /* --- reading ---------------------------------------------------------------------------------- */
 
-/* The caller must close `out` in any case. */
+/* The caller must close `out` even after a failure. */
 static enum gd_status open_package(const struct gd__scan *scan,
                                    const struct gd_read_options *limits, bool is_counting,
                                    struct gd__3mf *out)

@@ -1,9 +1,9 @@
-/* 3MF reading: tables of what the model parts of a package contain. 3mf_model.c fills the tables
- * from the XML. 3mf.c reads the parts and places the objects of the build.
+/* 3MF reading: tables of the contents of a package's model parts. 3mf_model.c fills the tables from
+ * the XML. 3mf.c reads the parts and places the objects of the build.
  *
- * Invariant: the XML is not trusted. Document types are rejected, so there are no entities. A path
- * names a part of the package and nothing else. An object refers only to objects that are defined
- * before it. */
+ * Invariant: the XML is not trusted. A document type declaration (DTD) is rejected, so a file
+ * cannot define entities. A path names a part of the package and nothing else. An object refers
+ * only to objects that are defined before it. */
 #ifndef GD_IO_3MF_H
 #define GD_IO_3MF_H
 
@@ -15,8 +15,8 @@
 #define GD__3MF_OBJECTS 65536 /* the limit for components and items is the same */
 #define GD__3MF_PATH    256   /* longest name of a part, including its NUL */
 
-/* Largest ratio of XML bytes to bytes of the package. A package that exceeds it was made to fill
- * the memory. */
+/* Largest ratio of XML bytes to bytes of the package. A package that exceeds it is rejected,
+ * because it was probably made to exhaust the memory. */
 #define GD__3MF_INFLATION 256
 /* Largest amount of memory of the XML parser. */
 #define GD__3MF_XML_BYTES ((size_t)16 << 20)
@@ -30,7 +30,7 @@ struct gd__3mf_part {
 /* A component of an object or an item of the build: a reference to an object, and where it is
  * placed. */
 struct gd__3mf_use {
-    uint32_t part, id; /* name of the object in the file */
+    uint32_t part, id; /* identify the object: its part, and its id in this part */
     uint32_t object;   /* number of the object in `objects`, set after all parts are read */
     struct gd__place place;
 };
@@ -41,14 +41,14 @@ struct gd__3mf_object {
     uint32_t first_vertex, vertex_count;
     uint32_t first_triangle, triangle_count;
     uint32_t first_use, use_count; /* its components */
-    /* of the object and all its components, saturated at UINT32_MAX */
+    /* numbers for the object and all its components, saturated at UINT32_MAX */
     uint64_t vertices, triangles;
 };
 
 /* All arrays grow by a factor of 1.5. */
 struct gd__3mf {
     struct gd_detail *detail;
-    struct gd_read_options limits; /* limits are never 0 */
+    struct gd_read_options limits; /* 0 (no limit given) is already replaced by the default */
     struct gd__zip *zip;
     size_t size;      /* bytes of the package */
     bool is_counting; /* vertices and triangles are counted but not stored */

@@ -29,8 +29,9 @@ struct model {
 
 /* --- memory of the parser --------------------------------------------------------------------- */
 
-/* Memory of the parser of this thread, which parses one part at a time. The parser keeps names of
- * elements to the end, so a document could fill the memory with them. */
+/* Bytes that the parser of this thread has allocated. A thread parses one part at a time. The
+ * parser keeps the names of all elements until it is freed, so a document could fill the memory
+ * with names. */
 static _Thread_local size_t xml_bytes;
 
 union block {
@@ -237,8 +238,8 @@ static void begin_triangle(struct model *model, const char **attributes)
     open_object(model)->triangle_count++;
 }
 
-/* Reads a transform. 3MF stores the rows of a 4x3 matrix for row vectors, which are the columns of
- * struct gd__place. */
+/* Reads a transform. 3MF stores the rows of a 4x3 matrix that multiplies row vectors. Each row is a
+ * column of struct gd__place. */
 static void read_place(struct model *model, const char **attributes, struct gd__place *out)
 {
     const char *text = attribute(attributes, "transform");
@@ -380,7 +381,7 @@ static void parse(struct model *model)
         fail(model, GD_SYNTAX, "the archive is damaged: the checksum is another");
 }
 
-/* Parses the file of the archive that the part names. GD_EMPTY: there is no such file. */
+/* Parses the file of the archive whose name is the part's name. GD_EMPTY: there is no such file. */
 static enum gd_status read_part(struct model *model, XML_StartElementHandler begin)
 {
     struct gd__3mf *package = model->package;

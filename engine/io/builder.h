@@ -1,6 +1,6 @@
 /* Builder: collects the polygons of a file while it is being read. Arrays grow by half, within the
  * limits. Their size is at most a small multiple of the bytes read, because readers add and reserve
- * nothing that those bytes do not contain. */
+ * only elements that those bytes contain. */
 #ifndef GD_IO_BUILDER_H
 #define GD_IO_BUILDER_H
 
@@ -13,7 +13,7 @@
 
 struct gd__builder {
     const struct gd__scan *scan;   /* borrowed; errors name its line or byte */
-    struct gd_read_options limits; /* limits are never 0 */
+    struct gd_read_options limits; /* 0 (no limit given) is already replaced by the default */
     /* number of the first vertex in the format: 0 or 1; for error texts only */
     uint32_t index_base;
     const char *next_look; /* checks the control once the scan has reached this position */
@@ -36,7 +36,7 @@ struct gd__builder {
 
     /* largest vertex number of a corner; the vertex may be defined later */
     uint64_t last_vertex;
-    /* where the corner with last_vertex stands; NULL before the first corner */
+    /* position in the input of the corner with last_vertex; NULL before the first corner */
     const char *last_vertex_at;
 };
 

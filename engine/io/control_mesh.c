@@ -17,7 +17,7 @@ void gd_control_mesh_free(struct gd_control_mesh *mesh)
     *mesh = (struct gd_control_mesh){0};
 }
 
-/* The counts behind the name of a tag. */
+/* The numbers of values of a tag, from the text "ints/floats/strings" after the tag's name. */
 struct counts {
     int64_t whole, real, text;
 };

@@ -53,8 +53,8 @@ const char *gd_format_media_type(enum gd_format format)
     return "application/octet-stream";
 }
 
-/* Signatures, the most reliable ones first. GLB has a magic number of four bytes. No text format
- * has the size of a binary STL file. glTF and JSON differ in their keys. OBJ has no signature. */
+/* Signatures, the most reliable ones first. GLB begins with a magic number of four bytes. glTF and
+ * the JSON format differ in their first key. OBJ has no signature, so it is tried last. */
 static const struct {
     enum gd_format format;
     bool (*recognise)(struct gd__scan scan);

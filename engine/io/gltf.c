@@ -22,8 +22,8 @@ bool gd__glb_recognise(struct gd__scan scan)
     return scan.end - scan.begin >= 4 && memcmp(scan.begin, "glTF", 4) == 0;
 }
 
-/* Recognises the format by the first key of the document: a mesh as JSON arrays begins with other
- * keys. */
+/* Recognises the format by the first key of the document. A mesh in the JSON format of json.c
+ * begins with another key. */
 bool gd__gltf_recognise(struct gd__scan scan)
 {
     static const char *const keys[] = {"asset",
@@ -250,7 +250,7 @@ static enum gd_status read_chunk(struct gd__scan *scan, uint32_t *type, struct g
     return GD_OK;
 }
 
-/* Reads the header of a GLB. Ignores bytes behind the declared length. */
+/* Reads the header of a GLB. Ignores bytes after the declared length. */
 static enum gd_status read_header(struct gd__scan *scan)
 {
     size_t size = (size_t)(scan->end - scan->begin);
@@ -292,7 +292,7 @@ static enum gd_status open_glb(struct gd__gltf *gltf)
     return read_document(gltf);
 }
 
-/* The caller must free `*out` in any case. */
+/* The caller must free `*out` even after a failure. */
 static enum gd_status open_file(const struct gd__scan *scan, const struct gd_control *control,
                                 bool is_glb, struct gd__gltf *out)
 {

@@ -38,7 +38,7 @@ struct gd__gltf_bytes {
 };
 
 struct gd__gltf_buffer {
-    struct gd__gltf_bytes bytes; /* at NULL: not loaded yet */
+    struct gd__gltf_bytes bytes; /* bytes.at is NULL until the buffer is loaded */
     char *decoded;               /* owned, or NULL */
 };
 
@@ -49,7 +49,7 @@ struct gd__gltf {
 #define GD__GLTF_LIST(member, text) struct gd__gltf_list member;
     GD__GLTF_LISTS(GD__GLTF_LIST)
 #undef GD__GLTF_LIST
-    struct gd__gltf_bytes binary;   /* the BIN chunk of a GLB; at NULL: none */
+    struct gd__gltf_bytes binary;   /* the BIN chunk of a GLB; binary.at is NULL if there is none */
     struct gd__gltf_buffer *loaded; /* owned; buffers.count items */
 };
 
@@ -92,8 +92,9 @@ struct gd__gltf_accessor {
     uint32_t count;      /* number of elements */
     const char *at;      /* the first element; NULL: all elements are zero */
     size_t stride;
-    uint32_t next;                      /* number of the next element */
-    uint32_t sparse_count, sparse_next; /* elements that are stored in the sparse list */
+    uint32_t next; /* number of the next element */
+    /* number of elements in the sparse list, and index of the next one */
+    uint32_t sparse_count, sparse_next;
     uint32_t sparse_type;
     const char *sparse_indices, *sparse_values;
 };
@@ -149,7 +150,7 @@ struct gd__gltf_making {
     struct gd__gltf *gltf;
     struct gd__builder *builder;
     struct gd__weld weld;
-    /* owned; sum.largest items: the builder's number of each vertex of `accessor` */
+    /* owned; sum.largest items: for each vertex of `accessor`, its number in the builder */
     uint32_t *vertices;
     uint32_t accessor;      /* the accessor whose vertices `vertices` holds */
     struct gd__place place; /* the placement of these vertices */

@@ -23,13 +23,13 @@ static enum gd_status fail_external(const struct gd__gltf *gltf, uint32_t uri)
         gd__excerpt(name).text);
 }
 
-/* Returns the text behind ";base64," of a data: URI, up to its quote. */
+/* Returns the text after ";base64," of a data: URI, up to its quote. */
 static enum gd_status encoded_part(const struct gd__gltf *gltf, uint32_t uri,
                                    struct gd__gltf_bytes *out)
 {
     static const char mark[] = ";base64,";
     const char *at = gd__json_at(&gltf->json, uri) + 1, *end = gltf->json.text + gltf->json.size;
-    /* exists: the tree has parsed the string */
+    /* the quote exists, because the string is already parsed */
     const char *quote = memchr(at, '"', (size_t)(end - at));
     if (quote - at < 5 || memcmp(at, "data:", 5) != 0) return fail_external(gltf, uri);
     const char *found = memchr(at, ',', (size_t)(quote - at));

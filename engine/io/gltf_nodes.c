@@ -93,8 +93,8 @@ static enum gd_status mark_visited(struct walk *walk, uint32_t number)
     return GD_OK;
 }
 
-/* Reads the list that a member of an object holds, as the values from `*begin` to `*end`. Empty if
- * the member is missing. */
+/* Reads a member of an object that is a list. The values of the list are those from `*begin` to
+ * before `*end`. The list is empty if the member is missing. */
 static enum gd_status list_of(const struct gd__gltf *gltf, uint32_t object, const char *name,
                               uint32_t *begin, uint32_t *end)
 {

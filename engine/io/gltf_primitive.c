@@ -29,7 +29,7 @@ static uint64_t triangle_count(const struct primitive *primitive)
     return primitive->corner_count < 3 ? 0 : primitive->corner_count - 2;
 }
 
-/* Rejects primitives whose positions exist only in the form that Draco compressed. Their accessors
+/* Rejects primitives whose positions exist only as data compressed by Draco. Their accessors
  * describe the decoded data and have no data themselves. */
 static enum gd_status refuse_draco(const struct gd__gltf *gltf, const struct primitive *primitive)
 {
@@ -73,7 +73,7 @@ static enum gd_status read_primitive(const struct gd__gltf *gltf, uint32_t value
     return status == GD_OK && out->positions != GD__NO_VALUE ? read_counts(gltf, out) : status;
 }
 
-/* Returns the primitives of a mesh, as values from `*begin` to `*end`. */
+/* Finds the list of primitives of a mesh: the values from `*begin` to before `*end`. */
 static enum gd_status primitives_of(const struct gd__gltf *gltf, uint32_t mesh, uint32_t *begin,
                                     uint32_t *end)
 {
@@ -200,8 +200,8 @@ static enum gd_status add_triangle(struct run *run, uint32_t a, uint32_t b, uint
     return status == GD_OK ? gd__builder_close_polygon(builder, run->at) : status;
 }
 
-/* Adds a triangle of a strip or a fan. Skips triangles that repeat a corner: they only join
- * strips. */
+/* Adds a triangle of a strip or a fan. Skips triangles that repeat a corner, because they only
+ * connect one strip to the next. */
 static enum gd_status add_linked(struct run *run, uint32_t number)
 {
     const uint32_t *recent = run->recent;
@@ -238,7 +238,7 @@ static enum gd_status add_triangles(struct run *run)
     return status;
 }
 
-/* Skips the corners behind the last whole triangle. */
+/* Skips the corners after the last whole triangle. */
 static enum gd_status skip_excess(struct gd__builder *builder, const struct primitive *primitive,
                                   const char *at)
 {

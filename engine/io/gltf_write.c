@@ -70,16 +70,18 @@ static size_t mesh_count(const struct gd_result *result)
     return result->mesh ? result->mesh->position_count : 0;
 }
 
-/* Returns the centre of the box, rounded to a multiple of a power of two of the box's size. So it
- * is a short number, and 0 if the box lies about the origin. */
+/* Returns the centre of the box, rounded to a multiple of a power of two between a quarter and a
+ * half of the box's size. So the result has few digits, and it is 0 if the box is centred near the
+ * origin. */
 static double round_centre(double min, double max, double size)
 {
     double step = ldexp(1, ilogb(size) - 1), centre = min / 2 + max / 2;
     return step > 0 && isfinite(centre / step) ? rint(centre / step) * step : centre;
 }
 
-/* Chooses the origin: zero if floats represent all positions exactly, so that they read back
- * unchanged. Otherwise about the middle of the box, where floats are most precise. */
+/* Chooses the origin. It is zero if floats represent all positions exactly, so that a reader gets
+ * the same positions. Otherwise it is near the middle of the box. This keeps the coordinates
+ * relative to the origin small, so that they lose little by rounding to floats. */
 static void find_origin(struct writing *writing)
 {
     const struct gd_result *result = writing->result;
@@ -103,8 +105,8 @@ static float from_origin(const struct writing *writing, const double position[3]
     return (float)(position[axis] - writing->origin[axis]);
 }
 
-/* Computes the box of the positions as written. Returns false if a position is beyond the range of
- * floats. */
+/* Computes the box of the positions after they are rounded to floats. Returns false if a position
+ * is beyond the range of floats. */
 static bool float_box(const struct writing *writing, const double (*positions)[3], size_t count,
                       struct box *out)
 {

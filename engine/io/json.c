@@ -1,8 +1,8 @@
 /* JSON (RFC 8259): {"vertices": [[x, y, z], ...], "faces": [[i, j, k, ...], ...]}, the two members
  * in either order, zero-based indices.
  *
- * The nesting is fixed, so the parser needs no stack. Keys are compared without unescaping. A whole
- * number is an index: JSON has no integers, so 3.0 is 3. */
+ * The nesting is fixed, so the parser needs no stack. Keys are compared without unescaping. An
+ * index may be written as 3.0, because JSON does not distinguish integers from other numbers. */
 #include "io/json_text.h"
 #include "io/readers.h"
 
@@ -18,7 +18,7 @@ static enum gd_status open_items(struct gd__scan *scan, char open, char close, b
     return status;
 }
 
-/* Reads the separator behind an item. `*more` is true if another item follows. */
+/* Reads the separator after an item. `*more` is true if another item follows. */
 static enum gd_status next_item(struct gd__scan *scan, char close, bool *more)
 {
     *more = gd__json_accept(scan, ',');

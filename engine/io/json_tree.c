@@ -105,7 +105,7 @@ static enum gd_status read_key(struct parser *parser)
     return status == GD_OK ? gd__json_expect(&parser->scan, ':') : status;
 }
 
-/* Reads the text behind a value: a comma, or the ends of containers. */
+/* Reads the text after a value: a comma, or the ends of containers. */
 static enum gd_status leave(struct parser *parser)
 {
     while (parser->depth > 0) {

@@ -14,7 +14,7 @@
 
 struct gd__json_value {
     uint32_t at;   /* offset of the value in the text */
-    uint32_t next; /* number of the value behind this one and its contents */
+    uint32_t next; /* number of the value after this one and its contents */
 };
 
 struct gd__json {
@@ -41,7 +41,7 @@ static inline bool gd__json_is(const struct gd__json *json, uint32_t value, char
     return *gd__json_at(json, value) == begins;
 }
 
-/* Returns the value behind this one. Iterates over an array: for (item = value + 1; item <
+/* Returns the value after this one. Iterates over an array: for (item = value + 1; item <
  * gd__json_next(json, value); item = gd__json_next(json, item)) */
 static inline uint32_t gd__json_next(const struct gd__json *json, uint32_t value)
 {

@@ -20,8 +20,8 @@ static bool is_keyword(struct gd__word word)
     return false;
 }
 
-/* Recognises the format by its first word, or by a vertex behind lines of another kind, which all
- * readers skip. */
+/* Recognises the format by its first word. If that word is unknown, searches for a vertex on a
+ * later line, because all readers skip lines that they do not know. */
 bool gd__obj_recognise(struct gd__scan scan)
 {
     double xyz[3];

@@ -1,6 +1,6 @@
 /* Object File Format of Geomview, as text: a keyword, counts, a line for each vertex, one or more
- * lines for each face. Numbers behind a vertex (the colours and normals of COFF, NOFF, STOFF ...)
- * and behind a face (its colour) are skipped. */
+ * lines for each face. Numbers after a vertex (the colours and normals of COFF, NOFF, STOFF ...)
+ * and after a face (its colour) are skipped. */
 #include "io/readers.h"
 
 #include <string.h>
@@ -55,7 +55,8 @@ static enum gd_status read_keyword(struct gd__scan *scan)
     return GD_OK;
 }
 
-/* Reads a count. Skips space first: the counts may stand on the keyword's line or a later one. */
+/* Reads a count. Skips space first, because the counts may be on the keyword's line or on a later
+ * line. */
 static enum gd_status read_count(struct gd__scan *scan, uint64_t *out)
 {
     gd__scan_skip_space(scan);
@@ -97,8 +98,7 @@ static enum gd_status read_vertex(struct gd__scan *scan, struct gd__builder *bui
     return status == GD_OK ? gd__builder_add_position(builder, xyz, place) : status;
 }
 
-/* Reads a corner, which may stand on a later line than the one before. `*is_wrapped` is set
- * then. */
+/* Reads a corner. Sets `*is_wrapped` to true if it is on a later line than the previous corner. */
 static enum gd_status read_corner(struct gd__scan *scan, bool *is_wrapped, int64_t *out)
 {
     gd__scan_skip_blanks(scan);
@@ -107,8 +107,9 @@ static enum gd_status read_corner(struct gd__scan *scan, bool *is_wrapped, int64
     return gd__scan_integer(scan, out);
 }
 
-/* Ends a face. Skips a colour behind the corners of a single line. If the corners take several
- * lines, the text behind them would be the beginning of another face. */
+/* Ends a face. If all corners are on one line, skips the rest of the line, which may be a colour.
+ * If the corners take several lines, the line must end after the last corner, because more text
+ * there could be the beginning of another face. */
 static enum gd_status end_face(struct gd__scan *scan, bool is_wrapped)
 {
     gd__scan_skip_blanks(scan);

@@ -19,8 +19,8 @@ struct gd__output {
     enum gd_status status; /* reason of the failure; GD_OK: out of memory */
 };
 
-/* Reserves room for the first `size` bytes on huge pages. It is only a hint. Without it, a large
- * buffer is copied as it grows, and takes long to free. */
+/* Reserves room for the first `size` bytes on huge pages. The call is optional. Without it, a large
+ * buffer is copied as it grows, and freeing it takes long. */
 void gd__output_expect(struct gd__output *output, size_t size);
 
 void gd__output_bytes(struct gd__output *output, const void *bytes, size_t size);

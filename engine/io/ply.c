@@ -109,8 +109,8 @@ static enum gd_status add_triangle(struct gd__builder *builder, const double cor
     return status == GD_OK ? gd__builder_close_polygon(builder, place) : status;
 }
 
-/* Reads triangle strips; -1 ends a strip. Skips triangles that repeat a corner: they only join
- * strips. */
+/* Reads triangle strips; -1 ends a strip. Skips triangles that repeat a corner, because they only
+ * connect one strip to the next. */
 static enum gd_status read_strips(struct ply *ply, enum gd__ply_type type, uint64_t count,
                                   const char *place)
 {

@@ -195,8 +195,9 @@ static bool holds_declared(const struct gd__scan *scan, const struct gd__ply_hea
     return true;
 }
 
-/* Skips the end of the header's last line. It is a lone CR if that ends the file's first line: the
- * LF that follows it in a binary body may be data. */
+/* Skips the end of the header's last line. If the first line of the file ends with a CR alone, the
+ * last line does too. An LF after this CR is not skipped, because it may be the first byte of a
+ * binary body. */
 static void skip_header_end(struct gd__scan *scan, bool lone_cr)
 {
     if (lone_cr && scan->at < scan->end && *scan->at == '\r')

@@ -73,7 +73,8 @@ enum gd_status gd_read_polygons(const void *bytes, size_t size,
     return status;
 }
 
-/* memory per byte of a file that is read once; a triangle of STL text takes the most */
+/* bytes of memory per byte of a file that is read once; the largest ratio is that of a triangle in
+ * STL text */
 #define READ_FACTOR 8
 /* memory per byte of a file that may have triangle strips: a corner of one byte becomes a triangle
  * of twelve bytes */

@@ -9,8 +9,8 @@
 /* Returns true if the scan, which must hold the whole input, has the size of a binary STL file. */
 bool gd__stl_has_binary_size(const struct gd__scan *scan);
 
-/* Returns true if the input is UTF-16 text that must be decoded before it is read in that
- * format. */
+/* Returns true if the input is UTF-16 text that must be converted to UTF-8 for the reader of
+ * `format`. */
 bool gd__is_utf16_text(const void *bytes, size_t size, enum gd_format format);
 
 /* gd__NAME_recognise returns true if the bytes from the cursor on look like the format. It skips

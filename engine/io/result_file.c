@@ -62,7 +62,7 @@ static enum gd_status write_obj(struct gd__output *output, const struct gd_resul
 
 /* --- CSV -------------------------------------------------------------------------------------- */
 
-/* Writes the columns of a row behind its numbers, without the line end. */
+/* Writes the columns of a row after its numbers, without the line end. */
 static void write_place(struct gd__output *output, const double position[3], double distance)
 {
     gd__output_text(output, ",");

@@ -20,7 +20,7 @@ struct gd__scan gd__scan_begin(const void *bytes, size_t size, struct gd_detail 
 static uint64_t line_of(const struct gd__scan *scan, const char *at)
 {
     uint64_t ends = 0;
-    /* the last byte has no byte behind it */
+    /* excludes the last byte of the input, because the loop also reads the byte after c */
     const char *last = at > scan->begin && at == scan->end ? at - 1 : at;
     for (const char *c = scan->begin; c < last; c++)
         ends += (*c == '\n') | ((*c == '\r') & (c[1] != '\n'));

@@ -38,7 +38,7 @@ struct gd__excerpt {
 
 struct gd__excerpt gd__excerpt(struct gd__word word);
 
-/* Returns a scan at the beginning of `bytes`, or behind a UTF-8 byte order mark. */
+/* Returns a scan at the beginning of `bytes`, or after a UTF-8 byte order mark. */
 struct gd__scan gd__scan_begin(const void *bytes, size_t size, struct gd_detail *detail);
 
 /* Returns the line of that position, counted from 1, or its byte where errors name bytes. */

@@ -118,8 +118,8 @@ static enum gd_status read_text_corner(struct stl *stl)
     return status == GD_OK ? add_corner(stl, xyz, place) : status;
 }
 
-/* Reads a facet, from behind the word "facet", whose line holds the normal, to the end of
- * "endfacet". */
+/* Reads a facet. The cursor is after the word "facet"; the rest of this line is the normal, which
+ * is skipped. Leaves the cursor after "endfacet". */
 static enum gd_status read_text_facet(struct stl *stl)
 {
     struct gd__scan *scan = stl->scan;
@@ -133,8 +133,8 @@ static enum gd_status read_text_facet(struct stl *stl)
     return status == GD_OK ? gd__builder_close_polygon(stl->builder, place) : status;
 }
 
-/* Reads a solid, from behind the word "solid", whose line holds the name, to the end of the line of
- * "endsolid". */
+/* Reads a solid. The cursor is after the word "solid"; the rest of this line is the name, which is
+ * skipped. Leaves the cursor after the line of "endsolid". */
 static enum gd_status read_text_solid(struct stl *stl)
 {
     struct gd__scan *scan = stl->scan;

@@ -27,8 +27,9 @@ static voidpf open_archive(voidpf user, const void *name, int mode)
     return user;
 }
 
-/* Reads from the archive, and zeros behind its end. Where minizip does not know the compressed size
- * (Zip64), it reads whole buffers and fails at the end of the archive. */
+/* Reads bytes of the archive for minizip. While a file of the archive is open, returns zeros after
+ * the end of the archive. If minizip does not know the compressed size (Zip64), it always requests
+ * whole buffers and would otherwise fail at the end of the archive. */
 static uLong read_archive(voidpf user, voidpf stream, void *out, uLong size)
 {
     struct gd__zip *zip = stream;

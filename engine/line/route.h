@@ -33,8 +33,9 @@ GD_MUST_USE enum gd_status gd__route_join(struct gd__route *route, const struct 
                                           uint32_t count, double length, bool backwards,
                                           const struct gd_control *control);
 
-/* Returns true if a comes after b in an arbitrary order of points. A line between two points is
- * always computed in this order, so that a line and its reverse are the same. */
+/* Returns true if a comes after b in a fixed order of all points. A line between two points is
+ * always computed from the first to the second in this order. So the line from a to b and the line
+ * from b to a have the same points. */
 bool gd__point_follows(const struct gd_point *a, const struct gd_point *b);
 
 void gd__points_reverse(struct gd_point *points, uint32_t count);
@@ -48,7 +49,8 @@ struct gd_point gd__route_between(const struct gd_mesh *mesh, const struct gd_po
                                   const struct gd_point *b, double part);
 
 /* Inserts the point at the fraction `part`, in [0, 1], of the route's length, and returns its
- * number in *out. In a route of one point that point is returned. GD_NO_MEMORY, GD_BUDGET. */
+ * number in *out. In a route of one point, returns the number of that point. GD_NO_MEMORY,
+ * GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__route_split(const struct gd_mesh *mesh, struct gd__route *route,
                                            double part, const struct gd_control *control,
                                            uint32_t *out);
@@ -62,9 +64,11 @@ static inline uint32_t gd__route_bend(const struct gd_point *points, uint32_t co
     return i;
 }
 
-/* Compute the turn (turn.h) in which a geodesic of at least two points leaves its first point
- * (ahead), or the turn at its last point back along it (back). For precision they unfold the
- * geodesic up to its next vertex. GD_INTERNAL: two points have no common face. */
+/* Compute the directions of the ends of a geodesic of at least two points, as turns (turn.h).
+ * gd__route_ahead computes the turn in which the geodesic leaves its first point. gd__route_back
+ * computes the turn at its last point that leads back along the geodesic. For precision, both
+ * unfold the geodesic from that end to its nearest vertex. GD_INTERNAL: two points have no common
+ * face. */
 GD_MUST_USE enum gd_status gd__route_ahead(const struct gd_mesh *mesh,
                                            const struct gd_point *points, uint32_t count,
                                            double *out);

@@ -35,7 +35,8 @@ struct gd__bend gd__bend_of_turns(const struct gd_mesh *mesh, const struct gd_po
 
 /* --- corners ---------------------------------------------------------------------------------- */
 
-/* The consecutive portals that end at the corner on the same side. */
+/* The consecutive portals of a corner that have the corner's vertex as their left end, or as their
+ * right end. */
 struct row {
     uint32_t vertex, first, last;
 };
@@ -83,8 +84,9 @@ static double turn_of(const struct gd_mesh *mesh, uint32_t vertex, const struct 
  * other side of the vertex. WOUND: the strip winds around the vertex more than once. */
 enum hold { HOLD_TAUT, HOLD_LOOSE, HOLD_WOUND };
 
-/* Returns the state of a corner. `from` and `to` are the corner's neighbours on the line. The angle
- * in the strip is at least pi; if it seems to be less, 2 pi is added. */
+/* Returns the state of a corner. `from` and `to` are the corner's neighbours on the line. The true
+ * angle in the strip is at least pi, but it is computed only up to whole turns around the vertex.
+ * If the computed angle is less than pi, the strip contains a whole turn. */
 static enum hold hold_of(const struct gd_mesh *mesh, const struct gd__strip *strip,
                          const struct gd__corner *corner, const struct row *row,
                          struct gd__local from, struct gd__local to)
@@ -101,7 +103,7 @@ static enum hold hold_of(const struct gd_mesh *mesh, const struct gd__strip *str
            other = corner->is_left ? bend.left : bend.right;
     uint32_t faces = mesh->fan_first[row->vertex + 1] - mesh->fan_first[row->vertex],
              portals = row->last - row->first + 1;
-    /* one portal fewer if the line goes along an edge and back */
+    /* a whole turn has one portal fewer if the line goes along an edge and back */
     bool is_whole_turn = inside < M_PI - GD_TOL_BEND && portals + 1 >= faces;
     if (is_whole_turn && portals >= faces) return HOLD_WOUND;
     return is_whole_turn || other < M_PI - GD_TOL_BEND ? HOLD_LOOSE : HOLD_TAUT;

@@ -20,11 +20,11 @@ struct gd__straightener {
 void gd__straightener_free(struct gd__straightener *straightener);
 
 /* Computes the locally shortest line into which `route` can be moved. It is no longer than the
- * route. Where it bends, it passes the boundary, or a vertex with an angle of at least pi on either
- * side. Method: find the shortest line in the strip of faces. At each vertex with less than pi on
- * the side outside the strip, move the strip to that side. Repeat until there is no such vertex. A
- * route and its reverse give the same line. Replaces the content of `out`. GD_NO_MEMORY, GD_BUDGET,
- * GD_CANCELLED, GD_DEADLINE, GD_INTERNAL (not a valid route). */
+ * route. Where it bends, it touches the boundary, or it passes a vertex and the angle on each side
+ * of the line is at least pi. Method: find the shortest line in the strip of faces. At each vertex
+ * with less than pi on the side outside the strip, move the strip to that side. Repeat until there
+ * is no such vertex. A route and its reverse give the same line. Replaces the content of `out`.
+ * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL (not a valid route). */
 GD_MUST_USE enum gd_status gd__straighten(struct gd__straightener *straightener,
                                           const struct gd__route *route, struct gd__route *out);
 

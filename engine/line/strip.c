@@ -144,8 +144,9 @@ static struct gd__local placed(struct gd__local origin, struct gd__local along, 
     return (struct gd__local){origin.x + way.x, origin.y + way.y};
 }
 
-/* Places the next portal beside the last one. It is the left or right edge of the face behind the
- * last portal, or the way back through the last portal itself. Returns false for any other side. */
+/* Places the next portal beside the last one. It is the left or the right edge of the face behind
+ * the last portal, or the last portal in the opposite direction. Returns false for any other
+ * side. */
 static bool lay_gate(const struct gd_mesh *mesh, const struct gd__portal *last,
                      struct gd__portal *out)
 {

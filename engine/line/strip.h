@@ -20,15 +20,16 @@ struct gd__strip {
     uint32_t face;              /* the first face, placed in the frame of its side 0 */
     struct gd__portal *portals; /* owned */
     uint32_t count, capacity;
-    /* True: crossing a portal back adds another portal. False: it removes the portal. */
+    /* Determines what happens if the strip crosses its last portal in the opposite direction. True:
+     * a new portal is added. False: the last portal is removed. */
     bool keeps_ways_back;
     struct gd__local begin, end; /* the line's ends in the plane */
 };
 
 void gd__strip_free(struct gd__strip *strip);
 
-/* Appends a portal. If it crosses the last portal back, removes that one instead, unless
- * keeps_ways_back is set. GD_NO_MEMORY, GD_BUDGET. */
+/* Appends a portal. If `side` crosses the last portal in the opposite direction, removes the last
+ * portal instead, unless keeps_ways_back is set. GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__strip_push(struct gd__strip *strip, uint32_t side,
                                           const struct gd_control *control);
 
@@ -64,8 +65,9 @@ struct gd__corner {
 };
 
 /* Writes the corners in order to an array of strip->count items and returns their number. Uses the
- * funnel algorithm of Lee and Preparata: O(count), except that the part behind a corner is scanned
- * again. The strip must be unfolded. */
+ * funnel algorithm of Lee and Preparata. It takes O(count), except that after each corner it
+ * restarts at the corner's portal and scans the following portals again. The strip must be
+ * unfolded. */
 uint32_t gd__strip_corners(const struct gd__strip *strip, struct gd__corner *out);
 
 /* Appends the line through the corners to an empty route. GD_NO_MEMORY, GD_BUDGET. O(count). */

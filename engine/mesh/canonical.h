@@ -1,5 +1,5 @@
-/* Canonical points: moves a point that is on a vertex or an edge up to rounding to that vertex or
- * edge. */
+/* Canonical points. A point that differs from a vertex or an edge only by rounding becomes a point
+ * of that vertex or edge. */
 #ifndef GD_MESH_CANONICAL_H
 #define GD_MESH_CANONICAL_H
 
@@ -10,11 +10,11 @@ struct gd_point gd__point_of_vertex(uint32_t vertex);
 /* Returns the point at `t` in [0,1], from the origin of the edge's side 0. */
 struct gd_point gd__point_of_edge(const struct gd_mesh *mesh, uint32_t edge, double t);
 
-/* Returns the point at the fraction `t` of a side's length from its origin. `rest` = 1 - t has the
- * digits that t loses near 1. */
+/* Returns the point at the fraction `t` of a side's length from its origin. `rest` is 1 - t. The
+ * caller passes it because it cannot be computed precisely from a `t` close to 1. */
 struct gd_point gd__point_on_side(const struct gd_mesh *mesh, uint32_t side, double t, double rest);
 
-/* As gd__point_on_side, if `t` is known to be neither end. */
+/* As gd__point_on_side, for a `t` strictly between 0 and 1. */
 static inline struct gd_point gd__point_within_side(uint32_t side, double t)
 {
     bool turned = side & 1;
@@ -23,8 +23,8 @@ static inline struct gd_point gd__point_within_side(uint32_t side, double t)
                              .weight = {turned ? 1 - t : t, turned ? t : 1 - t}};
 }
 
-/* Returns the point of a face with the weights of its corners, in internal order (face_side).
- * `weight` >= 0, with sum 1 up to rounding. */
+/* Returns the point of a face with the barycentric coordinates `weight`, one for each corner in
+ * internal order (face_side). The weights are at least 0, and their sum is 1 up to rounding. */
 struct gd_point gd__point_of_face(const struct gd_mesh *mesh, uint32_t face,
                                   const double weight[3]);
 

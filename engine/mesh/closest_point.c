@@ -1,6 +1,6 @@
 /* The closest point of a triangle is the nearest of four candidates: one on each edge, and the foot
- * of the perpendicular if it lies inside. The minimum is also right for slivers and faces of area
- * zero, for which tests by signs fail. */
+ * of the perpendicular if it lies inside. The nearest candidate is also correct for slivers and
+ * faces of area zero. The usual tests, which use the signs of areas, fail for such faces. */
 #include "mesh/closest_point.h"
 
 #include "base/tolerance.h"
@@ -25,7 +25,7 @@ struct edge_foot {
     struct gd_vec3 position;
 };
 
-/* Returns the closest point on side k of the face. Computed from the edge's side 0, so that both
+/* Returns the closest point on side k of the face. Computes it from the edge's side 0, so that both
  * faces of the edge get the same result. */
 static struct edge_foot foot_on_side(const struct corners *c, int k, struct gd_vec3 q)
 {
@@ -97,7 +97,7 @@ double gd__face_square_distance(const struct gd_mesh *mesh, uint32_t face, struc
     return nearest_of(&c, q, &inner).squared;
 }
 
-/* Returns the rounding error of coordinates as large as the face's. */
+/* Returns the rounding error of coordinates up to `magnitude` or up to those of the face. */
 static double rounding_near(const struct corners *c, double magnitude)
 {
     for (int k = 0; k < 3; k++) magnitude = fmax(magnitude, gd__largest_coordinate(c->p[k]));

@@ -5,12 +5,12 @@
 
 #include "mesh/topology.h"
 
-/* Returns the squared distance from `q` (normalised unit) to the face. For a common vertex or edge,
- * both faces give the same value to the last bit. */
+/* Returns the squared distance from `q` (normalised unit) to the face. If the nearest point lies on
+ * a common vertex or edge of two faces, both faces give the same value to the last bit. */
 double gd__face_square_distance(const struct gd_mesh *mesh, uint32_t face, struct gd_vec3 q);
 
-/* Returns the canonical point of the face nearest to `q`. Prefers a vertex or an edge within the
- * rounding of coordinates up to `magnitude`. */
+/* Returns the canonical point of the face nearest to `q`. If a vertex or an edge is within the
+ * rounding error of coordinates up to `magnitude`, returns the point of that vertex or edge. */
 struct gd_point gd__face_closest_point(const struct gd_mesh *mesh, uint32_t face, struct gd_vec3 q,
                                        double magnitude);
 

@@ -27,8 +27,8 @@ uint32_t gd__input_polygon(const struct gd_mesh *mesh, uint32_t face)
     return mesh->source_polygon ? mesh->source_polygon[index] : index;
 }
 
-/* Returns an upper bound on edges: at a manifold vertex d face corners have at most d + 1 edges, so
- * 2 E <= 3 F + V. */
+/* Returns an upper bound on the number of edges E. A manifold vertex with d faces has at most d + 1
+ * edges, so 2 E <= 3 F + V. */
 static uint64_t most_edges(uint64_t faces, uint64_t vertices)
 {
     uint64_t referenced = vertices < 3 * faces ? vertices : 3 * faces;

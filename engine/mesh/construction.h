@@ -2,10 +2,11 @@
  * construction/; construction/build.c runs them.
  *
  * A step fills fields of the mesh or of the construction and returns a status. build.c frees
- * everything that a step allocates, also after a failure. Loops over elements step the pace. A step
- * that was stopped may return any status, because build.c replaces it by that of the pace. From
- * gd__order on, vertices and faces have internal numbers (topology.h); errors name the caller's
- * numbers. */
+ * everything that a step allocates, also after a failure. Loops over elements count their
+ * iterations with the pace (base/pace.h), which checks the control at intervals. If the pace
+ * stopped a step, the step may return any status, because build.c returns the status of the pace
+ * instead. From gd__order on, vertices and faces have internal numbers (topology.h); errors name
+ * the caller's numbers. */
 #ifndef GD_MESH_CONSTRUCTION_H
 #define GD_MESH_CONSTRUCTION_H
 

@@ -3,10 +3,12 @@
 #include "base/tolerance.h"
 #include "mesh/axes.h"
 
-/* Directions at a point. The surface around the point consists of sectors, counter-clockwise: one
- * of 2 pi in a face, two of pi on an edge, the corners of the faces at a vertex. A direction is a
- * sector and an angle in it. Angles are measured on the surface from the zero direction ("turned").
- * At an interior vertex they are scaled at the interface only. */
+/* Directions at a point. The surface around the point consists of sectors in counter-clockwise
+ * order. A point in a face has one sector of 2 pi. A point on an edge has two sectors of pi. At a
+ * vertex, the corner of each face is a sector. A direction is stored as a sector and an angle in
+ * this sector. A turned angle is an angle on the surface, measured from the zero direction. The
+ * public interface scales the angles at an interior vertex so that they sum to 2 pi. This file
+ * scales them only when it reads or returns them. */
 
 struct sector {
     uint32_t face;
@@ -231,8 +233,8 @@ static struct gd_vec3 mesh_direction_normal_of(const struct ring *ring)
     return gd_vec3_unit(sum);
 }
 
-/* Projects a vector into a sector: along the normal, if there is one and the face is not turned
- * away from it; otherwise perpendicularly to the face. */
+/* Projects a vector into a sector. The projection is along the normal if there is a normal and the
+ * face is not turned away from it. Otherwise it is perpendicular to the face. */
 static struct heading mesh_direction_project(const struct sector *sector, struct gd_vec3 normal,
                                              struct gd_vec3 v)
 {

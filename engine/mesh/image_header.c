@@ -15,8 +15,8 @@ static uint64_t image_header_mix(uint64_t hash, const void *bytes, size_t words)
     return hash;
 }
 
-/* Returns a hash of the positions and of the sides' origins. It differs if elements have other
- * numbers or positions. */
+/* Returns a hash of the positions and of the sides' origins. Meshes whose elements have different
+ * numbers or positions have different hashes. */
 static uint64_t fingerprint_of(const struct gd_mesh *mesh)
 {
     uint64_t counts[3] = {mesh->vertex_count, mesh->face_count, mesh->edge_count};

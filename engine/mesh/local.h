@@ -59,8 +59,8 @@ void gd__point_weights_off_edges(const struct gd_mesh *mesh, const struct gd_poi
                                  uint32_t face, double weight[3]);
 
 /* Computes the barycentric coordinates of a point in a face that contains it, by corner (corner 0
- * is the origin of face_side[0]). All 0 in any other face. Branchless for a point of an edge,
- * because the edge's side and orientation are unpredictable. */
+ * is the origin of face_side[0]). All are 0 in a face that does not contain the point. Branchless
+ * for a point of an edge, because the edge's side and orientation are unpredictable. */
 static inline void gd__point_weights(const struct gd_mesh *mesh, const struct gd_point *point,
                                      uint32_t face, double weight[3])
 {

@@ -28,9 +28,9 @@ struct gd__orientation {
     uint32_t component_count, flipped_count;
 };
 
-/* Orients the faces, breadth-first over each component. The majority of a component's faces is not
- * flipped; in a tie its first face is not. GD_NO_MEMORY, and the status of the pace. Linear
- * time. */
+/* Orients the faces, breadth-first over each component. In each component at most half of the faces
+ * are flipped. If exactly half of them are, the first face is not flipped. GD_NO_MEMORY, and the
+ * status of the pace. Linear time. */
 enum gd_status gd__orient_faces(struct gd__orientation *orientation);
 
 #endif

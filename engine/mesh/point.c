@@ -11,8 +11,8 @@ struct gd_point gd__point_of_vertex(uint32_t vertex)
     return (struct gd_point){.kind = GD_POINT_VERTEX, .element = vertex};
 }
 
-/* Returns a point of an edge. `rest` is 1 - t, less the weight of a third corner that is dropped.
- * The smaller of t and rest is more precise and determines the point. */
+/* Returns a point of an edge. `rest` is 1 - t, minus the weight of the third corner if the caller
+ * drops that corner. The smaller of t and rest is more precise and determines the point. */
 static struct gd_point of_edge(const struct gd_mesh *mesh, uint32_t edge, double t, double rest,
                                double border)
 {
@@ -177,8 +177,8 @@ static inline struct gd_vec3 input_position(const struct gd_mesh *mesh, uint32_t
     return mesh->input_position[mesh->index_of_vertex[vertex]];
 }
 
-/* Interpolates from one corner along edges, so that an equal coordinate of all corners stays equal
- * to the last bit. */
+/* Adds multiples of edge vectors to one corner. So if all corners have the same x, y or z, the
+ * point has exactly this coordinate. */
 static inline struct gd_vec3 position_on_edge(const struct gd_mesh *mesh, uint32_t edge, double t)
 {
     struct gd_vec3 a = input_position(mesh, mesh->origin[2 * edge]);

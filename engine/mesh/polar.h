@@ -1,9 +1,9 @@
 /* Polar coordinates of a point about a vertex of its face: the distance from the vertex, and the
  * angle in the vertex' fan.
  *
- * They are precise for a point close to the vertex: the radius comes from small barycentric
- * coordinates, and the angle is as precise as those of the fan. Differences of coordinates in a
- * face would lose both. Normalised unit. */
+ * They are precise for a point close to the vertex. The radius is computed from the small
+ * barycentric coordinates, and the angle is as precise as the angles of the fan. If they were
+ * computed from the difference of two positions, both would lose precision. Normalised unit. */
 #ifndef GD_MESH_POLAR_H
 #define GD_MESH_POLAR_H
 
@@ -22,9 +22,9 @@ bool gd__polar_about(const struct gd_mesh *mesh, const struct gd_point *point, u
                      struct gd__polar *out);
 
 /* Computes the polar coordinates of a point about the vertex that it is beside. The vertex must be
- * nearer than GD_TOL_BESIDE_VERTEX of the least altitude of its faces, so that every ray from the
- * point crosses the vertex' edges well before their other ends. Returns false if there is no such
- * vertex. O(degree), and O(1) for points in the middle of their face. */
+ * nearer than GD_TOL_BESIDE_VERTEX times the least altitude of its faces, so that every ray from
+ * the point crosses the vertex' edges well before their other ends. Returns false if there is no
+ * such vertex. O(degree), and O(1) for points in the middle of their face. */
 bool gd__polar_beside(const struct gd_mesh *mesh, const struct gd_point *point,
                       struct gd__polar *out);
 

@@ -54,7 +54,7 @@ static void mesh_ray_offer(struct ray *ray, uint32_t face, double z, const doubl
     ray->search.limit = z + ray->slack;
 }
 
-/* A crossing of the ray with the border of a face that is seen edge on. */
+/* A crossing of the ray with the border of a face whose plane contains the ray. */
 struct crossing {
     double z;
     double weight[3];
@@ -75,8 +75,8 @@ static struct crossing cross_side(const struct ray *ray, const struct sheared p[
     return crossing;
 }
 
-/* Handles a face that is seen edge on. The ray runs in it between the first and the last crossing
- * of its border, and may start there. */
+/* Handles a face whose plane contains the ray. The ray runs in the face between the first and the
+ * last crossing of the face's border. The origin of the ray may lie in the face. */
 static void offer_edge_on(struct ray *ray, uint32_t face, const struct sheared p[3])
 {
     struct crossing first = {.z = INFINITY}, last = {.z = -INFINITY};
@@ -110,8 +110,8 @@ static void visit_face(struct gd__bvh_search *search, uint32_t face)
 }
 
 /* Clips [*enter, *leave] to the part of the ray where one of its coordinates is between min and
- * max. 0 times infinity is NaN and fails every comparison, so that this coordinate bounds
- * nothing. */
+ * max. 0 times infinity is NaN. Every comparison with NaN is false, so in this case the coordinate
+ * does not limit the range. */
 static void clip_slab(double min, double max, double origin, double inverse, double *enter,
                       double *leave)
 {

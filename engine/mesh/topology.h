@@ -30,9 +30,9 @@ struct gd_side {
     double left_length, right_length; /* |origin p|, |p destination| */
     double left_x, left_y;            /* unit vector origin -> p in the side's frame */
     double right_x, right_y;          /* unit vector p -> destination */
-    /* Sides across the face's other two edges, both directed away from the side: `left` runs origin
-     * -> p, `right` p -> destination. Each is the twin of a side of this face. Both are GD_NONE at
-     * the boundary. */
+    /* The sides in the neighbouring faces across the other two edges of this face: `left` runs from
+     * the origin to p, `right` from p to the destination. Each is the opposite of a side of this
+     * face. Both are GD_NONE at the boundary. */
     uint32_t left, right;
 };
 
@@ -135,8 +135,8 @@ static inline uint32_t gd__side_apex(const struct gd_mesh *mesh, uint32_t side)
     return mesh->origin[mesh->side[side].right];
 }
 
-/* Returns the end of the numbers of a vertex' neighbours, which begin at fan_first[vertex]: one for
- * each fan entry, and one more at the boundary. */
+/* The neighbours of a vertex are numbered from fan_first[vertex] on. Each fan entry has one
+ * neighbour, and a boundary vertex has one more. Returns the number after the last neighbour. */
 static inline uint32_t gd__neighbours_end(const struct gd_mesh *mesh, uint32_t vertex)
 {
     return mesh->fan_first[vertex + 1] + (mesh->vertex_kind[vertex] == GD_VERTEX_BOUNDARY);
@@ -148,15 +148,15 @@ static inline uint32_t gd__neighbour(const struct gd_mesh *mesh, uint32_t vertex
                                                 : gd__side_apex(mesh, mesh->fan[number - 1].side);
 }
 
-/* Returns 1 - t for a point of an edge, with full precision. Points stored by older versions have t
- * alone. */
+/* Returns 1 - t for a point of an edge, with full precision. Points that older versions stored
+ * contain only t. */
 static inline double gd__edge_rest(const struct gd_point *point)
 {
     return point->weight[1] > 0 ? point->weight[1] : 1 - point->weight[0];
 }
 
-/* Returns true if the shortest edge is so much shorter than the longest that positions stored on
- * the longest do not resolve it. */
+/* Returns true if the mesh is graded: the rounding error of a position on the longest edge is not
+ * small compared with the shortest edge. */
 static inline bool gd__mesh_is_graded(const struct gd_mesh *mesh)
 {
     return mesh->summary.edge_length.min < GD_TOL_GRADED * mesh->summary.edge_length.max;

@@ -1,5 +1,6 @@
-/* Triangle: lengths, area and shape of one face. Scaling by a power of two changes no bit of a
- * shape, so values from before and after normalisation agree. */
+/* Triangle: lengths, area and shape of one face. Scaling by a power of two does not change the
+ * rounding errors. So a shape is the same to the last bit before and after the mesh is scaled to
+ * the normalised unit. */
 #ifndef GD_MESH_TRIANGLE_H
 #define GD_MESH_TRIANGLE_H
 

@@ -16,7 +16,7 @@
 
 #include "gd/polygons.h"
 
-/* Computes the angles from the first edge_face on, in [0, 2 pi). */
+/* Computes the angles of the faces, measured from the first face, in [0, 2 pi). */
 static void face_pairing_measure(struct gd__edge_face *edge_face, uint32_t count,
                                  struct gd_vec3 along)
 {
@@ -31,8 +31,8 @@ static void face_pairing_measure(struct gd__edge_face *edge_face, uint32_t count
     }
 }
 
-/* Compares by angle. Of coincident faces the backward ones come first, so that they enclose
- * nothing. */
+/* Compares by angle. Among faces at the same angle, backward faces come first. So a backward and a
+ * forward face at the same angle become a pair, with no space between them. */
 static int face_pairing_compare(const void *x, const void *y)
 {
     const struct gd__edge_face *a = x, *b = y;

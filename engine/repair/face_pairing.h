@@ -9,7 +9,8 @@
 
 struct gd__edge_face {
     uint32_t side; /* the face's side at the edge */
-    /* in a consistent orientation, the face runs along the edge from its lower to its higher end */
+    /* true if the face, once oriented consistently, runs along the edge from the lower to the
+     * higher vertex */
     bool forward;
     struct gd_vec3 across; /* from the edge into the face; any length except zero */
     /* output: angle about the edge, counter-clockwise as seen against the edge's direction */

@@ -5,11 +5,11 @@
  *
  *   needle  the shortest edge is below GD_TOL_FLAT of the longest one: its ends are merged, and the
  *           faces at the edge vanish. A round that merges vertices ends here, because connectivity
- *           must be rebuilt. A slightly wider face can be flat after any flip. So if rounds of
- *           flips do not help, the bound is raised to ten times as much.
+ *           must be rebuilt. A face that is slightly too wide for a needle can be flat after any
+ *           flip. So if rounds of flips do not help, needles are those below ten times this bound.
  *   cap     the corner opposite to the longest edge lies on that edge, well between its ends: the
  *           edge is flipped in the quadrilateral with the neighbour. If the longest edge does not
- *           have exactly one neighbour, the cap is dropped. The surface stays the same, and the two
+ *           have exactly one neighbour, the cap is removed. The surface stays the same, and the two
  *           short edges become its border.
  *
  * The neighbour of a cap may be a cap too. Caps are processed in order of their longest edge, the

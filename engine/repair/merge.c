@@ -1,5 +1,5 @@
-/* Merges vertices, by the weld or because an edge of length zero joins them. Renames each corner to
- * the vertex that represents it, and simplifies the polygons. */
+/* Merges vertices that the weld joins, and vertices that an edge of length zero joins. Renames each
+ * corner to the vertex that represents it, and simplifies the polygons. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -45,7 +45,7 @@ static uint32_t simplify(uint32_t *ring, uint32_t count)
         else
             ring[end++] = ring[i];
     }
-    /* also across the ends of the array */
+    /* the ring is closed, so the last corners are compared with the first ones too */
     while (end - begin > 1) {
         if (ring[end - 1] == ring[begin] || ring[end - 2] == ring[begin])
             end--;

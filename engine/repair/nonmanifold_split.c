@@ -1,14 +1,15 @@
 /* Splits edges and vertices that have too many faces for a surface.
  *
- * DESIGN. The first step decides which faces are joined at each edge (`neighbour`): both of two
- * faces, and pairs of more than two (face_pairing.h). The corners of a vertex that belong to joined
- * faces form a fan. The fan with the lowest-numbered face keeps the vertex; each further fan gets a
- * copy of it. This splits edges and vertices in one step.
+ * DESIGN. The first step decides which faces are joined at each edge (`neighbour`). The two faces
+ * of an ordinary edge are joined. If an edge has more than two faces, they are joined in pairs
+ * (face_pairing.h). The corners of a vertex that belong to joined faces form a fan. The fan with
+ * the lowest-numbered face keeps the vertex; each further fan gets a copy of it. This splits edges
+ * and vertices in one step.
  *
- * A mesh is defined by the vertices of its faces. Copies of whole fans do not separate pairs of
- * faces at an edge whose fans are connected at both ends of the edge. In this case each pair except
- * the first gets its own copy of the edge's lower end. That also splits the other edges of these
- * faces at that end. */
+ * This is not always enough. Two pairs of faces at an edge may belong to the same fan at both ends
+ * of the edge. Then the edge keeps its two vertices, and all four faces still share it. In this
+ * case each pair except the first gets its own copy of the edge's lower end. That also splits the
+ * other edges of these faces at that end. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -81,8 +82,9 @@ static uint32_t join_pairs(struct splitting *s, const struct gd__edge_table *tab
 
 /* --- which faces stay joined at an edge of more than two faces -------------------------------- */
 
-/* Makes each set of faces that is connected by edges of two faces consistent before faces are
- * paired: files with non-manifold edges are often oriented at random. */
+/* Orients the faces before they are paired, because files with non-manifold edges are often
+ * oriented at random. The orientation becomes consistent within each set of faces that edges of two
+ * faces connect. */
 static enum gd_status orient(struct splitting *s)
 {
     uint32_t *component = gd__large_array(s->face_count, sizeof *component);

@@ -1,14 +1,15 @@
 /* Finds vertices within a tolerance of each other by a spatial hash.
  *
- * DESIGN. Space is divided into cubic cells with sides of twice the tolerance. All points within
- * the tolerance of a point are in its cell or beyond the nearer of the two faces in each direction,
- * so in 8 cells at most. The table holds only vertices that represent themselves. These are more
- * than the tolerance apart, so a cell holds at most a few dozen of them for any input, and each
- * vertex costs bounded work. No file can make the table's chains long, because the hash differs
- * from run to run. If the tolerance is 0, each position is a cell.
+ * DESIGN. Space is divided into cubic cells with sides of twice the tolerance. Along each axis, all
+ * points within the tolerance of a point are in its cell or in the neighbouring cell on the nearer
+ * side. So they are in at most 8 cells. The table holds only vertices that represent themselves.
+ * These are more than the tolerance apart, so a cell holds at most a few dozen of them for any
+ * input, and each vertex costs bounded work. No file can make the table's chains long, because the
+ * hash differs from run to run. If the tolerance is 0, each position is a cell.
  *
- * Cell numbers are doubles. Where they exceed 2^53, neighbouring coordinates are farther apart than
- * the tolerance. Cells that rounding does not distinguish then hold the same coordinate. */
+ * Cell numbers are doubles. Where cell numbers exceed 2^53, two different coordinates are farther
+ * apart than the tolerance. Rounding can give neighbouring cells the same number there, but then
+ * the points in them have equal coordinates. */
 #include <stdlib.h>
 #include <string.h>
 
