@@ -53,8 +53,8 @@ static enum gd_status copy_pieces(const struct gd__candidate *candidate, struct 
     return status;
 }
 
-/* Returns the length of a span of a curve without cells. Integrates over many panels, because lines
- * of the surface may cross the span anywhere. */
+/* Returns the length of a span of a curve that is not divided into cells. Integrates over many
+ * short panels, because the surface is not smooth where its lines cross the span. */
 static double panel_length(const struct gd__chain *chain, const struct gd__piece *piece,
                            uint32_t span)
 {
@@ -176,7 +176,8 @@ enum gd_status gd_geodesic_sample(const struct gd_parametric *surface,
         uint32_t piece =
             place < geodesic->piece_count ? (uint32_t)place : geodesic->piece_count - 1;
         piece_place(&geodesic->pieces[piece], place - piece, at);
-        for (int k = 0; k < 2; k++) { /* rounding may move it slightly beyond the border */
+        /* rounding may move the control point slightly beyond the border */
+        for (int k = 0; k < 2; k++) {
             const struct gd_axis *axis = surface->axis[k];
             if (!axis->closed) at[k] = fmin(fmax(at[k], axis->low), axis->high);
         }

@@ -68,8 +68,8 @@ static bool leaving(const struct gd_domain_curve *curve, double s, int step, str
     return false;
 }
 
-/* Returns true if an end in a pole is minimal: where a curve passes the pole, paths to nearby
- * points of the curve must be longer. */
+/* Returns true if the end of the path is minimal. Returns false if the end is in a pole that a
+ * curve passes, and paths to nearby points of the curve are shorter. */
 static bool candidate_is_held(const struct gd__candidate *candidate, int side)
 {
     const struct gd__chain *chain = candidate->part[side ? candidate->parts - 1 : 0].chain;
@@ -257,7 +257,7 @@ static enum gd_status solve_part(const struct gd__task *task, struct gd__uv_poly
     return status;
 }
 
-/* Computes a path through the pole as two halves, to the pole and from it. */
+/* Computes a path through the pole as two halves, one to the pole and one from the pole. */
 static enum gd_status solve_through(const struct gd__task *task, const struct gd__joint ends[2],
                                     const struct gd__uv_polyline *polyline,
                                     const struct visit *visit, struct gd__candidate *out)

@@ -1,5 +1,6 @@
 /* Candidate: a path between two curves that may become a result. It is one solution, or two
- * solutions that meet in a pole. */
+ * solutions that meet in a pole. A pole is a border of the domain whose places are all the same
+ * point of the surface (gd/parametric.h). */
 #ifndef GD_NURBS_CANDIDATE_H
 #define GD_NURBS_CANDIDATE_H
 
@@ -20,8 +21,9 @@ struct gd__candidate {
     uint32_t family;
     bool is_family;
     uint32_t trims; /* how often the path was trimmed */
-    /* Length, and the points after a quarter and a half of it, which identify a path; before
-       gd__candidate_finish those of the coarse curve. */
+    /* The length of the path, and the points of the path after a quarter and a half of this length.
+     * These members identify a path. Until gd__candidate_finish is called, they are those of the
+     * coarse curve. */
     double coarse;
     struct gd_vec3 quarter, middle;
 };
@@ -51,15 +53,15 @@ bool gd__candidate_is_minimum(const struct gd__candidate *candidate);
  * shorter. */
 bool gd__candidate_is_geodesic(const struct gd__task *task, const struct gd__candidate *candidate);
 
-/* Sets length and points by which a path is identified. */
+/* Sets `coarse`, `quarter` and `middle`, which identify a path. */
 void gd__candidate_identify(const struct gd_parametric *surface, struct gd__candidate *candidate);
 
 /* Returns the parameter of the path's beginning (side 0) or end (side 1) on its curve; 0 on a
  * point. */
 double gd__candidate_parameter(const struct gd__candidate *candidate, int side);
 
-/* Computes the numbers of periods that are added to the second curve's place if the path begins at
- * the first curve's place. */
+/* Computes the winding numbers of the path. If the path begins at the first curve's place, it ends
+ * at the second curve's place plus out[k] periods in direction k. */
 void gd__candidate_turns(const struct gd__candidate *candidate,
                          const struct gd_domain_curve *const ends[2], int32_t out[2]);
 

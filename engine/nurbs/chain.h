@@ -1,4 +1,5 @@
-/* Chain: a curve in the parameter domain as B-spline pieces joined at the lines of the surface.
+/* Chain: a curve in the parameter domain as B-spline pieces. The pieces are joined at the lines of
+ * the surface, where the surface is not smooth (gd/parametric.h).
  *
  * DESIGN
  * - Each piece is a clamped B-spline c(t), t in [0, 1], in one smooth cell of the surface; a piece
@@ -88,8 +89,8 @@ size_t gd__chain_bytes(uint32_t degree, uint32_t piece_count, const uint32_t *sp
 /* Computes the quadrature nodes from the knots. */
 void gd__chain_prepare(struct gd__chain *chain);
 
-/* Returns a joint that slides along the line through a place on which coordinate `axis` is
- * constant. */
+/* Returns a joint that slides along a line of the domain. The line passes through the place `at`,
+ * and coordinate `axis` is constant on it. */
 struct gd__joint gd__joint_on_line(const struct gd_parametric *surface, int axis,
                                    const double at[2]);
 
@@ -121,8 +122,8 @@ double gd__chain_rounding(const struct gd__chain *chain);
 /* Returns the total number of spans. */
 uint32_t gd__chain_spans(const struct gd__chain *chain);
 
-/* Returns a chain for the same curve with the marked spans halved; `marked` is in order through all
- * pieces. Returns NULL if memory is exhausted. */
+/* Returns a chain for the same curve with the marked spans halved; `marked` has an item for each
+ * span, in the order of the pieces. Returns NULL if memory is exhausted. */
 struct gd__chain *gd__chain_refine(const struct gd__chain *chain, const bool *marked);
 
 /* Returns the velocity d/dt x(c), from the jet of a place. */

@@ -25,8 +25,8 @@ struct gd__curve_jet {
     double at[2], first[2], second[2];
 };
 
-/* Evaluates a curve. On a closed curve s may be outside the range; (u, v) then continues by
- * `winding`. */
+/* Evaluates a curve. On a closed curve s may be outside the range; each further turn adds `winding`
+ * to (u, v). */
 void gd__curve_jet(const struct gd_domain_curve *curve, double s, struct gd__curve_jet *out);
 
 /* Evaluates the polynomial between breaks[i] and breaks[i + 1], also at these breaks and slightly

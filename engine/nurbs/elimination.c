@@ -126,8 +126,8 @@ bool gd__part_eliminate(const struct gd__chain *chain, const struct gd__piece *p
         memcpy(scratch, column, unknowns * sizeof *scratch);
         gd__band_solve(unknowns, width, part->factor, column);
         part->schur[side][side] -= dot_free(part, unknowns, scratch, column);
-        /* the mixed derivative: the unsolved column of one side times the solved column of the
-           other */
+        /* for the mixed derivative: the product of the column of side 1 before it is solved and the
+         * solved column of side 0 */
         if (side == 1)
             part->schur[1][0] -= dot_free(part, unknowns, scratch, part->solution[GD__PART_FROM]);
     }

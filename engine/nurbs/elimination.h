@@ -20,11 +20,11 @@ struct gd__part {
     /* per unknown: fixed in this step, because it belongs to an end or is held on a border */
     bool *held;
     struct gd__curve_jet end[2]; /* jets of the joints' places */
-    /* derivatives of E by the joints' unknowns, with a fixed interior */
+    /* derivatives of E by the joints' unknowns, if the interior points are fixed */
     double slope[2];
-    /* derivatives of E by the joints' unknowns, with an optimal interior */
+    /* derivatives of E by the joints' unknowns, if the interior points always minimise E */
     double reduced[2];
-    double schur[2][2]; /* second derivatives, with an optimal interior */
+    double schur[2][2]; /* second derivatives, if the interior points always minimise E */
     bool contact;       /* some unknown is held on a border */
     /* squared speeds of the ends with respect to the joints' unknowns */
     double weight[2];

@@ -1,16 +1,17 @@
 /* Energy of a piece, E = 1/2 int |d/dt x(c)|^2 dt, with its gradient and covariant Hessian with
  * respect to the control points.
  *
- * Source: W.-H. Chen, "Improvement of the shortest path problem with geodesic-like method", (9)
- * with the derivative missing in print. The Hessian is the second variation of energy, int |V'|^2 -
- * K |V x T|^2, do Carmo, Riemannian Geometry, section 9.2. */
+ * Source: W.-H. Chen, "Improvement of the shortest path problem with geodesic-like method",
+ * equation (9), with the derivative added that the printed equation omits. The Hessian is the
+ * second variation of energy, int |V'|^2 - K |V x T|^2, do Carmo, Riemannian Geometry, section
+ * 9.2. */
 #ifndef GD_NURBS_ENERGY_H
 #define GD_NURBS_ENERGY_H
 
 #include "nurbs/chain.h"
 
 /* NEWTON: the covariant Hessian, which is indefinite if the piece is longer than a shortest path
- * can be. GAUSS: int J^T J with J = d/dq of d/dt x, which is never negative. */
+ * can be. GAUSS: int J^T J with J = d/dq of d/dt x, which is positive semidefinite. */
 enum gd__hessian { GD__HESSIAN_NEWTON, GD__HESSIAN_GAUSS };
 
 /* For n control points. Unknown 2 i + k is coordinate k of point i. */

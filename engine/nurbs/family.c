@@ -6,11 +6,11 @@
 
 enum { STEPS = 64, PARTS = 8 };
 
-/* In lengths: a path nearer than this to a member is that member, from which the family may not
- * continue. */
+/* Fraction of the path's length. A path whose middle is nearer than this to that of a member is
+ * this member itself, so it does not show that the family continues. */
 static const double apart = 1e-4;
-/* In distances of the two paths' ends: how far the end of a path between them may lie from the
- * middle of these ends. */
+/* Fraction of the distance between the two paths' ends. The end of a path between the two may lie
+ * this far from the middle of their ends. */
 static const double still = 0.1;
 /* Polylines between members of a family are longer than the members by less than this fraction. */
 static const double bulge = 0.02;
@@ -70,8 +70,9 @@ static enum gd_status seed_between(const struct gd_domain_curve *const ends[2],
     return status;
 }
 
-/* Returns true if the ends hardly moved along their curves from where they were put. They do move
- * if only members of two separate families are as long, such as those at both sides of a corner. */
+/* Returns true if Newton's method hardly moved the ends of a path along their curves. The ends move
+ * far if the two paths belong to separate families, such as families at both sides of a corner, and
+ * no path between the families is equally long. */
 static bool has_stayed(const struct gd_domain_curve *const ends[2],
                        const struct gd__candidate *const pair[2], const struct gd__path_seed *seed,
                        const struct gd__candidate *candidate)
@@ -97,8 +98,8 @@ static bool is_between(const struct gd__task *task, const struct gd__candidate *
            gd_vec3_distance(candidate->middle, pair[1]->middle) > far;
 }
 
-/* Sets *is_level if no polyline between the paths is much longer than they are. It is, for example,
- * at a corner between two families. */
+/* Sets *is_level if no polyline between the paths is much longer than the paths. A polyline is much
+ * longer, for example, at a corner between two families. */
 static enum gd_status find_level(const struct gd_domain_curve *const ends[2],
                                  const struct gd__candidate *const pair[2], bool *is_level)
 {

@@ -1,4 +1,5 @@
-/* Family: equally long paths that move into each other, such as those between parallel lines. */
+/* Family: equally long paths that can be moved continuously into each other, such as those between
+ * parallel lines. */
 #ifndef GD_NURBS_FAMILY_H
 #define GD_NURBS_FAMILY_H
 

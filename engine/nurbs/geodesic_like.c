@@ -16,16 +16,18 @@
 #include "nurbs/trim.h"
 
 enum {
-    CLASS_PLACES = 2, /* pairs of ends from which a class between curves is searched */
-    TRIMS_MOST = 8    /* limit on trims of one path */
+    /* initial paths of a class between curves begin and end at this many pairs of places */
+    CLASS_PLACES = 2,
+    TRIMS_MOST = 8 /* limit on trims of one path */
 };
 
 /* a coarse curve that is longer than the shortest one by this factor is dropped */
 static const double hopeless = 1.01;
 /* as `hopeless`, if a candidate passes near a pole, where coarse curves are too long */
 static const double hopeless_by_pole = 1.08;
-/* candidates are the same path if the relative difference of their lengths is below `twins`, and
- * those of their quarters and middles below its square root */
+/* Two candidates are the same path if the difference of their lengths is below `twins` times the
+ * length, and the distances of their quarters and middles are below the square root of `twins`
+ * times the length. */
 static const double twins = 1e-7;
 /* as `twins`, for a candidate that converges towards a path through a pole */
 static const double beside = 1e-2;
@@ -175,8 +177,8 @@ static int through_first(const void *x, const void *y)
     return p->coarse < q->coarse ? -1 : p->coarse > q->coarse;
 }
 
-/* Keeps the shorter of two candidates that did not become geodesics. If no geodesic is found, it
- * becomes the result, marked as not converged. */
+/* Keeps the shorter of two candidates that did not become geodesics. If no geodesic is found, the
+ * kept candidate becomes the result, marked as not converged. */
 static void spare_candidate(struct gd__candidate *candidate, struct gd__candidate *spare)
 {
     for (uint32_t i = 0; i < candidate->parts; i++)
@@ -216,7 +218,7 @@ static enum gd_status trim_candidate(struct solving *solving, struct gd__candida
     return status;
 }
 
-/* Returns how much longer than the shortest coarse curve a candidate may be. */
+/* Returns the greatest length of a coarse curve that is worth refining. */
 static double longest_worth(const struct solving *solving)
 {
     const struct candidates *candidates = &solving->candidates;
@@ -229,8 +231,9 @@ static double longest_worth(const struct solving *solving)
     return factor * least;
 }
 
-/* Refines a candidate and puts it in its place: among the *kept results, into `spare`, or trimmed
- * to the end of the list. */
+/* Refines a candidate and stores it. A result is added to the *kept results at the beginning of the
+ * list. A result that crosses a curve is replaced by trimmed candidates at the end of the list. A
+ * candidate that is not a result goes to `spare`. */
 static enum gd_status finish_one(struct solving *solving, struct gd__candidate *candidate,
                                  uint32_t *kept, struct gd__candidate *spare)
 {
@@ -468,7 +471,8 @@ static enum gd_status geodesic_solve(struct solving *solving, const struct gd__p
     return status ? gd_fail_status(detail, status) : GD_OK;
 }
 
-/* Finds the seeds of a request. Turns between two points need none but the points themselves. */
+/* Finds the seeds of a request. If the request gives winding numbers of a path between two points,
+ * no search is needed, because the ends are the points. */
 static enum gd_status find_seeds(const struct solving *solving,
                                  const struct gd_tessellation *tessellation,
                                  struct gd__share *share, struct gd__path_seeds *out,
@@ -489,8 +493,9 @@ static enum gd_status find_seeds(const struct solving *solving,
     return status;
 }
 
-/* Answers a request whose ends meet; *meet: they do. A request of a class wants the path of this
- * class, also from a point to itself. */
+/* Sets *meet if the curves of the request meet, and computes the result in this case. Does nothing
+ * if the request selects a class of paths, because a path of that class may have a length above 0
+ * even from a point to itself. */
 static enum gd_status solve_meeting(const struct gd_geodesic_request *request,
                                     const struct gd_control *control, bool *meet,
                                     struct gd_geodesics *out)

@@ -59,8 +59,9 @@ static double total_length(const struct cell_size *sizes, uint32_t count)
     return sum;
 }
 
-/* Returns the steps for a cell. An edge of 1/steps of the cell deviates by bend / (8 steps^2); each
- * direction may use half of `deviation`. */
+/* Returns the number of steps for a cell. An edge of one step deviates from the surface by bend /
+ * (8 steps^2). This may be half of `deviation`, because the deviations of both directions add
+ * up. */
 static double steps_of(const struct cell_size *size, double step, double deviation, double share)
 {
     double steps = fmax(ceil(size->length / step), 1);

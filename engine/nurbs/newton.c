@@ -89,9 +89,11 @@ static bool joint_is_held(const struct gd__joint *joint, double slope)
     return (joint->at <= joint->low && slope > 0) || (joint->at >= joint->high && slope < 0);
 }
 
-/* Assembles the joints' system of F = sum sqrt(2 E_k). A piece contributes S / L, and to Newton's
- * matrix also - g g^T / L^3. Gauss-Newton's matrix is nearly singular for steps that move the whole
- * path sideways. So a damping term is added: the stiffness of a spring as long as the path. */
+/* Assembles the joints' system of F = sum sqrt(2 E_k). For a piece, let L be its length, g its
+ * reduced gradient and S its matrix `schur`. The piece contributes S / L to the matrix, and to
+ * Newton's matrix also - g g^T / L^3. Gauss-Newton's matrix is nearly singular for steps that move
+ * the whole path sideways. So a damping term is added to its diagonal: the squared speed of the
+ * piece's end, divided by L. */
 static void couple(struct state *state, enum gd__hessian kind)
 {
     uint32_t joints = state->chain->piece_count + 1;

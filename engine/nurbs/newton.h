@@ -1,4 +1,4 @@
-/* Newton: minimises the length of a chain, down to a critical point.
+/* Newton: decreases the length of a chain until its gradient vanishes.
  *
  * Each step solves H d = -g by elimination: first the control points inside each piece by a banded
  * Cholesky factorisation, which leaves the length of a geodesic as a function of its two ends; then
@@ -12,13 +12,14 @@
 
 struct gd__newton_report {
     double length;
-    double decrement; /* expected saving of a further step, relative to the length */
+    /* expected decrease of the length by a further step, relative to the length */
+    double decrement;
     uint32_t iterations;
     bool converged;
     /* the covariant Hessian at the end is positive definite: a proven local minimum */
     bool positive;
-    /* The second derivative vanishes as the path moves sideways with its ends on their curves: it
-       is one of a family of equally long paths. */
+    /* The path is one of a family of equally long paths: its ends can slide along their curves, and
+     * the second derivative of the length in this direction is zero. */
     bool flat;
     bool contact;      /* control points or joints are held on the domain's border */
     double pull[2][2]; /* derivatives of the length by the first and by the last control point */

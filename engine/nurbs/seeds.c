@@ -17,8 +17,8 @@ enum {
     SEEDS_FEW = 12 /* largest number of seeds if only the shortest path is requested */
 };
 
-/* Relative to the length: seeds whose lengths, ends and middles differ by less lead to the same
- * path. */
+/* Fraction of the length: two seeds lead to the same path if their lengths, ends and middles differ
+ * by less than this. */
 static const double same = 0.02;
 /* A seed longer than the shortest seed by this factor does not lead to the shortest path. */
 static const double margin = 1.08;
@@ -285,7 +285,7 @@ static uint32_t join_entries(struct crossing *list, uint32_t count)
 
 /* --- plateaus --------------------------------------------------------------------------------- */
 
-/* A plateau is a connected set of crossings with equal sums, from which equally long paths begin.
+/* A plateau is a connected set of crossings with equal sums, through which equally long paths pass.
  * Usually it is a single crossing. */
 struct plateau {
     uint32_t members;

@@ -1,9 +1,9 @@
 /* Seeds: paths between two curves on a tessellation, the initial guesses for smooth geodesics.
  *
- * Let d1 and d2 be the distances from the two curves on the mesh. A locally shortest path whose two
- * halves are shortest paths passes a local minimum of d1 + d2 on the set d1 = d2. Each such minimum
- * gives a seed. Each local minimum of d2 along the first curve, and of d1 along the second, also
- * gives one. */
+ * Let d1 and d2 be the distances from the two curves on the mesh. Take a locally shortest path,
+ * each half of which is a shortest path. It passes a local minimum of d1 + d2 on the set d1 = d2.
+ * Each such minimum gives a seed. Each local minimum of d2 along the first curve, and of d1 along
+ * the second, also gives one. */
 #ifndef GD_NURBS_SEEDS_H
 #define GD_NURBS_SEEDS_H
 

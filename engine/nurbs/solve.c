@@ -7,7 +7,7 @@
 #include "nurbs/energy.h"
 
 enum {
-    COARSE_SPANS = 14, /* for each turn around the surface */
+    COARSE_SPANS = 14, /* spans of a coarse curve, for each turn around the surface */
     FIRST_SPANS = 10,  /* spans of the first curve that is divided into pieces, for each turn */
     CUT_MOST = 12,     /* limit on fits of the curve to the cells */
     CORNERS_MOST = 2,  /* limit on consecutive fits of a curve that is stuck in a corner of cells */
@@ -22,17 +22,17 @@ static const struct gd__newton_limits exact = {60, GD_TOL_STATIONARY};
 /* a coarse curve crosses lines, where the Hessian jumps, so more steps are useless */
 static const struct gd__newton_limits coarse = {12, 1e-7};
 
-/* Fraction of the length: if a piece this short prevents convergence, the curve is stuck in a
- * corner of cells. */
+/* Fraction of the path's length. If Newton's method does not converge and a piece is shorter than
+ * this, the curve is stuck in a corner of cells. */
 static const double stuck = 1e-4;
-/* In widths of a cell: a stuck curve passes corners this near straight. */
+/* Fraction of a cell's width. A stuck curve that passes a corner of cells nearer than this
+ * continues directly in the opposite cell. */
 static const double wide_corner = 3e-2;
-static const double shortest_end =
-    /* Fraction of a piece: end spans are not refined below this width, where rounding spoils the
-       curvature. */
-    1e-4;
-/* Limit on the integral of squared geodesic curvature, times length, which is infinite for a
- * kink. */
+/* Fraction of a piece: end spans are not refined below this width, because rounding would spoil
+ * their curvature. */
+static const double shortest_end = 1e-4;
+/* Limit on the integral of squared geodesic curvature, times the length. For a path with a kink
+ * this product is infinite. */
 static const double most_bend = 100;
 /* Fraction of the domain's width: a control point nearer to a pole counts as in the pole. */
 static const double fallen = 1e-6;
@@ -76,10 +76,12 @@ static bool follows_border(const struct gd__chain *chain, const struct gd__piece
     return false;
 }
 
-/* Returns a bound of the gain from halving a span. With e'' = kappa between the span's ends, 1/2
- * int e'^2 is at most (h / pi)^2 / 2 int kappa^2. The quadrature error of the length is added,
- * which covers uneven speed without curvature, as along a meridian. A result above `enough` may be
- * incomplete. */
+/* Returns a bound of the length that halving a span can save. Let e be the sideways distance of the
+ * span from the geodesic between its ends, kappa the geodesic curvature and h the length. Then e''
+ * = kappa, and the span is longer than the geodesic by 1/2 int e'^2, which is at most (h / pi)^2 /
+ * 2 int kappa^2. The quadrature error of the length is added. It covers spans with an uneven speed
+ * but no curvature, such as those along a meridian. If the first term exceeds `enough`, the
+ * quadrature error is omitted. */
 static double span_error(const struct gd__chain *chain, const struct gd__piece *piece,
                          uint32_t span, double rounding, double enough)
 {
@@ -170,8 +172,9 @@ static bool slide_ends(struct gd__solution *solution)
     return moved;
 }
 
-/* Iterates a curve of one piece until no end moves to another interval of its curve. At a corner of
- * that curve the length has a kink, where Newton's method on the whole curve stops. */
+/* Iterates a curve of one piece until neither end moves to another interval of the curve on which
+ * it slides. At a corner of that curve the derivative of the length jumps, so Newton's method must
+ * treat each interval alone. */
 static enum gd_status settle_ends(struct gd__solution *solution)
 {
     struct gd__joint *joints = solution->chain->joints;

@@ -7,8 +7,8 @@
 #include "base/references.h"
 #include "gd/parametric.h"
 
-/* Weight of a step of this folder in a pace: a few microseconds, such as the quadrature of a
- * span. */
+/* Pace steps (base/pace.h) that one step of this folder counts as. Such a step, for example the
+ * quadrature of a span, takes a few microseconds. */
 enum { GD__STEP = GD__PACE_STEPS / 32 };
 
 struct gd_parametric {
@@ -21,9 +21,9 @@ struct gd_parametric {
     atomic_uint references;
 };
 
-/* A smooth piece. Cell i of an axis lies between its lines i and i + 1; line 0 is `low`. In a
- * closed direction with a seam the numbers continue through all periods; without a seam cell 0 is
- * the only one. */
+/* A smooth piece of the surface. Lines and seams are those of gd/parametric.h. Cell i of an axis
+ * lies between its lines i and i + 1; line 0 is `low`. In a closed direction with a seam the
+ * numbers continue through all periods; without a seam cell 0 is the only one. */
 struct gd__cell {
     int32_t index[2];
 };

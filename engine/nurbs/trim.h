@@ -5,9 +5,10 @@
 #include "nurbs/candidate.h"
 
 /* Step 3 of the paper's algorithm 2: if the path meets one of the curves between its ends, makes an
- * initial path of its part from the last place on the first curve to the next place on the second
- * curve. Sets *crosses, and `out` only if it is true. Points are not curves: a path may pass them.
- * Errors: GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE. */
+ * initial path from a part of the path. This part begins at the last place on the first curve and
+ * ends at the next place on the second curve. Sets *crosses to true in this case, and `out` only
+ * then. Points are not curves: a path may pass them. Errors: GD_NO_MEMORY, GD_CANCELLED,
+ * GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__trim(const struct gd__task *task,
                                     const struct gd_domain_curve *const ends[2],
                                     const struct gd__candidate *candidate, bool *crosses,

@@ -2,7 +2,7 @@
 
 #include <float.h>
 
-/* sine of an angle: an `up` closer to the line of sight is ignored */
+/* sine of the smallest angle between `up` and the line of sight at which `up` is used */
 #define PARALLEL 1e-6
 
 static const struct gd_vec3 x_axis = {1, 0, 0}, y_axis = {0, 1, 0};

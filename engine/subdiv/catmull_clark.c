@@ -47,7 +47,8 @@ static struct gd_vec3 catmull_clark_spoke(const struct gd__net *net, const struc
     return net->points[gd__spoke_end(net, fan, i % gd__fan_spokes(fan))];
 }
 
-/* Returns (n^2 V + 4 sum E + sum F) / (n (n + 5)): Halstead, Kass, DeRose (1993). */
+/* Returns (n^2 V + 4 sum E + sum F) / (n (n + 5)), where V is the vertex, E its n neighbours along
+ * edges, and F the opposite corners of its n faces: Halstead, Kass, DeRose (1993). */
 static struct gd_vec3 catmull_clark_limit(const struct gd__net *net, const struct gd__fan *fan)
 {
     double n = fan->count;
@@ -73,9 +74,10 @@ static struct gd_vec3 catmull_clark_tangent(const struct gd__net *net, const str
     return sum;
 }
 
-/* Eigenanalysis around a fixed vertex: a step maps the sums of E - V and of F - V to (sum E + sum F
- * / 4) / 2 and (2 sum E + sum F) / 4. The larger eigenvalue of this map is (3 + sqrt 5) / 8, which
- * exceeds that of every rotating component; its left eigenvector is (1, (sqrt 5 - 1) / 4). */
+/* Eigenanalysis around a fixed vertex V with neighbours E and opposite corners F: a subdivision
+ * step maps the sums of E - V and of F - V to (sum E + sum F / 4) / 2 and (2 sum E + sum F) / 4.
+ * The larger eigenvalue of this map is (3 + sqrt 5) / 8, which exceeds that of every rotating
+ * component; its left eigenvector is (1, (sqrt 5 - 1) / 4). */
 static struct gd_vec3 catmull_clark_axis(const struct gd__net *net, const struct gd__fan *fan)
 {
     const double weight = (sqrt(5) - 1) / 4;

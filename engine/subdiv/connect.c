@@ -192,7 +192,7 @@ static enum gd_status check_fans(const struct gd__net *net, struct gd_detail *de
         uint32_t point = net->origin[side];
         if (met[point] == 0) {
             gd__fan_around(net, side, &fan);
-            met[point] = fan.count + 1; /* decremented to 1 */
+            met[point] = fan.count + 1; /* the fan's sides decrement it to 1 */
         }
         if (met[point]-- == 1)
             status = fail_at(detail, GD_ELEMENT_VERTEX, point, 0,

@@ -1,6 +1,6 @@
 /* Gragg's modified midpoint rule, extrapolated: Hairer, Norsett, Wanner, Solving ordinary
- * differential equations I, II.9. The right-hand side is smooth on the whole patch, so that a high
- * order pays: a patch usually takes one or two steps. */
+ * differential equations I, II.9. The right-hand side is smooth on the whole patch, so a method of
+ * high order is efficient: a patch usually takes one or two steps. */
 #include "subdiv/flow.h"
 
 #include <math.h>

@@ -75,8 +75,9 @@ static struct gd_vec3 *side_position(const struct gd_limit_grid *grid, uint32_t 
                             at[0] * (grid->cells + (size_t)1) + at[1]];
 }
 
-/* Gives the vertices on borders of faces one position each: that of the edge's lower side, and for
- * corners that of the last side that begins there, as in a discretization. */
+/* Sets each vertex on a border of faces to the same position in all its faces. A vertex inside an
+ * edge gets the position computed on the edge's lower-numbered side. A corner gets the position
+ * computed on the last side that begins there. A discretization uses the same positions. */
 static enum gd_status unify_borders(const struct gd_limit_grid *grid)
 {
     const struct gd__net *base = &grid->surface->base;
@@ -87,7 +88,7 @@ static enum gd_status unify_borders(const struct gd_limit_grid *grid)
         corner[base->origin[side]] = *side_position(grid, side, 0);
     for (uint32_t side = 0; side < sides; side++) {
         *side_position(grid, side, 0) = corner[base->origin[side]];
-        if (base->twin[side] > side) continue; /* GD_NONE is the greatest */
+        if (base->twin[side] > side) continue; /* GD_NONE is greater than any side */
         for (uint32_t m = 1; m < grid->cells; m++)
             *side_position(grid, side, m) = *side_position(grid, base->twin[side], grid->cells - m);
     }

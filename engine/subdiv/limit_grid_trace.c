@@ -32,7 +32,8 @@ struct tracing {
     struct gd__pace *pace;
     struct gd_limit_path path;
     uint32_t capacity, limit;
-    double gone, carry; /* length so far, and what rounding has cut from it */
+    /* the length so far is gone + carry; `carry` collects the rounding errors of `gone` */
+    double gone, carry;
     struct view view;
     struct gd__surface_ray ray; /* enters the view's triangle across its edge */
     enum gd_status status;
@@ -251,7 +252,8 @@ static double snap_of_end(const struct tracing *t, double edge)
     return GD_TOL_HIT * fmin(edge, t->request->length) + drift(t);
 }
 
-/* Returns true, with the line's direction, if the path may have no more points. */
+/* Returns true if the path has reached its limit on points. Sets the path's direction in this
+ * case. */
 static bool is_full(struct tracing *t, const struct passage *way)
 {
     if (t->path.step_count < t->limit) return false;
@@ -290,7 +292,8 @@ static enum halt pass_vertex(struct tracing *t, const struct passage *way, doubl
     return halt ? halt : go_through(t, k, way->dx, way->dy);
 }
 
-/* Continues at the boundary, which the ray has reached: stops there. */
+/* Handles a ray that has reached the boundary: the path stops there, or needs the mesh if it may
+ * follow the boundary. */
 static enum halt meet_boundary(struct tracing *t, const struct passage *way)
 {
     double ahead = t->ray.dx > 0 ? way->edge - t->ray.t : t->ray.t;
@@ -418,8 +421,8 @@ static enum halt start_on_edge(struct tracing *t, const struct gd__grid_edge *ed
     return GOES_ON;
 }
 
-/* Crosses the triangle from a place inside: finds the edge by which the line leaves it, and looks
- * at the triangle from an edge beside it. */
+/* Crosses the triangle from a place inside: finds the edge by which the line leaves the triangle,
+ * and uses the frame of the triangle's next edge. */
 static enum halt start_inside(struct tracing *t, uint32_t face, int32_t corners[3][2],
                               const double weights[3])
 {

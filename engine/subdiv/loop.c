@@ -80,7 +80,7 @@ static struct gd_vec3 loop_axis(const struct gd__net *net, const struct gd__fan 
 }
 
 /* Returns the product of the points with the left eigenvector for (3 + 2 cos theta) / 8, theta = pi
- * / k, of a crease with k faces. One step maps S = sum sin(i theta) E_i to a multiple plus
+ * / k, of a crease with k faces. One step maps S = sum sin(i theta) E_i to a multiple of S plus
  * multiples of V and of the crease's neighbours Ea, Eb. Adding a V + b (Ea + Eb) with b = (sin
  * theta - sigma) / (1 + 2 cos theta), sigma = cot(theta / 2), a = -sigma - 2 b compensates
  * these. */
@@ -109,7 +109,8 @@ static void neighbours(const struct gd__net *net, uint32_t k, struct gd__fan *fa
     gd__fan_around(net, k, fan);
     uint32_t spokes = gd__fan_spokes(fan), at = 0;
     while (fan->sides[at] != k) at++;
-    /* numbers of known spokes counter-clockwise and clockwise of that of side k */
+    /* numbers of known neighbours, counted from the spoke of side k: counter-clockwise and
+     * clockwise */
     uint32_t left = 0, right = 0;
     out[0] = loop_spoke(net, fan, at);
     while (left + 1 < 6 &&
@@ -130,8 +131,8 @@ static void neighbours(const struct gd__net *net, uint32_t k, struct gd__fan *fa
     out[(c + 2) % 6] = gd_vec3_sub(gd_vec3_add(own, out[(c + 3) % 6]), out[(c + 4) % 6]);
 }
 
-/* Returns the index of the monomial a^i b^j c^(4-i-j) in the barycentric coordinates, after
- * to_powers of s^i t^j; i + j <= 4. */
+/* Returns the index of the coefficient of a^i b^j c^(4-i-j), where a, b, c are the barycentric
+ * coordinates and i + j <= 4. After to_powers it is the index of the coefficient of s^i t^j. */
 static int monomial(int i, int j)
 {
     int rest = 4 - i;

@@ -88,7 +88,8 @@ static uint32_t blocked_by(uint32_t arity, const struct gd__face_place *local, c
     return GD_NONE;
 }
 
-/* Computes a descent step that begins inside the face. Returns false if there is none. */
+/* Computes a descent step whose direction does not lead out of the face. Returns false if there is
+ * none. */
 static bool feasible_step(const struct model *m, uint32_t arity, const struct gd__face_place *local,
                           double step[2])
 {
@@ -209,7 +210,8 @@ static double square_to_box(const struct gd__box *box, struct gd_vec3 p)
     return x * x + y * y + z * z;
 }
 
-/* Returns the face whose box has the nearest middle: it gives a good first bound. */
+/* Returns the face whose box has the nearest middle. The distance from this face is a good first
+ * bound. */
 static uint32_t first_face(const struct gd_subdivision *surface, struct gd_vec3 xyz)
 {
     uint32_t found = 0;

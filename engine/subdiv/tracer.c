@@ -10,7 +10,7 @@ static const struct gd__scheme *rules_of(const struct gd__tracer *tracer)
     return tracer->walker->surface->rules;
 }
 
-/* Moves a state on line k exactly onto it. */
+/* Moves a state that is on line k up to rounding exactly onto the line. */
 static void tracer_settle(uint32_t arity, uint32_t k, struct gd__flow *flow)
 {
     double at[2], m = gd__along_side(arity, k, flow->s, flow->t);
@@ -259,7 +259,8 @@ static enum gd_status meet_vertex(struct gd__tracer *tracer, double most, bool *
     gd__corner_limit(tracer->walker, face, corner, &vertex);
     struct gd_vec3 way = gd_vec3_sub(vertex.position, tracer->position);
     double length = gd_vec3_length(way), width = length;
-    /* a thin spike is treated as its axis, on which the path reaches the tip */
+    /* near the tip of a spike the surface is thin, so the path is treated as running along the
+     * spike's axis, which meets the tip */
     if (isnan(vertex.normal.x)) {
         struct gd__jet jet = gd__cell_jet(tracer->walker, tracer->local.s, tracer->local.t);
         width *= gd__sine(&jet);

@@ -18,10 +18,11 @@ struct gd__pull {
 double gd__ascent(const struct gd_mesh *mesh, const struct gd_point *point,
                   const struct gd__pull *pulls, uint32_t count, double *turn);
 
-/* Computes Newton's step for the sum of weight times squared distance, of which each term has the
- * second derivative `weight` along its vector and `weight * bend` across. Returns the step's length
- * and sets *turn to its turn. `heading` is the turn of gd__ascent, which the step takes where the
- * surface is not flat around the point. O(count). */
+/* Computes Newton's step for half the sum of weight times squared distance. The second derivative
+ * of a term is `weight` along the term's vector and `weight * bend` across it. Returns the step's
+ * length and sets *turn to its turn. `heading` is the turn that gd__ascent computed. At a vertex
+ * and at the boundary the step has this turn, because the surface is not flat around such a point.
+ * O(count). */
 double gd__ascent_step(const struct gd_mesh *mesh, const struct gd_point *point,
                        const struct gd__pull *pulls, uint32_t count, double heading, double *turn);
 

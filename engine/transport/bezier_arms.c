@@ -78,8 +78,9 @@ static enum gd_status arm_trace(const struct lane *lane, uint32_t i, double fact
     return GD_OK;
 }
 
-/* Computes the arm between the inner control points: the geodesic into which the way via both outer
- * arms and `path` is straightened. */
+/* Computes the arm between the inner control points: a geodesic. It is the straightened form of the
+ * following line: from the inner end of the first outer arm back to its knot, along `path` to the
+ * next knot, and along the last outer arm to its inner end. */
 static enum gd_status arms_join(struct lane *lane, const struct gd_path *path,
                                 struct gd_spline_segment *segment)
 {
@@ -136,7 +137,7 @@ static bool is_made(const struct gd_spline_segment *segment)
 
 /* --- two segments at a time ------------------------------------------------------------------- */
 
-/* A thread is identified by the address of its own copy of this pointer. */
+/* The address of a thread's own copy of this variable identifies the thread. */
 static _Thread_local char here;
 
 struct making {
@@ -170,8 +171,9 @@ static void make_in_lane(void *context, uint32_t index)
     close_lane(&lane);
 }
 
-/* Computes all segments in two lanes. After a failure other than a cancel, a single lane repeats
- * the work and reports the failure. */
+/* Computes all segments in two lanes. After a failure other than a cancel, returns GD_OK. The
+ * caller then computes the missing segments in a single lane, which reports the failure if it
+ * occurs again. */
 static enum gd_status make_together(const struct gd__spline_work *work,
                                     struct gd_spline_segment *segments)
 {

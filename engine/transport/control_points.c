@@ -101,7 +101,7 @@ static enum gd_status control_points_moved(const struct gd__spline_work *work,
 
 /* --- inner points ----------------------------------------------------------------------------- */
 
-/* Returns (1-c) / (u_(i+1) - u_(i-1)). */
+/* Returns (1 - c) / (u_(i+1) - u_(i-1)), where c is the tension and u the parameters. */
 static double control_points_slope_at(const struct gd__spline_work *work, uint32_t i)
 {
     const struct gd_spline_knot *knots = work->knots;
@@ -141,8 +141,11 @@ static enum gd_status paper_tangent(const struct gd__spline_work *work, uint32_t
 
 /* --- ends ------------------------------------------------------------------------------------- */
 
-/* Computes the natural tangent (3/2) log / D - v / 2 at an end. log / D points along the curve: at
- * the first point towards the second, at the last point away from the last but one. */
+/* Computes the natural tangent (3/2) w / D - v / 2 at an end. D is the difference of the parameters
+ * of the end and its neighbour, and v the neighbour's tangent, transported to the end. The vector w
+ * has the length of the path between them and points forward along the curve: at the first point
+ * towards the second, at the last point away from the last but one. A spline of two points without
+ * given tangents has the tangents w / D. */
 static enum gd_status natural_tangent(const struct gd__spline_work *work, bool at_end,
                                       bool is_alone, struct gd_vector *out)
 {

@@ -10,9 +10,9 @@
 
 /* The log map at one point, for all vertices in order of distance. If the path to a vertex bends
  * last at another vertex, the paths to both leave the point in the same direction. A straight path
- * is only walked back until it crosses an edge with an end whose path is straight too and runs
- * through the same strip of faces. The directions of the two paths at the point then differ by the
- * angle between vertex and end in the unfolded strip. */
+ * is walked back from its vertex, until it crosses an edge with a suitable end: the path to this
+ * end is straight too, and runs through the same strip of faces. The directions of the two paths at
+ * the point then differ by the angle between the vertex and this end in the unfolded strip. */
 
 struct map {
     const struct gd_field *field;

@@ -10,10 +10,11 @@
 #include "mesh/canonical.h"
 #include "transport/ascent.h"
 
-/* Newton's method with halved steps. While the paths to the points cross the same faces, f is a sum
- * of squared distances in the plane (to the points, or via the first bends of the paths) with known
- * second derivatives. A minimum may be at a vertex, where f has a kink. Therefore the corners of
- * the current face are tried when steps must be halved. */
+/* Minimises f, the weighted sum of squared distances to the points, by Newton's method with halved
+ * steps. While the paths to the points cross the same faces, f is a sum of squared distances in the
+ * plane (to the points, or via the first bends of the paths) with known second derivatives. A
+ * minimum may be at a vertex, where f has a kink. Therefore the corners of the current face are
+ * tried when steps must be halved. */
 
 enum { ITERATIONS = 100, HALVINGS = 8, SEARCHES = ITERATIONS / 4 };
 

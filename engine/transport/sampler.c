@@ -1,10 +1,12 @@
 #include "transport/sampler.h"
 
-enum { DEPTH = 32 }; /* limit on halvings; lengths are far below rounding before */
+/* limit on halvings; far fewer halvings make a length smaller than rounding errors */
+enum { DEPTH = 32 };
 
 /* Flatness of a leaf: largest distance from its chord, relative to the length of its segment's
- * polygon. In a leaf, de Casteljau's construction for any parameter differs from repeated halving
- * by the order of this value squared, times the surface's curvature. */
+ * polygon. In a leaf, the point of any parameter is computed by one de Casteljau construction
+ * instead of further halvings. The results differ by the order of this value squared, times the
+ * surface's curvature. */
 #define HEIGHT_PART 1e-3
 
 void gd__sampler_free(struct gd__sampler *sampler)

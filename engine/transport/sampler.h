@@ -11,7 +11,8 @@ struct gd__sampler {
     const struct gd_spline *spline;
     struct gd__straightener straightener;
     double progress, share; /* progress before the walk, and the walk's share of it */
-    /* largest distance of a leaf from its chord; 0: relative to its segment's length */
+    /* largest distance of a leaf from its chord; 0: a fraction of the length of the segment's
+     * polygon */
     double height;
     bool is_whole; /* each segment is one leaf */
     /* Called for each leaf in order, with its chord. */

@@ -69,9 +69,9 @@ static enum gd_status begin_at(struct shortening *s, uint32_t at)
     return status;
 }
 
-/* Rotates a closed route to begin at its middle, or at the vertex nearest to the middle if the
- * route passes a vertex, because the curve may bend there. The next round then straightens the bend
- * at the present beginning. */
+/* Rotates a closed route to begin at another point, so that the next round straightens the bend at
+ * the present beginning. If the route passes vertices, the new beginning is the vertex nearest to
+ * the middle, because a geodesic may bend at a vertex. Otherwise it is the middle. */
 static enum gd_status begin_elsewhere(struct shortening *s)
 {
     uint32_t count = s->route.count, best = 0;

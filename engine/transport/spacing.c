@@ -126,8 +126,8 @@ static double parameter_at(const struct stretch *s, double length)
     return s->begin + low * (s->end - s->begin);
 }
 
-/* Computes the parameters of `count` equal steps of length; 0: of as many steps as come nearest to
- * `spacing`. */
+/* Computes the parameters of `count` steps of equal arc length. If `count` is 0, chooses the number
+ * of steps so that their length is near `spacing`. */
 static enum gd_status put_lengths(const struct measuring *measuring, uint32_t count, double spacing,
                                   struct gd__parameters *out, const struct gd_control *control)
 {

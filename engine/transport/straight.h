@@ -13,7 +13,7 @@ bool gd__straight_on(const struct gd_mesh *mesh, uint32_t vertex, double back,
 
 /* Chooses the boundary side along which a line that arrived at a boundary vertex from the turn
  * `back` slides: forward along the side that begins at the vertex, or backward along the side that
- * ends there. Returns false if the line's angle with neither side is acute. */
+ * ends there. Returns false if neither side forms an acute angle with the direction of the line. */
 bool gd__straight_slide(const struct gd_mesh *mesh, uint32_t vertex, double back, uint32_t *side,
                         bool *forward);
 

@@ -10,9 +10,9 @@
 #include "transport/meetings.h"
 #include "transport/straight.h"
 
-/* A trace alternates between rays from face to face and halts: at vertices, at the boundary, at its
- * end. The state of a ray is its side, which determines the face. At a halt the direction of
- * arrival is stored as a turn. */
+/* A trace alternates between rays and halts. A ray runs straight from face to face. A halt is a
+ * vertex, a place on the boundary, or the end of the trace. The state of a ray is its side, which
+ * determines the face. At a halt the direction of arrival is stored as a turn. */
 
 enum halt {
     HALT_NONE,   /* crossing an edge into the face of the ray's side */
@@ -33,7 +33,7 @@ struct tracer {
     /* at halts except NONE and BORDER: the turn at the last point back along the line */
     double back;
     struct gd__meetings *meetings; /* NULL: not requested */
-    struct gd_direction ahead;     /* normal at the start */
+    struct gd_direction ahead;     /* direction at the start */
 };
 
 /* --- one face --------------------------------------------------------------------------------- */

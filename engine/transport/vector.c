@@ -167,8 +167,9 @@ enum gd_status gd_vector_exp(const struct gd_mesh *mesh, const struct gd_exp_req
 
 /* --- transport -------------------------------------------------------------------------------- */
 
-/* Returns a vector with the given angle at a point. At a boundary vertex an angle and its sum with
- * 2 pi differ; the one nearer to the surface's range is used. */
+/* Returns a vector with the given angle at a point. At a boundary vertex, angles that differ by 2
+ * pi are different directions. So the multiple of 2 pi is added that brings the angle nearest to
+ * the surface. */
 static struct gd_vector vector_at(const struct gd_mesh *mesh, const struct gd_point *point,
                                   double angle, double length)
 {
