@@ -7,8 +7,8 @@
 
 #define GD_INTERVAL_MAX_CORNERS 64
 
-/* For each interval of corners, from the i-th to the j-th around the ring: the least cost of a
- * triangulation, and the corner that forms a triangle with corners i and j. */
+/* The best triangulation of each interval of corners, from corner i to corner j around the ring:
+ * its cost, and the corner that forms a triangle with corners i and j. */
 struct gd__interval_table {
     double cost[GD_INTERVAL_MAX_CORNERS][GD_INTERVAL_MAX_CORNERS];
     uint8_t apex[GD_INTERVAL_MAX_CORNERS][GD_INTERVAL_MAX_CORNERS];

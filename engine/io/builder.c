@@ -8,8 +8,8 @@
 
 #include "base/large.h"
 
-/* Largest limit, which keeps every corner offset within 32 bits: a polygon of n corners counts as n
- * - 2 triangles, so there are at most 3 x 2^30 corners. */
+/* Largest limit. It keeps every corner offset within 32 bits. A polygon of n corners counts as n -
+ * 2 triangles, so there are at most 3 x 2^30 corners. */
 #define LARGEST_LIMIT (UINT32_C(1) << 30)
 
 #define SMALLEST_CAPACITY 64

@@ -2,8 +2,8 @@
  * Normals and attributes are skipped.
  *
  * Binary files may also begin with "solid", and may have bytes behind their last triangle. So the
- * input is binary if its size is exactly that of its count of triangles, if it does not begin with
- * "solid", or if it has a NUL where text cannot have one. */
+ * input is binary in three cases: its size is exactly the size for its count of triangles, it does
+ * not begin with "solid", or it has a NUL where text cannot have one. */
 #include "io/readers.h"
 
 #include <string.h>

@@ -23,7 +23,8 @@ struct ring {
     uint32_t first, end; /* numbers of the sectors: fan entries, or 0 and 1 at an edge */
     /* at a vertex: the fan entry with angle 0; on an edge: the side */
     uint32_t zero;
-    double total;   /* total angle; at a boundary edge larger than that of the sectors */
+    /* total angle around the point; on every edge 2 pi, although a boundary edge has one sector */
+    double total;
     double scale;   /* ratio of angle to turned angle */
     bool is_closed; /* the point is interior */
 };

@@ -13,8 +13,8 @@ struct gd__orientation {
     const uint32_t (*corner)[3];
     const uint32_t *neighbour; /* per side, as in struct gd__construction */
     uint32_t face_count;
-    /* the first faces of components, in this order; GD_NONE is skipped; NULL: all faces by
-     * number */
+    /* faces at which the search of a component may start, in this order; GD_NONE is skipped; NULL:
+     * all faces in the order of their numbers */
     const uint32_t *seeds;
     uint32_t seed_count;
     /* Called once for each non-orientable component, with a side where the orientation fails. May

@@ -13,7 +13,7 @@ struct gd__polar {
     uint32_t vertex;
     uint32_t entry; /* entry of mesh->fan: the face that contains the point */
     double radius;
-    double angle; /* from the fan's first entry; it lies in the entry's face */
+    double angle; /* from the fan's first entry; in the range of the face of `entry` */
 };
 
 /* Computes the polar coordinates of a point about a vertex. Returns false if no face of the vertex
@@ -22,9 +22,9 @@ bool gd__polar_about(const struct gd_mesh *mesh, const struct gd_point *point, u
                      struct gd__polar *out);
 
 /* Computes the polar coordinates of a point about the vertex that it is beside. The vertex must be
- * nearer than GD_TOL_BESIDE_VERTEX times the least altitude of its faces, so that every ray from
- * the point crosses the vertex' edges well before their other ends. Returns false if there is no
- * such vertex. O(degree), and O(1) for points in the middle of their face. */
+ * nearer than GD_TOL_BESIDE_VERTEX times the least altitude of its faces. So every ray from the
+ * point crosses the vertex' edges far from their other ends. Returns false if there is no such
+ * vertex. O(degree), and O(1) for points in the middle of their face. */
 bool gd__polar_beside(const struct gd_mesh *mesh, const struct gd_point *point,
                       struct gd__polar *out);
 

@@ -48,9 +48,9 @@ double gd__candidate_length(const struct gd__candidate *candidate);
 /* Returns true if Newton's method converged with a positive definite Hessian. */
 bool gd__candidate_is_minimum(const struct gd__candidate *candidate);
 
-/* Returns true if the path is a geodesic: no part is bent; the path is straight at a pole that it
- * passes; and if it ends in a pole that a curve passes, no path to a nearby point of the curve is
- * shorter. */
+/* Returns true if the path is a geodesic. This has three conditions. No part of the path is bent.
+ * The path is straight at a pole that it passes. If the path ends in a pole that a curve passes, no
+ * path to a nearby point of the curve is shorter. */
 bool gd__candidate_is_geodesic(const struct gd__task *task, const struct gd__candidate *candidate);
 
 /* Sets `coarse`, `quarter` and `middle`, which identify a path. */

@@ -4,8 +4,9 @@
 
 #include "nurbs/seeds.h"
 
-/* A class of paths from place s[0] of the first curve to place s[1] of the second: in direction k
- * the coordinates run to those of the second place, plus turns[k] periods. */
+/* A class of paths from parameter s[0] of the first curve to parameter s[1] of the second. The
+ * coordinates at the end of a path are those of the second place, plus turns[k] periods in
+ * direction k. */
 struct gd__class {
     int32_t turns[2];
     double s[2];

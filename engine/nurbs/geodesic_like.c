@@ -1,6 +1,6 @@
-/* Steps of a solution: test whether the curves meet; find seeds on the mesh, or make those of a
- * class; compute coarse candidates from each seed; refine candidates that may be shortest; trim
- * those that cross the curves; return the shortest minimum. */
+/* A solution has these steps. Test whether the curves meet. Find seeds on the mesh, or make the
+ * seeds of a class of paths. Compute coarse candidates from each seed. Refine the candidates that
+ * may be shortest. Trim candidates that cross the curves. Return the shortest minimum. */
 #include "gd/geodesic_like.h"
 
 #include <math.h>
@@ -25,9 +25,9 @@ enum {
 static const double hopeless = 1.01;
 /* as `hopeless`, if a candidate passes near a pole, where coarse curves are too long */
 static const double hopeless_by_pole = 1.08;
-/* Two candidates are the same path if the difference of their lengths is below `twins` times the
- * length, and the distances of their quarters and middles are below the square root of `twins`
- * times the length. */
+/* Fraction of the length: two candidates are the same path if their lengths differ by less than
+ * this, and the distances of their quarters and middles are below the square root of this
+ * fraction. */
 static const double twins = 1e-7;
 /* as `twins`, for a candidate that converges towards a path through a pole */
 static const double beside = 1e-2;

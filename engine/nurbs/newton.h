@@ -1,8 +1,8 @@
 /* Newton: decreases the length of a chain until its gradient vanishes.
  *
- * Each step solves H d = -g by elimination: first the control points inside each piece by a banded
- * Cholesky factorisation, which leaves the length of a geodesic as a function of its two ends; then
- * the joints' unknowns by a tridiagonal system. If H is not positive definite, Gauss-Newton's
+ * Each step solves H d = -g by elimination. First a banded Cholesky factorisation eliminates the
+ * control points inside each piece, so that the piece's length depends only on its two joints. Then
+ * a tridiagonal system gives the joints' unknowns. If H is not positive definite, Gauss-Newton's
  * matrix replaces it. The line search follows Armijo's rule. Unknowns at the domain's border are
  * held there while the descent direction points outwards (active set). */
 #ifndef GD_NURBS_NEWTON_H
@@ -18,8 +18,8 @@ struct gd__newton_report {
     bool converged;
     /* the covariant Hessian at the end is positive definite: a proven local minimum */
     bool positive;
-    /* The path is one of a family of equally long paths: its ends can slide along their curves, and
-     * the second derivative of the length in this direction is zero. */
+    /* The path is one of a family of equally long paths. This is so if the second derivative of the
+     * length is zero when the ends slide along their curves. */
     bool flat;
     bool contact;      /* control points or joints are held on the domain's border */
     double pull[2][2]; /* derivatives of the length by the first and by the last control point */

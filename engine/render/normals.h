@@ -1,5 +1,6 @@
-/* Normals for smooth shading with creases. The normal at a corner of a face is the mean over those
- * faces around the vertex whose normals differ from the face's by less than the crease angle. */
+/* Normals for smooth shading with creases. The normal at a corner of a face is a mean of the
+ * normals of faces around the vertex. It includes the faces whose normals differ from the face's
+ * own normal by less than the crease angle. */
 #ifndef GD_RENDER_NORMALS_H
 #define GD_RENDER_NORMALS_H
 

@@ -13,9 +13,9 @@ enum gd_status gd__repair(struct gd__construction *work);
  * `vertices`. */
 void gd__blame_weld(const struct gd__construction *work, const uint32_t *vertices, uint32_t count);
 
-/* Sets representative[i] of each vertex that a face uses to the lowest vertex within the tolerance
- * that represents itself. Expected linear time for every input. GD_INVALID_ARGUMENT, GD_NO_MEMORY,
- * GD_CANCELLED, GD_DEADLINE. */
+/* Sets representative[i] for each vertex i that a face uses. It is the lowest-numbered vertex
+ * within the tolerance of i among the vertices that represent themselves. Expected linear time for
+ * every input. GD_INVALID_ARGUMENT, GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE. */
 enum gd_status gd__weld_vertices(struct gd__construction *work);
 
 /* Sets original[i] to the first polygon with the same set of vertices as polygon i, or to i if

@@ -24,6 +24,9 @@ struct view {
     struct gd_vec3 along, across; /* axes of the edge's frame */
 };
 
+/* State of a trace after a step. ENDS: the requested length is reached. STOPS: the boundary is
+ * reached. LIMIT: the limit on points is reached, or the call failed (`status`). NEEDS_MESH: this
+ * file does not handle the case, so the caller must trace on the mesh. */
 enum halt { GOES_ON, ENDS, STOPS, LIMIT, NEEDS_MESH };
 
 struct tracing {
@@ -53,8 +56,8 @@ static void go(struct tracing *t, double run)
 
 /* --- triangles -------------------------------------------------------------------------------- */
 
-/* Computes the triangle to the left of an edge. ENDS: there is none, the edge is on the boundary;
- * NEEDS_MESH: it has no area. */
+/* Computes the triangle to the left of an edge. Returns ENDS if the edge is on the boundary and has
+ * no such triangle, NEEDS_MESH if the triangle has no area. */
 static enum halt view_edge(const struct gd_limit_grid *grid, const struct gd__grid_edge *edge,
                            struct view *out)
 {
@@ -236,8 +239,9 @@ static enum halt go_through(struct tracing *t, int k, double dx, double dy)
 
 /* --- one triangle ----------------------------------------------------------------------------- */
 
-/* The way of a line through the view's triangle: from (x, y) in the direction (dx, dy) of the
- * frame, by a length of `run`, to the edge of length `edge` that the ray enters next. */
+/* The passage of a line through the view's triangle. The line begins at (x, y) in the direction
+ * (dx, dy) of the view's frame. After the length `run` it reaches the edge that the ray enters
+ * next, whose length is `edge`. */
 struct passage {
     double x, y, dx, dy, run, edge;
 };

@@ -100,9 +100,9 @@ static struct gd_vec3 loop_cross(const struct gd__net *net, const struct gd__fan
 }
 
 /* Lists the six neighbours of corner k, counter-clockwise, beginning with the next corner and the
- * previous one. Beyond a crease (with three faces on this side) the neighbours are chosen so that
- * the box spline has the crease's curve as its border: each triangle at the crease is mirrored at
- * the midpoint of its edge. */
+ * previous one. At a crease with three faces on this side, the neighbours beyond the crease are
+ * constructed: each triangle at the crease is mirrored at the midpoint of its edge. Then the border
+ * of the box spline is the crease's curve. */
 static void neighbours(const struct gd__net *net, uint32_t k, struct gd__fan *fan,
                        struct gd_vec3 out[6])
 {

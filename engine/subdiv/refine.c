@@ -3,8 +3,9 @@
 #include <math.h>
 
 /* DeRose, Kass, Truong: Subdivision surfaces in character animation (1998), section 3. If the rule
- * of a point changes from one level to the next, its position is interpolated between both rules,
- * with the mean of the sharpnesses that become zero as weight, as in OpenSubdiv. */
+ * of a point changes from one level to the next, its position is interpolated between the results
+ * of both rules. The weight of the sharper rule is the mean of the sharpnesses that become zero, as
+ * in OpenSubdiv. */
 enum rule { RULE_SMOOTH, RULE_CREASE, RULE_CORNER };
 
 #define NOT_PLACED (-1.0F) /* marks a point that is not placed yet */

@@ -15,10 +15,11 @@ static inline uint32_t gd__child_at_corner(const struct gd__net *net, uint32_t s
 uint32_t gd__number_edges(struct gd__net *net);
 
 /* Subdivides `net` into `out`. The caller creates `out` by gd__net_create with room for the new
- * points (points + edges, and faces if the scheme has face points) and faces (one for each corner;
- * Loop: four for each face). The vertex rule is applied to points 0 to `settled` - 1; the fans of
- * other points are incomplete. `fan` is scratch. Children are numbered as by gd__child_at_corner;
- * point i of `net` is point i of `out`. Semi-sharp tags decrease by 1. */
+ * elements. The number of points is points + edges, and Catmull-Clark adds a point for each face.
+ * Catmull-Clark has a new face for each corner, Loop four for each face. The vertex rule is applied
+ * to points 0 to `settled` - 1; the fans of other points are incomplete. `fan` is scratch. Children
+ * are numbered as by gd__child_at_corner; point i of `net` is point i of `out`. Semi-sharp tags
+ * decrease by 1. */
 void gd__net_refine(struct gd__net *net, uint32_t settled, struct gd__fan *fan,
                     struct gd__net *out);
 

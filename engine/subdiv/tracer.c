@@ -19,9 +19,9 @@ static void tracer_settle(uint32_t arity, uint32_t k, struct gd__flow *flow)
 }
 
 /* Returns the tracer's state in the piece's coordinates; a place within the slack of the piece's
- * border is moved onto it. The velocity is computed from the direction in space at the exact place:
- * near vertices the base face's coordinates are imprecise, and the axes rotate within small pieces
- * as much as in large ones. */
+ * border is moved onto it. The velocity is computed from the direction in space at the moved place.
+ * Near vertices this matters, because the base face's coordinates are imprecise there, and the axes
+ * rotate within small pieces as much as in large ones. */
 static struct gd__flow flow_in(const struct gd__tracer *tracer)
 {
     const struct gd__scheme *rules = rules_of(tracer);

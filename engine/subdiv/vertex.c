@@ -130,9 +130,9 @@ static void spike_limit(const struct gd__net *net, const struct gd__fan *fan, ui
     out->position = own;
 }
 
-/* Returns the limit direction of a spoke: along the crease for its own spokes, across the crease
- * for inner spokes of three or more faces, because such a ring shrinks less across the crease than
- * along it. */
+/* Returns the limit direction of a spoke. It is along the crease for the two spokes of the crease.
+ * With three or more faces, it is across the crease for the other spokes, because such a ring
+ * shrinks less across the crease than along it. */
 static struct gd_vec3 crease_direction(struct sector sector, uint32_t spoke, struct gd_vec3 along,
                                        struct gd_vec3 cross)
 {

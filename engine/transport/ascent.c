@@ -40,8 +40,8 @@ static double sum_at(const struct cone *cone, double turn)
     return sum;
 }
 
-/* Computes the sum of the vectors less than pi from a turn, unfolded into the plane, and tries its
- * direction. */
+/* Adds the vectors whose turns are less than pi from `turn`, unfolded into the plane, and tries the
+ * direction of their sum. */
 static double climb(const struct cone *cone, double turn)
 {
     double x = 0, y = 0;

@@ -62,8 +62,9 @@ static struct gd__local flat_strip_corner(const struct laying *laying, uint32_t 
     return gd__portal_place(laying->mesh, portal, &point);
 }
 
-/* Advances *number to the first face of the strip that contains the point: a path only leaves a
- * face if its next point is not in that face. */
+/* Advances *number to the next face of the strip that contains the point. The current face is kept
+ * if it contains the point, because a path only leaves a face if its next point is not in that
+ * face. */
 static bool find_face(const struct laying *laying, const struct gd_point *point, uint32_t *number)
 {
     for (; *number <= laying->strip->count; ++*number) {

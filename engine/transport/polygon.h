@@ -39,8 +39,9 @@ static inline double gd__polygon_length(const struct gd__polygon *polygon)
     return polygon->arms[0].length + polygon->arms[1].length + polygon->arms[2].length;
 }
 
-/* Returns an upper bound of the distance of curve and polygon from the chord: both lie in the
- * ellipse whose foci are the chord's ends and whose sum of distances is the polygon's length. */
+/* Returns an upper bound of the distance of curve and polygon from the chord: both lie in an
+ * ellipse. Its foci are the chord's ends, and the sum of the distances from the foci is the
+ * polygon's length. */
 static inline double gd__polygon_height(double length, double chord)
 {
     return length > chord ? 0.5 * sqrt((length - chord) * (length + chord)) : 0;

@@ -33,8 +33,8 @@ static void shortening_swap(struct shortening *s)
 
 /* --- bends ------------------------------------------------------------------------------------ */
 
-/* Returns the excess of a bend: the angle by which a line that arrives from the turn `back` and
- * leaves in the turn `ahead` differs from a taut line. */
+/* Returns the excess of a bend: the angle by which a line differs from a taut line. The line
+ * arrives from the turn `back` and leaves in the turn `ahead`. */
 static double shortening_excess(const struct gd_mesh *mesh, const struct gd_point *at, double back,
                                 double ahead)
 {

@@ -11,9 +11,10 @@
 bool gd__straight_on(const struct gd_mesh *mesh, uint32_t vertex, double back,
                      const struct gd_trace_options *options, double *out);
 
-/* Chooses the boundary side along which a line that arrived at a boundary vertex from the turn
- * `back` slides: forward along the side that begins at the vertex, or backward along the side that
- * ends there. Returns false if neither side forms an acute angle with the direction of the line. */
+/* A line has arrived at a boundary vertex from the turn `back`, and slides along the boundary.
+ * Chooses the boundary side on which it continues: forward on the side that begins at the vertex,
+ * or backward on the side that ends there. Returns false if neither side forms an acute angle with
+ * the direction of the line. */
 bool gd__straight_slide(const struct gd_mesh *mesh, uint32_t vertex, double back, uint32_t *side,
                         bool *forward);
 

@@ -1,6 +1,6 @@
 /* Surface ray: a straight line that is traced from face to face. It enters the face of `side`
- * across that side, at distance `t` from the side's origin, in the direction (dx, dy) of the side's
- * frame, a unit vector with dy >= 0. Crossing a face takes no rotation in space and reads one
+ * across that side, at distance `t` from the side's origin. Its direction (dx, dy) in the side's
+ * frame is a unit vector with dy >= 0. Crossing a face takes no rotation in space and reads one
  * record of the mesh. */
 #ifndef GD_TRANSPORT_SURFACE_RAY_H
 #define GD_TRANSPORT_SURFACE_RAY_H
