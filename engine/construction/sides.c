@@ -47,8 +47,8 @@ static void make_face(struct gd__construction *work, uint32_t face, struct gd__o
         gd__offenders_add(flat, gd__input_polygon(mesh, face), 0, face);
 }
 
-/* Counts the edges. The lower-numbered face of an edge comes first and gets side 2e; the other
- * face, if any, gets 2e + 1. */
+/* Counts the edges. The lower-numbered face of edge e has side 2e. The other face, if there is one,
+ * has side 2e + 1. */
 static uint32_t count_edges(struct gd__construction *work)
 {
     uint32_t count = 0;

@@ -125,7 +125,7 @@ struct gd__gltf_visitor {
 
 /* Visits the meshes of the scene in the order of its nodes. Uses the default scene, or else the
  * first one. In a file without scenes it visits all root nodes, and in a file without nodes all
- * meshes, untransformed. It places a skinned mesh without a transform, as the format demands.
+ * meshes, untransformed. It places a skinned mesh without a transform, as the format requires.
  * GD_SYNTAX (a node with two parents, or in a cycle), GD_UNSUPPORTED (nodes more than 256 deep),
  * GD_NO_MEMORY, and the errors of the visitor. */
 GD_MUST_USE enum gd_status gd__gltf_walk(const struct gd__gltf *gltf,

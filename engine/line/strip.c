@@ -223,8 +223,9 @@ struct funnel {
     uint32_t left_gate, right_gate;
 };
 
-/* Moves the right end to that of portal i, if that narrows the funnel. Returns false if the new end
- * would cross the left end. If the right end is the apex, the funnel has no right bound. */
+/* Moves the funnel's right end to the right end of portal i, if that narrows the funnel. Returns
+ * false if the new end would cross the left end. If the right end is the apex, the funnel has no
+ * right bound. */
 static bool tighten_right(struct funnel *f, struct gd__local to, uint32_t i)
 {
     bool is_apex = is_same(f->right, f->apex), stays = is_same(to, f->apex);

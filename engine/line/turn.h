@@ -48,8 +48,9 @@ static inline double gd__turn_nearest(double angle, double extent)
     return remainder(angle - 0.5 * extent, 2 * M_PI) + 0.5 * extent;
 }
 
-/* A ray from (x, y) in the frame of `side`, in the face into which a turn leads. At a vertex the
- * side leaves the vertex; on an edge it is one of the edge's two sides. */
+/* A ray from (x, y) in the frame of `side`, in the face into which a turn leads. If the ray begins
+ * at a vertex, the side leaves this vertex. If it begins on an edge, the side is one of the two
+ * sides of this edge. */
 struct gd__ray {
     uint32_t side;
     double x, y, dx, dy;

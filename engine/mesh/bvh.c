@@ -93,7 +93,7 @@ struct pending {
     uint32_t level, index;
 };
 
-/* Stack of boxes to be visited. Each level leaves at most GD_BVH_WIDTH boxes on it. */
+/* Stack of boxes to be visited. It holds at most GD_BVH_WIDTH boxes of each level at a time. */
 struct agenda {
     struct pending entry[GD_BVH_MAX_LEVELS * GD_BVH_WIDTH];
     uint32_t count;

@@ -1,6 +1,6 @@
-/* Bounding boxes over the faces. The faces are in Morton order, so the tree needs no pointers.
- * Level 0 has a box for every GD_BVH_LEAF consecutive faces. Each further level has one for every
- * GD_BVH_WIDTH boxes of the level below, up to a single box. */
+/* Bounding volume hierarchy (BVH): bounding boxes over the faces. The faces are in Morton order, so
+ * the tree needs no pointers. Level 0 has a box for every GD_BVH_LEAF consecutive faces. Each
+ * further level has one for every GD_BVH_WIDTH boxes of the level below, up to a single box. */
 #ifndef GD_MESH_BVH_H
 #define GD_MESH_BVH_H
 

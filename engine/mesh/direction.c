@@ -133,12 +133,15 @@ static struct sector sector_at(const struct ring *ring, uint32_t i)
 
 /* --- headings --------------------------------------------------------------------------------- */
 
+/* A direction, as a sector and an angle in it. */
 struct heading {
     struct sector sector;
     double angle; /* angle in the sector, in [0, extent] */
     /* angle by which the heading was moved into the sector; INFINITY: no direction */
     double outside;
-    double deviation; /* for a vector: squared distance between the unit vectors */
+    /* if found from a vector: squared distance between this vector and the direction, both of
+     * length 1 */
+    double deviation;
 };
 
 static const struct heading nowhere = {.outside = INFINITY};

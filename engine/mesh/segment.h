@@ -12,8 +12,8 @@ bool gd__face_contains(const struct gd_mesh *mesh, uint32_t face, const struct g
 uint32_t gd__common_face(const struct gd_mesh *mesh, const struct gd_point *p,
                          const struct gd_point *q);
 
-/* Returns the only possible common edge of two points; GD_NONE: there is none. Walks the fan of a
- * vertex if both points are vertices. */
+/* Returns the edge on which both points may lie; GD_NONE: no edge can contain both. Walks the fan
+ * of a vertex if both points are vertices. */
 uint32_t gd__edge_between(const struct gd_mesh *mesh, const struct gd_point *a,
                           const struct gd_point *b);
 

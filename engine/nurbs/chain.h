@@ -11,7 +11,7 @@
  * - The length of the chain is F = sum of sqrt(2 E_k), E_k = 1/2 int |d/dt x(c_k)|^2 dt. For fixed
  *   ends of a piece, E_k is least for the geodesic of constant speed between them, and then sqrt(2
  *   E_k) is the geodesic's length. Therefore the pieces need no common speed, and the minimum of F
- *   over control points and joints is the shortest path. With one piece the minimum is that of the
+ *   over control points and joints is the shortest path. With one piece it is the minimum of the
  *   paper's energy.
  * - In closed directions coordinates may leave [low, high]. */
 #ifndef GD_NURBS_CHAIN_H

@@ -81,8 +81,8 @@ static double narrow(const struct gd_domain_curve *curve, double low, double hig
     return 0.5 * (low + high);
 }
 
-/* Finds the parameter of the place of `end` nearest to a place of the surface; *apart: their
- * distance in space. */
+/* Finds the place of the curve `end` that is nearest to a place of the surface. Sets *s to its
+ * parameter, and *apart to the distance of both places in space. */
 static enum gd_status find_nearest(const struct gd_domain_curve *end, const double at[2],
                                    struct gd__pace *pace, double *s, double *apart)
 {

@@ -13,8 +13,8 @@ struct gd__class {
 };
 
 /* Number of initial paths of a class: the straight line of the domain, and arcs on both sides of
- * it. A straight line may be a geodesic that is not minimal, as on the outer equator of a torus;
- * the arcs lead to the minima beside it. */
+ * it. The straight line may lead to a geodesic that is not minimal, as on the outer equator of a
+ * torus. In this case the arcs lead to the minimal paths on both sides of it. */
 #define GD__CLASS_SHAPES 3
 
 /* Makes initial path `shape` of a class. Error: GD_NO_MEMORY. */

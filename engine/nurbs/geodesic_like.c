@@ -153,7 +153,7 @@ static enum gd_status make_candidates(struct solving *solving, const struct gd__
     return status;
 }
 
-/* Refines a candidate, and updates the length and middle by which it is compared. */
+/* Refines a candidate, and updates its length and its middle, which comparisons use. */
 static enum gd_status finish_candidate(const struct gd__task *task, struct gd__candidate *candidate)
 {
     enum gd_status status = gd__candidate_finish(task, candidate);
@@ -161,8 +161,8 @@ static enum gd_status finish_candidate(const struct gd__task *task, struct gd__c
     return task->pace->status ? task->pace->status : status;
 }
 
-/* Returns true if a candidate beside a pole is superfluous, because the geodesic `through` passes
- * straight through the pole. */
+/* Returns true if a candidate that passes beside a pole is superfluous, because it is almost the
+ * geodesic `through`, which passes through the pole. */
 static bool is_covered(const struct gd__candidate *through, const struct gd__candidate *candidate)
 {
     return through->parts > 1 &&
@@ -326,8 +326,9 @@ static double ends_apart(const struct solving *solving, const struct gd__candida
     return sum;
 }
 
-/* Joins the family of a candidate with those of earlier candidates. Of each family only the member
- * with the nearest ends is compared, because paths between close members are easy to find. */
+/* Joins the family of a candidate with the families of earlier candidates. Of each family only the
+ * member with the nearest ends is compared, because paths between close members are easy to
+ * find. */
 static enum gd_status join_families(const struct solving *solving, uint32_t candidate)
 {
     struct gd__candidate *items = solving->candidates.items;

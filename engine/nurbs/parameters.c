@@ -49,8 +49,8 @@ static void barycentric(const double corner[3][2], const double at[2], double we
     weight[0] = 1 - weight[1] - weight[2];
 }
 
-/* Computes barycentric coordinates in the single triangle of a cell at a pole, whose apex stands
- * for the cell's whole border. */
+/* Computes barycentric coordinates in the single triangle of a cell at a pole. The apex of this
+ * triangle represents the whole border of the cell at the pole. */
 static void barycentric_at_pole(const struct gd_parametric *surface, const double corner[3][2],
                                 const double at[2], double weight[3])
 {

@@ -45,8 +45,8 @@ static double revolution_extent(const struct gd_profile *profile)
     return most;
 }
 
-/* Creates the profile's surface: the profile in the plane y = 0, extruded along y by its own
- * extent. */
+/* Creates the profile's surface: the profile lies in the plane y = 0 and is extruded along y. The
+ * width of the extrusion is the largest coordinate of the profile. */
 static enum gd_status take_profile(const struct gd_profile *profile, struct gd_parametric **out,
                                    struct gd_detail *detail)
 {

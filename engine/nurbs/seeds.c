@@ -231,8 +231,8 @@ static int by_edge(const void *x, const void *y)
     return p->b < q->b ? -1 : p->b > q->b;
 }
 
-/* Lists each crossing once for each of its faces, with the sum at the face's other crossing. If
- * `out` is NULL, only counts. */
+/* Lists the crossings of all faces. A crossing has an entry for each of its faces, with the sum at
+ * the other crossing of the same face. If `out` is NULL, only counts. */
 static uint32_t list_crossings(struct search *search, struct crossing *out)
 {
     const struct gd_polygons *polygons = &search->tessellation->polygons;

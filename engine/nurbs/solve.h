@@ -19,7 +19,8 @@ struct gd__solution {
     double error;
     uint32_t iterations;
     bool converged; /* the tolerance is met */
-    bool corner;    /* an end is held at a corner or end of its curve */
+    /* an end of the path cannot slide further, because it is at a corner or an end of its curve */
+    bool corner;
 };
 
 /* Computes a coarse curve of one piece over all cells, to compare candidates, from a polyline that

@@ -49,8 +49,8 @@ static bool stands_for(const struct gd__lines *lines, uint32_t a, uint32_t b, do
     return true;
 }
 
-/* Simplifies greedily: after each kept place, keeps the last place for which one segment
- * approximates all places between. Writes in place, behind the read position. */
+/* Simplifies greedily. After a kept place, the next kept place is the last one for which a single
+ * segment approximates all places between the two. Writes in place, behind the read position. */
 void gd__lines_simplify(struct gd__lines *lines, double tolerance)
 {
     enum { FARTHEST = 64 };

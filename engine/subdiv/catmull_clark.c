@@ -76,8 +76,8 @@ static struct gd_vec3 catmull_clark_tangent(const struct gd__net *net, const str
 
 /* Eigenanalysis around a fixed vertex V with neighbours E and opposite corners F: a subdivision
  * step maps the sums of E - V and of F - V to (sum E + sum F / 4) / 2 and (2 sum E + sum F) / 4.
- * The larger eigenvalue of this map is (3 + sqrt 5) / 8, which exceeds that of every rotating
- * component; its left eigenvector is (1, (sqrt 5 - 1) / 4). */
+ * The larger eigenvalue of this map is (3 + sqrt 5) / 8, which exceeds the eigenvalue of every
+ * rotating component. The left eigenvector is (1, (sqrt 5 - 1) / 4). */
 static struct gd_vec3 catmull_clark_axis(const struct gd__net *net, const struct gd__fan *fan)
 {
     const double weight = (sqrt(5) - 1) / 4;

@@ -1,6 +1,6 @@
 /* Traces on a limit grid: crosses triangles as a surface ray does (transport/surface_ray.h), with
- * the record of each triangle computed from its corners. At a vertex the triangles around it are
- * listed; the rules are those of transport/straight.c. */
+ * the record of each triangle computed from its corners. At a vertex, lists the triangles around
+ * the vertex and continues the line by the rules of transport/straight.c. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -140,7 +140,7 @@ static void subdiv_nearest_descend(struct search *search, struct gd__face_place 
     uint32_t arity = search->walker.surface->rules->arity;
     struct model here, there;
     bool smooth = model_at(search, &local, &here);
-    if (!smooth) { /* starts half a cell beside a vertex without derivatives */
+    if (!smooth) { /* at a vertex without derivatives, starts half a cell away from the vertex */
         note(search, &local, here.position);
         const double inwards[2] = {(arity == 3 ? 1.0 / 3 : 0.5) - local.s,
                                    (arity == 3 ? 1.0 / 3 : 0.5) - local.t};

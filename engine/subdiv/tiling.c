@@ -59,8 +59,8 @@ static uint64_t inside_count(uint32_t arity, uint64_t cells)
     return arity == 4 ? (cells - 1) * (cells - 1) : cells < 2 ? 0 : (cells - 1) * (cells - 2) / 2;
 }
 
-/* Returns the number of a face's triangles: those of its cells, and additional ones at edges finer
- * than the face. */
+/* Returns the number of a face's triangles. It counts the triangles of the face's cells, and the
+ * additional triangles at edges that are finer than the face. */
 static uint64_t triangle_count(const struct gd__tiling *tiling, uint32_t face)
 {
     const struct gd__net *base = &tiling->surface->base;

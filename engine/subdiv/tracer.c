@@ -57,8 +57,8 @@ static void flow_out(struct gd__tracer *tracer, const struct gd__flow *flow)
     gd__chart_out(&frame, flow->ds, flow->dt, move);
     tracer->local.s = at[0], tracer->local.t = at[1];
     tracer->ds = move[0], tracer->dt = move[1];
-    /* evaluates in the piece's own coordinates, because near a distant corner those of the base
-       face are too imprecise for derivatives */
+    /* Uses the piece's own coordinates. Near the corners other than (0,0), the coordinates of the
+     * base face are too imprecise for derivatives. */
     struct gd__jet jet;
     rules_of(tracer)->evaluate(&tracer->walker->piece.patch, flow->s, flow->t, &jet);
     tracer->position = gd_vec3_add(jet.p, tracer->walker->piece.origin);

@@ -4,7 +4,8 @@
 
 #include "line/turn.h"
 
-/* A weighted vector: `turn` is its direction, `strength` its length times its weight. */
+/* A weighted vector: `turn` is its direction (line/turn.h), `strength` its length times its
+ * weight. */
 struct gd__pull {
     double turn, strength;
     double weight;

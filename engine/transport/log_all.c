@@ -18,7 +18,7 @@ struct map {
     const struct gd_field *field;
     const struct gd_mesh *mesh;
     struct gd_point from;
-    double *ahead; /* per vertex: turn at `from`; NAN: unknown */
+    double *ahead; /* per vertex: turn (line/turn.h) at `from`; NAN: unknown */
 };
 
 /* A walk back from a vertex; the source is at distance `rest` ahead. */
@@ -98,8 +98,8 @@ static double back_of(const struct map *map, uint32_t vertex)
                             -predecessor.y - s->left_length * s->left_y);
 }
 
-/* Computes the vertex' direction from that of an end of the crossed edge. Returns false if the
- * end's path does not run through the same strip. */
+/* Computes the direction to the vertex from the direction to an end of the crossed edge. Returns
+ * false if the end's path does not run through the same strip. */
 static bool lean_on(struct map *map, const struct wedge_view *sight, uint32_t end, double x,
                     double *ahead)
 {

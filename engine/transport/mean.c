@@ -18,7 +18,7 @@
 
 enum { ITERATIONS = 100, HALVINGS = 8, SEARCHES = ITERATIONS / 4 };
 
-/* An iterate, with f and its derivatives. */
+/* An iterate, with f and its derivatives. Turns are those of line/turn.h. */
 struct view {
     struct gd_point point;
     double value;   /* f divided by the sum of the weights; normalised unit */

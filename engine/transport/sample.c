@@ -78,8 +78,8 @@ static enum gd_status sample_describe(struct sampling *s, const struct gd__polyg
 
 /* --- the polyline ----------------------------------------------------------------------------- */
 
-/* Extends the polyline from the last place to the end of `left`, the part of the leaf before the
- * next place. */
+/* Extends the polyline from the last place to the next place. The next place is the end of `left`,
+ * the first part of the current leaf. */
 static enum gd_status sample_reach(struct sampling *s, const struct gd__polygon *left,
                                    const struct gd_point *point)
 {

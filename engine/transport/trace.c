@@ -12,7 +12,7 @@
 
 /* A trace alternates between rays and halts. A ray runs straight from face to face. A halt is a
  * vertex, a place on the boundary, or the end of the trace. The state of a ray is its side, which
- * determines the face. At a halt the direction of arrival is stored as a turn. */
+ * determines the face. At a halt the direction of arrival is stored as a turn (line/turn.h). */
 
 enum halt {
     HALT_NONE,   /* crossing an edge into the face of the ray's side */
@@ -185,7 +185,7 @@ static inline enum halt hop(struct tracer *tracer)
     return halt;
 }
 
-/* Computes the side by which a ray from inside a face leaves it. */
+/* Computes the side by which a ray that starts inside a face leaves the face. */
 static struct gd__face_crossing leave_from_inside(const struct gd_mesh *mesh,
                                                   const struct gd__ray *ray,
                                                   struct gd__surface_ray *walk)
@@ -249,9 +249,9 @@ static enum halt transport_trace_slide(struct tracer *tracer, uint32_t side, dou
                                   is_end ? HALT_END : HALT_VERTEX);
 }
 
-/* Returns true if the line reaches the boundary at so small an angle that its end, or the vertex
- * ahead, lies on the edge up to rounding. The line then continues along the edge, because the place
- * where it crosses the edge is undetermined. */
+/* Returns true if the line reaches the boundary at a very small angle, so that only rounding
+ * separates the line's end, or the vertex ahead, from the boundary edge. The line then continues
+ * along the edge, because the place where it crosses the edge is undetermined. */
 static bool grazes(const struct tracer *tracer)
 {
     const struct gd__surface_ray *walk = &tracer->walk;
