@@ -41,7 +41,7 @@ uint32_t gd__edit_face(const struct gd_mesh *mesh, uint32_t index);
  * corner at the origin, scaled so that its longest side has length 1. */
 struct gd_vec3 gd__edit_place(const struct gd_mesh *mesh, uint32_t vertex);
 
-/* Returns the side of the unit box in the mesh's unit. */
+/* Returns the length of the unit box's sides in the mesh's unit. */
 double gd__edit_box_size(const struct gd_mesh *mesh);
 
 /* --- results ---------------------------------------------------------------------------------- */

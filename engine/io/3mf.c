@@ -142,7 +142,7 @@ static enum gd_status add_up(struct gd__3mf *package, uint32_t i)
     return GD_OK;
 }
 
-/* Computes the sums of all objects. The first part comes last, because only its objects may refer
+/* Computes the sums of all objects. Handles the first part last, because only its objects may refer
  * to other parts. */
 static enum gd_status add_up_all(struct gd__3mf *package)
 {

@@ -82,8 +82,8 @@ GD_MUST_USE enum gd_status gd__builder_skip(struct gd__builder *builder, const c
  * GD_SYNTAX (fewer than three corners), GD_TOO_LARGE, GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__builder_close_polygon(struct gd__builder *builder, const char *at);
 
-/* Returns GD_INDEX for a vertex number of a face that does not exist; `number` is in the file's
- * numbering. */
+/* Reports that a face names a vertex that does not exist, and returns GD_INDEX. `number` is the
+ * vertex in the file's numbering. */
 enum gd_status gd__builder_no_such_vertex(const struct gd__builder *builder, long long number,
                                           const char *at);
 

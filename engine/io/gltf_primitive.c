@@ -15,8 +15,8 @@ enum mode { MODE_TRIANGLES = 4, MODE_STRIP = 5, MODE_FAN = 6 };
 struct primitive {
     uint32_t value;
     enum mode mode;
-    /* accessors; `positions` GD__NO_VALUE: no triangles; `indices` GD__NO_VALUE: the vertices in
-     * their order */
+    /* JSON values of accessors. If `positions` is GD__NO_VALUE, the primitive has no triangles. If
+     * `indices` is GD__NO_VALUE, the corners are the vertices in their order. */
     uint32_t positions, indices;
     uint32_t vertex_count, corner_count;
 };

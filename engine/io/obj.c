@@ -47,7 +47,7 @@ static enum gd_status read_vertex(struct gd__scan *scan, struct gd__builder *bui
     return status == GD_OK ? gd__builder_add_position(builder, xyz, place) : status;
 }
 
-/* Skips "/7", "//7" or "/7/7" behind the vertex of a corner. */
+/* Skips "/7", "//7" or "/7/7" after the vertex of a corner. */
 static enum gd_status skip_attributes(struct gd__scan *scan)
 {
     if (scan->at < scan->end && *scan->at == '/') {

@@ -24,7 +24,7 @@ bool gd__zip_begin(struct gd__zip *zip, const char *name, uint64_t *size);
  * encrypted, or compressed by another method than deflate. */
 bool gd__zip_read(struct gd__zip *zip, void *out, size_t room, size_t *read);
 
-/* Ends the file that gd__zip_begin began. Returns false if it was read to its end and its checksum
+/* Ends the file that gd__zip_begin began. Returns false if the whole file was read and its checksum
  * is wrong. */
 bool gd__zip_end(struct gd__zip *zip);
 

@@ -145,7 +145,7 @@ static struct gd__ray ray_from_vertex(const struct gd_mesh *mesh, uint32_t verte
 }
 
 /* Returns the ray of a turn at a point of an edge. Due to rounding, a turn along a boundary edge
- * may lie in the half without a face. It is mirrored then. */
+ * may lie in the half without a face. In this case the turn is mirrored into the other half. */
 static struct gd__ray ray_from_edge(const struct gd_mesh *mesh, const struct gd_point *point,
                                     double turn)
 {

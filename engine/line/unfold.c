@@ -62,8 +62,8 @@ static bool is_on(const struct gd_mesh *mesh, uint32_t edge, const struct gd_poi
 
 /* --- the strip -------------------------------------------------------------------------------- */
 
-/* Crosses a side of the face. Returns false if the edge is not a side of the face or has no face
- * across. */
+/* Crosses a side of the face. Returns false if the edge is not a side of the face, or if there is
+ * no face on its other side. */
 static bool lay_next(const struct gd_mesh *mesh, struct laid *laid, uint32_t edge)
 {
     const struct gd_side *s = &mesh->side[laid->side];

@@ -25,7 +25,7 @@ struct ring {
     uint32_t zero;
     /* total angle around the point; on every edge 2 pi, although a boundary edge has one sector */
     double total;
-    double scale;   /* ratio of angle to turned angle */
+    double scale;   /* angle of the public interface, divided by the turned angle */
     bool is_closed; /* the point is interior */
 };
 

@@ -36,8 +36,9 @@ static inline uint32_t gd__piece_unknowns(const struct gd__chain *chain,
     return 2 * gd__piece_points(chain, piece);
 }
 
-/* Computes the members after `end` from `energy` and `end`. `scratch` has one number for each
- * unknown. Returns false if the Hessian is not positive definite. O(spans degree^2). */
+/* Computes the members of `part` that are declared after `end`. Uses `energy` and `end`. `scratch`
+ * has one number for each unknown. Returns false if the Hessian is not positive definite. O(spans
+ * degree^2). */
 bool gd__part_eliminate(const struct gd__chain *chain, const struct gd__piece *piece,
                         enum gd__hessian kind, double *scratch, struct gd__part *part);
 

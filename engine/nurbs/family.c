@@ -26,7 +26,7 @@ static void place_after(const struct gd__uv_polyline *polyline, double part, dou
     gd__uv_polyline_at(polyline, gd__uv_polyline_position(polyline, run, 0), at);
 }
 
-/* Sets the parameters of the ends between those of both paths, at the fraction `part`. */
+/* Interpolates the parameters of the ends between those of both paths, at the fraction `part`. */
 static void put_ends_between(const struct gd_domain_curve *const ends[2],
                              const struct gd__candidate *const pair[2], double part,
                              struct gd__path_seed *seed)
@@ -114,7 +114,7 @@ static enum gd_status find_level(const struct gd_domain_curve *const ends[2],
     return status;
 }
 
-/* Solves for the path halfway between two. Sets *is_one if it belongs to their family. */
+/* Computes the path halfway between two paths. Sets *is_one if it belongs to their family. */
 static enum gd_status solve_between(const struct gd__task *task,
                                     const struct gd_domain_curve *const ends[2],
                                     const struct gd__candidate *const pair[2], bool *is_one)

@@ -107,7 +107,7 @@ static double leaves(const struct slab *slab, double a, double b, int *side)
     return a == b ? 0 : fmin(fmax((line - a) / (b - a), 0), 1);
 }
 
-/* Returns the cut on the segment that ends at place i, the first outside `cell`. */
+/* Returns the cut on the segment that ends at place i. This is the first place outside `cell`. */
 static struct cut find_cut(const struct gd_parametric *surface,
                            const struct gd__uv_polyline *polyline, struct gd__cell cell, uint32_t i,
                            double corner)

@@ -23,9 +23,10 @@ struct gd__solution {
     bool corner;
 };
 
-/* Computes a coarse curve of one piece over all cells, to compare candidates, from a polyline that
- * begins and ends at the joints. The joints are `whole`. If task->control_points is set, the curve
- * is the paper's and the final result. Errors: those of gd__newton. */
+/* Computes a coarse curve, which is used to compare candidates, from a polyline that begins and
+ * ends at the joints. The curve is one piece over all cells. The joints are `whole`. If
+ * task->control_points is set, the curve is the paper's and the final result. Errors: those of
+ * gd__newton. */
 GD_MUST_USE enum gd_status gd__solve_coarse(const struct gd__task *task,
                                             const struct gd__uv_polyline *polyline,
                                             const struct gd__joint *from,

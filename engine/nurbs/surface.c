@@ -133,8 +133,8 @@ static enum gd_status surface_measure(struct gd_parametric *surface, struct gd_d
     return gd_fail(detail, GD_INVALID_ARGUMENT, "the surface is a point");
 }
 
-/* Returns the greatest distance between two borders of direction k, or with `from_first` of a
- * border from its first point. */
+/* Returns the greatest distance between corresponding points of two borders of direction k. With
+ * `from_first`, returns the greatest distance of a border's points from its first point. */
 static double border_gap(const struct gd_parametric *surface, int k, double a, double b,
                          bool from_first)
 {

@@ -85,8 +85,8 @@ static struct gd_vec3 normal_at(const struct gd__shade *shade, const struct gd__
     return length > 0 ? gd_vec3_scale(sum, 1 / length) : shade->camera->towards;
 }
 
-/* Returns the light from a lamp above the viewer's left shoulder, a lamp beside the eye, and
- * ambient light. */
+/* Returns the brightness of a surface with that normal. There are three lights: a lamp above the
+ * viewer's left shoulder, a lamp beside the eye, and ambient light. */
 static double light_on(const struct gd__camera *camera, struct gd_vec3 normal)
 {
     static const double everywhere = 0.36, lamp = 0.42, eye = 0.26, along[3] = {-0.48, 0.60, 0.64};

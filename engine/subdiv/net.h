@@ -1,5 +1,5 @@
-/* Net: a control mesh at some level of subdivision, as compact half-edge tables. Nets represent the
- * whole mesh, and the neighbourhoods that are subdivided locally.
+/* Net: a control mesh at some level of subdivision, as compact half-edge tables. A net represents
+ * the whole mesh, or a neighbourhood that is subdivided locally.
  *
  * A side is a half-edge, from one corner of its face to the next, with the face on its left. The
  * sides of a face are consecutive. Faces have `arity` corners (Catmull-Clark 4, Loop 3), so that

@@ -33,8 +33,8 @@ struct gd_subdivision {
     double size; /* largest extent of the control points */
 };
 
-/* An affine map from a face's own coordinates to those of a face that contains it: origin + s * s[]
- * + t * t[]. */
+/* An affine map from a face's own coordinates to the coordinates of a face that contains it: origin
+ * + s * s[] + t * t[]. */
 struct gd__chart {
     double origin[2], s[2], t[2];
 };

@@ -11,7 +11,7 @@ enum { CAPACITY = 64 };
 /* A segment, in the frame of its face's side 0. */
 struct segment {
     struct gd__local from, to;
-    uint32_t before; /* the next segment in the same face; GD_NONE: none */
+    uint32_t before; /* the previous segment in the same face; GD_NONE: none */
 };
 
 struct gd__meetings {

@@ -10,7 +10,7 @@
 /* Searches are independent, so each lane (thread) takes the next search when it has finished one.
  * The address of a thread's own copy of `here` identifies the thread. */
 
-enum { LANES_MOST = 2 }; /* a workspace has one partner workspace */
+enum { LANES_MOST = 2 }; /* because a workspace has only one partner workspace */
 
 static _Thread_local char here;
 

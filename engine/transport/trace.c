@@ -298,8 +298,8 @@ static inline enum halt go_on(struct tracer *tracer)
     return tracer->halt == HALT_VERTEX ? at_vertex(tracer) : at_border(tracer);
 }
 
-/* Advances each line by one face in turn: while one line waits for its record of the mesh, the
- * others continue. */
+/* Advances the lines by one face each, one after the other. While one line waits for its record of
+ * the mesh, the others continue. */
 static void transport_trace_run(struct tracer *tracers, uint32_t count)
 {
     uint32_t going;
