@@ -315,7 +315,7 @@ static void XMLCALL end_element(void *user, const char *name)
     if (is_core(model, name) && strcmp(local_name(name), "object") == 0) model->object = NO_OBJECT;
 }
 
-/* Rejects document types: 3MF forbids them. Without them there are no entities. */
+/* Rejects document type declarations, which 3MF forbids. So a file cannot define entities. */
 static void XMLCALL refuse_doctype(void *user, const char *name, const char *system,
                                    const char *public, int has_subset)
 {

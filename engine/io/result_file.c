@@ -140,8 +140,9 @@ enum gd_status gd_write_result(const struct gd_result *result, enum gd_result_fo
     return gd__output_finish(&output, status, out, size);
 }
 
-/* A number has GD_NUMBER_SIZE characters at most, an index 11. The output grows by half. While it
- * is copied, the old and the new buffer together take up to 2.5 times the old size. */
+/* A number has at most GD_NUMBER_SIZE characters, and an index has at most 11. The output grows by
+ * half. While it is copied, the old and the new buffer together take up to 2.5 times the old
+ * size. */
 #define ROW_BYTES    (5 * (GD_NUMBER_SIZE + 1) + 2 * 11)
 #define CORNER_BYTES 11
 #define GROWTH       2.5

@@ -61,7 +61,7 @@ static struct row straighten_row_of(const struct gd_mesh *mesh, const struct gd_
     return row;
 }
 
-/* Returns the portal before a portal. For the first portal that is a side of the strip's first
+/* Returns the portal before a portal. For the first portal, returns a side of the strip's first
  * face. */
 static struct gd__portal gate_before(const struct gd_mesh *mesh, const struct gd__strip *strip,
                                      uint32_t portal)
@@ -70,7 +70,8 @@ static struct gd__portal gate_before(const struct gd_mesh *mesh, const struct gd
     return (struct gd__portal){.side = mesh->face_side[strip->face][0], .along = {1, 0}};
 }
 
-/* Returns the turn at a vertex of a direction in the plane that leads into the portal's face. */
+/* Returns the turn of a direction at a vertex. The direction is given in the plane of the strip,
+ * and leads into the portal's face. */
 static double turn_of(const struct gd_mesh *mesh, uint32_t vertex, const struct gd__portal *portal,
                       struct gd__local way)
 {

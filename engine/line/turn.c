@@ -54,7 +54,8 @@ static double zero_of(const struct gd_mesh *mesh, const struct gd_point *point)
     struct gd_direction zero;
     uint32_t side = 2 * point->element;
     switch (point->kind) {
-    case GD_POINT_VERTEX: /* angle zero is the start of the face into which it leads */
+    /* the direction of angle 0 runs along a side of the face into which it leads */
+    case GD_POINT_VERTEX:
         if (gd_direction_at_angle(mesh, point, 0, &zero, NULL)) return 0;
         side = side_from(mesh, mesh->face_of_index[zero.face.index], point->element);
         return mesh->fan[mesh->side_fan[side]].angle;

@@ -28,8 +28,8 @@ static inline struct gd_point gd__point_within_side(uint32_t side, double t)
 struct gd_point gd__point_of_face(const struct gd_mesh *mesh, uint32_t face,
                                   const double weight[3]);
 
-/* Moves a point to an edge or a vertex if its barycentric coordinates or its edge parameter are
- * within `border` of it. */
+/* Moves a point to an edge or a vertex if the point's barycentric coordinates or edge parameter
+ * differ by at most `border` from those of a point of that edge or vertex. */
 struct gd_point gd__point_settled(const struct gd_mesh *mesh, const struct gd_point *point,
                                   double border);
 

@@ -95,8 +95,9 @@ static struct sector sector_of_side(const struct gd_mesh *mesh, uint32_t side, d
     return (struct sector){mesh->side_face[side], axes.along, axes.across, begin, extent};
 }
 
-/* Returns the sector of a face. It starts in the direction from the input's first corner to its
- * second one. That is the internal third corner if the face was flipped. */
+/* Returns the sector of a face. It starts in the direction from the input's first corner to the
+ * input's second corner. If the face was flipped, this second corner is the internal third
+ * corner. */
 static struct sector sector_of_face(const struct gd_mesh *mesh, uint32_t face)
 {
     uint32_t side = mesh->face_side[face][0];

@@ -134,7 +134,7 @@ static struct gd_vec3 *cell(struct gd__patch *patch, int i, int j)
     return &patch->c[4 * i + j];
 }
 
-/* Returns a + (a - b), the control point beyond a sharp edge that makes the spline's border the
+/* Returns a + (a - b). With this control point beyond a sharp edge, the spline's border is the
  * edge's own curve. */
 static struct gd_vec3 mirrored(struct gd_vec3 a, struct gd_vec3 b)
 {

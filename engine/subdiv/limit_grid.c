@@ -194,8 +194,8 @@ static double square_between(const struct gd_limit_grid *grid, uint32_t face, co
     return d.x * d.x + d.y * d.y + d.z * d.z;
 }
 
-/* Returns true if the quad cell (i, j) is divided from (i, j) to (i + 1, j + 1): along the shorter
- * diagonal, as by gd__tile. */
+/* Returns true if the quad cell (i, j) is divided from (i, j) to (i + 1, j + 1). As in gd__tile, a
+ * cell is divided along its shorter diagonal. */
 static bool is_cut_from_a(const struct gd_limit_grid *grid, uint32_t face, int32_t i, int32_t j)
 {
     const int32_t a[2] = {i, j}, b[2] = {i + 1, j}, c[2] = {i + 1, j + 1}, d[2] = {i, j + 1};

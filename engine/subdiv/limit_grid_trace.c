@@ -188,7 +188,8 @@ static void leave_ring(struct tracing *t, const struct ring *ring, double angle)
     t->ray = (struct gd__surface_ray){0, 0, cos(angle), fmax(sin(angle), 0)};
 }
 
-/* Computes the angle in the plane of line and normal, as transport/straight.c. False: none. */
+/* Computes the angle of the continuation in the plane of line and normal, as transport/straight.c
+ * does. Returns false if there is none. */
 static bool leave_by_normal(const struct ring *ring, struct gd_vec3 back, struct gd_vec3 normal,
                             double *out)
 {

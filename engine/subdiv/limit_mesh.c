@@ -219,7 +219,7 @@ enum gd_status gd_limit_mesh_point(const struct gd_limit_mesh *fine,
     uint32_t i = limit_mesh_cell_of(x, fine->cells - 1),
              j = limit_mesh_cell_of(y, fine->cells - 1 - (triangles ? i : 0));
     uint32_t first = face_base(fine, local.face) + first_of_cell(fine, i, j);
-    /* a place is only beyond the diagonal by rounding */
+    /* a place can be beyond the diagonal only by rounding */
     bool is_half = triangles && i + j + 1 == fine->cells;
     double right = fmin(x - i, 1), up = fmin(y - j, is_half ? 1 - right : 1);
     enum half_cell half = split_cell(is_cut_from_a(fine, first), right, up, weight);

@@ -15,11 +15,11 @@ static inline uint32_t gd__child_at_corner(const struct gd__net *net, uint32_t s
 uint32_t gd__number_edges(struct gd__net *net);
 
 /* Subdivides `net` into `out`. The caller creates `out` by gd__net_create with room for the new
- * elements. The number of points is points + edges, and Catmull-Clark adds a point for each face.
- * Catmull-Clark has a new face for each corner, Loop four for each face. The vertex rule is applied
- * to points 0 to `settled` - 1; the fans of other points are incomplete. `fan` is scratch. Children
- * are numbered as by gd__child_at_corner; point i of `net` is point i of `out`. Semi-sharp tags
- * decrease by 1. */
+ * elements. `out` has a point for each point and each edge of `net`, and with Catmull-Clark also
+ * for each face. It has a face for each corner of `net` (Catmull-Clark), or four faces for each
+ * face (Loop). The vertex rule is applied to points 0 to `settled` - 1; the fans of other points
+ * are incomplete. `fan` is scratch. Children are numbered as by gd__child_at_corner; point i of
+ * `net` is point i of `out`. Semi-sharp tags decrease by 1. */
 void gd__net_refine(struct gd__net *net, uint32_t settled, struct gd__fan *fan,
                     struct gd__net *out);
 

@@ -85,8 +85,8 @@ static bool has_arrived(const struct map *map, const struct wedge_view *sight)
     return w[0] + w[1] + w[2] > 0 && hypot(at.x - source.x, at.y - source.y) <= tolerance;
 }
 
-/* Returns the turn, at a vertex with a straight path, towards the source; computed from the vertex'
- * predecessor. */
+/* Returns the turn towards the source at a vertex whose path is straight. Computes it from the
+ * vertex' predecessor. */
 static double back_of(const struct map *map, uint32_t vertex)
 {
     const struct gd_mesh *mesh = map->mesh;
@@ -120,8 +120,8 @@ static bool lean_on(struct map *map, const struct wedge_view *sight, uint32_t en
     return true;
 }
 
-/* Computes the direction from an end of the crossed edge, preferably the farther one, where the
- * angle is more precise. */
+/* Computes the direction to the vertex by lean_on. Prefers the farther end of the crossed edge,
+ * where the angle is more precise. */
 static bool lean(struct map *map, const struct wedge_view *sight, double *ahead)
 {
     uint32_t side = sight->walk.side,
