@@ -28,8 +28,9 @@ static inline struct gd_point gd__point_within_side(uint32_t side, double t)
 struct gd_point gd__point_of_face(const struct gd_mesh *mesh, uint32_t face,
                                   const double weight[3]);
 
-/* Moves a point to an edge or a vertex if the point's barycentric coordinates or edge parameter
- * differ by at most `border` from those of a point of that edge or vertex. */
+/* Moves a point of a face to an edge if one of its weights is at most `border`, and to a vertex if
+ * one is at least 1 - 2 `border`. Moves a point of an edge to an end if its parameter is within
+ * `border` of that end. */
 struct gd_point gd__point_settled(const struct gd_mesh *mesh, const struct gd_point *point,
                                   double border);
 
