@@ -255,7 +255,7 @@ static void wait_before(struct gdc_client *client, unsigned attempt, int is_answ
     curl_off_t told_s = 0;
     long ms = attempt < 7 ? BACKOFF_MS << attempt : BACKOFF_MOST;
     struct timespec now;
-    clock_gettime(CLOCK_REALTIME, &now); /* by chance, so that clients do not retry at once */
+    clock_gettime(CLOCK_REALTIME, &now); /* jitter: clients retry at different times */
     ms = ms / 2 + now.tv_nsec / 1000 % ms;
     if (is_answer && curl_easy_getinfo(client->curl, CURLINFO_RETRY_AFTER, &told_s) == CURLE_OK &&
         told_s > 0)

@@ -58,7 +58,8 @@ struct gdc_client *gdc_client_create(const char *url, const char *key);
 void gdc_client_destroy(struct gdc_client *client);
 
 /* Sets how often the client repeats a request if the daemon is busy (429, 503) or the connection
- * fails; the default is 5. The client waits as long as Retry-After says, else with back-off. */
+ * fails; the default is 5. Between attempts the client waits as long as the Retry-After header
+ * says. Without this header, the pauses grow exponentially. */
 void gdc_client_set_retries(struct gdc_client *client, unsigned retries);
 /* Sets after how many seconds without a byte a request fails; the default is 120. */
 void gdc_client_set_timeout(struct gdc_client *client, long seconds);

@@ -302,8 +302,8 @@ export class Client {
   nurbs(name: string): Surface<types.NurbsQueries>;
   /**
    * Creates or replaces a mesh from the content of a file or from arrays. If `name` is null, the
-   * daemon derives the name from the content. The options `components` to `simplify` edit the mesh
-   * before the daemon stores it.
+   * daemon derives the name from the content. The options `components`, `fill`, `smooth`,
+   * `subdivide` and `simplify` edit the mesh before the daemon stores it.
    */
   upload(
     name: string | null,

@@ -28,7 +28,7 @@ from common import Shimmed, build_shim  # noqa: E402
 
 FEW_SECONDS = 60
 LATE = (504, "deadline_exceeded")
-ROUNDS = 50  # most attempts until one of a hundred simultaneous requests is late
+ROUNDS = 50  # the most attempts to make one of a hundred simultaneous requests miss its deadline
 
 
 def documented(operation):
@@ -68,7 +68,7 @@ class Situations:
                 yield operation, *pair
 
 
-# --- what is done to a request that would be right ----------------------------------------------
+# --- changes of a valid request -----------------------------------------------------------------
 
 
 def as_it_is(scene, operation, ask):
@@ -154,7 +154,7 @@ PLAIN = {
 }
 
 
-# --- what the daemon is like --------------------------------------------------------------------
+# --- states of the daemon -----------------------------------------------------------------------
 
 
 def asking(scene, operation, ask):

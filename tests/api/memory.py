@@ -4,8 +4,9 @@ figures, not a verdict.
 
     tests/api/memory.py [OBJ ...]
 
-Without files it uses sample meshes. Each row: number of requested fields, and resident memory
-relative to the budget and to the counted bytes, both less the memory of a daemon without meshes.
+Without files it uses sample meshes. Each row has the number of requested fields, and the resident
+memory as a multiple of the budget and of the counted bytes. The memory of a daemon without meshes
+is subtracted.
 """
 import pathlib
 import statistics

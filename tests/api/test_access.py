@@ -250,7 +250,8 @@ class Reload(Keyed):
         self.assertEqual(self.daemon.reload()["event"], "reloaded")
 
     def test_reloads_under_load(self):
-        """Requests are answered by the rights of their key, whenever the file is read again."""
+        """While the file of keys is reloaded repeatedly, each request is answered by the rights of
+        its key."""
         stop = time.monotonic() + 1
         def ask(_):
             connection, statuses = self.daemon.connect(), set()

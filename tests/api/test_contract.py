@@ -165,8 +165,8 @@ class Examples(TestCase):
 
 
 class Checker(unittest.TestCase):
-    """The checker detects faults: an answer that agrees with the contract is wrong by a slightly
-    changed contract."""
+    """Tests that the checker detects faults. An answer agrees with the contract, and then violates
+    a slightly changed copy of the contract."""
 
     POINT = b'{"face":0,"barycentric":[1,0,0],"xyz":[0,0,0],"vertex":0}'
     ANSWER = b'{"distance":1,"from":' + POINT + b',"to":' + POINT + b"}"

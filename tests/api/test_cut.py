@@ -83,7 +83,8 @@ class Cut(TestCase):
         self.assertEqual(faces, set(range(200)))
 
     def test_pieces_answer_queries(self):
-        """Distances around the hole are longer than across it, and nowhere shorter."""
+        """No distance on the piece is shorter than on the whole mesh. Distances between opposite
+        sides of the hole are longer."""
         [frame] = self.cut("grid", square(0.15, 0.65), inside={"vertex": 0}, names=["holed"])["pieces"]
         ask = lambda name, a, b: self.daemon.get(f"/v1/meshes/{name}/distance?from={a}&to={b}").json["distance"]
         across = ask("holed", "p:0.1,0.4,0", "p:0.7,0.4,0")

@@ -38,7 +38,8 @@ def both(head, *codings):
         yield head + coding + b"\r\nContent-Length: 5\r\n\r\n0\r\n\r\n"
 
 
-# Prefixes of a request that must not be seen, by the reason for which they are refused.
+# Malformed requests, by the reason for which the daemon refuses them. The test sends another
+# request after each; the daemon must not read it.
 ATTACKS = {
     "length and coding": [
         *both(PUT, b"Transfer-Encoding: chunked", b"transfer-encoding: Chunked", b"Transfer-Encoding:chunked",
@@ -155,8 +156,8 @@ REFUSALS = {b"400", b"413", b"505"}
 
 
 def is_refused(answers):
-    """Returns whether one request was refused. libmicrohttpd 0.9.75 writes the heads of its own
-    answers to wrong lengths and missing Hosts twice."""
+    """Returns whether one request was refused. libmicrohttpd 0.9.75 itself answers requests with a
+    wrong length or without a Host, and writes the head of such an answer twice."""
     return len(set(answers)) <= 1 and len(answers) <= 2 and set(answers) <= REFUSALS
 
 

@@ -253,8 +253,8 @@ class Evaluation(Nurbs):
         self.assertEqual(self.refusal("ring", "nearest", {"point": "p:0,0,0", "xyz": [0, 0, 0]})["pointer"], "/xyz")
 
     def test_nearest_of_several(self):
-        """Over hills and valleys several points have perpendicular distances: no sample is nearer
-        than the answer."""
+        """Above hills and valleys, the distance has several local minima. The answer is the global
+        one: no sample of the surface is nearer."""
         samples = [[i / 60, j / 60] for i in range(61) for j in range(61)]
         points = [point["xyz"] for point in self.ask("hills", "evaluate", {"uv": samples}, "?select=points,xyz")["points"]]
         chance = random.Random(4)

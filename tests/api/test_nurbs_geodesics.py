@@ -130,8 +130,8 @@ class Geodesics(Nurbs):
             self.assertLess(errors[-1], most)
 
     def test_all_minima(self):
-        """Around the cylinder there are two minima, and on a torus a straight line of the domain is
-        not always the only one."""
+        """On the cylinder, the paths around either side are minima. All minima are listed by
+        length."""
         answer = self.geodesic("cylinder", [0, 0], [2.5, 0.2], all_minima=True)
         lengths = [way["length"] for way in answer["minima"]]
         for k, found in enumerate(lengths[:2]):

@@ -113,8 +113,8 @@ class Splines(TestCase):
     # --- the cut locus ---------------------------------------------------------------------------
 
     def test_a_point_beyond_the_cut_locus(self):
-        """Between the poles of a ball there are several shortest paths, and the segment says so.
-        Slightly aside there is one."""
+        """Between the poles of a ball there are several shortest paths. The member cut_locus of the
+        segment reports this. For an end slightly beside the pole there is one shortest path."""
         for end, is_cut in ((place(0, 0, -1), True), (place(0.02, 0.01, -1), False)):
             answer = self.asked("ball", "spline", {"points": [place(1, 0.2, 0.3), place(0, 0, 1), end]})
             self.assertEqual([segment["cut_locus"] for segment in answer["segments"]], [False, is_cut])

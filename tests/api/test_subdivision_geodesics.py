@@ -82,8 +82,8 @@ class Trace(Subdivisions):
             self.assertEqual(on["end_reason"], "length")
 
     def test_a_line_ends_where_it_meets_itself(self):
-        """The closed geodesic of the mirror plane ends where it began, also with other lines at
-        the same time; the other lines of the fan end at a place of themselves."""
+        """With stop_at_self_intersection, the closed geodesic of the mirror plane ends at its
+        start. Each line of a fan ends at a point of itself."""
         question = {"start": MIDDLE, "length": 20, "level": 4, "stop_at_self_intersection": True}
         [path] = self.ask("cube", "trace", {**question, "directions": [[1, 0, 0]]})["paths"]
         self.assertEqual(path["end_reason"], "self_intersection")

@@ -216,8 +216,9 @@ class Evaluate(Subdivisions):
         self.assertEqual(self.ask("cube", "nearest", {"point": {"xyz": [0, 0, 3], "max_snap": 1}}, 422)["pointer"], "/point")
 
     def test_a_spike(self):
-        """An interior corner of a smooth surface is interpolated and has no normal; all queries by
-        position can still pass it."""
+        """A surface that is smooth except at one interior corner passes through this control point
+        and has no normal there. Queries accept points close to the corner and paths that end in
+        it."""
         self.assertEqual(self.put("spike", CUBE + b"t corner 1/1/0 4 10\n").status, 201)
         tip, ask = {"face": 0, "uv": [0, 0]}, lambda *question: self.ask("spike", *question)
         [point] = ask("evaluate", {"points": [tip]})["points"]
@@ -306,8 +307,8 @@ class Discretize(Subdivisions):
 
 
 class Kept(TestCase):
-    """Discretizations stay with the surface within the budget; simultaneous requests share one
-    build."""
+    """Discretizations are cached with the surface, within the budget; simultaneous requests share
+    one build."""
 
     flags = ("--memory-budget", "400MiB", "--workers", "4")
 
@@ -372,7 +373,8 @@ class Kept(TestCase):
         self.daemon.request("DELETE", "/v1/subdivisions/late")
 
     def test_degenerate_surfaces_are_the_clients(self):
-        """Coinciding control points: there is no normal, and no number is invented."""
+        """Where control points are collinear or coincide, the surface has no normal: answers
+        contain null instead of a number."""
         flat = b"v 0 0 0\nv 1 0 0\nv 2 0 0\nv 3 0 0\nf 1 2 3 4\n"
         self.assertEqual(self.daemon.request("PUT", "/v1/subdivisions/line", flat).status, 201)
         ask = lambda query, document: self.daemon.request("POST", f"/v1/subdivisions/line/{query}", json.dumps(document), {"Content-Type": "application/json"})

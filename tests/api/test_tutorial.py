@@ -1,4 +1,5 @@
-"""Runs the tutorial's commands; its page draws its map in a browser."""
+"""Runs the tutorial's commands, and opens its page in a browser, where the page must draw the
+map."""
 import os
 import pathlib
 import re

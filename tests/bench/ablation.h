@@ -5,7 +5,8 @@
 #include "tests/bench/paper.h"
 #include "tests/bench/trial.h"
 
-/* Sets of methods that are measured, each in both structures. */
+/* Sets of methods that are measured, each with lists of windows by half-edge
+ * and by edge (enum structure). */
 enum setting { PLAIN, PLAIN_APART, NO_FILTER, ALL_METHODS, SETTINGS };
 
 const char *setting_name(enum setting setting);

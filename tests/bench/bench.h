@@ -44,8 +44,8 @@ bool bench_take_cpu(char ***arguments);
 /* Removes the word from the front of the arguments; false: it is not there. */
 bool bench_take_word(char ***arguments, const char *word);
 
-/* Checks that no option remains, and a mesh does if `wants_mesh`. Returns false, after printing a
- * sentence, otherwise. */
+/* Checks that no option remains, and that a mesh remains if `wants_mesh`. Otherwise prints a
+ * sentence and returns false. */
 bool bench_arguments_end(char **arguments, bool wants_mesh);
 
 /* Options of all subcommands that measure. */

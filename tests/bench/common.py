@@ -101,7 +101,8 @@ def write_json(path, value):
 
 
 def number(value, digits=3):
-    """Formats a number: three digits, but all those before the point; a dash for None."""
+    """Formats a number with three significant digits, but with all digits before the point. Returns
+    a dash for None."""
     if value is None:
         return "-"
     if value == 0 or abs(value) >= 100:

@@ -6,7 +6,7 @@
 #include "tests/bench/bench.h"
 
 struct recorder {
-    struct gd_field *field; /* as from gd_field_build, except for the methods */
+    struct gd_field *field; /* as gd_field_build makes it, but by the trial's methods */
     struct trial *trial;
     double start_ms;
 };

@@ -45,7 +45,7 @@ def by_program(what, program, *arguments):
     expect(what, [done.stdout + done.stderr] if done.returncode else [])
 
 
-# --- what reads them ----------------------------------------------------------------------------
+# --- checks by the programs that read them ------------------------------------------------------
 
 
 def look_with_their_programs():
@@ -149,7 +149,7 @@ def look_at_monitoring(base):
     expect("the PodMonitor's port is HAProxy's", {end["port"] for end in monitors["PodMonitor"]["podMetricsEndpoints"]} - ports)
 
 
-# --- what they say of each other ----------------------------------------------------------------
+# --- their consistency --------------------------------------------------------------------------
 
 
 def milliseconds(text):

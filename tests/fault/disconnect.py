@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Clients that vanish at a random byte of the handshake, of the request or of the answer, by a
 reset or by an ordinary end, with and without TLS. Afterwards the daemon holds no more connections,
-threads, descriptors and references to meshes or fields than before. References show when everything
-is removed: then all of its memory must be free.
+threads, descriptors and references to meshes or fields than before. Leaked references are found at
+the end: after everything has been removed, all of its memory must be free.
 
     tests/fault/disconnect.py [--count N] [--tls-count N] [--clients N] [--seed N]
 """

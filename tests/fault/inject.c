@@ -1,16 +1,15 @@
 /* Inject: a preloaded library that makes the disk under INJECT_ROOT, the sockets and the clock fail
  * as the file INJECT_ORDER says:
  *
- *     fsync N     the N-th fsync from now on fails, with EIO; those after it succeed, as Linux has
- *                 it
- *     full N      from the N-th write from now on there is no room: what would make a file larger
- *                 fails with ENOSPC, until removed files have made room
- *     eio N       the N-th call that opens, reads, writes, renames, links, removes, makes or cuts a
- *                 file fails, with EIO
+ *     fsync N     the N-th fsync from now on fails, with EIO; later ones succeed, as on Linux
+ *     full N      from the N-th write from now on the disk is full: writes that enlarge a file fail
+ *                 with ENOSPC, until enough files have been removed
+ *     eio N       the N-th call that opens, reads, writes, renames, links, removes, creates or
+ *                 truncates a file fails, with EIO
  *     short N     every N-th read or write is interrupted (EINTR), and the others transfer half
  *                 of the bytes
- *     reset N     the N-th send or receive finds that the client is gone (ECONNRESET), accepting
- *                 that there is none (ECONNABORTED)
+ *     reset N     the N-th call of a socket function reports that the client has disconnected:
+ *                 send and receive by ECONNRESET, accept by ECONNABORTED
  *     clock N     the time of day is N seconds later, or earlier
  *     slow N      each fsync, and each removal of a file, takes N milliseconds longer
  *     fine        nothing fails

@@ -10,9 +10,9 @@
  * was due. A further connection requests /livez every ten milliseconds. Answers in the first WARM
  * seconds are not counted.
  *
- * Prints one line of JSON: answers by status, {"p50", "p99", "max"} in milliseconds of the answers
- * 2xx, of those 503 and of /livez, the requests that found no connection free and the connections
- * that broke. */
+ * Prints one line of JSON: the numbers of answers by status; latencies {"p50", "p99", "max"} in
+ * milliseconds of the answers 2xx, of the answers 503, and of /livez; the number of requests for
+ * which no connection was free; and the number of connections that broke. */
 #include <arpa/inet.h>
 #include <errno.h>
 #include <fcntl.h>

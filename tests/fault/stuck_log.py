@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """An unread log: standard error is a pipe, a socket (as under systemd) or a stopped terminal, and
 is no longer read once the daemon listens. Requests and /livez are answered nevertheless, and
-SIGTERM ends the daemon; the log that is read later tells exactly how many lines are missing.
+SIGTERM ends the daemon; the log, when it is read later, contains the exact number of missing lines.
 
     tests/fault/stuck_log.py [--requests N]
 """

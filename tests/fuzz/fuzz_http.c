@@ -1,9 +1,10 @@
 /* Fuzzes the daemon through its socket. The first byte of the input selects how the client ends,
- * and the client sends the other bytes. The client either shuts its side down at once. Or it sends
- * one more request, after which the daemon closes the connection, and shuts its side down only if
- * the daemon sends nothing for a while. For any input the daemon closes the connection in the end;
- * its output begins with a line of HTTP/1.1 and never has status 500; and it continues to answer
- * /livez. This covers the library, checks, router, handlers, workers and engine. */
+ * and the client sends the other bytes. One kind of client then shuts its side down at once. The
+ * other kind sends one more request, after which the daemon closes the connection. It shuts its
+ * side down only if the daemon sends nothing for a while. For any input the daemon closes the
+ * connection in the end; its output begins with a line of HTTP/1.1 and never has status 500; and it
+ * continues to answer /livez. This covers the library, checks, router, handlers, workers and
+ * engine. */
 #include <arpa/inet.h>
 #include <errno.h>
 #include <netinet/in.h>

@@ -19,8 +19,8 @@ struct closed_form_fan {
 
 double closed_form_fan(const struct closed_form_fan *fan, const double p[3], const double q[3]);
 
-/* Returns the distance on the mantle of a prism over a regular polygon with this radius and its
- * first corner at azimuth 0 (sample_cylinder). */
+/* Returns the distance on the lateral surface of a prism over a regular polygon with this radius
+ * and its first corner at azimuth 0 (sample_cylinder). */
 double closed_form_prism(double radius, uint32_t sides, const double p[3], const double q[3]);
 
 /* Returns the distance on a regular tetrahedron. A point has a weight for each corner, at least one

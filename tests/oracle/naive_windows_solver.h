@@ -226,8 +226,9 @@ static REAL NAME(place_on_side)(const struct NAME(window) * window, struct NAME(
     return !(t > 0) ? 0 : t < 1 ? t : 1;
 }
 
-/* Returns whether each point of the window is nearer along the side from one of its ends. If this
- * holds at the far limit of the window, the triangle inequality gives it for all points before. */
+/* Returns whether, for each point of the window, the path along the side from one of the side's
+ * ends is shorter than the path through the window. By the triangle inequality, it suffices to test
+ * the point of the window that is farthest from this end. */
 static bool NAME(is_useless)(const struct NAME(solver) * solver, const struct NAME(window) * window,
                              REAL begin, REAL end)
 {

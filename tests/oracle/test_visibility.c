@@ -50,8 +50,8 @@ static void test_concave(void **state)
     check_close(distance(&scene, 2, 1, 5, 1), sqrt(10) + 1 + sqrt(10), 1e-15);
 }
 
-/* The same scenes as surfaces, solved by unfolding. The plan knows no prisms, and the surface knows
- * no plan. */
+/* Solves the same scenes as surfaces by unfolding. The two solvers share no data: one gets only the
+ * polygons in the plane, the other only the surface with its prisms. */
 static void test_against_unfolding(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* A simple exact geodesic solver for small meshes. It has neither wedges nor contests and shares no
- * code with the engine.
+/* A simple exact geodesic solver for small meshes. It stores no windows on edges and shares no code
+ * with the engine.
  *
  * A shortest path is a chain of straight segments between vertices; a path may bend at any vertex.
  * Unfolding finds the segments: from the first vertex, every sequence of faces that a cone of

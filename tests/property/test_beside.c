@@ -1,6 +1,6 @@
 /* Sources and corners of curves very close to edges and vertices of a plane, some closer than
- * windows resolve, and target points as close. Distances equal the Euclidean ones, and paths have
- * these lengths. GD_SCENES: number of fields of each kind (400). */
+ * windows can resolve. Target points are equally close. Distances equal the Euclidean ones, and
+ * paths have these lengths. GD_SCENES: number of fields of each kind (400). */
 #include "tests/support/test.h"
 
 #include <math.h>

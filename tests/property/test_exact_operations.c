@@ -290,9 +290,9 @@ static void traces(uint64_t number, struct exact_tally *tally)
 
 /* --- log, exp and transport ------------------------------------------------------------------- */
 
-/* Checks that exp of the log ends where the path ends. In graded patches it must only succeed: an
- * angle in double precision does not determine on which side of an apex, at a distance of 1e-20, a
- * line passes. */
+/* Checks that exp of the log ends where the path ends. In graded patches only the success of exp is
+ * checked: a direction in double precision does not determine on which side a line passes an apex
+ * at a distance of 1e-20. */
 static void check_exp(struct exact_unit *unit, const struct gd_log *log,
                       const struct gd_point *from, const struct gd_point *to)
 {

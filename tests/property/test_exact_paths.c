@@ -93,7 +93,7 @@ static void graded_paths(uint64_t number, struct exact_tally *tally)
     exact_scene_close(&scene);
 }
 
-/* --- lanes ------------------------------------------------------------------------------------ */
+/* --- one pair, all operations ----------------------------------------------------------------- */
 
 /* Distances of a pair by each operation. */
 struct lanes {

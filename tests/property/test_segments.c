@@ -1,6 +1,6 @@
-/* Segments as sources. Distances to curves are compared with closed forms, and with the other
- * direction: the minimum along the curve of the field of a point must be the curve's distance at
- * that point. */
+/* Segments as sources. Distances to curves are compared with closed forms and with fields in the
+ * opposite direction: the distance of a point from a curve must equal the minimum, along the curve,
+ * of the point's own field. */
 #include "tests/support/test.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
-/* Zoo: degenerate shapes that often break geodesic programs. On some of them distances are not well
- * defined: these must be refused.
+/* Zoo: degenerate shapes that often break geodesic programs. Some of them have no well-defined
+ * distances; the engine must refuse those.
  *
  * Each maker's comment begins with its parameters, which `values` holds in this order. Every maker
  * returns GD_OK or GD_NO_MEMORY. */

@@ -101,7 +101,10 @@ async function fieldDrag(browser) {
   await browser.picture(page, "field-dragged");
 }
 
-/** A drag over the outline of a preview keeps the answer; a refusal at its end shows. */
+/**
+ * While a dragged point is beside the surface, the previous answer stays without an error. If the
+ * drag ends there, the refusal is shown.
+ */
 async function missed(browser) {
   const page = await open(browser);
   page.tolerate(/status of 422/);

@@ -66,7 +66,10 @@ async function element(browser) {
   });
 }
 
-/** The page and its reader see that a mesh is missing, and no controls for uploads. */
+/**
+ * If a mesh is missing, the outer page gets an error. The frame shows the error, without controls
+ * for uploads.
+ */
 async function missing(browser) {
   const { url, host } = browser.settings;
   await withPage(browser, elementPage(url), async () => {

@@ -28,8 +28,8 @@ def little(values: "array.array[Any]") -> "array.array[Any]":
 
 
 def read(body: Union[bytes, bytearray]) -> Dict[str, Any]:
-    """Returns the arrays of a container by name, writable: numpy arrays, or without numpy
-    array.array, stored by rows."""
+    """Returns the arrays of a container by name. They are writable and stored by rows: numpy
+    arrays, or array.array if numpy is missing."""
     body = bytearray(body)
     magic, version, count = _HEAD.unpack_from(body)
     if (magic, version) != (b"GDARRAYS", 1):
@@ -47,7 +47,8 @@ def read(body: Union[bytes, bytearray]) -> Dict[str, Any]:
 
 
 def floats(body: bytes) -> Any:
-    """Converts little-endian float64 to a writable numpy array, or without numpy an array.array."""
+    """Converts little-endian float64 to a writable numpy array, or to an array.array if numpy is
+    missing."""
     return numpy.frombuffer(bytearray(body), "<f8") if numpy is not None else little(array.array("d", body))
 
 

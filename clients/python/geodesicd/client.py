@@ -61,8 +61,8 @@ class Resource:
 
     def query_arrays(self, name: str, body: Mapping[str, Any], *, form: str = "f64", **query: Any) -> Dict[str, Any]:
         """As `query`, with arrays by name as the answer (`matrix`, `isolines`, `trace`, `voronoi`,
-        …): numpy arrays, or without numpy array.array, stored by rows. The form "f32" has single
-        precision."""
+        …): numpy arrays, or array.array stored by rows if numpy is missing. The form "f32" has
+        single precision."""
         return arrays.read(self.client.call("POST", f"{self.location}/{name}", {**query, "format": form}, body).body)
 
     def _bulk(self, name: str, given: Mapping[str, Any]) -> Dict[str, Any]:
@@ -112,7 +112,7 @@ class Field(Resource):
 
     def values(self) -> Any:
         """Returns the distance at each vertex; NaN if no path reaches the vertex. The result is a
-        writable numpy array, or without numpy an array.array("d")."""
+        writable numpy array, or an array.array("d") if numpy is missing."""
         return floats(self.client.call("GET", self.location + "/values", headers={"Accept": FLOATS}).body)
 
     def file(self, format: str = "ply") -> bytes:
@@ -213,8 +213,8 @@ class Mesh(Surface):
     def matrix(self, sources: Points, targets: Points, max_distance: Optional[float] = None,
                progress: Optional[Progress] = None) -> Any:
         """Returns the distances from each source to each target; NaN if no path joins them or the
-        distance exceeds `max_distance`. The result is a numpy array, or without numpy a list of
-        array.array."""
+        distance exceeds `max_distance`. The result is a numpy array, or a list of array.array if
+        numpy is missing."""
         sources, targets = points.all_as_json(sources), points.all_as_json(targets)
         body: Dict[str, Any] = {"sources": sources, "targets": targets}
         if max_distance is not None:
@@ -255,7 +255,8 @@ class Mesh(Surface):
 
     def arrays(self) -> Tuple[Any, Any]:
         """Returns (vertices, faces): rows of coordinates and rows of vertex indices, as numpy
-        arrays, or without numpy array.array. `field.values()` has a distance for each vertex."""
+        arrays, or as array.array if numpy is missing. `field.values()` has a distance for each
+        vertex."""
         return ply.read(self.content("ply"))
 
     def content(self, format: str = "obj") -> bytes:
@@ -316,7 +317,7 @@ class Batch(Dict[str, Any]):
         return self._client.batch_results(self["id"], wait)
 
     def delete(self) -> None:
-        """Cancels it; removes one that has ended."""
+        """Cancels a running batch, or removes a batch that has ended."""
         self._client.delete_batch(self["id"])
 
 
@@ -420,7 +421,7 @@ class Client:
             cursor = page["next"]
 
     def delete_batch(self, id: str) -> None:
-        """Cancels it; removes one that has ended."""
+        """Cancels a running batch, or removes a batch that has ended."""
         self.call("DELETE", f"/v1/batches/{id}")
 
     # --- surfaces --------------------------------------------------------------------------------

@@ -13,7 +13,7 @@ Progress = Union[Listener, bool]  # True: a tqdm bar, if tqdm is installed
 
 
 def listener(progress: Optional[Progress]) -> Optional[Listener]:
-    """Returns the function to call with the progress in [0,1]; None if there is none to call."""
+    """Returns the function that receives the progress in [0,1], or None without such a function."""
     if not isinstance(progress, bool):
         return progress
     try:

@@ -50,7 +50,7 @@ def _plotly(graphs: Any, mesh: Any, field: Any, path: Any) -> Any:
 
 def show(mesh: Any, field: Any = None, path: Any = None) -> Any:
     """Returns an interactive figure of pyvista or plotly, if one is installed; otherwise a Picture.
-    A notebook displays plotly's figure and the Picture as the last value of a cell."""
+    A notebook displays a plotly figure or a Picture if it is the last value of a cell."""
     if _module("numpy") is not None:
         pyvista, graphs = _module("pyvista"), _module("plotly.graph_objects")
         if pyvista is not None:

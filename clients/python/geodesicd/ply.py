@@ -35,8 +35,8 @@ def write(vertices: Any, faces: Any) -> bytes:
 
 
 def read(body: bytes) -> Tuple[Any, Any]:
-    """Returns (vertices, faces) as rows of three: numpy arrays, or without numpy array.array. Reads
-    binary PLY only in the form that the daemon writes."""
+    """Returns (vertices, faces) as rows of three: numpy arrays, or array.array if numpy is missing.
+    Reads binary PLY only in the form that the daemon writes."""
     start = body.index(b"end_header\n") + len(b"end_header\n")
     vertices, faces = (int(line.split()[2]) for line in body[:start].splitlines() if line.startswith(b"element "))
     middle = start + 24 * vertices

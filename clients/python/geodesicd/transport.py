@@ -138,7 +138,8 @@ class Transport:
         return self._open()
 
     def _open(self) -> http.client.HTTPConnection:
-        """Opens a new connection. Unlike a pooled one, the daemon cannot have closed it as idle."""
+        """Opens a new connection. The daemon cannot have closed it as idle, as it may have closed a
+        connection of the pool."""
         connection = self._connect()
         connection.connect()
         if self._parts.scheme != "unix":

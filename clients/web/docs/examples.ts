@@ -21,7 +21,7 @@ const surfacesOf = (contract: Contract): string[] =>
   Object.keys(contract.paths).filter((path) => /^\/v1\/[a-z]+\/\{name\}$/.test(path) && contract.paths[path]?.put);
 
 export class Examples {
-  /** Ids that the daemon has given, by the ids in the contract's examples. */
+  /** Maps an id of the contract's examples to the id that the daemon has assigned. */
   private readonly ids = new Map<string, string>();
   private making: Promise<string[]> | undefined;
 

@@ -35,7 +35,7 @@ const RETRIED = [401, 404, 429, 503]; /* statuses after which the same request m
  */
 const isMiss = (error: unknown): boolean => error instanceof ApiError && error.status === 422;
 
-/** The way to show a surface: the parameters of an address, and the mode. */
+/** How to show a surface: with the parameters of an address, and in a mode. */
 interface View {
   parameters?: URLSearchParams;
   mode?: Mode;
@@ -101,7 +101,7 @@ export class App {
       (made) => this.openMade(made),
     );
     byId("loads").append(this.troubles.node);
-    addEventListener("focus", () => void this.list(() => {})); /* others may have changed it */
+    addEventListener("focus", () => void this.list(() => {})); /* changes of other clients */
     this.display = new Display(this);
     this.bench.onMeshes = () => void this.list();
     this.points.onChange = (live) => this.changed(live);
@@ -237,7 +237,10 @@ export class App {
     if (!signal.aborted) this.say("");
   }
 
-  /** Keeps the open surface, unless the address names the other one. */
+  /**
+   * Reports that a surface could not be loaded. The surface that was open stays, unless the failed
+   * surface is the one that the page's address names.
+   */
   private failLoad(error: unknown, { kind, name, view }: Wanted): void {
     if (view.parameters) this.close();
     byId("start").hidden = this.bench.surface !== undefined;
@@ -281,7 +284,7 @@ export class App {
     const surface = this.bench.surface!;
     this.display.restore(parameters);
     const sample = SAMPLES.find(({ name }) => name === surface.name);
-    const usual = surface.kind === "nurbs" ? "z" : "y"; /* as in CAD; as in most files of meshes */
+    const usual = surface.kind === "nurbs" ? "z" : "y"; /* z as in CAD, y as in most mesh files */
     this.scene.up = parameters?.get("up") ?? sample?.up ?? usual;
     if (!parameters?.has("camera")) return this.scene.fit();
     this.scene.view = parameters.get("camera")!;

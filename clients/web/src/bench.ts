@@ -94,8 +94,8 @@ export class Bench {
   }
 
   /**
-   * Aborts the running query before a newer one if it is a job. If nothing is dragged, also if it
-   * has run for SLOW.
+   * Called before a newer query. Aborts the running query if it is a job. Without a drag, also
+   * aborts a query that has run for more than SLOW milliseconds.
    */
   makeWay(live: boolean): void {
     if (this.isJob || (!live && performance.now() - this.begun > SLOW)) this.abort();

@@ -14,7 +14,7 @@ function element(tag: string, attributes: Record<string, string | number>): SVGE
   return node;
 }
 
-/** Returns the shifts, in domains, at which lines of a periodic axis repeat. */
+/** Returns the shifts at which lines repeat along an axis, in multiples of the domain's length. */
 const repeats = ({ closed }: Axis): number[] => (closed ? [-1, 0, 1] : [0]);
 
 /**

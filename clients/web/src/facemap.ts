@@ -69,7 +69,7 @@ function placeMaterial(flatShading: boolean): MeshMatcapMaterial {
   return made;
 }
 
-/** Returns the geometry with three own vertices for each face, so that each has one corner. */
+/** Returns the geometry without shared vertices: each vertex belongs to one corner of one face. */
 function cornersOf({ geometry }: Mesh): BufferGeometry {
   const indexed = new BufferGeometry().setIndex(geometry.index);
   for (const name of ["position", "normal"])

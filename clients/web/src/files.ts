@@ -81,7 +81,7 @@ function glb(json: string, floats: Float32Array<ArrayBuffer>): Uint8Array<ArrayB
   return bytes;
 }
 
-/** Returns lines as the camera sees them as SVG, in pixels of the picture. */
+/** Returns an SVG file of the lines as the camera sees them, in pixels of the picture. */
 function svgOf({ scene }: Bench, lines: Vec3[][]): string {
   const { x: width, y: height } = scene.size;
   const pixel = (p: Vec3): string => {
@@ -95,7 +95,7 @@ function svgOf({ scene }: Bench, lines: Vec3[][]): string {
   );
 }
 
-/** Returns files of polylines, which are in the file's unit, and of the answer as JSON. */
+/** Returns the offers of files: the polylines, which are in the file's unit, and the answer. */
 export function lineFiles(bench: Bench, lines: Vec3[][]): FileOffer[] {
   const answer = {
     label: "JSON",

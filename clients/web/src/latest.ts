@@ -27,7 +27,7 @@ export class Latest<T> {
   }
 }
 
-const SPAN = 2000; /* milliseconds before the last answer that count */
+const SPAN = 2000; /* milliseconds; earlier answers do not count */
 
 export class Rate {
   private times: number[] = [];

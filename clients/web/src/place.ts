@@ -11,8 +11,8 @@ export interface Place {
   /** In the file's unit. */
   xyz: Vec3;
   /**
-   * Whether requests have the point's coordinates, because face numbers of the daemon differ from
-   * those of the drawn mesh.
+   * True if face numbers of the daemon differ from those of the drawn mesh. Requests then contain
+   * the point's coordinates instead of its face.
    */
   isFree?: boolean;
   /** The ray that hit the preview here. The daemon computes where it hits the original mesh. */

@@ -103,8 +103,8 @@ export class Points {
   }
 
   /**
-   * Adds a point to a group, by default to the active one. If all groups are full, removes the
-   * points of all groups if each takes one point, else the points of the active group.
+   * Adds a point to a group, by default to the active one. If all groups are full, removes points
+   * first: those of all groups if each group takes one point, otherwise those of the active group.
    */
   add(place: Place, to?: number): Mark {
     if (to !== undefined) return this.append(place, to);

@@ -97,7 +97,7 @@ export class Scene {
   constructor(readonly canvas: HTMLCanvasElement) {
     this.renderer = new WebGLRenderer({ canvas, antialias: this.isFast, stencil: true });
     this.renderer.autoClear = false;
-    this.renderer.debug.checkShaderErrors = false; /* the check would wait for each program */
+    this.renderer.debug.checkShaderErrors = false; /* the check would block */
     this.renderer.setPixelRatio(this.ratio);
     const lamp = new DirectionalLight(0xffffff, 2.2);
     lamp.position.set(-0.6, 0.8, 1);

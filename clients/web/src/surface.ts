@@ -99,9 +99,9 @@ export class Surface {
   }
 
   /**
-   * Whether face numbers or corner orders of the drawn mesh differ from the daemon's. Faces that a
-   * repair has removed still count in the daemon's numbers, and a face that it has turned keeps the
-   * corner order of the upload.
+   * Whether face numbers or corner orders of the drawn mesh differ from the daemon's. The daemon
+   * numbers the faces of the upload, including faces that a repair has removed. A face that a
+   * repair has turned over keeps the corner order of the upload.
    */
   get isRenumbered(): boolean {
     if (this.kind !== "meshes" || this.isPreview) return true;

@@ -23,7 +23,7 @@ export interface Made {
   request: Request;
 }
 
-const LARGE = 8 << 20; /* bytes of a file whose reading by the daemon is shown as a job */
+const LARGE = 8 << 20; /* bytes; a larger file is uploaded as a job */
 const LONGEST_STEM = 100; /* characters of a name before a suffix; the API permits 128 */
 
 type Choice = "replace" | "keep-both" | "keep";
@@ -51,7 +51,7 @@ function send(
     const sent = new XMLHttpRequest();
     sent.open(request.method, pathOf(request));
     const isLarge = request.file!.body.size > LARGE;
-    if (isLarge) sent.setRequestHeader("Prefer", "respond-async"); /* the job has progress */
+    if (isLarge) sent.setRequestHeader("Prefer", "respond-async"); /* a job reports progress */
     for (const [name, value] of Object.entries(request.headers ?? {}))
       sent.setRequestHeader(name, value);
     if (api.key) sent.setRequestHeader("Authorization", `Bearer ${api.key}`);

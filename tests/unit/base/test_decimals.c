@@ -1,5 +1,6 @@
-/* Compares the kernels that find decimals: each must find the digits that the plain kernel
- * finds. */
+/* Compares the kernels that find the shortest decimal digits of doubles. A kernel with SIMD lanes
+ * must find the digits that the plain kernel finds. It may leave out rare values, which
+ * gd__decimals_set converts. */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -29,9 +30,9 @@ static uint64_t next_random(uint64_t *state)
     return *state * UINT64_C(0x2545f4914f6cdd1d);
 }
 
-/* Returns, depending on `turn`: any bit pattern; an exponent in or near the range that the lanes
- * handle; the same with few significant bits; a decimal of few digits; such a decimal moved by some
- * units in the last place; a multiple of 0.001. */
+/* Returns, depending on `turn`: any bit pattern; an exponent in or near the range of the lanes; the
+ * same with few significant bits; a decimal of few digits; such a decimal moved by some units in
+ * the last place; a multiple of 0.001. */
 static double random_double(uint64_t *state, long turn)
 {
     uint64_t bits = next_random(state), few = ~((UINT64_C(1) << next_random(state) % 53) - 1);
@@ -46,7 +47,7 @@ static double random_double(uint64_t *state, long turn)
     return value;
 }
 
-/* Returns how many values the kernel leaves out although the plain kernel finds their decimals. */
+/* Returns how many values the kernel leaves out although the plain kernel finds their digits. */
 static uint32_t assert_agreement(gd__decimals_kernel *kernel, const double *values, uint32_t count)
 {
     struct gd__decimals plain, found;
@@ -80,8 +81,8 @@ static void lanes_agree_with_plain_code(void **state)
     }
 }
 
-/* A value that is left out costs time, but its decimal is still right. Of random numbers with all
- * bits significant, one in 30 million is so close to a tie that the lanes leave it out. */
+/* A value that is left out costs time but is still converted correctly. Of random numbers with all
+ * bits significant, the lanes leave out one in 30 million, because it is too close to a tie. */
 static void lanes_leave_out_few_values(void **state)
 {
     (void)state;

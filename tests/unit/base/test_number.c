@@ -174,9 +174,10 @@ static size_t reference_digits(double value, char *out)
     }
 }
 
-/* Checks that the text reads back as `value` and has the reference's digits. Below a power of two
- * doubles lie closer together than above. There a shorter decimal than the reference may exist,
- * because the reference tries only the nearest decimal of each length. */
+/* Checks that the text reads back as `value` and has the reference's digits. Doubles lie closer
+ * together below a power of two than above it. At a power of two, a shorter decimal than the
+ * reference may therefore exist, because the reference tries only the nearest decimal of each
+ * length. */
 static void assert_shortest(double value)
 {
     char digits[40], reference[40];

@@ -111,7 +111,8 @@ static void grows(void **state)
     gd__region_destroy(&region); /* destroying it twice is harmless */
 }
 
-/* The budget includes what its owner holds elsewhere. A refused request changes nothing. */
+/* The budget includes the memory that its owner holds elsewhere. A refused request changes
+ * nothing. */
 static void respects_the_budget(void **state)
 {
     (void)state;

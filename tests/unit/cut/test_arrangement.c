@@ -3,7 +3,8 @@
 #include "cutting.h"
 
 /* Checks the segments that a face keeps: they meet only in their ends, no node is close to their
- * inside, and none is a side of the face. Checks that nodes keep their distance. */
+ * inside, and none is a side of the face. Checks that nodes have the least distance from each
+ * other. */
 static void check_face(const struct gd__arrangement *arrangement, uint32_t face)
 {
     const struct gd__nodes *nodes = &arrangement->nodes;

@@ -164,8 +164,9 @@ static struct gd_vec3 ring_through_it(double t)
     return (struct gd_vec3){1 + cos(t), 0.01, 0.05 + sin(t)};
 }
 
-/* No disc without crossings has a knotted border. The other border is a knot, too, or faces to a
- * far vertex close it. */
+/* A band whose two borders are trefoil knots. A disc whose border is a knot crosses itself, so
+ * neither hole can be filled. In the second case, faces to a far vertex already close one of the
+ * borders. */
 static void a_knotted_hole_stays_open(void **state)
 {
     (void)state;
@@ -193,7 +194,8 @@ static void a_knotted_hole_stays_open(void **state)
     }
 }
 
-/* Two rings of a chain: the discs that fill one cross those that fill the other. */
+/* Two bands that are linked like the rings of a chain. The discs that would fill one band cross the
+ * discs of the other, so only two of the four holes are filled. */
 static void holes_that_cross_another_stay_open(void **state)
 {
     (void)state;
@@ -213,8 +215,8 @@ static void holes_that_cross_another_stay_open(void **state)
     gd_mesh_release(mesh);
 }
 
-/* A square that is cut along its middle, as a seam of texture coordinates cuts it: the vertices of
- * the slit are there twice. */
+/* A mesh with a slit, as at a seam of texture coordinates: the vertices of the slit exist twice, at
+ * the same positions. The error names them. */
 static void a_pinched_hole_is_named(void **state)
 {
     (void)state;

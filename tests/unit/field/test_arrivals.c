@@ -88,8 +88,8 @@ static void random_weights(struct rng *rng, double weight[3])
 }
 
 /* Finds a jump of the gradient along a random segment of a face by bisection. Elsewhere the
- * gradient changes continuously. Checks that the point of the jump is cut. Returns the size of the
- * jump, 0 if there is none. */
+ * gradient changes continuously. Checks that the engine reports the point of the jump as a point of
+ * the cut locus. Returns the size of the jump, 0 if there is none. */
 static double check_segment(const struct gd_field *field, const struct gd_mesh *mesh,
                             const struct gd_point *from, uint32_t face, struct rng *rng)
 {
@@ -177,8 +177,8 @@ static void random_points_have_one_path(void **state)
     }
 }
 
-/* A path past a vertex without bending there is not counted twice, however close the point is to
- * the vertex. */
+/* A path that passes a vertex without bending is counted once, however close the point is to the
+ * vertex. */
 static void next_to_a_vertex(void **state)
 {
     (void)state;
@@ -220,7 +220,8 @@ static void antipodes(void **state)
     surface_free(&sphere);
 }
 
-/* On the mantle of a prism the line opposite to the source is cut, at vertices and on edges too. */
+/* On the lateral surface of a prism, the line opposite to the source belongs to the cut locus, also
+ * at vertices and on edges. */
 static void behind_a_prism(void **state)
 {
     (void)state;

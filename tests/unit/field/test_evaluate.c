@@ -156,7 +156,8 @@ static bool has_seed(const struct gd_field *field, uint32_t face)
     return false;
 }
 
-/* Returns a weighted sum of the legs' members, which differs if any leg differs. */
+/* Returns a weighted sum of the members of the paths' last legs. The sum differs if any leg
+ * differs. */
 static double legs_sum(const struct gd_field *field, const struct gd_point *points)
 {
     double sum = 0;

@@ -77,8 +77,8 @@ static void farthest_on_the_box_1_1_2(void **state)
     }
 }
 
-/* In a square: from one seed a corner, from two a point of the boundary, from four an inner
- * point. */
+/* The farthest point of a square is a corner for one seed, a point of the boundary for two seeds,
+ * and an inner point for four seeds. */
 static void farthest_in_a_square(void **state)
 {
     (void)state;
@@ -432,7 +432,8 @@ static void farthest_on_any_surface(void **state)
     }
 }
 
-/* From the boundaries of sample surfaces and random ones. Closed surfaces are left out. */
+/* Seeds are the boundaries of sample surfaces and of random surfaces. Closed surfaces are
+ * skipped. */
 static void farthest_from_boundaries(void **state)
 {
     (void)state;

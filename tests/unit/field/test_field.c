@@ -532,8 +532,8 @@ static void an_executor_changes_nothing(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* Without wedges distances are the same. Radius, unreferenced vertices and errors work as in a
- * field. */
+/* A computation of distances only, without wedges, gives the distances of a field. It treats
+ * radius, unreferenced vertices and errors like a field. */
 static void distances_only(void **state)
 {
     (void)state;

@@ -38,9 +38,10 @@ static double straight_length(const struct gd_isoline *isoline)
     return length;
 }
 
-/* Checks that the isoline is a single closed line with this length and this straight part. Where an
- * arc joins a straight segment, the distances differ only in second order, so that the straight
- * part is known only to 1e-6. Returns the relative error of the length. */
+/* Checks that the isoline is a single closed line of this length, and that its straight segments
+ * have the total length `straight`. Near the end of a straight segment, the arc that follows
+ * differs from the line only in second order. The total length of straight segments is therefore
+ * known only to 1e-6. Returns the relative error of the length. */
 static double check_offset(const struct gd_field *field, double level, double length,
                            double straight)
 {
@@ -164,8 +165,9 @@ static void offsets_of_a_boundary(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* On the mantle of a prism, from one boundary: a single line around it. From both boundaries: two
- * lines. About a geodesic on a prism or a cone: the same lengths as in a plane. */
+/* Isolines on the lateral surface of a prism. One boundary as the seed gives a single line around
+ * the prism; both boundaries give two lines. Isolines about a geodesic on a prism or a cone have
+ * the same lengths as in a plane. */
 static void offsets_on_mantles(void **state)
 {
     (void)state;

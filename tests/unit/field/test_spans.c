@@ -40,7 +40,7 @@ static void common_turns(void **state)
     assert_int_equal(gd__turn_both(&a, &c).count, 0);
 }
 
-/* Each end of a free span names the member that covers the other side of it. */
+/* Each end of an uncovered span names the member that covers the angles beyond this end. */
 static void uncovered_spans(void **state)
 {
     (void)state;

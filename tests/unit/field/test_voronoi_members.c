@@ -119,11 +119,11 @@ static void two_segments_in_the_plane(void **state)
         {{{0.3, 0.3, 0.7, 0.3}, {0.5, 0.3, 0.5, 0.8}}, 1, 0}, /* one ends on the other */
         {{{0.3, 0.3, 0.7, 0.3}, {0.7, 0.3, 0.7, 0.8}},
          1,
-         0}, /* a common end: behind it there is a tie */
+         0}, /* a common end, beyond which points are equidistant */
         {{{0.5, 0.5, 0.5, 0.5}, {0.2, 0.5, 0.8, 0.5}}, 0, 0},
         {{{0.47, 0.31, 0.47, 0.31}, {0.2, 0.31, 0.8, 0.31}}, 0, 0},
         {{{0.2, 0.5, 0.8, 0.5}, {0.5, 0.5, 0.5, 0.5}}, 0, 0}, /* a point on a segment has no cell */
-        {{{0.2, 0.31, 0.8, 0.53}, {0.2, 0.31, 0.8, 0.53}}, 0, 0}, /* nor has a copy of a member */
+        {{{0.2, 0.31, 0.8, 0.53}, {0.2, 0.31, 0.8, 0.53}}, 0, 0}, /* a copy has no cell */
     };
     static const double sizes[] = {1, 1e-6, 1e6};
     for (uint32_t cells = 1; cells <= 8; cells++) {

@@ -9,8 +9,8 @@
 #include "tests/support/test.h"
 #include "guide/guide.h"
 
-/* A guide that is aimed, and the exact fields of both ends. Distances are in the normalised
- * unit. */
+/* A guide, which holds lower bounds of distances to the end `to`, and the exact fields of both
+ * ends. Distances are in the normalised unit. */
 struct scene {
     struct gd_mesh *mesh;
     struct gd_point from, to;
@@ -139,7 +139,8 @@ static bool never(void *user, double fraction)
     return false;
 }
 
-/* A failed drawing leaves no rings and does not change the bounds. Every budget is tested. */
+/* A failed call of gd__rings_draw leaves no rings and does not change the bounds. Every budget up
+ * to a sufficient one is tested. */
 static void a_failure_leaves_no_rings(void **state)
 {
     (void)state;

@@ -108,7 +108,8 @@ static void refuses_declared_counts(void **state)
                      GD_TOO_LARGE);
 }
 
-/* Triangles only need no `first`. The arrays grow many times. */
+/* A file that has only triangles is read without the array `first`. The other arrays grow many
+ * times. */
 static void grows_with_the_input(void **state)
 {
     (void)state;
@@ -167,7 +168,8 @@ static enum gd_status read_watched(const char *bytes, size_t size, struct watch 
     return status;
 }
 
-/* Checks that the reader checks its control at regular intervals and stops when told. */
+/* Checks that the reader checks its control at regular intervals, and that it stops if the control
+ * cancels it or its deadline has passed. */
 static void check_control(const char *bytes, size_t size)
 {
     struct watch whole = {.allowed = SIZE_MAX}, half = {0}, late = {.allowed = SIZE_MAX};

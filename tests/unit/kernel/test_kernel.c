@@ -53,7 +53,7 @@ static struct gd__window next_source(struct rng *rng, enum kind kind, double len
         w.y = PICK(rng, 0, 1e-18, 1e-14, 1e-13, 1e-12, 1e-7, 0.5) * length;
         w.x = PICK(rng, -1, -1e-6, 0, 0.3, 1, 1.0000005, 2) * length;
     }
-    if (kind == TIED && rng_unit(rng) < 0.7) { /* as far from the joint as `before` */
+    if (kind == TIED && rng_unit(rng) < 0.7) { /* as far from the common end as `before` */
         w = *before;
         w.source = number;
         if (rng_unit(rng) < 0.8) w.x = 2 * joint - w.x;
@@ -277,7 +277,7 @@ static void check_as_written(const struct gd__wedges *stored, const struct gd__w
         assert_memory_equal(&stored->y[i], &written->y[i], sizeof stored->y[i]);
         assert_int_equal(gd__wedge_source(stored, i), gd__wedge_source(written, i));
         int64_t off = (int64_t)stored->start[i] - (int64_t)written->start[i];
-        assert_true(off >= -1 && off <= 1); /* one divides, the other multiplies */
+        assert_true(off >= -1 && off <= 1); /* one kernel divides, the other multiplies */
         if (off) stores.off_by_one++;
         if (i) assert_true(stored->start[i] >= stored->start[i - 1]);
     }

@@ -164,7 +164,8 @@ static void ties_go_to_the_lowest_face(void **state)
         struct gd_point_description found;
         gd_point_describe(mesh, &point, &found);
         assert_int_equal(found.kind, GD_POINT_VERTEX);
-        bool lower_centre = false; /* whether a lower face has another of these centres */
+        /* whether a face with a lower number has one of these centres as a corner */
+        bool lower_centre = false;
         for (uint32_t c = 0; c < 3 * found.face.index; c++) {
             const double *p = polygons.positions[polygons.corners[c]];
             lower_centre |= fabs(p[0] - 1) + fabs(p[1] - 1) + fabs(p[2] - 1) == 1;

@@ -113,8 +113,8 @@ static inline bool shoot_at(const struct gd_parametric *surface, const double fr
         shooting_jet(surface, at, &x);
         struct gd_vec3 miss = gd_vec3_along(gd_vec3_scale(x.u, r[0]), r[1], x.v);
         if (gd_vec3_length(miss) <= 1e-8 * *length) {
-            /* the rest along the path corrects the length; the rest across changes it in second
-             * order only */
+            /* the error along the path corrects the length; the error across it has an effect of
+             * second order */
             struct gd_vec3 t = gd_vec3_along(gd_vec3_scale(x.u, velocity[0]), velocity[1], x.v);
             *length -= gd_vec3_dot(miss, t);
             return true;
@@ -177,8 +177,9 @@ static inline double shooting_side(const struct gd_domain_curve *curve, double s
     return sin(turn) > 0 ? 1 : -1;
 }
 
-/* Computes what must vanish: the distance in u and v by which the geodesic that leaves `from` at a
- * right angle misses `to`, and the cosine of its angle with `to`. *over: the excess length. */
+/* Computes the three numbers that Newton's method reduces to zero: the distances in u and v by
+ * which the geodesic that leaves `from` at a right angle misses `to`, and the cosine of its angle
+ * with `to`. *over: the excess length. */
 static inline void shooting_miss(const struct gd_domain_curve *from,
                                  const struct gd_domain_curve *to, const double x[3], double side,
                                  double out[3], double *over)
@@ -218,7 +219,7 @@ static inline bool shoot_between(const struct gd_domain_curve *from,
     for (int i = 0; i < 20; i++) {
         shooting_miss(from, to, x, shot->side, f, &over);
         if (fabs(f[0]) + fabs(f[1]) + fabs(f[2]) <= 1e-8) {
-            /* the rest across changes the length in second order only */
+            /* the error across has an effect of second order */
             *shot = (struct shot){x[0], x[2], x[1] - over, shot->side};
             return true;
         }

@@ -259,8 +259,8 @@ static void meridians_of_a_torus(void **state)
         struct gd_geodesics found = solve(&scenes[i], iso_at(scenes[i].surface, GD_ISO_U, 0),
                                           iso_at(scenes[i].surface, GD_ISO_U, meridian[i]),
                                           &(struct gd_geodesic_options){.all_minima = true});
-        /* along the inner equator the longer path is a minimum too; along the outer one there is
-         * none */
+        /* the longer path along the inner equator is a minimum, too; a path along the outer equator
+         * is not */
         assert_int_equal(found.count, 2);
         for (uint32_t k = 0; k < 2; k++) {
             assert_true(found.items[k].is_minimum);
@@ -393,8 +393,8 @@ static void the_papers_curves_converge(void **state)
     close_scene(&scene);
 }
 
-/* The paper's curves end in a corner of the other curve as well: the error falls with their order.
- * The length is that of the geodesic to the corner, by shooting. */
+/* If the shortest path ends in a corner of the other curve, the error of the paper's curves also
+ * falls with their order. The length is that of the geodesic to the corner, by shooting. */
 static void the_papers_curves_end_in_a_corner(void **state)
 {
     (void)state;

@@ -7,7 +7,8 @@
 static const double promise = 1e-10; /* relative error of a length */
 static const double right = 1e-8;    /* error of a right angle at an end */
 
-/* Solves between a point and a polyline; `backwards`: with the ends exchanged. */
+/* Computes shortest paths from a point to a polyline; `backwards`: from the polyline to the
+ * point. */
 static struct gd_geodesics solve(const struct gd_tessellation *tessellation, const double point[2],
                                  const double (*corners)[2], uint32_t count, bool backwards)
 {

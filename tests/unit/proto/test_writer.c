@@ -31,8 +31,7 @@ static void places_commas(void **state)
         "\"c\":[0.5,-2,null,null,null]}");
 }
 
-/* Compares triples, more than are formatted at a time, with the same numbers written one triple at
- * a time. */
+/* Writes more triples than the writer formats at a time. The text equals that of single triples. */
 static void triples_are_arrays_of_three(void **state)
 {
     (void)state;
@@ -309,7 +308,8 @@ static void a_sink_can_stop_the_writer(void **state)
     for (int lacking = 0; lacking < 2; lacking++) {
         proto_writer_free(&writer);
         drain.size = 0;
-        proto_writer_init(&writer, lacking ? size - 1 : size + 1000); /* rows reserve ahead */
+        /* 1000 more: writing a row reserves memory for later rows */
+        proto_writer_init(&writer, lacking ? size - 1 : size + 1000);
         writer.sink = &sink;
         write_rows(&writer);
         proto_writer_flush(&writer);

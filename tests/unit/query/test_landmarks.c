@@ -24,8 +24,8 @@ static struct gd_mesh *terrain(uint64_t seed)
     return mesh;
 }
 
-/* Aims at a vertex without landmarks and with them, and checks the bounds at all vertices. Returns
- * the number of vertices at which landmarks give better bounds. */
+/* Computes bounds of the distances to `target` with and without landmarks, and checks them at all
+ * vertices. Returns the number of vertices at which landmarks give better bounds. */
 static uint32_t check_bounds(const struct gd_mesh *mesh, const struct gd_landmarks *landmarks,
                              uint32_t target)
 {
@@ -54,9 +54,9 @@ static uint32_t check_bounds(const struct gd_mesh *mesh, const struct gd_landmar
     return better;
 }
 
-/* Lower bounds are at most the distance, upper bounds at least, and landmarks often give better
- * ones than the straight line. The landmarks are targets too: there bounds and distance differ only
- * by rounding to float. */
+/* Lower bounds do not exceed the distance, and upper bounds are not below it. Lower bounds by
+ * landmarks are often better than those by the straight line. Landmarks are also tested as targets.
+ * Their bounds differ from the distance only by rounding to float. */
 static void check_all_bounds(uint64_t seed)
 {
     struct gd_mesh *mesh = terrain(seed);

@@ -135,8 +135,8 @@ static void the_guide_checks_its_control(void **state)
     gd_mesh_release(mesh);
 }
 
-/* The guide's nodes, lists and heap count against the budget. Without memory for more nodes the
- * guide still returns bounds and is clean afterwards. */
+/* The guide's nodes, lists and heap count against the budget. Without memory for more nodes, the
+ * guide still returns bounds, and gd__guide_clean resets it completely. */
 static void the_guide_respects_the_budget(void **state)
 {
     (void)state;
@@ -160,7 +160,7 @@ static void the_guide_respects_the_budget(void **state)
     gd_mesh_release(mesh);
 }
 
-/* After the guide is turned, its bounds are bounds of the distances to the other end. */
+/* After gd__guide_turn, the bounds of the guide are bounds of the distances to the other end. */
 static void the_guide_turns(void **state)
 {
     (void)state;

@@ -69,7 +69,7 @@ static void requests_that_permit_it_become_jobs(void **state)
     assert_int_equal(status_of("GET", location, "", NULL), 200);
     server_exchange_destroy(exchange);
     assert_int_equal(status_of("GET", "/v1/meshes", "Prefer: respond-async", NULL), 200);
-    /* refused as without Prefer */
+    /* an invalid name is refused with or without Prefer */
     assert_int_equal(status_of("PUT", "/v1/meshes/-/..", prefer, square), 404);
 }
 
@@ -224,7 +224,7 @@ static void a_search_can_use_all_memory(void **state)
     assert_int_equal(status, 200);
 }
 
-/* Asserts the answer to jobs that waited for work that ended in this way. */
+/* Asserts the answer to a job that is refused for the reason `why` while it waits. */
 static void assert_told(enum server_refusal why, unsigned status, const char *words)
 {
     char none[] = "";

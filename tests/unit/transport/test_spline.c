@@ -115,7 +115,7 @@ static void classical_in_the_plane(void **state)
     surface_free(&plane);
 }
 
-/* Returns the angle by which a way turns at b, in the plane. */
+/* Returns the angle by which the polyline a-b-c turns at b, in the plane. */
 static double plane_turn(struct gd_vec3 a, struct gd_vec3 b, struct gd_vec3 c)
 {
     struct gd_vec3 in = gd_vec3_sub(b, a), out = gd_vec3_sub(c, b);
@@ -198,7 +198,7 @@ static struct gd_point part_way(const struct gd_mesh *mesh, const struct gd_poin
     return nearest(mesh, at.x, at.y, at.z);
 }
 
-/* Compares de Casteljau's construction with one from six shortest paths. */
+/* Compares a point of the spline with de Casteljau's construction by six shortest paths. */
 static void check_casteljau(const struct gd_mesh *mesh, const struct gd_spline *spline, double part,
                             struct gd_vec3 at, double error)
 {
@@ -355,7 +355,7 @@ static void any_scale(void **state)
         struct gd_spline_line line =
             sample(sphere.mesh, &spline, (struct gd_spline_sampling){.even = 30});
         if (i == 0) length = line.path.length;
-        double speed = line.path.length / 30; /* of each step, up to its chord */
+        double speed = line.path.length / 30; /* length of each step; its chord is hardly shorter */
         for (uint32_t k = 1; k < line.count; k++)
             check_close(gd_vec3_distance(gd_point_position(sphere.mesh, &line.places[k - 1].point),
                                          gd_point_position(sphere.mesh, &line.places[k].point)),
@@ -502,7 +502,7 @@ static void two_at_a_time(void **state)
     surface_free(&torus);
 }
 
-/* If two given tangents lead nowhere, the error names the first one. */
+/* If two given tangents are invalid, the error names the first one. */
 static void two_refuse_as_one(void **state)
 {
     (void)state;

@@ -112,8 +112,8 @@ static void takes_any_key(void **state)
     }
 }
 
-/* A queue that begins near its keys keeps the order of keys beyond the ring of a queue that begins
- * at zero, and of slightly smaller keys. */
+/* A queue may begin at a large key. It then keeps the exact order of keys near its begin, also of
+ * slightly smaller ones. In a queue that begins at zero these keys would be beyond the ring. */
 static void a_queue_can_begin_near_its_keys(void **state)
 {
     (void)state;

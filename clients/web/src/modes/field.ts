@@ -103,8 +103,8 @@ export class FieldMode extends Mode {
   }
 
   /**
-   * Shows the distances at the vertices during a drag. They cost the daemon half of a field, which
-   * it keeps for later queries.
+   * Shows the distances at the vertices during a drag. The daemon computes them without storing a
+   * field.
    */
   private async follow(source: Place): Promise<void> {
     const { bench } = this;

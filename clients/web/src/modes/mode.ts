@@ -198,7 +198,7 @@ const END_REASONS: Record<string, string> = {
   step_limit: "after too many steps",
 };
 
-/** Returns where geodesics end, for people. */
+/** Returns the text that tells the user where geodesics end. */
 export const endsOf = (paths: { end_reason: string }[]): string =>
   [...new Set(paths.map(({ end_reason: reason }) => END_REASONS[reason] ?? reason))].join(", or ");
 

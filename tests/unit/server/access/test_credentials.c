@@ -279,7 +279,7 @@ static void limits_hold_until_a_grant_ends(void **state)
     assert_int_equal(READ("Bearer " A_KEY), PROTO_PROBLEM_RATE_LIMITED);
     server_grant_pass(&one, &job);
     server_grant_end(&one);
-    /* a job continues the request */
+    /* the job still counts as a request */
     assert_int_equal(READ("Bearer " A_KEY), PROTO_PROBLEM_RATE_LIMITED);
     assert_string_equal(server_grant_name(&job), "a");
     server_grant_end(&job);

@@ -88,7 +88,7 @@ static void assert_fine(struct fixture *fixture, void (*in_child)(struct fixture
     assert_int_equal(WEXITSTATUS(status), FINE);
 }
 
-/* The first step, for a daemon with that configuration. */
+/* Takes the first step into the sandbox, as a daemon with that configuration does. */
 static struct server_sandbox enter_whatever_is_there(const struct fixture *fixture)
 {
     const struct server_config *config = &fixture->config;

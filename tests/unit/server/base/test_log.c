@@ -73,7 +73,7 @@ static void lines_below_the_level_are_omitted(void **state)
     assert_true(server_log_begin(&line, SERVER_LOG_DEBUG, "test"));
 }
 
-/* --- standard error, which is a file for once ------------------------------------------------- */
+/* --- standard error is redirected to a file --------------------------------------------------- */
 
 struct capture {
     FILE *file;

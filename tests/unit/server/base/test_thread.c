@@ -6,7 +6,7 @@
 #define MS UINT64_C(1000000)
 
 struct fixture {
-    sem_t go, done; /* each step of the thread waits for one and posts the other */
+    sem_t go, done; /* each step of the thread waits for `go` and posts `done` */
     bool (*rest)(struct server_thread *thread, uint64_t ns);
     uint64_t ns;
     int steps;

@@ -30,7 +30,8 @@ static bool tell(void *user, struct proto_writer *writer)
     return !source.is_last;
 }
 
-/* Content of a source: "news N" for each unread version; at the end, as a relay. */
+/* Content of a source: "news N" for each unread version. Returns the same values as the read
+ * function of a relay. */
 static ptrdiff_t read_content(void *user, char *bytes, size_t size)
 {
     (void)user;

@@ -32,7 +32,8 @@ static void add(struct fixture *fixture, uint32_t vertex)
     server_cache_unpin(land(fixture, enter(fixture, vertex), vertex));
 }
 
-/* build time, in nanoseconds, above that of all fields here: priorities may only grow */
+/* A build time in nanoseconds. It exceeds that of all other fields of the tests, because a priority
+ * may only grow. */
 #define DEAR 1e15
 
 /* Adds a field with a fixed build time, since real times vary. */
@@ -171,7 +172,7 @@ static void a_field_published_meanwhile_is_found(void **state)
     assert_null(build);
 }
 
-/* Enters as a request that must wait. */
+/* Calls server_cache_enter for a request that must wait for the pending build. */
 static void wait_for(struct fixture *fixture, const struct gd_point *source, struct test_job *job)
 {
     struct server_pending_build *none = NULL;

@@ -231,7 +231,7 @@ static bool on_number(void *user, const struct server_sql_value *row)
     return true;
 }
 
-/* Reads on from the last number that it has seen, while all threads write. */
+/* Repeatedly reads the answers after the last number that it has read, while all threads write. */
 static void no_number_appears_behind_a_reader(void **state)
 {
     struct server_store_sql *sql = sql_of(state);

@@ -417,8 +417,8 @@ static bool is_there_for(const char *who, struct server_deferred_job *job)
     return found;
 }
 
-/* A table of four jobs: the tenant with the most jobs loses one, whether it is the newcomer or
- * not. */
+/* A full table of four jobs: for a new job, the tenant with the most jobs loses its oldest one.
+ * That may be the tenant of the new job. */
 static void the_tenant_with_the_most_makes_way(void **state)
 {
     (void)state;
@@ -434,8 +434,8 @@ static void the_tenant_with_the_most_makes_way(void **state)
     server_deferred_job_release(more);
 }
 
-/* Runs a job whose answer has `bytes` bytes, of 1 MiB for all answers, and writes its id. Returns
- * false if it failed. */
+/* Runs a job whose answer has `bytes` bytes, and writes its id. All answers together may
+ * have 1 MiB. Returns false if the job failed. */
 static bool keep(const char *who, size_t bytes, char id[SERVER_JOB_ID])
 {
     answer_size = bytes;

@@ -82,7 +82,8 @@ static void handle_make(struct server_exchange *exchange)
     server_exchange_defer(exchange, compute, NULL);
 }
 
-/* Replies with the attachment of a mesh, which is loaded for this; "none". */
+/* Loads a mesh and replies with its attachment as an array of numbers, which is empty without an
+ * attachment. */
 static void handle_attachment(struct server_exchange *exchange)
 {
     struct server_surface *surface = server_request_surface(exchange);

@@ -94,7 +94,7 @@ static int tear_down(void **state)
     return 0;
 }
 
-/* --- what is done ----------------------------------------------------------------------------- */
+/* --- helpers ---------------------------------------------------------------------------------- */
 
 /* Stores a surface; `*version`: the known version of its key. */
 static enum server_outcome put(struct server_store *store, const struct server_record *record,
@@ -145,7 +145,7 @@ static struct fixture *fixture_of(void **state)
     return *state;
 }
 
-/* --- what is promised ------------------------------------------------------------------------- */
+/* --- promises of every store ------------------------------------------------------------------ */
 
 static void surfaces_survive_a_restart(void **state)
 {
@@ -247,7 +247,7 @@ static void large_bytes_are_verified_piece_by_piece(void **state)
     free(bytes);
 }
 
-/* --- and what only a shared one does ---------------------------------------------------------- */
+/* --- promises of a shared store --------------------------------------------------------------- */
 
 static void a_change_of_an_old_version_is_stale(void **state)
 {

@@ -253,7 +253,7 @@ static void the_watcher_is_called_with_the_last_name(void **state)
     assert_string_equal(names, "bc");
 }
 
-/* --- with a store that can give back what it was given ---------------------------------------- */
+/* --- with a store that has a `fetch` function ------------------------------------------------- */
 
 static enum server_outcome answer; /* outcome of the next writes */
 

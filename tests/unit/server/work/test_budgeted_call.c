@@ -197,7 +197,7 @@ static void a_waiting_call_can_be_cancelled(void **state)
 
 /* --- workspaces ------------------------------------------------------------------------------- */
 
-/* Builds a field, then makes `inner` calls within each other, then calls `within`. */
+/* Builds a field, then makes `inner` nested calls, then calls `within`. */
 struct building {
     uint32_t vertex, inner;
     void (*within)(const struct building *building);

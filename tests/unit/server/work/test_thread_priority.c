@@ -107,8 +107,9 @@ static void long_work_gets_idle_priority(void **state)
     assert_int_equal(look(&priority, 9050, 9100, 1), 50);
 }
 
-/* Half of the time is enough, a twentieth is not. Then the job returns for one second after the
- * first 0.1 s, and for two after the next. */
+/* A thread at idle priority that gets half of the processor's time stays at idle priority. If it
+ * gets only a twentieth for 0.1 s, it returns to normal priority: for one second the first time,
+ * and for two seconds the next time. */
 static void starving_work_returns_to_normal(void **state)
 {
     (void)state;
