@@ -60,7 +60,7 @@ static void parses_correctly_rounded(void **state)
         check_parse(texts[i], strtod(texts[i], NULL), strlen(texts[i]));
 }
 
-static void parses_what_is_out_of_range(void **state)
+static void parses_numbers_out_of_range(void **state)
 {
     (void)state;
     check_parse("1e309", INFINITY, 5);
@@ -302,7 +302,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(parses_correctly_rounded),
-        cmocka_unit_test(parses_what_is_out_of_range),
+        cmocka_unit_test(parses_numbers_out_of_range),
         cmocka_unit_test(stops_where_the_number_ends),
         cmocka_unit_test(prints_without_needless_exponents),
         cmocka_unit_test(prints_shortest),

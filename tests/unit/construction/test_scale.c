@@ -28,7 +28,7 @@ static void internal_numbers_do_not_depend_on_scale(void **state)
     gd_polygons_free(&polygons);
 }
 
-static void any_scale_between_the_extents_is_taken(void **state)
+static void any_scale_between_the_extents_is_accepted(void **state)
 {
     (void)state;
     const double factors[] = {1e-149, 1e-6, 1e6, 1e149};
@@ -56,7 +56,7 @@ static void an_offset_costs_no_more_than_the_rounding_of_coordinates(void **stat
     gd_mesh_release(mesh);
 }
 
-static void extents_that_cannot_be_computed_with_are_refused(void **state)
+static void too_small_and_too_large_extents_are_refused(void **state)
 {
     (void)state;
     double small[][3] = {{0, 0, 0}, {1e-160, 0, 0}, {0, 1e-160, 0}};
@@ -73,7 +73,7 @@ static void extents_that_cannot_be_computed_with_are_refused(void **state)
 }
 
 /* Two components of very different size in one mesh. */
-static void a_tiny_part_in_a_large_assembly_is_taken(void **state)
+static void a_tiny_part_in_a_large_assembly_is_accepted(void **state)
 {
     (void)state;
     struct gd_polygons polygons, tiny;
@@ -92,10 +92,10 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(internal_numbers_do_not_depend_on_scale),
-        cmocka_unit_test(any_scale_between_the_extents_is_taken),
+        cmocka_unit_test(any_scale_between_the_extents_is_accepted),
         cmocka_unit_test(an_offset_costs_no_more_than_the_rounding_of_coordinates),
-        cmocka_unit_test(extents_that_cannot_be_computed_with_are_refused),
-        cmocka_unit_test(a_tiny_part_in_a_large_assembly_is_taken),
+        cmocka_unit_test(too_small_and_too_large_extents_are_refused),
+        cmocka_unit_test(a_tiny_part_in_a_large_assembly_is_accepted),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

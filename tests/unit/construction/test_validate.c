@@ -2,7 +2,7 @@
 
 static double square[][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
 
-static void no_polygons_are_empty(void **state)
+static void a_list_without_polygons_is_refused(void **state)
 {
     (void)state;
     struct gd_polygons polygons = {0};
@@ -116,7 +116,7 @@ static void polygons_can_be_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(no_polygons_are_empty),
+        cmocka_unit_test(a_list_without_polygons_is_refused),
         cmocka_unit_test(an_index_beyond_the_vertices_is_refused),
         cmocka_unit_test(a_face_of_two_corners_is_refused),
         cmocka_unit_test(coordinates_must_be_finite),

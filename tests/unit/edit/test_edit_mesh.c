@@ -32,13 +32,13 @@ static void a_copy_is_the_mesh(void **state)
     check_all(edit_mesh_check_copy);
 }
 
-static void the_rest_keeps_order_and_places(void **state)
+static void remaining_faces_keep_order_and_positions(void **state)
 {
     (void)state;
     check_all(edit_mesh_check_rest);
 }
 
-static void each_check_can_stop(void **state)
+static void a_copy_can_be_stopped_at_each_check(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = test_sample("icosphere", (double[SAMPLE_PARAMETERS]){4, 1}, NULL);
@@ -58,8 +58,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_copy_is_the_mesh),
-        cmocka_unit_test(the_rest_keeps_order_and_places),
-        cmocka_unit_test(each_check_can_stop),
+        cmocka_unit_test(remaining_faces_keep_order_and_positions),
+        cmocka_unit_test(a_copy_can_be_stopped_at_each_check),
         cmocka_unit_test(exceptions_become_statuses),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -242,7 +242,7 @@ static void a_pinched_hole_is_named(void **state)
 }
 
 /* A boundary of a single face is not filled: the filling would be the same face again. */
-static void lone_faces_stay(void **state)
+static void the_boundary_of_a_single_face_stays_open(void **state)
 {
     (void)state;
     double positions[][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 0, 0},
@@ -291,7 +291,7 @@ int main(void)
         cmocka_unit_test(the_smallest_hole),
         cmocka_unit_test(the_holes_of_a_scan),
         cmocka_unit_test(options_budget_and_cancel),
-        cmocka_unit_test(lone_faces_stay),
+        cmocka_unit_test(the_boundary_of_a_single_face_stays_open),
         cmocka_unit_test(a_knotted_hole_stays_open),
         cmocka_unit_test(holes_that_cross_another_stay_open),
         cmocka_unit_test(a_pinched_hole_is_named),

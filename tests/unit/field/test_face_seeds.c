@@ -78,7 +78,7 @@ static void check_seeds(uint32_t count, struct rng *rng)
 
 /* Small and large numbers of seeds are sorted by different algorithms. Radix sort needs one to
  * three digits for these faces. */
-static void each_face_knows_its_seeds(void **state)
+static void finds_the_seeds_of_each_face(void **state)
 {
     (void)state;
     static const uint32_t cells[] = {4, 60, 200}, counts[] = {1, 2, 15, 33, 150, 700};
@@ -119,7 +119,7 @@ static void faces_of_four_digits(void **state)
 }
 
 /* Refuses segments whose ends are equal or have no common face. */
-static void segments_of_no_face(void **state)
+static void segments_without_a_common_face_are_refused(void **state)
 {
     (void)state;
     open_terrain(4);
@@ -137,9 +137,9 @@ static void segments_of_no_face(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(each_face_knows_its_seeds),
+        cmocka_unit_test(finds_the_seeds_of_each_face),
         cmocka_unit_test(faces_of_four_digits),
-        cmocka_unit_test(segments_of_no_face),
+        cmocka_unit_test(segments_without_a_common_face_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -553,7 +553,7 @@ static void distances_only(void **state)
     gd_mesh_release(mesh);
 }
 
-static void distances_only_are_the_fields(void **state)
+static void distances_only_equal_those_of_a_field(void **state)
 {
     (void)state;
     struct gd_polygons polygons;
@@ -589,7 +589,7 @@ int main(void)
         cmocka_unit_test(several_seeds),
         cmocka_unit_test(an_executor_changes_nothing),
         cmocka_unit_test(distances_only),
-        cmocka_unit_test(distances_only_are_the_fields),
+        cmocka_unit_test(distances_only_equal_those_of_a_field),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

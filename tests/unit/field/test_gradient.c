@@ -43,7 +43,7 @@ static void in_the_plane(void **state)
 }
 
 /* On any surface the path's first segment runs against the gradient. */
-static void the_path_leaves_against_it(void **state)
+static void paths_start_against_the_gradient(void **state)
 {
     (void)state;
     static const struct {
@@ -122,7 +122,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(in_the_plane),
-        cmocka_unit_test(the_path_leaves_against_it),
+        cmocka_unit_test(paths_start_against_the_gradient),
         cmocka_unit_test(points_without_a_gradient),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -338,7 +338,7 @@ static void checks_its_control(void **state)
 }
 
 /* One index serves every level, and it holds its own reference to the field. */
-static void levels_by_one_index(void **state)
+static void one_index_serves_every_level(void **state)
 {
     (void)state;
     struct gd_polygons polygons;
@@ -372,10 +372,10 @@ static void levels_by_one_index(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(circles_in_the_plane),  cmocka_unit_test(levels_through_vertices),
-        cmocka_unit_test(circles_about_an_apex), cmocka_unit_test(two_seeds_in_the_plane),
-        cmocka_unit_test(loops_within_one_face), cmocka_unit_test(on_a_cube),
-        cmocka_unit_test(levels_by_one_index),   cmocka_unit_test(refusals),
+        cmocka_unit_test(circles_in_the_plane),         cmocka_unit_test(levels_through_vertices),
+        cmocka_unit_test(circles_about_an_apex),        cmocka_unit_test(two_seeds_in_the_plane),
+        cmocka_unit_test(loops_within_one_face),        cmocka_unit_test(on_a_cube),
+        cmocka_unit_test(one_index_serves_every_level), cmocka_unit_test(refusals),
         cmocka_unit_test(checks_its_control),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -29,7 +29,7 @@ static void numbers_by_first_appearance(void **state)
     gd__builder_free(&builder);
 }
 
-static void takes_either_zero_for_the_other(void **state)
+static void treats_both_zeros_as_equal(void **state)
 {
     (void)state;
     struct gd__scan scan = gd__scan_begin("", 0, NULL);
@@ -53,7 +53,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(numbers_by_first_appearance),
-        cmocka_unit_test(takes_either_zero_for_the_other),
+        cmocka_unit_test(treats_both_zeros_as_equal),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -229,7 +229,7 @@ static void within(struct rng *rng, double length)
     check_same_windows(&plain.at, &other.at, count);
 }
 
-static void keeps_what_is_within_a_bound(void **state)
+static void keeps_windows_within_a_bound(void **state)
 {
     (void)state;
     for_all_lists(2, within);
@@ -595,7 +595,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(filters, free_lists),
-        cmocka_unit_test_teardown(keeps_what_is_within_a_bound, free_lists),
+        cmocka_unit_test_teardown(keeps_windows_within_a_bound, free_lists),
         cmocka_unit_test_teardown(stores_lists_without_gaps, free_lists),
         cmocka_unit_test_setup_teardown(casts, open_pool, close_pool),
         cmocka_unit_test(rings),

@@ -324,7 +324,7 @@ static double check_round_trips(const struct gd_mesh *mesh, struct gd_point poin
     return worst;
 }
 
-static void there_and_back(void **state)
+static void angles_and_vectors_convert_into_each_other(void **state)
 {
     (void)state;
     static const struct {
@@ -363,7 +363,7 @@ int main(void)
         cmocka_unit_test(on_the_edge_of_a_cube),
         cmocka_unit_test(on_a_cone),
         cmocka_unit_test(straight_on_at_a_boundary_vertex),
-        cmocka_unit_test(there_and_back),
+        cmocka_unit_test(angles_and_vectors_convert_into_each_other),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

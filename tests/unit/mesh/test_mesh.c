@@ -38,7 +38,7 @@ static void positions_and_corners_are_those_of_the_input(void **state)
 }
 
 /* The polygons of a mesh build the same mesh. */
-static void a_mesh_can_be_taken_apart_and_built_again(void **state)
+static void the_polygons_of_a_mesh_build_the_same_mesh(void **state)
 {
     (void)state;
     struct gd_polygons polygons = cube(), again;
@@ -60,7 +60,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(references_are_counted),
         cmocka_unit_test(positions_and_corners_are_those_of_the_input),
-        cmocka_unit_test(a_mesh_can_be_taken_apart_and_built_again),
+        cmocka_unit_test(the_polygons_of_a_mesh_build_the_same_mesh),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -169,7 +169,7 @@ static void expect_lowest_face(const struct gd_mesh *mesh, const struct gd_point
 }
 
 /* A point's description gives the same point again, and its numbers give the same position. */
-static void a_description_leads_back(void **state)
+static void a_description_gives_the_point_again(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = sample_mesh();
@@ -208,7 +208,7 @@ static void a_description_leads_back(void **state)
 }
 
 /* Two triangles without a common vertex. */
-static void points_have_their_component(void **state)
+static void finds_the_component_of_a_point(void **state)
 {
     (void)state;
     double positions[][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 0, 0}, {6, 0, 0}, {5, 1, 0}};
@@ -250,8 +250,8 @@ int main(void)
         cmocka_unit_test(all_forms_give_the_same_point),
         cmocka_unit_test(rounded_weights_are_accepted),
         cmocka_unit_test(invalid_points_are_refused),
-        cmocka_unit_test(a_description_leads_back),
-        cmocka_unit_test(points_have_their_component),
+        cmocka_unit_test(a_description_gives_the_point_again),
+        cmocka_unit_test(finds_the_component_of_a_point),
         cmocka_unit_test(a_batch_equals_single_calls),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -66,7 +66,7 @@ static double between(const struct scene *scene, double u0, double v0, double u1
     return length_of(&found);
 }
 
-static void torus_values_of_the_notes(void **state)
+static void torus_lengths_equal_those_of_the_design_notes(void **state)
 {
     (void)state;
     struct scene smooth = open_scene(torus(2, 1)), rational = open_scene(nurbs_torus(2, 1, 1, 0));
@@ -234,7 +234,7 @@ static void collinear_corners_do_not_matter(void **state)
 
 /* The straight line would cross the cone's upper edge. The path is a tangent, an arc and a
  * tangent. */
-static void the_border_is_followed(void **state)
+static void a_path_can_follow_the_border(void **state)
 {
     (void)state;
     struct scene cone = open_scene(nurbs_ruled(2, 0, 1.5, 0.1));
@@ -310,7 +310,7 @@ static void circles_of_latitude(void **state)
     close_scene(&scene);
 }
 
-static void curves_that_meet_are_0_apart(void **state)
+static void curves_that_meet_have_the_distance_0(void **state)
 {
     (void)state;
     struct scene scene = open_scene(nurbs_torus(2, 1, 1, 0));
@@ -333,7 +333,7 @@ static void curves_that_meet_are_0_apart(void **state)
 }
 
 /* At a corner of the curve the path does not need a right angle. */
-static void a_polyline_ends_in_its_corner(void **state)
+static void a_path_can_end_at_a_corner_of_a_polyline(void **state)
 {
     (void)state;
     struct scene scene = open_scene(plane(3));
@@ -350,7 +350,7 @@ static void a_polyline_ends_in_its_corner(void **state)
     close_scene(&scene);
 }
 
-static void exchange_of_the_ends_changes_nothing(void **state)
+static void exchanging_the_ends_changes_nothing(void **state)
 {
     (void)state;
     struct scene scene = open_scene(nurbs_bumps(8, 6, 0.8, 5));
@@ -395,7 +395,7 @@ static void the_papers_curves_converge(void **state)
 
 /* If the shortest path ends in a corner of the other curve, the error of the paper's curves also
  * falls with their order. The length is that of the geodesic to the corner, by shooting. */
-static void the_papers_curves_end_in_a_corner(void **state)
+static void the_papers_curves_converge_at_a_corner(void **state)
 {
     (void)state;
     struct scene scene = open_scene(torus(3, 1.1));
@@ -574,7 +574,7 @@ static void paths_that_cross_a_curve_are_trimmed(void **state)
 }
 
 /* Between the sides of two squares around one centre there are four families of paths. */
-static void a_family_is_listed_once(void **state)
+static void each_family_of_paths_is_listed_once(void **state)
 {
     (void)state;
     struct scene scene = open_scene(plane(3));
@@ -671,7 +671,7 @@ static void invalid_requests_are_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(torus_values_of_the_notes),
+        cmocka_unit_test(torus_lengths_equal_those_of_the_design_notes),
         cmocka_unit_test(scale_and_place_do_not_matter),
         cmocka_unit_test(the_bilinear_diagonal),
         cmocka_unit_test(sphere_away_from_its_poles_and_through_one),
@@ -679,19 +679,19 @@ int main(void)
         cmocka_unit_test(nearly_opposite_points),
         cmocka_unit_test(path_ends_near_a_knot_line),
         cmocka_unit_test(collinear_corners_do_not_matter),
-        cmocka_unit_test(the_border_is_followed),
+        cmocka_unit_test(a_path_can_follow_the_border),
         cmocka_unit_test(meridians_of_a_torus),
         cmocka_unit_test(the_farthest_point_of_a_circle_is_never_returned),
         cmocka_unit_test(circles_of_latitude),
-        cmocka_unit_test(curves_that_meet_are_0_apart),
-        cmocka_unit_test(a_polyline_ends_in_its_corner),
-        cmocka_unit_test(exchange_of_the_ends_changes_nothing),
+        cmocka_unit_test(curves_that_meet_have_the_distance_0),
+        cmocka_unit_test(a_path_can_end_at_a_corner_of_a_polyline),
+        cmocka_unit_test(exchanging_the_ends_changes_nothing),
         cmocka_unit_test(the_papers_curves_converge),
-        cmocka_unit_test(the_papers_curves_end_in_a_corner),
+        cmocka_unit_test(the_papers_curves_converge_at_a_corner),
         cmocka_unit_test(each_class_of_a_torus_has_a_minimum),
         cmocka_unit_test(turns_and_initial_curves_on_a_cylinder),
         cmocka_unit_test(paths_that_cross_a_curve_are_trimmed),
-        cmocka_unit_test(a_family_is_listed_once),
+        cmocka_unit_test(each_family_of_paths_is_listed_once),
         cmocka_unit_test(classes_that_do_not_exist_are_refused),
         cmocka_unit_test(invalid_requests_are_refused),
     };

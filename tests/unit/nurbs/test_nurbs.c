@@ -17,7 +17,7 @@ static struct gd_jet jet_at(const struct gd_parametric *surface, double u, doubl
 }
 
 /* The packages verb-nurbs and three compute the same values (design notes, section 2). */
-static void values_of_the_notes(void **state)
+static void values_equal_those_of_the_design_notes(void **state)
 {
     (void)state;
     struct gd_parametric *torus_ = nurbs_torus(2, 1, 1, 0), *sphere = nurbs_sphere();
@@ -51,7 +51,7 @@ static void check_differences(const struct gd_parametric *surface, double u, dou
     }
 }
 
-static void derivatives_are_those_of_the_values(void **state)
+static void derivatives_agree_with_differences(void **state)
 {
     (void)state;
     struct gd_parametric *surfaces[] = {nurbs_torus(2, 1, 1, 0),
@@ -260,8 +260,8 @@ static void nearest_points_are_global(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(values_of_the_notes),
-        cmocka_unit_test(derivatives_are_those_of_the_values),
+        cmocka_unit_test(values_equal_those_of_the_design_notes),
+        cmocka_unit_test(derivatives_agree_with_differences),
         cmocka_unit_test(known_curvatures),
         cmocka_unit_test(closed_directions_and_poles_are_recognised),
         cmocka_unit_test(conventions_are_one_surface),

@@ -70,7 +70,7 @@ static void refuses_hostile_json(void **state)
     assert_pointer(&problem, "");
 }
 
-static void tells_the_position(void **state)
+static void reports_the_position_of_an_error(void **state)
 {
     (void)state;
     struct proto_problem problem;
@@ -227,7 +227,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(refuses_hostile_json),
-        cmocka_unit_test(tells_the_position),
+        cmocka_unit_test(reports_the_position_of_an_error),
         cmocka_unit_test(bounds_the_depth),
         cmocka_unit_test(refuses_a_deep_megabyte_fast),
         cmocka_unit_test(takes_numbers_of_any_length),

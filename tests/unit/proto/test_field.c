@@ -135,7 +135,7 @@ static void writes_wedges(void **state)
 }
 
 /* Strict clients read an index as an integer, so it has no fraction. */
-static void a_set_is_written_as_clients_write_it(void **state)
+static void a_set_is_written_in_the_form_of_requests(void **state)
 {
     (void)state;
     static const char set[] =
@@ -178,7 +178,7 @@ int main(void)
         cmocka_unit_test(writes_values),
         cmocka_unit_test(an_edge_is_two_vertices),
         cmocka_unit_test(writes_wedges),
-        cmocka_unit_test(a_set_is_written_as_clients_write_it),
+        cmocka_unit_test(a_set_is_written_in_the_form_of_requests),
         cmocka_unit_test(a_long_set_is_not_written),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

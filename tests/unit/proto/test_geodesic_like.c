@@ -148,7 +148,7 @@ static void encodes_a_path(void **state)
 
 /* Pieces share the control point where they meet. Where they meet in space but not in the domain,
  * both control points are written, and the knot is repeated once more. */
-static void pieces_are_one_spline(void **state)
+static void pieces_are_encoded_as_one_spline(void **state)
 {
     struct gd_geodesic_piece joined[] = {{2, 3, knots, first}, {2, 3, knots, second}},
                              split[] = {{2, 3, knots, first}, {2, 3, knots, apart}};
@@ -168,7 +168,7 @@ static void pieces_are_one_spline(void **state)
                  "5],[0.75,0],[1,0]]}");
 }
 
-static void curves_that_meet(void **state)
+static void encodes_the_point_where_curves_meet(void **state)
 {
     struct gd_geodesic item = {
         .from_parameter = 0.5, .to_parameter = 0.25, .is_minimum = true, .meeting = {0.25, 0.5}};
@@ -219,7 +219,7 @@ static void encodes_minima(void **state)
                  "{\"length\":2,\"converged\":true,\"warnings\":[\"not_minimal\"]}");
 }
 
-static void fields_have_their_bits(void **state)
+static void names_of_fields_match_their_bits(void **state)
 {
     (void)state;
     assert_string_equal(proto_geodesic_fields[__builtin_ctz(PROTO_GEODESIC_FIELD_MINIMA)],
@@ -233,10 +233,13 @@ static void fields_have_their_bits(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(requests_are_read),      cmocka_unit_test(errors_have_pointers),
-        cmocka_unit_test(encodes_a_path),         cmocka_unit_test(pieces_are_one_spline),
-        cmocka_unit_test(curves_that_meet),       cmocka_unit_test(encodes_minima),
-        cmocka_unit_test(fields_have_their_bits),
+        cmocka_unit_test(requests_are_read),
+        cmocka_unit_test(errors_have_pointers),
+        cmocka_unit_test(encodes_a_path),
+        cmocka_unit_test(pieces_are_encoded_as_one_spline),
+        cmocka_unit_test(encodes_the_point_where_curves_meet),
+        cmocka_unit_test(encodes_minima),
+        cmocka_unit_test(names_of_fields_match_their_bits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -76,7 +76,7 @@ static void nearest_points_are_read_and_written(void **state)
 }
 
 /* Names are in the order of the bits. */
-static void fields_have_their_bits(void **state)
+static void names_of_fields_match_their_bits(void **state)
 {
     (void)state;
     assert_string_equal(proto_jet_fields[__builtin_ctz(PROTO_JET_FIELD_MEAN_CURVATURE)],
@@ -92,7 +92,7 @@ int main(void)
         cmocka_unit_test(places_are_read),
         cmocka_unit_test(a_point_has_the_wanted_fields),
         cmocka_unit_test(nearest_points_are_read_and_written),
-        cmocka_unit_test(fields_have_their_bits),
+        cmocka_unit_test(names_of_fields_match_their_bits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -35,7 +35,7 @@ static void all_pairs_are_rows_of_a_matrix(void **state)
     proto_many_free(&many);
 }
 
-static void fields_ask_each_mesh_for_the_same_set(void **state)
+static void a_batch_of_fields_sends_each_mesh_the_same_set(void **state)
 {
     (void)state;
     struct proto_many many = many_of(
@@ -103,7 +103,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(all_pairs_are_rows_of_a_matrix),
-        cmocka_unit_test(fields_ask_each_mesh_for_the_same_set),
+        cmocka_unit_test(a_batch_of_fields_sends_each_mesh_the_same_set),
         cmocka_unit_test(invalid_batches_are_refused),
         cmocka_unit_test(writes_state_and_answers),
     };

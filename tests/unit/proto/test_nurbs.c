@@ -47,7 +47,7 @@ static void a_file_is_a_surface(void **state)
 }
 
 /* Weight 3 at the last corner moves the middle towards it: z = (0 + 0 + 0 + 3 * 1) / 6. */
-static void weights_stand_in_several_places(void **state)
+static void reads_weights_in_each_convention(void **state)
 {
     const struct proto_nurbs_options verb = {.has_convention = true, .convention = GD_NURBS_VERB};
     const char *forms[] = {
@@ -110,7 +110,7 @@ static void errors_have_pointers(void **state)
     }
 }
 
-static void flaws_have_names(void **state)
+static void each_flaw_has_its_reason(void **state)
 {
     static const struct {
         const char *body, *reason;
@@ -204,9 +204,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_file_is_a_surface),
-        cmocka_unit_test(weights_stand_in_several_places),
+        cmocka_unit_test(reads_weights_in_each_convention),
         cmocka_unit_test(errors_have_pointers),
-        cmocka_unit_test(flaws_have_names),
+        cmocka_unit_test(each_flaw_has_its_reason),
         cmocka_unit_test(options_are_a_convention),
         cmocka_unit_test(one_of_two_conventions),
         cmocka_unit_test(the_description),

@@ -46,7 +46,7 @@ static bool read_object(const json_t *document, struct read *out, struct proto_p
 
 DECODER(decode, struct read, read_object)
 
-static void members_within_their_limits_are_taken(void **state)
+static void members_within_their_limits_are_accepted(void **state)
 {
     (void)state;
     struct read read;
@@ -58,7 +58,7 @@ static void members_within_their_limits_are_taken(void **state)
     assert_true(read.count == 9 && read.word == 0 && read.items == 2);
 }
 
-static void others_are_refused_with_their_sentence(void **state)
+static void members_beyond_their_limits_are_refused_with_a_sentence(void **state)
 {
     (void)state;
     static const struct {
@@ -87,7 +87,7 @@ static void others_are_refused_with_their_sentence(void **state)
     }
 }
 
-static void one_of_two_members_is_there(void **state)
+static void exactly_one_of_two_members_is_required(void **state)
 {
     (void)state;
     static const char *const texts[] = {"{}", "{\"a\":1,\"b\":1}", "{\"a\":1}", "{\"b\":1}"};
@@ -120,9 +120,9 @@ static void fields_are_written_where_they_are_wanted(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(members_within_their_limits_are_taken),
-        cmocka_unit_test(others_are_refused_with_their_sentence),
-        cmocka_unit_test(one_of_two_members_is_there),
+        cmocka_unit_test(members_within_their_limits_are_accepted),
+        cmocka_unit_test(members_beyond_their_limits_are_refused_with_a_sentence),
+        cmocka_unit_test(exactly_one_of_two_members_is_required),
         cmocka_unit_test(fields_are_written_where_they_are_wanted),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -69,7 +69,7 @@ static void refuses_bad_values(void **state)
     }
 }
 
-static void an_answer_without_fields_has_none_to_choose(void **state)
+static void operations_without_fields_refuse_select(void **state)
 {
     (void)state;
     struct proto_options options;
@@ -155,7 +155,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(reads_the_options),
         cmocka_unit_test(refuses_bad_values),
-        cmocka_unit_test(an_answer_without_fields_has_none_to_choose),
+        cmocka_unit_test(operations_without_fields_refuse_select),
         cmocka_unit_test(errors_list_the_choices),
         cmocka_unit_test(the_progress_of_the_whole_covers_all_parts),
         cmocka_unit_test(refuses_repeated_parameters),

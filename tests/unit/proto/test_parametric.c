@@ -15,7 +15,7 @@ static bool read(const char *text, struct gd_parametric **out, const char **shap
 }
 
 /* Checks each shape at one point. */
-static void shapes_are_what_they_say(void **state)
+static void decodes_each_shape(void **state)
 {
     const double c = cos(0.3), s = sin(0.3);
     const struct {
@@ -117,7 +117,7 @@ static void encodes_the_domain(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(shapes_are_what_they_say),
+        cmocka_unit_test(decodes_each_shape),
         cmocka_unit_test(errors_have_pointers),
         cmocka_unit_test(encodes_the_domain),
     };

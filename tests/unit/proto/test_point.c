@@ -115,7 +115,7 @@ static void assert_refused(const struct refused *cases, size_t count)
     }
 }
 
-static void refuses_what_has_no_single_form(void **state)
+static void refuses_points_without_exactly_one_form(void **state)
 {
     (void)state;
     assert_refused(no_form, COUNT(no_form));
@@ -186,7 +186,7 @@ static void assert_refused_compact(const char *const *cases, size_t count)
     }
 }
 
-static void json_takes_compact_text(void **state)
+static void json_accepts_compact_text(void **state)
 {
     struct proto_point point;
     struct proto_problem problem;
@@ -203,7 +203,7 @@ static void json_takes_compact_text(void **state)
     json_decref(bad);
 }
 
-static void refuses_what_has_no_compact_form(void **state)
+static void refuses_text_that_is_not_a_compact_point(void **state)
 {
     (void)state;
     assert_refused_compact(no_compact_form, COUNT(no_compact_form));
@@ -314,11 +314,11 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(decodes_the_five_forms),
-        cmocka_unit_test(refuses_what_has_no_single_form),
+        cmocka_unit_test(refuses_points_without_exactly_one_form),
         cmocka_unit_test(refuses_malformed_members),
         cmocka_unit_test(parses_compact_points),
-        cmocka_unit_test(json_takes_compact_text),
-        cmocka_unit_test(refuses_what_has_no_compact_form),
+        cmocka_unit_test(json_accepts_compact_text),
+        cmocka_unit_test(refuses_text_that_is_not_a_compact_point),
         cmocka_unit_test(refuses_malformed_numbers),
         cmocka_unit_test(encodes_all_fields),
         cmocka_unit_test(encodes_selected_fields),

@@ -97,7 +97,7 @@ static void refuses_unknown_paths(void **state)
     }
 }
 
-static void lists_the_methods_that_a_path_takes(void **state)
+static void lists_the_methods_that_a_path_accepts(void **state)
 {
     (void)state;
     static const struct {
@@ -124,7 +124,7 @@ int main(void)
         cmocka_unit_test(finds_rows_and_captures),
         cmocka_unit_test(answers_head_where_it_answers_get),
         cmocka_unit_test(refuses_unknown_paths),
-        cmocka_unit_test(lists_the_methods_that_a_path_takes),
+        cmocka_unit_test(lists_the_methods_that_a_path_accepts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -81,14 +81,14 @@ static void check_all_bounds(uint64_t seed)
     gd_mesh_release(mesh);
 }
 
-static void bounds_hold(void **state)
+static void distances_lie_within_the_bounds(void **state)
 {
     (void)state;
     check_all_bounds(5);
     check_all_bounds(11); /* rounding to float raises one of these bounds by 1.1e-8 */
 }
 
-static void survive_being_stored(void **state)
+static void images_are_read_back(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = terrain(5), *other = terrain(6);
@@ -121,7 +121,7 @@ static void survive_being_stored(void **state)
     gd_mesh_release(other);
 }
 
-static void progress_goes_up(void **state)
+static void progress_increases(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = terrain(5);
@@ -157,7 +157,7 @@ static void refusals(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(bounds_hold), cmocka_unit_test(survive_being_stored),
-        cmocka_unit_test(refusals), cmocka_unit_test(progress_goes_up)};
+        cmocka_unit_test(distances_lie_within_the_bounds), cmocka_unit_test(images_are_read_back),
+        cmocka_unit_test(refusals), cmocka_unit_test(progress_increases)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -90,7 +90,7 @@ static void components_come_first(void **state)
     gd_mesh_release(mesh);
 }
 
-static void reports_go_up_and_a_cancel_ends_it(void **state)
+static void progress_increases_and_a_cancel_is_obeyed(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = test_sample("terrain", (double[SAMPLE_PARAMETERS]){20, 0.5, 1}, NULL);
@@ -122,7 +122,7 @@ int main(void)
         cmocka_unit_test(corners_and_middle_of_a_square),
         cmocka_unit_test(radii_cover_the_surface),
         cmocka_unit_test(components_come_first),
-        cmocka_unit_test(reports_go_up_and_a_cancel_ends_it),
+        cmocka_unit_test(progress_increases_and_a_cancel_is_obeyed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

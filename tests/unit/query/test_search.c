@@ -60,7 +60,7 @@ static bool never(void *user, double fraction)
 }
 
 /* Progress increases over both runs of the search. */
-static void progress_goes_up(void **state)
+static void progress_increases(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = terrain(48);
@@ -161,7 +161,7 @@ static void the_guide_respects_the_budget(void **state)
 }
 
 /* After gd__guide_turn, the bounds of the guide are bounds of the distances to the other end. */
-static void the_guide_turns(void **state)
+static void a_turned_guide_has_bounds_to_the_other_end(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = terrain(32);
@@ -318,11 +318,11 @@ static void points_close_to_a_vertex_at_the_origin(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(progress_goes_up),
+        cmocka_unit_test(progress_increases),
         cmocka_unit_test(other_components_are_not_searched),
         cmocka_unit_test(the_guide_checks_its_control),
         cmocka_unit_test(the_guide_respects_the_budget),
-        cmocka_unit_test(the_guide_turns),
+        cmocka_unit_test(a_turned_guide_has_bounds_to_the_other_end),
         cmocka_unit_test(both_directions_search_from_one_end),
         cmocka_unit_test(a_failed_search_leaves_nothing),
         cmocka_unit_test(large_fans_are_visited_a_few_times),

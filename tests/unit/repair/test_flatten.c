@@ -116,7 +116,7 @@ static void caps_on_an_edge_of_a_box_are_flipped_away(void **state)
     gd_mesh_release(plain);
 }
 
-static void the_faces_of_a_flipped_edge_stand_at_their_old_indices(void **state)
+static void the_faces_of_a_flipped_edge_keep_their_indices(void **state)
 {
     (void)state;
     double positions[][3] = {{0, 0, 0}, {2, 0, 0}, {1, 2, 0}, {1, 0, 0}, {1, -1, 0}};
@@ -279,7 +279,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(caps_on_an_edge_of_a_box_are_flipped_away),
-        cmocka_unit_test(the_faces_of_a_flipped_edge_stand_at_their_old_indices),
+        cmocka_unit_test(the_faces_of_a_flipped_edge_keep_their_indices),
         cmocka_unit_test(caps_at_the_border_are_dropped),
         cmocka_unit_test(a_pocket_closes),
         cmocka_unit_test(needles_collapse),

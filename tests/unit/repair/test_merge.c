@@ -58,7 +58,7 @@ static void vertices_that_an_edge_of_length_zero_joins_become_one(void **state)
     gd_mesh_release(mesh);
 }
 
-static void rings_lose_spurs(void **state)
+static void spurs_of_polygons_are_removed(void **state)
 {
     (void)state;
     static double positions[][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0},
@@ -136,7 +136,7 @@ static void a_ring_that_repeats_itself_is_reduced(void **state)
     gd_mesh_release(mesh);
 }
 
-static void of_duplicates_the_first_stays(void **state)
+static void the_first_of_several_duplicates_is_kept(void **state)
 {
     (void)state;
     double positions[][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, -1, 0}};
@@ -157,7 +157,7 @@ static void of_duplicates_the_first_stays(void **state)
     gd_mesh_release(mesh);
 }
 
-static void a_polygon_given_twice_takes_up_its_indices(void **state)
+static void a_removed_duplicate_keeps_its_face_indices(void **state)
 {
     (void)state;
     uint32_t corners[28], first[] = {0, 4, 8, 12, 16, 20, 24, 28};
@@ -172,7 +172,7 @@ static void a_polygon_given_twice_takes_up_its_indices(void **state)
     gd_mesh_release(mesh);
 }
 
-static void no_faces_left_is_empty(void **state)
+static void a_mesh_that_loses_all_faces_is_empty(void **state)
 {
     (void)state;
     double positions[][3] = {{0, 0, 0}, {0, 0, 0}, {1, 0, 0}};
@@ -187,13 +187,13 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_surface_stays_as_it_is),
         cmocka_unit_test(vertices_that_an_edge_of_length_zero_joins_become_one),
-        cmocka_unit_test(rings_lose_spurs),
+        cmocka_unit_test(spurs_of_polygons_are_removed),
         cmocka_unit_test(a_ring_that_passes_a_vertex_twice_is_refused),
         cmocka_unit_test(a_ring_with_a_bridge_to_its_hole_is_cut),
         cmocka_unit_test(a_ring_that_repeats_itself_is_reduced),
-        cmocka_unit_test(of_duplicates_the_first_stays),
-        cmocka_unit_test(a_polygon_given_twice_takes_up_its_indices),
-        cmocka_unit_test(no_faces_left_is_empty),
+        cmocka_unit_test(the_first_of_several_duplicates_is_kept),
+        cmocka_unit_test(a_removed_duplicate_keeps_its_face_indices),
+        cmocka_unit_test(a_mesh_that_loses_all_faces_is_empty),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

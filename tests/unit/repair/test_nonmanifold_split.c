@@ -77,7 +77,7 @@ static void each_further_fan_gets_a_copy(void **state)
 /* About the x axis counter-clockwise: 2 at 0 degrees, 4 at 90, 3 at 180. */
 static double around_x[][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
 
-static void of_three_faces_the_ones_with_the_inside_between_stay_together(void **state)
+static void of_three_faces_the_two_around_the_inside_stay_joined(void **state)
 {
     (void)state;
     uint32_t corners[] = {1, 0, 2, 0, 1, 3, 0, 1, 4};
@@ -152,7 +152,7 @@ static void a_fin_between_solids_is_cut_off(void **state)
     gd_mesh_release(mesh);
 }
 
-static void many_faces_at_an_edge_are_paired_in_a_moment(void **state)
+static void many_faces_at_an_edge_are_paired_fast(void **state)
 {
     (void)state;
     enum { SHEETS = 100000 };
@@ -176,7 +176,7 @@ static void many_faces_at_an_edge_are_paired_in_a_moment(void **state)
     free(corners);
 }
 
-static void a_moebius_strip_is_refused_all_the_same(void **state)
+static void a_moebius_strip_is_still_refused(void **state)
 {
     (void)state;
     enum { TURNS = 12 };
@@ -266,12 +266,12 @@ int main(void)
         cmocka_unit_test(an_open_bow_tie_is_cut),
         cmocka_unit_test(a_closed_bow_tie_is_cut),
         cmocka_unit_test(each_further_fan_gets_a_copy),
-        cmocka_unit_test(of_three_faces_the_ones_with_the_inside_between_stay_together),
+        cmocka_unit_test(of_three_faces_the_two_around_the_inside_stay_joined),
         cmocka_unit_test(faces_of_one_direction_are_not_joined),
         cmocka_unit_test(solids_that_share_an_edge_are_taken_apart),
         cmocka_unit_test(a_fin_between_solids_is_cut_off),
-        cmocka_unit_test(many_faces_at_an_edge_are_paired_in_a_moment),
-        cmocka_unit_test(a_moebius_strip_is_refused_all_the_same),
+        cmocka_unit_test(many_faces_at_an_edge_are_paired_fast),
+        cmocka_unit_test(a_moebius_strip_is_still_refused),
         cmocka_unit_test(random_triangles_become_surfaces),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -89,7 +89,7 @@ static uint32_t next_random(uint64_t *state)
 
 /* Random triangles over a few lattice points, exact or slightly moved: every kind of damage at
  * once. Each mesh is repaired or refused; at most one is refused for a degenerate face. */
-static void any_damage_is_mended_or_named(void **state)
+static void any_damage_is_repaired_or_reported(void **state)
 {
     (void)state;
     enum { MESHES = 10000, MOST_VERTICES = 34, MOST_FACES = 60 };
@@ -163,7 +163,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_shared_mesh_is_answered),
         cmocka_unit_test(a_repaired_mesh_needs_no_repair),
-        cmocka_unit_test(any_damage_is_mended_or_named),
+        cmocka_unit_test(any_damage_is_repaired_or_reported),
         cmocka_unit_test(a_repair_can_be_cancelled_at_every_report),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

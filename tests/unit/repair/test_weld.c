@@ -115,7 +115,7 @@ static void the_tolerance_itself_is_within_reach(void **state)
     gd_mesh_release(mesh);
 }
 
-static void an_edge_of_three_faces_names_the_weld(void **state)
+static void an_error_of_an_edge_with_three_faces_names_the_weld(void **state)
 {
     (void)state;
     double positions[][3] = {{0, 0, 0},    {1, 0, 0},    {0, 1, 0}, {0, -1, 0},
@@ -137,7 +137,7 @@ static void errors_of_the_file_do_not_name_the_weld(void **state)
     assert_null(strstr(detail.text, "weld"));
 }
 
-static void faces_brought_upon_each_other_name_the_weld(void **state)
+static void an_error_of_coinciding_faces_names_the_weld(void **state)
 {
     (void)state;
     double positions[][3] = {{0, 0, 0},    {1, 0, 0},    {0, 1, 0},
@@ -300,9 +300,9 @@ int main(void)
         cmocka_unit_test(a_soup_of_triangles_becomes_a_cube),
         cmocka_unit_test(a_chain_of_close_points_is_not_welded_to_one),
         cmocka_unit_test(the_tolerance_itself_is_within_reach),
-        cmocka_unit_test(an_edge_of_three_faces_names_the_weld),
+        cmocka_unit_test(an_error_of_an_edge_with_three_faces_names_the_weld),
         cmocka_unit_test(errors_of_the_file_do_not_name_the_weld),
-        cmocka_unit_test(faces_brought_upon_each_other_name_the_weld),
+        cmocka_unit_test(an_error_of_coinciding_faces_names_the_weld),
         cmocka_unit_test(faces_that_fall_together_are_removed),
         cmocka_unit_test(only_vertices_of_faces_are_welded),
         cmocka_unit_test(a_tolerance_is_a_length),

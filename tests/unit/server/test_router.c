@@ -240,7 +240,7 @@ static void assert_told(enum server_refusal why, unsigned status, const char *wo
     server_exchange_destroy(exchange);
 }
 
-static void a_refusal_says_why(void **state)
+static void a_refused_job_gets_the_reason(void **state)
 {
     (void)state;
     assert_told(SERVER_REFUSAL_DEADLINE, 504, "deadline");
@@ -264,7 +264,7 @@ int main(void)
         TEST(work_after_the_cancel_is_refused),
         TEST(a_search_leaves_a_workspace_that_is_counted),
         TEST(a_search_can_use_all_memory),
-        TEST(a_refusal_says_why),
+        TEST(a_refused_job_gets_the_reason),
     };
 #undef TEST
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -99,7 +99,7 @@ static void check_plane(const struct gd_mesh *mesh, const struct gd_point *point
     gd_spline_free(&spline);
 }
 
-static void classical_in_the_plane(void **state)
+static void equals_the_classical_spline_in_the_plane(void **state)
 {
     (void)state;
     struct surface plane = surface_of("grid", (double[SAMPLE_PARAMETERS]){40, 30, 1, 1});
@@ -123,7 +123,7 @@ static double plane_turn(struct gd_vec3 a, struct gd_vec3 b, struct gd_vec3 c)
 }
 
 /* Where the speed is 0, the curve is tangent to the line from the nearest other control point. */
-static void turns_where_the_speed_is_zero(void **state)
+static void is_tangent_where_the_speed_is_zero(void **state)
 {
     (void)state;
     struct surface plane = surface_of("grid", (double[SAMPLE_PARAMETERS]){40, 30, 1, 1});
@@ -335,7 +335,7 @@ static void laws_on_shared_meshes(void **state)
 }
 
 /* Scaling the mesh scales the curve. */
-static void any_scale(void **state)
+static void scaling_the_mesh_scales_the_spline(void **state)
 {
     (void)state;
     double length = 0;
@@ -369,7 +369,7 @@ static void any_scale(void **state)
 
 /* With tension 1 the spline is the polyline of shortest paths. A smaller tolerance never reduces
  * the length. */
-static void lengths(void **state)
+static void lengths_depend_on_tension_and_tolerance(void **state)
 {
     (void)state;
     struct surface torus = surface_of("torus", (double[SAMPLE_PARAMETERS]){36, 24, 1, 0.4});
@@ -466,7 +466,7 @@ static void check_same(const struct gd_spline *a, const struct gd_spline *b)
 
 /* With an executor the spline is the same bit for bit. Progress is reported on the caller's thread
  * and never decreases. Cancelling stops both searches. */
-static void two_at_a_time(void **state)
+static void two_searches_at_a_time_give_the_same_spline(void **state)
 {
     (void)state;
     enum { MANY = 9 };
@@ -503,7 +503,7 @@ static void two_at_a_time(void **state)
 }
 
 /* If two given tangents are invalid, the error names the first one. */
-static void two_refuse_as_one(void **state)
+static void two_searches_at_a_time_report_the_same_error(void **state)
 {
     (void)state;
     enum { MANY = 6 };
@@ -529,7 +529,7 @@ static void two_refuse_as_one(void **state)
 }
 
 /* The smallest budget for one search at a time is enough with an executor too. */
-static void two_within_the_budget_of_one(void **state)
+static void two_searches_fit_into_the_budget_of_one(void **state)
 {
     (void)state;
     struct surface torus = surface_of("torus", (double[SAMPLE_PARAMETERS]){60, 40, 1, 0.4});
@@ -592,16 +592,17 @@ static void refusals(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(classical_in_the_plane),
-                                       cmocka_unit_test(turns_where_the_speed_is_zero),
-                                       cmocka_unit_test(evaluated_as_in_the_paper),
-                                       cmocka_unit_test(laws_on_surfaces),
-                                       cmocka_unit_test(laws_on_shared_meshes),
-                                       cmocka_unit_test(any_scale),
-                                       cmocka_unit_test(lengths),
-                                       cmocka_unit_test(two_at_a_time),
-                                       cmocka_unit_test(two_refuse_as_one),
-                                       cmocka_unit_test(two_within_the_budget_of_one),
-                                       cmocka_unit_test(refusals)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(equals_the_classical_spline_in_the_plane),
+        cmocka_unit_test(is_tangent_where_the_speed_is_zero),
+        cmocka_unit_test(evaluated_as_in_the_paper),
+        cmocka_unit_test(laws_on_surfaces),
+        cmocka_unit_test(laws_on_shared_meshes),
+        cmocka_unit_test(scaling_the_mesh_scales_the_spline),
+        cmocka_unit_test(lengths_depend_on_tension_and_tolerance),
+        cmocka_unit_test(two_searches_at_a_time_give_the_same_spline),
+        cmocka_unit_test(two_searches_at_a_time_report_the_same_error),
+        cmocka_unit_test(two_searches_fit_into_the_budget_of_one),
+        cmocka_unit_test(refusals)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -136,7 +136,7 @@ static void bends_are_kept(void **state)
 
 /* A segment that ends at a vertex up to rounding continues in that vertex. So does one that reaches
  * the boundary with no more than rounding left. */
-static void joints_are_found(void **state)
+static void a_segment_that_ends_near_a_vertex_continues_there(void **state)
 {
     (void)state;
     struct surface saddle = surface_of("saddle", (double[SAMPLE_PARAMETERS]){1, 0.9, 12, 4});
@@ -259,7 +259,7 @@ static void turns_by_the_angle_defect(void **state)
 
 /* In a plane transport keeps a vector. On any surface, transport forth and back along a path
  * without bends restores the vector's angle. */
-static void moves_and_comes_back(void **state)
+static void transport_forth_and_back_changes_nothing(void **state)
 {
     (void)state;
     struct surface grid = surface_of("grid", (double[SAMPLE_PARAMETERS]){9, 7, 1, 1});
@@ -310,7 +310,7 @@ static void moves_and_comes_back(void **state)
     }
 }
 
-static void sums(void **state)
+static void sums_of_vectors(void **state)
 {
     (void)state;
     struct surface grid = surface_of("grid", (double[SAMPLE_PARAMETERS]){3, 3, 1, 1});
@@ -339,10 +339,10 @@ int main(void)
         cmocka_unit_test(exp_of_log),
         cmocka_unit_test(exp_of_log_on_shared_meshes),
         cmocka_unit_test(bends_are_kept),
-        cmocka_unit_test(joints_are_found),
+        cmocka_unit_test(a_segment_that_ends_near_a_vertex_continues_there),
         cmocka_unit_test(turns_by_the_angle_defect),
-        cmocka_unit_test(moves_and_comes_back),
-        cmocka_unit_test(sums),
+        cmocka_unit_test(transport_forth_and_back_changes_nothing),
+        cmocka_unit_test(sums_of_vectors),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

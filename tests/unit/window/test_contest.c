@@ -58,7 +58,7 @@ static void two_solutions(void **state)
     assert_int_equal(result.switches, 2);
 }
 
-static void infinitely_many_solutions_are_a_tie_for_the_owner(void **state)
+static void in_a_tie_everywhere_the_owner_wins(void **state)
 {
     (void)state;
     /* mirror images across the edge have the same distances on it */
@@ -88,7 +88,7 @@ static void a_double_root_changes_nothing(void **state)
 
 /* Two sources close to a long edge have equal distances at both of its ends. In between, near the
  * sources, one is much nearer. */
-static void a_tie_at_both_ends_is_no_tie_between(void **state)
+static void windows_equal_at_both_ends_differ_between(void **state)
 {
     (void)state;
     struct gd__window near = {.b0 = 0, .b1 = 1e4, .x = 5e3, .y = 1e-4},
@@ -157,7 +157,7 @@ static struct gd__window linear(double angle, double sigma)
                                .source = GD__SOURCE_LINEAR};
 }
 
-static void a_line_and_a_point_part_at_a_parabola(void **state)
+static void a_line_and_a_point_are_equally_near_on_a_parabola(void **state)
 {
     (void)state;
     /* the point wins in the middle */
@@ -177,7 +177,7 @@ static void a_line_and_a_point_part_at_a_parabola(void **state)
     }
 }
 
-static void two_lines_part_at_one_place(void **state)
+static void two_lines_are_equally_near_at_one_place(void **state)
 {
     (void)state;
     struct gd__window a = linear(2.0, 0.3), b = linear(1.0, 0.6);
@@ -190,7 +190,7 @@ static void two_lines_part_at_one_place(void **state)
 }
 
 /* On the normal through a segment's end, the end is as near as the segment: a double root. */
-static void where_a_line_ends_nothing_changes(void **state)
+static void a_double_root_at_the_end_of_a_line_changes_nothing(void **state)
 {
     (void)state;
     struct gd__window line = linear(M_PI / 2, 0.5), end = window(1, 0.5, 0);
@@ -226,13 +226,13 @@ int main(void)
         cmocka_unit_test(no_solution),
         cmocka_unit_test(one_solution),
         cmocka_unit_test(two_solutions),
-        cmocka_unit_test(infinitely_many_solutions_are_a_tie_for_the_owner),
+        cmocka_unit_test(in_a_tie_everywhere_the_owner_wins),
         cmocka_unit_test(a_double_root_changes_nothing),
-        cmocka_unit_test(a_tie_at_both_ends_is_no_tie_between),
+        cmocka_unit_test(windows_equal_at_both_ends_differ_between),
         cmocka_unit_test(winner_is_never_worse),
-        cmocka_unit_test(a_line_and_a_point_part_at_a_parabola),
-        cmocka_unit_test(two_lines_part_at_one_place),
-        cmocka_unit_test(where_a_line_ends_nothing_changes),
+        cmocka_unit_test(a_line_and_a_point_are_equally_near_on_a_parabola),
+        cmocka_unit_test(two_lines_are_equally_near_at_one_place),
+        cmocka_unit_test(a_double_root_at_the_end_of_a_line_changes_nothing),
         cmocka_unit_test(random_contests_with_lines),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

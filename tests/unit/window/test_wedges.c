@@ -108,7 +108,7 @@ static void closes_gaps_of_the_size_of_rounding(void **state)
 }
 
 /* The sign of y stores the side of the source, also where y is zero. */
-static void tells_the_side_by_the_sign(void **state)
+static void the_sign_of_y_stores_the_side(void **state)
 {
     (void)state;
     struct gd__window window = {.b0 = 0, .b1 = 1, .x = 0.25, .y = 0, .source = 3};
@@ -244,7 +244,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(marks_gaps_before_between_and_behind, free_builder),
         cmocka_unit_test_teardown(closes_gaps_of_the_size_of_rounding, free_builder),
-        cmocka_unit_test_teardown(tells_the_side_by_the_sign, free_builder),
+        cmocka_unit_test_teardown(the_sign_of_y_stores_the_side, free_builder),
         cmocka_unit_test_teardown(reads_back_what_was_written, free_builder),
         cmocka_unit_test(linear_windows_come_back),
         cmocka_unit_test_teardown(every_form_keeps_all_bits, free_builder),

@@ -6,7 +6,7 @@ static bool is_same(const struct gd__window *a, const struct gd__window *b)
            a->sigma == b->sigma && a->source == b->source;
 }
 
-static void a_builder_keeps_what_is_in_it(void **state)
+static void a_growing_builder_keeps_its_windows(void **state)
 {
     (void)state;
     struct rng rng = {1};
@@ -80,7 +80,7 @@ static void copies_any_part(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_builder_keeps_what_is_in_it),
+        cmocka_unit_test(a_growing_builder_keeps_its_windows),
         cmocka_unit_test(arrays_have_a_spare_group_on_both_sides),
         cmocka_unit_test(copies_any_part),
     };

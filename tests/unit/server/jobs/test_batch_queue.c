@@ -98,7 +98,7 @@ static void answer(struct server_store_sql *sql, const char *id, int64_t item, u
 
 /* --- tests ------------------------------------------------------------------------------------ */
 
-static void batches_are_their_tenants(void **state)
+static void a_batch_is_visible_to_its_tenant_only(void **state)
 {
     struct server_store_sql *sql = sql_of(state);
     struct server_batch batch, batches[4];
@@ -126,7 +126,7 @@ static void batches_are_their_tenants(void **state)
     free(document);
 }
 
-static void each_item_is_taken_once_the_oldest_batch_first(void **state)
+static void each_item_is_claimed_once_in_order_of_batches(void **state)
 {
     struct server_store_sql *sql = sql_of(state);
     add(sql, ID_B, "", 1);
@@ -169,7 +169,7 @@ static bool on_answer(void *user, const struct server_sql_value *row)
     return true;
 }
 
-static void the_first_answer_stays(void **state)
+static void a_second_answer_is_ignored(void **state)
 {
     struct server_store_sql *sql = sql_of(state);
     char text[128] = "";
@@ -186,7 +186,7 @@ static void the_first_answer_stays(void **state)
     assert_int_equal(claim(sql, "x").item, 1);
 }
 
-static void answers_are_numbered_in_the_order_in_which_they_are_written(void **state)
+static void answers_are_numbered_in_order_of_writing(void **state)
 {
     struct server_store_sql *sql = sql_of(state);
     char text[128] = "", rest[128] = "";
@@ -232,7 +232,7 @@ static bool on_number(void *user, const struct server_sql_value *row)
 }
 
 /* Repeatedly reads the answers after the last number that it has read, while all threads write. */
-static void no_number_appears_behind_a_reader(void **state)
+static void readers_miss_no_answer(void **state)
 {
     struct server_store_sql *sql = sql_of(state);
     pthread_t threads[WRITERS];
@@ -278,7 +278,7 @@ static void batches_of_an_older_file_are_numbered(void **state)
     folder_remove(folder);
 }
 
-static void a_lease_is_renewed_by_who_has_it_and_given_back(void **state)
+static void only_its_holder_can_renew_or_return_a_lease(void **state)
 {
     struct server_store_sql *sql = sql_of(state);
     add(sql, ID_A, "", 1);
@@ -299,7 +299,7 @@ static void a_lease_is_renewed_by_who_has_it_and_given_back(void **state)
     assert_int_equal(claim(sql, "x").attempts, 2);
 }
 
-static void what_is_cancelled_is_not_begun(void **state)
+static void items_of_a_cancelled_batch_are_not_claimed(void **state)
 {
     struct server_store_sql *sql = sql_of(state);
     struct server_batch batch;
@@ -321,7 +321,7 @@ static void count_aside(void *user, const char *path, const char *name)
     *(uint32_t *)user += strncmp(name, "batches.db.damaged-", 19) == 0;
 }
 
-static void what_is_no_statement_is_refused(void **state)
+static void an_invalid_statement_is_refused(void **state)
 {
     struct server_store_sql *sql = sql_of(state);
     assert_true(sql->run(sql, SERVER_SQL("SELECT FROM nothing AT ALL")) != SERVER_STORE_DONE);
@@ -329,7 +329,7 @@ static void what_is_no_statement_is_refused(void **state)
 }
 
 /* Adds more than SQLite keeps in memory, so that pages are read again. */
-static void a_database_that_is_damaged_while_it_is_used_is_set_aside(void **state)
+static void a_database_damaged_during_use_is_set_aside(void **state)
 {
     char folder[FOLDER_PATH], path[SERVER_DISK_PATH], error[SERVER_ERROR];
     static const char rubbish[1 << 20];
@@ -362,16 +362,16 @@ static void a_database_that_is_damaged_while_it_is_used_is_set_aside(void **stat
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        EACH(batches_are_their_tenants),
-        EACH(each_item_is_taken_once_the_oldest_batch_first),
+        EACH(a_batch_is_visible_to_its_tenant_only),
+        EACH(each_item_is_claimed_once_in_order_of_batches),
         EACH(tenants_take_turns),
-        EACH(the_first_answer_stays),
-        EACH(answers_are_numbered_in_the_order_in_which_they_are_written),
-        EACH(no_number_appears_behind_a_reader),
+        EACH(a_second_answer_is_ignored),
+        EACH(answers_are_numbered_in_order_of_writing),
+        EACH(readers_miss_no_answer),
         cmocka_unit_test(batches_of_an_older_file_are_numbered),
-        EACH(a_lease_is_renewed_by_who_has_it_and_given_back),
-        EACH(what_is_cancelled_is_not_begun),
-        EACH(what_is_no_statement_is_refused),
-        cmocka_unit_test(a_database_that_is_damaged_while_it_is_used_is_set_aside)};
+        EACH(only_its_holder_can_renew_or_return_a_lease),
+        EACH(items_of_a_cancelled_batch_are_not_claimed),
+        EACH(an_invalid_statement_is_refused),
+        cmocka_unit_test(a_database_damaged_during_use_is_set_aside)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -260,7 +260,7 @@ static void a_problem_is_a_failure(void **state)
     server_deferred_job_release(job);
 }
 
-static void the_request_comes_whole(void **state)
+static void a_job_receives_the_whole_request(void **state)
 {
     (void)state;
     const struct proto_route route = {.path = "/", .handle = look_at_the_request};
@@ -371,7 +371,7 @@ static void an_expired_job_is_not_found(void **state)
     server_deferred_job_release(job);
 }
 
-static void the_oldest_make_way(void **state)
+static void the_oldest_ended_job_makes_room(void **state)
 {
     (void)state;
     struct server_deferred_job *running = start(wait_in_a_worker), *ended[4];
@@ -419,7 +419,7 @@ static bool is_there_for(const char *who, struct server_deferred_job *job)
 
 /* A full table of four jobs: for a new job, the tenant with the most jobs loses its oldest one.
  * That may be the tenant of the new job. */
-static void the_tenant_with_the_most_makes_way(void **state)
+static void the_tenant_with_the_most_jobs_loses_one(void **state)
 {
     (void)state;
     struct server_deferred_job *bob = start_for("bob"), *ann[6];
@@ -483,7 +483,7 @@ static void answers_have_a_share_of_the_budget(void **state)
     server_deferred_job_release(jobs[2]);
 }
 
-static void are_listed_by_age(void **state)
+static void jobs_are_listed_by_age(void **state)
 {
     (void)state;
     struct server_deferred_job *jobs[4], *listed[4];
@@ -505,7 +505,7 @@ static void are_listed_by_age(void **state)
     for (int i = 0; i < 4; i++) server_deferred_job_release(jobs[i]);
 }
 
-static void are_known_to_their_tenant_only(void **state)
+static void jobs_are_visible_to_their_tenant_only(void **state)
 {
     (void)state;
     struct server_deferred_job *listed[4];
@@ -556,20 +556,20 @@ int main(void)
     const struct CMUnitTest tests[] = {
         TEST(an_answer_is_kept_until_it_is_removed),
         TEST(a_problem_is_a_failure),
-        TEST(the_request_comes_whole),
+        TEST(a_job_receives_the_whole_request),
         TEST(states_follow_the_workers),
         TEST(progress_never_falls),
         TEST(a_waiting_job_is_cancelled_without_a_worker),
         TEST(a_running_job_is_stopped_and_its_answer_dropped),
         TEST(ended_jobs_are_dropped_in_time),
         cmocka_unit_test_setup_teardown(an_expired_job_is_not_found, set_up_short_lived, tear_down),
-        TEST(the_oldest_make_way),
+        TEST(the_oldest_ended_job_makes_room),
         cmocka_unit_test_setup_teardown(a_full_table_refuses, set_up_small, tear_down),
         TEST(answers_have_a_share_of_the_budget),
-        TEST(the_tenant_with_the_most_makes_way),
+        TEST(the_tenant_with_the_most_jobs_loses_one),
         TEST(a_large_answer_evicts_answers_of_its_tenant),
-        TEST(are_listed_by_age),
-        TEST(are_known_to_their_tenant_only),
+        TEST(jobs_are_listed_by_age),
+        TEST(jobs_are_visible_to_their_tenant_only),
         TEST(odd_ids_are_not_found),
         TEST(a_drain_refuses_waiting_jobs),
     };

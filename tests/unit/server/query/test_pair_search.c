@@ -52,7 +52,7 @@ static void legs_become_one_path(void **state)
     gd_mesh_release(mesh);
 }
 
-static void a_gap_leaves_no_way(void **state)
+static void a_leg_without_a_path_leaves_no_path(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = new_mesh();
@@ -80,7 +80,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(legs_become_one_path),
-        cmocka_unit_test(a_gap_leaves_no_way),
+        cmocka_unit_test(a_leg_without_a_path_leaves_no_path),
         cmocka_unit_test(distances_need_no_paths),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

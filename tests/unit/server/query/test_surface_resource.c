@@ -184,7 +184,7 @@ static unsigned stored(const char *pattern)
     return count;
 }
 
-static void made_meshes_outlive_the_daemon_to_the_last_bit(void **state)
+static void made_meshes_are_unchanged_after_a_restart(void **state)
 {
     (void)state;
     assert_true(begins(MAKE(.names = {"a", "b"}, .count = 2, .has_attachment = true),
@@ -208,7 +208,7 @@ static void made_meshes_outlive_the_daemon_to_the_last_bit(void **state)
     server_listed_release(&listed);
 }
 
-static void the_same_again_changes_nothing(void **state)
+static void an_equal_mesh_changes_nothing(void **state)
 {
     (void)state;
     assert_true(begins(MAKE(.names = {"a"}, .count = 1, .has_attachment = true), "201"));
@@ -224,7 +224,7 @@ static void the_same_again_changes_nothing(void **state)
     free(before);
 }
 
-static void attachments_go_with_the_last_mesh_that_has_them(void **state)
+static void an_attachment_is_deleted_with_its_last_mesh(void **state)
 {
     (void)state;
     MAKE(.names = {"a", "b", "c"}, .count = 3, .has_attachment = true);
@@ -238,7 +238,7 @@ static void attachments_go_with_the_last_mesh_that_has_them(void **state)
     assert_int_equal(stored("objects"), 0);
 }
 
-static void all_or_none_are_made(void **state)
+static void if_one_mesh_fails_none_is_stored(void **state)
 {
     (void)state;
     assert_non_null(strstr(MAKE(.names = {"a", "a"}, .count = 2), "name each one differently"));
@@ -252,7 +252,7 @@ static void all_or_none_are_made(void **state)
     assert_int_equal(stored("manifests"), 0);
 }
 
-static void want_of_memory_is_told(void **state)
+static void lack_of_memory_is_reported(void **state)
 {
     (void)state;
     daemon_server.budget.limit = daemon_server.budget.total + 100;
@@ -261,7 +261,7 @@ static void want_of_memory_is_told(void **state)
     assert_true(begins(MAKE(.names = {"a"}, .count = 1, .has_attachment = true), "201"));
 }
 
-static void a_damaged_attachment_is_never_given_out(void **state)
+static void a_damaged_attachment_is_never_returned(void **state)
 {
     (void)state;
     char command[2 * FOLDER_PATH];
@@ -285,7 +285,7 @@ static void a_damaged_attachment_is_never_given_out(void **state)
     assert_string_equal(GET("/v1/meshes/a/attachment"), "200 [7,0,9]");
 }
 
-static void a_backup_has_them_too(void **state)
+static void a_backup_contains_attachments(void **state)
 {
     (void)state;
     char *text = NULL;
@@ -310,13 +310,13 @@ int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
     const struct CMUnitTest tests[] = {
-        TEST(made_meshes_outlive_the_daemon_to_the_last_bit),
-        TEST(the_same_again_changes_nothing),
-        TEST(attachments_go_with_the_last_mesh_that_has_them),
-        TEST(all_or_none_are_made),
-        TEST(want_of_memory_is_told),
-        TEST(a_damaged_attachment_is_never_given_out),
-        TEST(a_backup_has_them_too),
+        TEST(made_meshes_are_unchanged_after_a_restart),
+        TEST(an_equal_mesh_changes_nothing),
+        TEST(an_attachment_is_deleted_with_its_last_mesh),
+        TEST(if_one_mesh_fails_none_is_stored),
+        TEST(lack_of_memory_is_reported),
+        TEST(a_damaged_attachment_is_never_returned),
+        TEST(a_backup_contains_attachments),
     };
 #undef TEST
     return cmocka_run_group_tests(tests, NULL, NULL);

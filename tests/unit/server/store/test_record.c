@@ -219,7 +219,7 @@ static void nothing_leaks_without_memory(void **state)
     free(text);
 }
 
-static void is_counted_once_until_it_is_released(void **state)
+static void a_record_is_counted_once_until_it_is_released(void **state)
 {
     (void)state;
     struct server_budget budget;
@@ -275,7 +275,7 @@ int main(void)
         cmocka_unit_test(only_complete_records_are_read),
         cmocka_unit_test(version_1_is_a_mesh_without_tenant),
         cmocka_unit_test(nothing_leaks_without_memory),
-        cmocka_unit_test(is_counted_once_until_it_is_released),
+        cmocka_unit_test(a_record_is_counted_once_until_it_is_released),
         cmocka_unit_test(a_long_description_is_shortened_when_it_is_read),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -179,7 +179,7 @@ static void landmarks_are_built_in_the_background_and_counted(void **state)
     assert_int_equal(counted(SERVER_BUDGET_LANDMARKS), 0);
 }
 
-static void small_meshes_get_none(void **state)
+static void small_meshes_get_no_landmarks(void **state)
 {
     (void)state;
     struct server_surface *small = put_sphere(3);
@@ -233,7 +233,7 @@ static void short_memory_ends_the_running_build(void **state)
     server_surface_release(large);
 }
 
-static void retired_surfaces_get_none(void **state)
+static void retired_surfaces_get_no_landmarks(void **state)
 {
     (void)state;
     struct server_surface *large = occupy_thread();
@@ -312,7 +312,7 @@ static void stored_landmarks_are_read(void **state)
     assert_statistics(1, 1, 0);
 }
 
-static void damaged_landmarks_are_built_again(void **state)
+static void damaged_landmarks_are_rebuilt(void **state)
 {
     (void)state;
     server_landmark_set_release(await(surface));
@@ -331,7 +331,7 @@ static void damaged_landmarks_are_built_again(void **state)
     assert_statistics(2, 1, 0);
 }
 
-static void another_number_of_landmarks_is_built_again(void **state)
+static void a_changed_number_of_landmarks_causes_a_rebuild(void **state)
 {
     (void)state;
     server_landmark_set_release(await(surface));
@@ -345,7 +345,7 @@ static void another_number_of_landmarks_is_built_again(void **state)
     assert_string_not_equal(stored_file(), ""); /* only one file */
 }
 
-static void the_file_goes_with_the_mesh(void **state)
+static void the_file_is_deleted_with_the_mesh(void **state)
 {
     (void)state;
     server_landmark_set_release(await(surface));
@@ -382,16 +382,16 @@ int main(void)
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
     const struct CMUnitTest tests[] = {
         TEST(landmarks_are_built_in_the_background_and_counted),
-        TEST(small_meshes_get_none),
+        TEST(small_meshes_get_no_landmarks),
         TEST(short_memory_evicts_the_least_recently_used_first),
         TEST(short_memory_ends_the_running_build),
-        TEST(retired_surfaces_get_none),
+        TEST(retired_surfaces_get_no_landmarks),
         TEST(a_build_waits_for_free_memory),
         TEST(a_too_expensive_build_is_not_begun),
         TEST(stored_landmarks_are_read),
-        TEST(damaged_landmarks_are_built_again),
-        TEST(another_number_of_landmarks_is_built_again),
-        TEST(the_file_goes_with_the_mesh),
+        TEST(damaged_landmarks_are_rebuilt),
+        TEST(a_changed_number_of_landmarks_causes_a_rebuild),
+        TEST(the_file_is_deleted_with_the_mesh),
         TEST(many_threads_at_once),
     };
 #undef TEST

@@ -170,7 +170,7 @@ static void without_memory_one_request_gets_the_error(void **state)
 }
 
 /* An upload queues a preview only of a large mesh. */
-static void small_meshes_do_without(void **state)
+static void small_meshes_get_no_preview(void **state)
 {
     (void)state;
     server_previews_expect(server.api.previews, surface);
@@ -210,7 +210,7 @@ int main(void)
         PREVIEW_TEST(another_number_of_faces_replaces_the_preview),
         PREVIEW_TEST(an_evicted_preview_is_read_again),
         PREVIEW_TEST(without_memory_one_request_gets_the_error),
-        PREVIEW_TEST(small_meshes_do_without),
+        PREVIEW_TEST(small_meshes_get_no_preview),
         PREVIEW_TEST(a_retired_surface_gets_no_preview),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -102,7 +102,7 @@ static enum server_outcome put(struct fixture *fixture, const char *name, const 
     return put_if(fixture, name, bytes, none);
 }
 
-static void keeps_by_name(void **state)
+static void finds_surfaces_by_name(void **state)
 {
     struct fixture *fixture = *state;
     assert_null(get(fixture, "a"));
@@ -180,7 +180,7 @@ static void lists_by_prefix(void **state)
     }
 }
 
-static void preconditions_decide(void **state)
+static void writes_obey_preconditions(void **state)
 {
     struct fixture *fixture = *state;
     char right[SERVER_ETAG + 2];
@@ -461,11 +461,11 @@ int main(void)
 #define TEST(name)   cmocka_unit_test_setup_teardown(name, set_up, tear_down)
 #define STORED(name) cmocka_unit_test_setup_teardown(name, set_up_stored, tear_down)
     const struct CMUnitTest tests[] = {
-        TEST(keeps_by_name),
+        TEST(finds_surfaces_by_name),
         TEST(a_retained_surface_outlives_its_name),
         TEST(lists_in_order),
         TEST(lists_by_prefix),
-        TEST(preconditions_decide),
+        TEST(writes_obey_preconditions),
         TEST(replacing_ends_the_fields),
         TEST(the_watcher_is_called_with_the_last_name),
         TEST(the_store_tidies_after_the_slots_change),

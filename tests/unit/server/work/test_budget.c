@@ -119,7 +119,7 @@ static void workspaces_go_before_fields(void **state)
     assert_int_equal(budget.used[SERVER_BUDGET_FIELDS], 20);
 }
 
-static void does_not_evict_in_vain(void **state)
+static void evicts_nothing_if_that_would_not_suffice(void **state)
 {
     (void)state;
     struct server_budget budget;
@@ -171,7 +171,7 @@ static void answers_can_evict_fields(void **state)
     assert_int_equal(budget.used[SERVER_BUDGET_ANSWERS], 500 * KIB);
 }
 
-static void texts_take_from_the_answers(void **state)
+static void texts_count_as_answers(void **state)
 {
     (void)state;
     struct server_budget budget;
@@ -192,10 +192,10 @@ int main(void)
         cmocka_unit_test(walks_the_meshes_only_when_memory_is_short),
         cmocka_unit_test(reclaims_the_missing_bytes),
         cmocka_unit_test(workspaces_go_before_fields),
-        cmocka_unit_test(does_not_evict_in_vain),
+        cmocka_unit_test(evicts_nothing_if_that_would_not_suffice),
         cmocka_unit_test(answers_leave_a_part_to_other_classes),
         cmocka_unit_test(answers_can_evict_fields),
-        cmocka_unit_test(texts_take_from_the_answers),
+        cmocka_unit_test(texts_count_as_answers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

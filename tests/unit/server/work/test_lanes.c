@@ -179,7 +179,7 @@ static void spare_workers_take_permitted_jobs_only(void **state)
     take_all();
 }
 
-static void late_jobs_leave_all_lanes(void **state)
+static void expired_jobs_are_removed_from_all_lanes(void **state)
 {
     (void)state;
     int late = 0;
@@ -246,7 +246,7 @@ int main(void)
         cmocka_unit_test_setup(a_tenant_leaves_places_free, set_up),
         cmocka_unit_test_setup(a_single_tenant_has_all_places, set_up),
         cmocka_unit_test_setup(spare_workers_take_permitted_jobs_only, set_up),
-        cmocka_unit_test_setup(late_jobs_leave_all_lanes, set_up),
+        cmocka_unit_test_setup(expired_jobs_are_removed_from_all_lanes, set_up),
         cmocka_unit_test(expire_takes_the_late_jobs),
         cmocka_unit_test(an_unwanted_job_is_late),
     };
