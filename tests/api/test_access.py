@@ -136,7 +136,7 @@ class Roles(Keyed):
         twice = f"GET /v1 HTTP/1.1\r\nHost: a\r\nAuthorization: Bearer {key}\r\nAuthorization: Bearer {key}\r\n\r\n"
         self.assertTrue(self.daemon.raw(twice.encode(), shut=True).startswith(b"HTTP/1.1 401 "))
 
-    def test_a_reader_asks_and_a_writer_changes(self):
+    def test_a_read_key_may_query_and_a_write_key_may_change(self):
         self.assert_problem(self.ask("PUT", "/v1/meshes/square", "reader", SQUARE), 403, "forbidden")
         self.assertEqual(self.ask("PUT", "/v1/meshes/square", "writer", SQUARE).status, 201)
         pair = json.dumps({"from": {"vertex": 0}, "to": {"vertex": 2}})
@@ -172,7 +172,7 @@ class Roles(Keyed):
             self.assertNotIn(key_of(name), text)
             self.assertNotIn(digest(key_of(name)), text)
 
-    def test_any_name_of_the_machine_will_do(self):
+    def test_any_host_is_accepted_with_keys(self):
         for host in ("meshes.example", "10.1.2.3:8080"):
             self.assertEqual(self.daemon.get("/v1", Host=host, **bearer("reader")).status, 200)
         answer = self.daemon.get("/v1", Origin="https://evil.example", **bearer("reader"))
@@ -205,7 +205,7 @@ class Limits(Keyed):
         time.sleep(int(answers[-1].headers["Retry-After"] or 1))
         self.assertEqual(self.ask("GET", "/v1", "slow").status, 200)
 
-    def test_so_many_at_once(self):
+    def test_concurrent_requests_of_a_key_are_limited(self):
         self.assertEqual(self.ask("PUT", "/v1/meshes/rough", "fast", sample("terrain", cells=96, amplitude=1)).status, 201)
         path = "/v1/meshes/rough/matrix"
         body = json.dumps({"sources": [{"vertex": i} for i in range(40)], "targets": [{"vertex": 9000}]})

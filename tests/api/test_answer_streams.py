@@ -146,7 +146,7 @@ class Streams(TestCase):
         self.assertEqual(len(texts), 1)
         self.assertEqual(texts.pop(), self.daemon.ask("ring", *TRACE).body)
 
-    def test_is_not_longer_than_an_answer_may_be(self):
+    def test_a_stream_has_the_size_limit_of_answers(self):
         size = len(self.daemon.ask("ring", *TRACE).body)
         for most, status in ((size - 1, 507), (size + 1000, 200)):
             with Daemon("--max-answer", str(most), "--landmarks", "0") as daemon:

@@ -123,11 +123,11 @@ class Limited(TestCase):
 
 
 class Boundaries(TestCase):
-    def test_a_description_has_the_first(self):
+    def test_a_description_has_the_first_boundaries(self):
         mesh = self.daemon.put("loose", loose_triangles(250)).json
         self.assertEqual((mesh["boundary_count"], len(mesh["boundaries"])), (250, 100))
 
-    def test_all_come_by_page(self):
+    def test_all_boundaries_are_listed_by_page(self):
         mesh, found, after = self.daemon.put("loose", loose_triangles(250)).json, [], ""
         while after is not None:
             answer = self.daemon.get(f"/v1/meshes/loose/boundaries?limit=99{after and '&after=' + after}")

@@ -83,7 +83,7 @@ class Batches(TestCase):
         for number, answer in enumerate(found[1::2]):
             self.assert_line(answer, 400, "invalid_request", 2 * number + 2)
 
-    def test_an_unknown_query_is_told_what_there_is(self):
+    def test_the_error_of_an_unknown_query_lists_the_queries(self):
         names = ["distance", "path", "nearest", "matrix", "distance-to-set", "curve-distance", "spline", "trace", "transport", "voronoi"]
         answer, *others = self.answers("ball", lines_of({"query": "range"}, *({"query": name} for name in names)))
         self.assertEqual(answer["detail"], f'a batch has no query "range"; it takes {", ".join(names)}')
@@ -223,7 +223,7 @@ class Streams(TestCase):
         self.addCleanup(answer.close)
         return connection, answer
 
-    def test_lines_come_as_they_are_done_and_in_order(self):
+    def test_lines_are_sent_in_order_as_soon_as_they_are_ready(self):
         connection, answer = self.begin("large", lines_of(self.QUICK, self.slow, self.QUICK, self.slow, {"query": "x"}))
         self.assertEqual((answer.status, answer.getheader("Transfer-Encoding")), (200, "chunked"))
         self.assertEqual(answer.getheader("ETag"), form_tag(self.daemon.get("/v1/meshes/large").headers["ETag"], "ndjson"))
@@ -239,7 +239,7 @@ class Streams(TestCase):
         connection.request("GET", "/livez")  # the connection stays usable
         self.assertEqual(connection.getresponse().status, 200)
 
-    def test_quick_lines_leave_as_a_whole(self):
+    def test_quick_lines_are_sent_together(self):
         _, answer = self.begin("ball", lines_of(self.QUICK, self.QUICK))
         self.assertEqual(answer.getheader("Transfer-Encoding"), None)
         self.assertEqual(len(answer.read()), int(answer.getheader("Content-Length")))
@@ -295,7 +295,7 @@ class Streams(TestCase):
         self.assertEqual(found, [200] * 6)
         connection.close()
 
-    def test_the_time_is_over_for_lines_after_the_first(self):
+    def test_lines_after_the_deadline_get_504(self):
         _, answer = self.begin("large", lines_of(self.QUICK, *[self.slow] * 1000), "?timeout_ms=300")
         found = [json.loads(line) for line in answer]
         self.assertEqual((len(found), found[0]["status"], found[-1]["status"], found[-1]["code"]),

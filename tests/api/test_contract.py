@@ -94,7 +94,7 @@ class Examples(TestCase):
         faults = [fault for operation in self.contract.operations for fault in self.contract.faults_of_examples(operation)]
         self.assertEqual(faults, [])
 
-    def test_every_media_type_can_be_had(self):
+    def test_every_media_type_can_be_requested(self):
         def check(operation):
             if operation.method in ("delete", "head"):
                 return

@@ -278,7 +278,7 @@ class Roles(Keyed):
 
 
 class Durable(Folder):
-    def test_pieces_last(self):
+    def test_pieces_survive_a_restart(self):
         with self.start() as daemon:
             daemon.put("grid", sample("grid", columns=10, rows=10))
             answer = daemon.ask("grid", "cut", {"curve": square(0.15, 0.65), "names": ["frame", "window"]})

@@ -9,7 +9,7 @@ DELAY_MS = 1500
 
 
 class DrainDelay(unittest.TestCase):
-    def test_serves_on_while_readyz_says_no(self):
+    def test_requests_are_served_while_readyz_answers_503(self):
         daemon = Daemon("--drain-delay-ms", str(DELAY_MS))
         self.assertEqual(daemon.put("square", SQUARE).status, 201)
         self.assertEqual(daemon.get("/readyz").status, 200)

@@ -208,7 +208,7 @@ class Smuggling(TestCase):
             with self.subTest(text):
                 self.assertTrue(tuple(answers) == expected or is_refused(answers), answers)
 
-    def test_nothing_is_accepted_byte_by_byte(self):
+    def test_attacks_sent_byte_by_byte_are_refused(self):
         """The result does not depend on how the bytes are split."""
         attacks = [text for texts in ATTACKS.values() for text in texts[::4] if len(text) < 400]
 

@@ -131,7 +131,7 @@ class Lines(Isolines):
             self.assertTrue(line["closed"])
             self.assertLess(abs(line["length"] / (7 * sector * isoline["level"]) - 1), 1e-9)
 
-    def test_arcs_are_where_they_are_said_to_be(self):
+    def test_points_of_arcs_are_at_the_level(self):
         """Also tests faces with the wrong orientation in the file."""
         terrain = sample("terrain", cells=8, amplitude=0.5)
         meshes = {"turned": (TURNED, vertices(0)), "terrain": (terrain, vertices(20))}
@@ -306,7 +306,7 @@ class Memory(Isolines):
         self.assertEqual(self.ask("sphere", field, "count=3").status, 200)
         self.daemon.wait_for_flight(flight)
 
-    def test_levels_leave_as_they_are_written(self):
+    def test_each_level_is_sent_before_the_next_is_written(self):
         """An answer of many levels may be larger than the memory for answers, because each level is
         sent before the next one is written."""
         self.daemon.put("many", sample("icosphere", level=4))

@@ -48,7 +48,7 @@ class Events(OneWorker):
             self.assertEqual(self.daemon.request("GET", path, connection=connection).status, 200)
         connection.close()
 
-    def test_many_watch_and_some_go_away(self):
+    def test_many_watchers_of_which_some_disconnect(self):
         location = self.start_field(920)
         watches = [Watch(self.daemon, location) for _ in range(200)]
         self.assertEqual(self.daemon.wait_for("event_streams", 200), 200)

@@ -310,7 +310,7 @@ class Waiting(OneWorker):
 class Expiry(Jobs):
     flags = ("--job-ttl-s", "1", "--max-jobs", "5", "--memory-budget", "16MiB", "--max-body", "8MiB")
 
-    def test_ended_jobs_go_with_time(self):
+    def test_ended_jobs_expire(self):
         self.daemon.put("square", SQUARE)
         location = self.start("/v1/meshes/square/distance", pair(0, 2))
         self.wait(location, "done")
@@ -388,7 +388,7 @@ class Drain(Jobs):
         self.assertEqual(daemon.stop(), 0)
         connection.close()
 
-    def test_no_jobs_are_taken(self):
+    def test_new_jobs_are_refused_during_a_drain(self):
         daemon, _, _, connection, watch = self.busy()
         daemon.terminate()
         while "draining" not in [line["event"] for line in daemon.log]:
@@ -405,7 +405,7 @@ class Crowd(Jobs):
 
     flags = ("--workers", "2", "--max-jobs", "40", "--job-ttl-s", "1", "--landmarks", "0")
 
-    def test_starts_looks_cancels_and_watches(self):
+    def test_many_clients_start_read_cancel_and_watch_jobs(self):
         self.daemon.put("ball", sample("icosphere", level=4))
         stop = time.monotonic() + 3
         failures = []

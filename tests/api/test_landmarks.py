@@ -39,7 +39,7 @@ class Answers(unittest.TestCase):
             self.assertEqual(daemon.metric("cache_builds_total"), 0)
         return bodies
 
-    def test_they_are_the_same_with_landmarks_and_without(self):
+    def test_answers_are_the_same_with_and_without_landmarks(self):
         without = self.ask(0)
         for count in (1, 16):
             for plain, guided in zip(without, self.ask(count)):
@@ -97,7 +97,7 @@ class Life(TestCase):
             self.assertEqual(self.daemon.get(f"/v1/meshes/{name}/distance?from={point}&to=v:0").status, 200)
         self.assertGreater(self.daemon.metric("cache_evictions_total"), 0)
 
-    def test_they_go_for_room_and_come_back(self):
+    def test_evicted_landmarks_are_rebuilt(self):
         # a mesh whose pause between builds is short
         faces = self.daemon.put("flat", sample("grid", columns=40, rows=40)).json["faces"]
         self.daemon.get("/v1/meshes/flat/distance?from=v:0&to=v:9")

@@ -73,7 +73,7 @@ class Lanes(TestCase):
             self.assert_problem(answer, 503, "overloaded")
             self.assertGreaterEqual(int(answer.headers["Retry-After"]), 1)
 
-    def test_the_first_lane_stays_open(self):
+    def test_urgent_requests_are_answered_during_slow_work(self):
         with self.building(200) as slow:
             for path in ("/livez", "/v1/meshes/square", "/v1/meshes/square/distance?from=v:0&to=v:2",
                          "/v1/meshes/slow/nearest?point=p:0.5,0.5,3"):
@@ -104,7 +104,7 @@ class Lanes(TestCase):
             self.assertFalse(slow.done(), "too fast to watch")
             slow.result()
 
-    def test_when_the_builder_gives_up_another_takes_over(self):
+    def test_another_request_builds_if_the_builder_is_late(self):
         """The builder waits for the worker, and more requests than the queue holds wait for the
         builder. The builder's deadline does not end these requests."""
         self.daemon.ask_often("square", "v:1")

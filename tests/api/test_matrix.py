@@ -187,7 +187,7 @@ class Forms(TestCase):
         zipped = self.post("ball", document, Accept_Encoding="gzip")
         self.assertEqual(json.loads(gzip.decompress(zipped.body))["distances"], plain)
 
-    def test_json_unless_bytes_are_wanted_more(self):
+    def test_json_unless_bytes_are_preferred(self):
         document = {"sources": vertices([0]), "targets": vertices([1])}
         forms = (("*/*", "json"), ("application/json, application/octet-stream", "json"), ("application/*", "json"),
                  ("application/json;q=0.5, application/octet-stream", "octet-stream"))

@@ -105,13 +105,13 @@ class Repair(TestCase):
         self.assertEqual((answer.json["faces"], answer.json["index_count"] - file.count("v ")), (faces, copies))
         self.daemon.wait_for_flight()
 
-    def test_small_ones(self):
+    def test_small_meshes_with_defects(self):
         bow_tie = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv -1 0 0\nv 0 -1 0\nf 1 2 3\nf 1 4 5\n"
         crowded = "v 0 0 0\nv 0 0 1\nv 1 0 0\nv -1 1 0\nv -1 -1 0\nf 1 2 3\nf 1 2 4\nf 1 2 5\n"
         self.assert_mended(bow_tie, "?repair=split", 2, 1)
         self.assert_mended(crowded, "?repair=split", 3, 4)
 
-    def test_a_book(self):
+    def test_three_thousand_faces_at_an_edge(self):
         angles = [6 * page / 3000 for page in range(3000)]
         pages = [f"v {math.cos(angle)} {math.sin(angle)} 0\nf 1 2 {page + 3}\n" for page, angle in enumerate(angles)]
         self.assert_mended("v 0 0 0\nv 0 0 1\n" + "".join(pages), "?repair=split", 3000, 2 * 2999)
@@ -329,7 +329,7 @@ class Delete(TestCase):
         self.assert_problem(other, 412, "precondition_failed")
         self.assertEqual(self.daemon.request("DELETE", "/v1/meshes/matched", headers={"If-Match": etag}).status, 204)
 
-    def test_memory_is_given_back(self):
+    def test_memory_is_returned(self):
         self.daemon.put("big", sample("grid", columns=100, rows=100))
         self.daemon.ask_often("big", "v:0")
         self.daemon.get("/v1/meshes/big/distance?from=v:0&to=v:9000")

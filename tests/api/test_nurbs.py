@@ -299,7 +299,7 @@ class Roles(Keyed):
 
 
 class Durable(Folder):
-    def test_surfaces_and_places_last(self):
+    def test_surfaces_and_places_survive_a_restart(self):
         multiplied = rational_torus()
         multiplied["controlPoints"] = [[[w * x for x in point] for point, w in zip(*rows)]
                                        for rows in zip(multiplied["controlPoints"], multiplied["weights"])]

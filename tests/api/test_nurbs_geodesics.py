@@ -168,7 +168,7 @@ class Geodesics(Nurbs):
         for length in (3.980, 7.198, 7.626, 13.836):
             self.assertTrue(any(abs(way["length"] - length) < 0.001 for way in found), length)
 
-    def test_classes_that_can_not_be(self):
+    def test_impossible_classes(self):
         good = {"from": [0, 0], "to": [2.5, 0.2]}
         for pointer, document in (
             ("/turns", {"turns": [0, 1]}), ("/turns", {"turns": [17, 0]}), ("/turns", {"turns": "once"}), ("/turn_limit", {"turn_limit": 5}),
@@ -252,7 +252,7 @@ class Time(Nurbs):
         self.assertEqual(job["state"], "done", job)
         self.assert_near(job["result"]["length"], self.ask("hills", "geodesic", {"from": [0.45, 0.5], "to": [0.55, 0.5]})["length"], 1e-15)
 
-    def test_memory_is_given_back(self):
+    def test_memory_is_returned(self):
         self.ask("hills", "geodesic", {"from": [0.45, 0.5], "to": [0.55, 0.5]})
         self.post("hills", "curve-distance", self.HARD, "?timeout_ms=50")
         self.ask("hills", "nearest", {"xyz": [1, 2, 3]})

@@ -160,7 +160,7 @@ class PictureTests(TestCase):
         self.picture(status=406, Accept="application/json")
         self.assertEqual(self.daemon.request("POST", "/v1/meshes/square/picture.png", b"{}", {}).status, 405)
 
-    def test_where_no_path_leads_there_is_no_colour(self):
+    def test_points_without_a_path_have_no_colour(self):
         png = Png(self.picture("?source=v:0&view=front&size=400x100&legend=false&isolines=0", "two").body)
         self.assertLess(max(png.at(330, 70)) - min(png.at(330, 70)), 16)  # grey
 
@@ -170,7 +170,7 @@ class PictureTests(TestCase):
         self.picture("?view=top", status=412, **{"If-Match": '"other"'})
         self.picture("?view=nowhere", status=400, **{"If-None-Match": etag})
 
-    def test_the_same_question_has_the_same_bytes(self):
+    def test_equal_requests_get_equal_bytes(self):
         query = "?source=v:3&from=v:3&to=v:40&size=300x200&edges=true&background=dark"
         self.assertEqual(self.picture(query, "sphere").body, self.picture(query, "sphere").body)
 

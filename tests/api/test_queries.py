@@ -150,7 +150,7 @@ class Pairs(TestCase):
             self.assertAlmostEqual(one, other, 12)
         self.assertEqual(counted(), [SEARCHES - 1, 1])
 
-    def test_questions_from_everywhere_build_nothing(self):
+    def test_queries_of_different_sources_build_no_field(self):
         self.daemon.put("many", sample("icosphere", level=3))
         builds, searches = self.daemon.metric("cache_builds_total"), self.daemon.metric("searches_total")
         for number in range(200):
@@ -247,7 +247,7 @@ class CompactPoints(TestCase):
             return [self.replace(one, replaced) for one in value]
         return {name: self.replace(one, replaced) for name, one in value.items()} if isinstance(value, dict) else value
 
-    def test_they_are_answered_as_objects_are(self):
+    def test_compact_points_get_the_answers_of_objects(self):
         objects = {**self.POINTS, **{f"v:{i}": {"vertex": i} for i in range(4)}}
         for name, body in self.BODIES:
             for point in self.POINTS:

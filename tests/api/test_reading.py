@@ -59,7 +59,7 @@ end_header
         self.assertEqual((made["repair"]["faces_cut"], made["area"], made["faces"], made["boundary_count"]), (1, 8, 8, 2))
         self.assertEqual(made["repair"]["first"]["faces_cut"][0][0], 0)
 
-    def test_they_last_with_the_description(self):
+    def test_repairs_stay_in_the_description(self):
         made = self.repaired(SQUARE_WITH_A_HOLE + b"f 1 2 3 4 1 5 6 7 8 5\n")
         self.assertEqual(self.daemon.get("/v1/meshes/file").json["repair"], made["repair"])
 

@@ -52,7 +52,7 @@ class Scrub(Stored):
             self.assertAlmostEqual(daemon.metric("scrub_end_timestamp_seconds"), time.time(), delta=10)
             self.assertEqual(self.faults(daemon), [])
 
-    def test_damage_is_found_before_anybody_asks_and_healed_by_an_upload(self):
+    def test_damage_is_found_without_a_query_and_repaired_by_an_upload(self):
         answers = self.fill()
         self.damage("a")
         self.object_of("b").unlink()

@@ -142,7 +142,7 @@ class Restart(Stored):
 
 
 class Memory(Stored):
-    def test_unused_meshes_make_room(self):
+    def test_unused_meshes_are_unloaded_first(self):
         """Meshes without fields are unloaded first."""
         file = sample("icosphere", level=4)
         with self.start("--memory-budget", "32MiB", "--max-body", "4MiB") as daemon:

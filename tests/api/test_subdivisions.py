@@ -252,7 +252,7 @@ class Evaluate(Subdivisions):
 
 
 class Discretize(Subdivisions):
-    def test_vertices_lie_on_the_surface_and_remember(self):
+    def test_vertices_lie_on_the_surface_and_have_parameters(self):
         answer = self.daemon.request("POST", "/v1/subdivisions/cube/tessellate", json.dumps({"mesh": "fine", "level": 3}),
                                      {"Content-Type": "application/json"})
         self.assertEqual((answer.status, answer.headers["Location"]), (201, "/v1/meshes/fine"))
@@ -324,7 +324,7 @@ class Kept(TestCase):
                                                **options}),
                                    {"Content-Type": "application/json"})
 
-    def test_kept_shared_and_let_go_of(self):
+    def test_discretizations_are_cached_shared_and_evicted(self):
         self.daemon.request("PUT", "/v1/subdivisions/a", CUBE)
         self.assertEqual(self.memory(), 0)
         self.assertEqual(self.trace("a", 5).status, 200)
@@ -351,7 +351,7 @@ class Kept(TestCase):
             self.daemon.request("DELETE", f"/v1/subdivisions/{name}")
         self.assertEqual(self.memory(), 0)
 
-    def test_grids_are_kept_too(self):
+    def test_grids_are_cached_too(self):
         """Most traces need only the positions of the vertices: 24 bytes for each."""
         self.daemon.request("PUT", "/v1/subdivisions/grid", CUBE)
         before = self.memory()
@@ -362,7 +362,7 @@ class Kept(TestCase):
         self.assertEqual(self.daemon.request("DELETE", "/v1/subdivisions/grid").status, 204)
         self.assertEqual(self.memory(), before)
 
-    def test_who_waits_can_be_late(self):
+    def test_a_request_that_waits_for_a_build_has_a_deadline(self):
         self.daemon.request("PUT", "/v1/subdivisions/late", CUBE)
         slow = threading.Thread(target=self.trace, args=("late", 8))
         slow.start()
@@ -372,7 +372,7 @@ class Kept(TestCase):
         self.assertIn(answer.status, (200, 504))  # 200 on a fast machine
         self.daemon.request("DELETE", "/v1/subdivisions/late")
 
-    def test_degenerate_surfaces_are_the_clients(self):
+    def test_degenerate_surfaces_are_evaluated_without_normals(self):
         """Where control points are collinear or coincide, the surface has no normal: answers
         contain null instead of a number."""
         flat = b"v 0 0 0\nv 1 0 0\nv 2 0 0\nv 3 0 0\nf 1 2 3 4\n"

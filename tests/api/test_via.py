@@ -70,7 +70,7 @@ class Via(TestCase):
             found = answer.json
             self.assertEqual((found["distance"], found["reason"], found["path"]), (None, "no_path", None))
 
-    def test_each_leg_picks_by_itself(self):
+    def test_each_leg_uses_a_cached_field_or_a_search(self):
         """A leg with a cached field at either end is not searched."""
         self.daemon.put("fresh", sample("icosphere", level=4))
         self.daemon.ask_often("fresh", "v:7")

@@ -77,7 +77,7 @@ class Voronoi(TestCase):
         self.assertAlmostEqual(bisector["length"], 4, 9)
         self.assertEqual(bisector["points"][0], bisector["points"][-1])
 
-    def test_both_members_are_as_near(self):
+    def test_points_of_bisectors_are_equidistant(self):
         chance = random.Random(5)
         for mesh in ("terrain", "torus", "box"):
             members = [random_point(chance, self.meshes[mesh]["faces"]) | {"offset": chance.random() * 0.1} for _ in range(6)]
@@ -90,7 +90,7 @@ class Voronoi(TestCase):
                     for distance, own in zip(least, self.distances(mesh, [members[member]], points)):
                         self.assertLess(abs(own - distance), 1e-9 * max(1, distance))
 
-    def test_labels_are_the_nearest(self):
+    def test_labels_name_the_nearest_member(self):
         chance = random.Random(6)
         for mesh in ("terrain", "torus"):
             count = self.meshes[mesh]["index_count"]

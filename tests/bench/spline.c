@@ -10,8 +10,8 @@
 
 enum { RUNS = 9, LANDMARKS = 16, SAMPLES = 16 };
 
-/* A mesh of as many vertices as the paper's, and the paper's milliseconds (they are printed run
- * together; smooth.md explains the reading). */
+/* A mesh of as many vertices as the paper's, and the paper's milliseconds (printed without spaces
+ * between columns; smooth.md explains how they are read). */
 static const struct row {
     const char *mesh;
     uint32_t points;

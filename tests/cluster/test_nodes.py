@@ -274,7 +274,7 @@ class Interruptions(Shared):
             far.wait_until(lambda node: node.get("/v1/meshes/mesh").json["faces"] == faces, BOUND_SECONDS)
             print(f"# network cut ({cut.__name__}): noticed after {took:.2f} s, back {back:.2f} s after it was mended")
 
-    def test_a_silent_network_keeps_nobody_waiting_for_long(self):
+    def test_requests_end_soon_while_the_network_is_silent(self):
         relay = Relay(self.database.port)
         self.addCleanup(relay.close)
         far = self.start(port=relay.port)
@@ -292,7 +292,7 @@ class Interruptions(Shared):
         relay.mend()
         far.wait_until(lambda node: node.health() == "ok", 10)
 
-    def test_a_long_absence_is_made_up_for(self):
+    def test_a_node_catches_up_after_a_long_absence(self):
         relay = Relay(self.database.port)
         self.addCleanup(relay.close)
         near, far = self.start(), self.start(port=relay.port)

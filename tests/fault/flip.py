@@ -49,7 +49,7 @@ def warm(daemon):
 
 def get_landmarks(daemon):
     """Waits until the large mesh has its landmarks, loaded or, if those are damaged, rebuilt. A
-    search triggers this."""
+    search starts the build."""
     if daemon.get(f"/v1/meshes/large/{SEARCH}").status != 200:
         return
     until = time.monotonic() + harness.PATIENCE_SECONDS

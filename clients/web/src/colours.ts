@@ -1,6 +1,6 @@
-// Colour maps for values, and colours for the elements of a set, whose hues differ as much as
-// possible. Maps that are not from d3, and element colours, are computed in OKLab (Ottosson 2020),
-// where equal steps look equal.
+// Colour maps for values, and colours for the elements of a set. The hues of elements differ as
+// much as possible. Maps that are not from d3, and element colours, are computed in OKLab (Ottosson
+// 2020), where equal steps look equal.
 
 import { interpolateTurbo, interpolateViridis } from "d3-scale-chromatic";
 

@@ -195,7 +195,7 @@ static void ignores_other_content(void **state)
                square);
     check_both(SCENE("'materials':[{'name':'\\u00e4 { [ \\\" '}],'images':[{'uri':'picture.png'}]"),
                square);
-    /* Draco, with the same data uncompressed, which is what the reader uses */
+    /* Draco data, and the same data uncompressed; the reader uses the latter */
     check_both(MESH("{'attributes':{'POSITION':0},'indices':1,'extensions':{'KHR_draco_mesh_"
                     "compression':{}}}"),
                square);

@@ -503,7 +503,7 @@ static float ring_by_single(const struct gd__ring_group *groups, uint32_t count,
     return (float)least;
 }
 
-/* Makes random groups. The last group has empty lanes. */
+/* Fills a ring with random groups of edges. The last group has empty lanes. */
 static void random_ring(struct rng *rng, struct gd__ring_group *groups, uint32_t count)
 {
     uint32_t taken = (count - 1) * GD__RING_LANES + 1 + (uint32_t)rng_below(rng, GD__RING_LANES);

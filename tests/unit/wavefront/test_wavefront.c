@@ -80,7 +80,7 @@ static double windows_of_needles(uint32_t sides)
     return (double)work;
 }
 
-/* Many narrow faces pass a window on as one piece each. The number of windows is linear in the
+/* Each of many narrow faces passes a window on in one piece. The number of windows is linear in the
  * number of faces. */
 static void needles_are_not_quadratic(void **state)
 {

@@ -402,8 +402,8 @@ static void one_window_beside_others(void **state)
         assert_true(w.b0[i] == from[i] && w.b1[i] == to[i] && w.source[i] == (i != 1));
 }
 
-/* Each of three lines is nearer than the point at both of its ends, but not between: the largest
- * possible number of parts. The block must grow. */
+/* Three linear windows. Each is nearer than the point's window at both ends of the linear window,
+ * but not between them. This gives the largest possible number of parts. The block must grow. */
 static void one_window_may_leave_thirteen_parts(void **state)
 {
     (void)state;

@@ -387,7 +387,8 @@ static void crowd_out(struct crowd *crowd)
     }
 }
 
-/* The crowd has 16 of 17 places. The reserve is 3; half as many are cut in addition. */
+/* All 17 places are taken: 16 by the crowd, one by the fixture's connection. The reserve is 3
+ * places. Four connections are cut, to free the reserve and half as many places in addition. */
 static void the_oldest_heads_go_first(void **state)
 {
     struct crowd crowd;

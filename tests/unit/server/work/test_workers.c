@@ -109,7 +109,7 @@ static void a_cancel_refuses_all_waiting_jobs(void **state)
     assert_false(server_workers_cancelled(workers));
     server_workers_cancel(workers);
     assert_true(server_workers_cancelled(workers));
-    /* refused by its own function, so it counts as taken */
+    /* the workers accept the job and call its `refuse` function */
     assert_true(server_workers_submit(workers, &later.job));
     server_workers_resume(workers, &parked.job);
     assert_int_equal(queued.refusals + later.refusals + parked.refusals, 3);

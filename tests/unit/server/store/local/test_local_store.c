@@ -252,7 +252,7 @@ static void damaged_objects_are_found_and_replaced(void **state)
 /* --- verification ----------------------------------------------------------------------------- */
 
 struct pacing {
-    size_t bytes, most;      /* bytes: read so far; most: after which the visit ends */
+    size_t bytes, most;      /* bytes read so far; bytes after which the visit ends */
     struct fixture *fixture; /* the store that rewrites `written` meanwhile; NULL: none */
     struct server_record *written;
 };
