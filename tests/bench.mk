@@ -10,7 +10,7 @@ $(BUILD)/gd_bench: $(call objects,$(filter-out $(ABLATION_C),$(BENCH_C))) $(LIB_
 	$(call link,$(CXX)) $(ENGINE_LIBS)
 
 # `gd_bench ablation` runs gd_ablation. Only the engine in gd_ablation has the switches of
-# GD_ABLATION, so rooms that use struct gd__propagation are compiled a second time.
+# GD_ABLATION, so folders that use struct gd__propagation are compiled a second time.
 ABLATION_ROOMS := wavefront partition field query
 ABLATION_OBJECTS := $(patsubst %,$(BUILD)/ablation/%.o,$(filter-out tests/bench/main.c,$(BENCH_C)) \
                         $(wildcard $(patsubst %,engine/%/*.c,$(ABLATION_ROOMS))))

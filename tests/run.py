@@ -44,8 +44,8 @@ def run(command, timeout):
 
 def worth_telling(output, failed):
     """Returns a failed program's output without the tests that passed: logs are truncated, and must
-    keep the failures. Of another program returns the skips and the lines that begin with `# `.
-    Tests in C print the reason of a skip in a line before it."""
+    keep the failures. For a program that has not failed, returns its skips and the lines that begin
+    with `# `. Tests in C print the reason of a skip in a line before it."""
     reasons = re.findall(r"^# skipped: (.*)", output, re.M)
     told = []
     for line in output.splitlines():

@@ -21,7 +21,8 @@ $(call program,$(TEST_ENGINE)): $(BUILD)/%: $(BUILD)/obj/%.c.o $(LIB_SUPPORT) $(
 	@mkdir -p $(@D)
 	$(call link,$(CXX)) $(ENGINE_LIBS) $(TEST_LIBS) -lcmocka
 
-# The laws of a C++ file are C++. make puts this object behind the libraries, so they come again.
+# The checks of a C++ source are written in C++. make puts this object behind the libraries on the
+# command line of the linker, so the libraries are repeated behind it.
 $(BUILD)/tests/unit/edit/test_edit_mesh: $(BUILD)/obj/tests/unit/edit/edit_mesh_laws.cc.o
 $(BUILD)/tests/unit/edit/test_edit_mesh: TEST_LIBS = $(LIB_ENGINE) $(ENGINE_LIBS)
 

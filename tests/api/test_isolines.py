@@ -40,7 +40,8 @@ class Obj:
         self.faces = [[int(x) - 1 for x in line[1:]] for line in lines if line and line[0] == "f"]
 
     def place(self, arc, angle, up):
-        """Returns a point of an arc's circle; `up` is on the outer side of the face."""
+        """Returns the point at an angle of an arc's circle. The vector `up` points to the outer
+        side of the face."""
         a, b, c = (self.positions[corner] for corner in self.faces[arc["face"]])
         x = unit(subtract(b, a))
         normal = unit(cross(x, subtract(c, a)))

@@ -58,7 +58,7 @@ static struct candidate pop(struct decimation *d)
 
 /* --- decimation ------------------------------------------------------------------------------- */
 
-/* Returns the factor by which edges shall be shorter than elsewhere near the slot's edge. */
+/* Returns the factor by which edges near the slot's edge shall be shorter than elsewhere. */
 static double density(const struct decimation *d, uint32_t slot)
 {
     uint32_t vertex = d->surface->corners[slot];

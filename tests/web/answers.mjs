@@ -126,6 +126,6 @@ export const tests = {
   "a third click removes the answer": thirdClick,
   "a refusal removes the answer": refusal,
   "a drag beside the surface keeps the answer": missed,
-  "a retry redoes the question": retries,
+  "a retry repeats the query": retries,
   "a field follows a drag without jobs": fieldDrag,
 };

@@ -117,7 +117,7 @@ async function documents(browser) {
 
 export const tests = {
   "documents are accessible, with drawings, and fit a phone": documents,
-  "every operation is there": complete,
+  "every operation is listed": complete,
   "an example works on first use": firstUse,
   "conventions are folded": conventions,
   "examples work when they are tried out": tryOut,

@@ -222,14 +222,14 @@ async function maps({ settings }) {
 }
 
 export const tests = {
-  "creases split normals": creases,
+  "sharp edges split normals": creases,
   "lines as files": lineFiles,
   "names of uploads": names,
   "colour maps": maps,
-  "rays hit what every triangle alone says": rays,
+  "rays hit the triangles that a test of all finds": rays,
   "binary PLY": files,
-  "command lines are what a shell makes of them": commands,
-  "the newest wins": newest,
+  "a shell parses command lines as intended": commands,
+  "a task gets the newest input": newest,
   "places and their compact form": places,
   "numbers for people": numbers,
 };

@@ -99,7 +99,7 @@ async function hiddenLines(browser, torus) {
 }
 
 export const tests = {
-  "a drag colours pixels as a drawing does": recoloured,
+  "recoloured pixels equal a new drawing": recoloured,
   "hidden lines on 250,000 faces": (browser) => hiddenLines(browser, FINE),
 };
 

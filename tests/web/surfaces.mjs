@@ -204,7 +204,7 @@ export const tests = {
   "a mesh deleted by another client": deleted,
   "a mesh replaced by another client": replaced,
   "a mesh added by another client": added,
-  "a question about a name stays": patient,
+  "the choice about a taken name stays": patient,
   "each refused file is named": refusals,
   "a browser without storage": blocked,
   "a long name": longName,

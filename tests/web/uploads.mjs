@@ -96,5 +96,5 @@ export const tests = {
   "a taken name: replace": replace,
   "several files at once": several,
   "a refused file leaves the answer": refused,
-  "leaving a running upload is asked": leaving,
+  "the browser asks before leaving a running upload": leaving,
 };

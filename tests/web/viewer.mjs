@@ -248,11 +248,11 @@ async function mended(browser) {
 export const tests = {
   "time to first picture": firstPicture,
   "a file is dropped, two clicks, the API's own length": dropAndClick,
-  "a refused file is mended": mended,
+  "a refused file is repaired": mended,
   "a point is dragged": drag,
   "a link shows the same": link,
   "copy as curl": copyAsCurl,
-  "a problem is told": problems,
+  "a problem is shown": problems,
   "a phone, by touch": phone,
   "accessible in light and dark": accessible,
   "themes": themes,

@@ -240,8 +240,8 @@ static void wedges_partition_their_edge(void **state)
     check_wedges_of("torus", &polygons, 22);
 }
 
-/* Seeds on the line of an edge give it wedges too: a vertex, a point of the edge, and a segment
- * along it. */
+/* Seeds on an edge also create wedges that cover this edge: a vertex, a point of the edge, and a
+ * segment along it. */
 static void seeds_on_an_edge_cover_it(void **state)
 {
     (void)state;

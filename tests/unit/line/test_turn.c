@@ -10,8 +10,8 @@ static const struct {
                 {"saddle", {1, 0.7, 12, 3}},
                 {"box", {1, 2, 3, 2}}};
 
-/* Checks that angles and turns convert into each other, and that the turn's ray in a face
- * agrees. */
+/* Checks that angles and turns (line/turn.h) convert into each other, and that the ray of a turn
+ * has the same turn in its face. */
 static void check_point(const struct gd_mesh *mesh, struct gd_point point, struct rng *rng)
 {
     bool is_closed = gd__turn_is_closed(mesh, &point);
@@ -23,7 +23,7 @@ static void check_point(const struct gd_mesh *mesh, struct gd_point point, struc
                     exact);
         struct gd_direction again = gd__turn_direction(mesh, &point, turn);
         expect_place(again.xyz, direction.xyz.x, direction.xyz.y, direction.xyz.z, 1e-11);
-        /* the ray of a turn has the same turn in its face */
+        /* the ray has the same turn in its face */
         struct gd__ray ray = gd__turn_ray(mesh, &point, turn);
         double back = gd__turn_in_face(mesh, &point, ray.side, ray.dx, ray.dy);
         expect_near(remainder(back - turn, gd__turn_total(mesh, &point)), 0, exact);

@@ -111,7 +111,8 @@ static void a_hit_on_a_vertex_or_an_edge_is_that_vertex_or_edge(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* A ray in the plane of a sheet hits its border, or at once if it starts on the sheet. */
+/* A ray in the plane of a flat sheet hits the border of the sheet. A ray that starts on the sheet
+ * hits it at its start. */
 static void a_sheet_can_be_hit_edge_on(void **state)
 {
     (void)state;

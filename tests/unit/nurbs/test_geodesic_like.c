@@ -448,8 +448,9 @@ static struct gd_domain_curve *polyline_of(const struct gd_parametric *surface,
     return curve;
 }
 
-/* Checks a path between two points against the geodesic that leaves in the same direction, by
- * shooting. It ends at the second point plus the path's turns. */
+/* Compares a path between two points with the geodesic that leaves in the same direction, by
+ * shooting. In the domain, both must end at the second point, shifted by one period for each turn
+ * of the path. */
 static void check_by_shooting(const struct gd_parametric *surface, const struct gd_geodesic *path,
                               const double to[2])
 {

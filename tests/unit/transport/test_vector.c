@@ -134,8 +134,8 @@ static void bends_are_kept(void **state)
     surface_free(&saddle);
 }
 
-/* A segment that ends at a vertex up to rounding continues in that vertex. So does one that reaches
- * the boundary with no more than rounding left. */
+/* If a segment ends at a vertex up to rounding, the next segment starts in that vertex. The same
+ * holds if a segment reaches the boundary and its remaining length is a rounding error. */
 static void a_segment_that_ends_near_a_vertex_continues_there(void **state)
 {
     (void)state;

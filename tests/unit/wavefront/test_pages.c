@@ -1,5 +1,6 @@
-/* A page is allocated at its first use. If none of its records has waited for some buckets, its
- * memory is reused for another page. Pages with `stays` are never reused. */
+/* A page is allocated at its first use. If none of its records has waited in the queue while the
+ * queue passed some buckets, its memory is reused for another page. Pages with `stays` are never
+ * reused. */
 #include "tests/support/test.h"
 
 #include "wavefront/pages.h"

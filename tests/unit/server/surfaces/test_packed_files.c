@@ -1,4 +1,4 @@
-/* Packed files: who holds their memory, and which are evicted. */
+/* Packed files: how their memory is counted and released, and which files are evicted. */
 #include "tests/unit/server/support.h"
 
 #include "server/surfaces/packed_files.h"

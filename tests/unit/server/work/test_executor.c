@@ -161,8 +161,7 @@ static void a_full_queue_leaves_all_tasks_to_the_thread(void **state)
     sem_destroy(&begin);
 }
 
-/* The thread itself runs the tasks of helpers that a drain refuses. The caller's tasks end early by
- * themselves. */
+/* If a drain refuses the helper jobs, the thread of the running job runs all tasks. */
 static void refused_helpers_leave_all_tasks_to_the_thread(void **state)
 {
     (void)state;
