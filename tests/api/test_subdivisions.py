@@ -151,7 +151,7 @@ class Resource(Subdivisions):
 
 class Evaluate(Subdivisions):
     def test_the_cube(self):
-        """Checks the values of smooth.md, which agree with OpenSubdiv."""
+        """Checks values that were computed independently and agree with OpenSubdiv."""
         points = [((0.5, 0.5), (0, 0, 68 / 81)), ((0.5, 0), (0, -395 / 648, 395 / 648)), ((1, 1), (0.5, 0.5, 0.5)),
                   ((0.25, 0.25), (-0.316157085905, -0.316157085905, 0.728989840535)),
                   ((0.1, 0.2), (-0.470313871571, -0.354383536694, 0.629845143176)),
@@ -217,8 +217,8 @@ class Evaluate(Subdivisions):
 
     def test_a_spike(self):
         """A surface that is smooth except at one interior corner passes through this control point
-        and has no normal there. Queries accept points close to the corner and paths that end in
-        it."""
+        and has no normal there. A trace can end in the corner but not start there; a path can do
+        both."""
         self.assertEqual(self.put("spike", CUBE + b"t corner 1/1/0 4 10\n").status, 201)
         tip, ask = {"face": 0, "uv": [0, 0]}, lambda *question: self.ask("spike", *question)
         [point] = ask("evaluate", {"points": [tip]})["points"]

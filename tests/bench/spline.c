@@ -10,8 +10,8 @@
 
 enum { RUNS = 9, LANDMARKS = 16, SAMPLES = 16 };
 
-/* A mesh of as many vertices as the paper's, and the paper's milliseconds (printed without spaces
- * between columns; smooth.md explains how they are read). */
+/* A mesh of as many vertices as the paper's, and the milliseconds that the paper publishes for the
+ * construction of the spline, without sampling. */
 static const struct row {
     const char *mesh;
     uint32_t points;

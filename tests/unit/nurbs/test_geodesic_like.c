@@ -1,5 +1,5 @@
-/* Compares shortest paths on surfaces with closed forms, with values of the design notes, and with
- * laws. */
+/* Compares shortest paths on surfaces with closed forms, with lengths by Clairaut's relation and by
+ * shooting, and with laws. */
 #include "tests/unit/nurbs/surfaces.h"
 
 #include "gd/geodesic_like.h"
@@ -66,7 +66,7 @@ static double between(const struct scene *scene, double u0, double v0, double u1
     return length_of(&found);
 }
 
-static void torus_lengths_equal_those_of_the_design_notes(void **state)
+static void torus_lengths_by_clairauts_relation(void **state)
 {
     (void)state;
     struct scene smooth = open_scene(torus(2, 1)), rational = open_scene(nurbs_torus(2, 1, 1, 0));
@@ -369,8 +369,8 @@ static void exchanging_the_ends_changes_nothing(void **state)
     close_scene(&scene);
 }
 
-/* The paper's curves: quadratic and cubic splines of n control points. Their errors are about h^4
- * and h^6 (design notes). */
+/* The paper's curves: quadratic and cubic splines of n control points. Their errors fall about as
+ * h^4 and h^6 with the spacing h of the control points. */
 static void the_papers_curves_converge(void **state)
 {
     (void)state;
@@ -672,7 +672,7 @@ static void invalid_requests_are_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(torus_lengths_equal_those_of_the_design_notes),
+        cmocka_unit_test(torus_lengths_by_clairauts_relation),
         cmocka_unit_test(scale_and_place_do_not_matter),
         cmocka_unit_test(the_bilinear_diagonal),
         cmocka_unit_test(sphere_away_from_its_poles_and_through_one),

@@ -1,4 +1,4 @@
-/* Tests of NURBS and other surfaces: values of the design notes, derivatives compared with
+/* Tests of NURBS and other surfaces: values that other programs compute, derivatives compared with
  * differences, known curvatures, recognised and refused input, nearest points. */
 #include "tests/unit/nurbs/surfaces.h"
 
@@ -16,8 +16,8 @@ static struct gd_jet jet_at(const struct gd_parametric *surface, double u, doubl
     return jet;
 }
 
-/* The packages verb-nurbs and three compute the same values (design notes, section 2). */
-static void values_equal_those_of_the_design_notes(void **state)
+/* The npm packages verb-nurbs and three compute these values. */
+static void values_equal_those_of_other_programs(void **state)
 {
     (void)state;
     struct gd_parametric *torus_ = nurbs_torus(2, 1, 1, 0), *sphere = nurbs_sphere();
@@ -260,7 +260,7 @@ static void nearest_points_are_global(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(values_equal_those_of_the_design_notes),
+        cmocka_unit_test(values_equal_those_of_other_programs),
         cmocka_unit_test(derivatives_agree_with_differences),
         cmocka_unit_test(known_curvatures),
         cmocka_unit_test(closed_directions_and_poles_are_recognised),

@@ -72,7 +72,7 @@ static void in_a_tie_everywhere_the_owner_wins(void **state)
     assert_false(gd__contest(&a, &b, 0, 1).challenger_first);
 }
 
-/* Pitfall 1 of the design: at a tangential double root a Newton step would diverge. */
+/* At a tangential double root, a Newton step would diverge. */
 static void a_double_root_changes_nothing(void **state)
 {
     (void)state;
