@@ -1,5 +1,6 @@
-/* gd_ablation: remakes the paper's tables on models of the paper's sizes. It is a separate program,
- * because its engine is compiled with the switch one_list (-DGD_ABLATION). */
+/* gd_ablation: repeats the tables of Y.-J. Liu's paper (paper.h) on models of the sizes in that
+ * paper. It is a separate program, because its engine is compiled with the switch one_list
+ * (-DGD_ABLATION). */
 #include "tests/bench/ablation.h"
 
 #include <stdio.h>

@@ -1,5 +1,5 @@
-/* gd_bench spline: geodesic Hermite splines at the sizes of the paper's Table 1, through farthest
- * points: built and sampled. */
+/* gd_bench spline: builds and samples splines through farthest points, at the sizes of Table 1 of
+ * the paper "Geodesic Hermite splines on triangular meshes". */
 #include <stdio.h>
 #include <stdlib.h>
 

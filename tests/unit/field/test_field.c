@@ -8,7 +8,8 @@
 #include "tests/samples/samples.h"
 #include "tests/support/field.h"
 
-/* Example 1 of the paper (Fig. 8) after propagation: wedge w1 on edge e3, and one wedge of an
+/* Example 1 (Fig. 8) of Y.-J. Liu, "Exact geodesic metric in 2-manifold triangle meshes using
+ * edge-based data structures", after propagation: wedge w1 on edge e3, and one wedge of an
  * equidistant pair on edge e2. */
 static void example_1(void **state)
 {

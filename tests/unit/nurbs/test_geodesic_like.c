@@ -369,8 +369,8 @@ static void exchanging_the_ends_changes_nothing(void **state)
     close_scene(&scene);
 }
 
-/* The paper's curves: quadratic and cubic splines of n control points. Their errors fall about as
- * h^4 and h^6 with the spacing h of the control points. */
+/* The curves of W.-H. Chen's paper (face.h): quadratic and cubic splines of n control points. Their
+ * errors fall about as h^4 and h^6 with the spacing h of the control points. */
 static void the_papers_curves_converge(void **state)
 {
     (void)state;

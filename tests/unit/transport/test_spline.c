@@ -210,7 +210,7 @@ static void check_casteljau(const struct gd_mesh *mesh, const struct gd_spline *
     expect_place(at, expected.x, expected.y, expected.z, error);
 }
 
-static void evaluated_as_in_the_paper(void **state)
+static void equals_de_casteljaus_construction(void **state)
 {
     (void)state;
     enum { STEPS = 5 };
@@ -595,7 +595,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(equals_the_classical_spline_in_the_plane),
         cmocka_unit_test(is_tangent_where_the_speed_is_zero),
-        cmocka_unit_test(evaluated_as_in_the_paper),
+        cmocka_unit_test(equals_de_casteljaus_construction),
         cmocka_unit_test(laws_on_surfaces),
         cmocka_unit_test(laws_on_shared_meshes),
         cmocka_unit_test(scaling_the_mesh_scales_the_spline),

@@ -1,5 +1,6 @@
-/* Example 1 of the paper (Fig. 8), window by window and without pruning: windows w1 and w2 on edge
- * e3, w3 and w4 on edge e2. */
+/* Example 1 (Fig. 8) of Y.-J. Liu, "Exact geodesic metric in 2-manifold triangle meshes using
+ * edge-based data structures", window by window and without pruning: windows w1 and w2 on edge e3,
+ * w3 and w4 on edge e2. */
 #include "tests/support/test.h"
 
 #include <string.h>

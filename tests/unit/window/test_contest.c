@@ -1,5 +1,6 @@
-/* Property 6 of the paper: equation (1) has zero, one, two or infinitely many solutions in the
- * overlap of two windows. */
+/* Property 6 of Y.-J. Liu, "Exact geodesic metric in 2-manifold triangle meshes using edge-based
+ * data structures": two windows give equal distances (equation 1) at zero, one, two or infinitely
+ * many points of their overlap. */
 #include "tests/support/test.h"
 
 #include "window/contest.h"
