@@ -1,10 +1,11 @@
 /* gd_bench nurbs: the shortest path between two closed curves, after the examples of W.-H. Chen,
  * "Improvement of the shortest path problem with geodesic-like method": an open bicubic B-spline
- * surface of 8 x 4 control points, and a face with two holes. Compared are the engine's piecewise
- * splines at its default tolerance; single splines of given numbers of control points, as in the
- * paper's table; and the paper's Algorithm 1, the shortest of all paths between points sampled on
- * the two curves. The reference is a solution of the geodesic equation, found by shooting, that
- * meets both curves at right angles. */
+ * surface of 8 x 4 control points, and a face with two holes. The program compares three methods.
+ * The first is the engine's: piecewise splines at the default tolerance. The second is that of the
+ * paper's table: single splines of given numbers of control points. The third is the paper's
+ * Algorithm 1: the shortest of all paths between points sampled on the two curves. The reference is
+ * a solution of the geodesic equation, found by shooting, that meets both curves at right
+ * angles. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

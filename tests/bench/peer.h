@@ -6,15 +6,17 @@
  *     PROGRAM --trace mesh.obj FACE...  a line {"trace_ms":…,"cpu_ms":…,"crossings":…,"ends":…}
  *                                       for each face
  *
- * Vertices and faces are numbered from 0 in the file's order; every vertex belongs to a face, and
- * the mesh is one oriented 2-manifold of triangles (gd_bench export writes such files). The time
- * covers: the distances of all vertices from the source, with all data that the solver keeps for
- * later queries; or the distance of the pair; or PEER_LINES straightest geodesics with their paths,
- * PEER_LINE_EDGES mean edges long, from the middle of the face in directions that divide a full
- * turn equally, starting with the face's first edge. It excludes reading the file, building the
- * mesh and freeing an answer. `sum` adds all distances, `ends` the three coordinates of all ends,
- * and `crossings` counts the paths' points without both ends: correct solvers agree on these
- * numbers. A program that does not support a task, or gets no arguments, ends with status 2. */
+ * Vertices and faces are numbered from 0 in the file's order. Every vertex belongs to a face, and
+ * the mesh is one oriented 2-manifold of triangles (gd_bench export writes such files). The time of
+ * a field covers the distances of all vertices from the source, with all data that the solver keeps
+ * for later queries. The time of a pair covers its distance. The time of a trace covers PEER_LINES
+ * straightest geodesics with their paths. These geodesics are PEER_LINE_EDGES mean edges long. They
+ * start in the middle of the face, in directions that divide a full turn equally; the first one is
+ * that of the face's first edge. No time includes reading the file, building the mesh or freeing an
+ * answer. `sum` is the sum of all distances. `ends` is the sum of the three coordinates of all
+ * ends. `crossings` is the number of the paths' points without both ends. Correct solvers agree on
+ * these numbers. A program that does not support a task, or gets no arguments, ends with status
+ * 2. */
 #ifndef TESTS_BENCH_PEER_H
 #define TESTS_BENCH_PEER_H
 

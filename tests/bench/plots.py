@@ -68,7 +68,7 @@ FAMILIES = {
     "anisotropic torus": ("#000000", doubling(stretched_torus)),
 }
 
-# file, what is drawn, its key in gd_bench field's line
+# file, the plotted quantity, its key in the output of gd_bench field
 QUANTITIES = [
     ("growth-time.svg", "milliseconds of processor time a field", "field_cpu_ms"),
     ("growth-wedges.svg", "wedges of a field", "wedges"),

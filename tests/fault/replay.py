@@ -4,10 +4,12 @@ the daemon, some of which end by a kill. For each prefix of the changes, the fol
 may be after a power cut at that moment. Then --check-store must find no fault, the daemon must
 start, and every change acknowledged before must be there.
 
-A cut loses changes that were not synced:
-    none     all of it: contents since the file's last fsync, names since their folder's
-    mixed    any part of it: each write, and each name, by the toss of a coin
-    all      nothing (as after a kill)
+A cut may lose changes that were not synced: contents written since the file's last fsync, and names
+changed since their folder's last fsync. Each cut is tried in three modes, which differ in the
+changes that survive:
+    none     none of them
+    mixed    some of them: each write, and each name, by the toss of a coin
+    all      all of them (as after a kill)
 
     tests/fault/replay.py [--step N] [--mixed N] [--seed N]
 """

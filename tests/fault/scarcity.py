@@ -1,9 +1,12 @@
 #!/usr/bin/env python3
-"""Failures of the system other than memory and disk: no descriptors are left (RLIMIT_NOFILE),
-clients are gone when their sockets are read or written (ECONNRESET) or accepted (ECONNABORTED), the
-clock jumps, the process is stopped and continued (every wait is interrupted), written files and
-sockets have no reader. The daemon survives, its answers are correct, and its state is as before
-afterwards.
+"""Failures of the system other than memory and disk:
+- No descriptors are left (RLIMIT_NOFILE).
+- Clients have disconnected when their sockets are read, written (ECONNRESET) or accepted
+  (ECONNABORTED).
+- The clock jumps.
+- The process is stopped and continued, which interrupts every wait.
+- Written files and sockets have no reader.
+The daemon survives, its answers are correct, and afterwards its state is as before.
 
     tests/fault/scarcity.py [--calls N]      the first N calls of sockets fail in turn
 """

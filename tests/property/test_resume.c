@@ -1,6 +1,6 @@
-/* A resumed field has the distances of a field that was built at once: on random surfaces with
- * points, offsets and segments as seeds, from small radii and from targets, in one step and in
- * several, for each kernel, and on real scans. */
+/* A resumed field has the distances of a field that was built at once. Tested on random surfaces
+ * and on real scans. Seeds are points, with and without offsets, and segments. Fields are resumed
+ * from small radii and from targets, in one step and in several, by each kernel. */
 #include "tests/support/test.h"
 
 #include <math.h>
