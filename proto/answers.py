@@ -15,12 +15,12 @@ KINDS = {"number": "number", "boolean": "bool", "string": "string"}
 class Answer:
     source: str  # C type that the object is written from; the function's parameter is `from`
     header: str  # header that declares the type
-    base: str = "from->"  # what precedes a member's name
+    base: str = "from->"  # C text before a member's name
     own: tuple = ()  # members that are those of `from`, not of `base`
     values: dict = dataclasses.field(default_factory=dict)  # member: C expression
     when: dict = dataclasses.field(default_factory=dict)  # optional member: C condition
     hand: tuple = ()  # members written by proto_<schema>_encode_<member>, by hand
-    without: tuple = ()  # members that something else adds
+    without: tuple = ()  # members that other code writes
     fields: str = ""  # list of fields: the function writes those that its options select
 
 

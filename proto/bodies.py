@@ -4,13 +4,13 @@ A schema `…Request` with properties, and each object that it refers to, become
 function that reads it. A type that C decodes by hand is in VALUES; a member of `x-by-hand` is not
 in the struct. Sentences of problems stand beside the properties:
 
-    x-by-hand    [member…], or all: then there is a list of the names only
+    x-by-hand    [member…], or all: then the generator makes only the list of their names
     x-unchecked  [member…]: C checks the limits of these members
     x-check      true: proto_<name>_check, written by hand, runs after all members are read
     x-refusals   {member: sentence}: for a value outside its limits, an unknown word, no array
     x-expected   {member: sentence}: for a value that is not an array, if the sentence differs
     x-too-large  {member: sentence}: for a value above its maximum; the problem is too_large then
-    x-one-of     {members: [a, b], refusal: sentence}: exactly one of both is there
+    x-one-of     {members: [a, b], refusal: sentence}: exactly one of the two is present
 
 A `oneOf` of objects with `x-forms: {refusal: sentence}` becomes a struct with the member `form`,
 and a function that reads it. The first required member of a form names it.
@@ -32,7 +32,7 @@ VALUES = {
     "Name": ("struct proto_name", "values/mesh.h", "proto_name_decode", None),
     "SplineCurve": ("struct proto_spline", "values/spline.h", "proto_spline_curve_decode", "proto_spline_free"),
 }
-# forms that hand-written headers contain; they are in values.h
+# forms that hand-written headers need; the generator puts them into values.h
 EARLY = ("Point",)
 # forms that may also be a text: the function that reads it, and its header
 TEXTS = {"Point": ("proto_point_parse", "values/point.h")}

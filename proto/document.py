@@ -96,8 +96,8 @@ def check_references(document):
 
 
 def check_enumerations(document):
-    """Complains about enumerations with booleans: YAML 1.1 reads the bare words off, on, yes and no
-    so."""
+    """Complains about enumerations with booleans. YAML 1.1 reads the unquoted words off, on, yes
+    and no as booleans."""
     for place, value in values(document):
         if isinstance(value, dict) and value.get("type") == "string":
             for word in [*value.get("enum", []), *([value["const"]] if "const" in value else [])]:
@@ -123,8 +123,8 @@ def object_schemas(nodes):
 
 
 def check_objects(document):
-    """Checks that requests reject unknown members and that answers allow them: a new member breaks
-    no client."""
+    """Checks that requests reject unknown members. Checks that answers allow them, so that a new
+    member breaks no client."""
     requests, answers = {}, {}
     for path, item, method, operation in operations(document):
         place = f"{method} {path}"

@@ -95,8 +95,8 @@ def literals_first(route):
 
 
 def is_query(path, item, operation):
-    """Returns whether the operation is a mesh query without a handler of its own, which queries
-    that make meshes or pictures have."""
+    """Returns whether the operation is a mesh query without a handler of its own. Queries that make
+    meshes or pictures have handlers of their own."""
     parameters = [*item.get("parameters", []), *operation.get("parameters", [])]
     names = {parameter.get("$ref", "").split("/")[-1] for parameter in parameters}
     return path.startswith("/v1/meshes/") and "TimeoutMs" in names and handler(operation) not in OWN_HANDLERS

@@ -28,7 +28,8 @@ static void block_signals(sigset_t *awaited)
     signal(SIGXFSZ, SIG_IGN); /* beyond RLIMIT_FSIZE a write fails */
 }
 
-/* Opens /dev/null for closed standard descriptors, lest the log goes into the next opened file. */
+/* Opens /dev/null for closed standard descriptors. Otherwise the next opened file could get the
+ * descriptor of standard error, and the log would be written into that file. */
 static void open_standard_descriptors(void)
 {
     int descriptor;

@@ -163,7 +163,7 @@ static bool request_begin(struct server_exchange *exchange, struct proto_problem
     exchange->response.close = true; /* after a fault the end of the request is unknown */
     if (exchange->fault)
         return proto_problem_set(problem, PROTO_PROBLEM_INVALID_REQUEST, "%s", exchange->fault);
-    /* unless the body will be read */
+    /* a refusal that leaves a body unread closes the connection */
     exchange->response.close = exchange->body.declared != 0;
     if (!request_admit(exchange, problem)) return false;
     if (proto_route_find(proto_routes, proto_route_count, exchange->method, exchange->path,

@@ -108,8 +108,8 @@ static void server_tick(struct server *server, uint64_t now_ns)
     server_events_tick(server->host.events, now_ns);
 }
 
-/* Waits for the next tick. While requests are deferred, a wake does not shorten the wait: their
- * number often rises from zero. False: the thread must end. */
+/* Waits for the next tick. While requests are deferred, a wake does not shorten the wait. Wakes are
+ * frequent, because each rise of their number from zero causes one. False: the thread must end. */
 static bool deadlines_wait(struct server *server, struct server_thread *thread)
 {
     if (atomic_load(&server->host.deferred)) return server_thread_sleep(thread, TICK_NS);
@@ -236,8 +236,8 @@ static bool create_parts(struct server *server, char error[SERVER_ERROR])
     server_budget_init(&server->budget, config->memory_budget);
     if (config->max_answer < server->budget.largest_answer)
         server->budget.largest_answer = config->max_answer;
-    /* Takes, once, the memory that the allocator may keep of released fields, so that reusing it
-     * takes nothing more. */
+    /* Takes the memory that the allocator may keep of released fields from the budget, once. So
+     * reusing that memory takes nothing more. */
     size_t part = server->budget.limit / SPARE_PART, spare = part < SPARE_MOST ? part : SPARE_MOST;
     gd_spare_memory(spare);
     if (!server_budget_take(&server->budget, SERVER_BUDGET_SPARE, spare)) return false;

@@ -39,7 +39,8 @@ struct server *server_start(const struct server_config *config, int listening,
 /* Sets settings, callbacks and references to the server in `host` and `api`. Creates nothing. */
 void server_connect(struct server *server);
 
-/* After server_connect: creates the table of jobs and starts the threads. False: no memory. */
+/* After server_connect: creates the table of jobs and starts the threads. False: no memory or
+ * thread. */
 bool server_start_jobs(struct server *server);
 
 /* Destroys registry, caches of surfaces and their threads, after the workers were cancelled. */

@@ -60,9 +60,10 @@ const json_t *proto_object_list(const struct proto_object *object, const struct 
 bool proto_object_one_of(const struct proto_object *object, const char *a, const char *b,
                          const char *refusal);
 
-/* Finds the form of an object, whose member of that name is present: the first one of `forms`
- * (NULL-terminated). With `members`, which are those of all forms, only one form may be present;
- * NULL: the others are not looked at. Else `refusal` is the problem's sentence. */
+/* Finds the form of an object. A form is present if the object has the member of its name. Sets
+ * `*out` to the index of the first form of `forms` (NULL-terminated) that is present. `members`
+ * lists the members of all forms: only one form may be present then. NULL: more forms may be
+ * present. Otherwise `refusal` is the problem's sentence. */
 bool proto_object_form(const struct proto_object *object, const char *const *members,
                        const char *const *forms, const char *refusal, unsigned *out);
 

@@ -181,7 +181,7 @@ bool proto_problem_from_status(struct proto_problem *problem, enum gd_status sta
     return false;
 }
 
-/* --- telling it ------------------------------------------------------------------------------- */
+/* --- to JSON ---------------------------------------------------------------------------------- */
 
 static const char *const element_names[] = {
     [GD_ELEMENT_NONE] = "element", [GD_ELEMENT_VERTEX] = "vertex", [GD_ELEMENT_EDGE] = "edge",

@@ -168,8 +168,8 @@ size_t proto_batch_begin(struct proto_writer *writer)
     return begin;
 }
 
-/* Joins the answer to the status: the answer's opening brace becomes a comma, or its empty object
- * the closing brace. */
+/* Joins the answer to the status: the answer's opening brace becomes a comma. An answer that is an
+ * empty object becomes the closing brace. */
 void proto_batch_end(struct proto_writer *writer, size_t begin)
 {
     if (writer->failure) return;

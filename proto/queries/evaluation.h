@@ -14,8 +14,8 @@ uint32_t proto_evaluation_wanted(const struct proto_options *options, bool wants
 
 struct proto_result {
     double distance;            /* INFINITY: no path; NAN: beyond max_distance */
-    uint32_t member;            /* the nearest member, if there is a distance, */
-    struct gd_point nearest;    /* and the nearest point of that member */
+    uint32_t member;            /* the nearest member; set only if there is a distance */
+    struct gd_point nearest;    /* the nearest point of that member; set with `member` */
     const struct gd_path *path; /* NULL: none, or not selected */
     bool has_gradient;
     struct gd_direction gradient;

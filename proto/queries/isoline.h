@@ -38,7 +38,7 @@ bool proto_isolines_settle(struct proto_isolines *isolines,
                            struct proto_problem *problem);
 
 /* Returns the tolerance of the request or, if it is 0, 1/2000 of the diagonal of the mesh's
- * bounding box: half a pixel in a picture of 1,000. */
+ * bounding box: half a pixel in a picture of 1,000 pixels. */
 double proto_isolines_tolerance(double tolerance, const struct gd_mesh *mesh);
 
 /* Writes an arc. Its angles are measured like directions in its face (gd/direction.h), its start in

@@ -122,7 +122,7 @@ void proto_many_free(struct proto_many *many)
     many->document = NULL;
 }
 
-/* --- asking ----------------------------------------------------------------------------------- */
+/* --- the query of an item --------------------------------------------------------------------- */
 
 const char *proto_many_mesh(const struct proto_many *many, uint32_t item)
 {
@@ -206,7 +206,7 @@ bool proto_many_parse_wait(const struct proto_parameters *parameters, uint64_t *
            proto_parameters_integer(parameters, "wait", 0, PROTO_MANY_WAIT, wait_s, problem);
 }
 
-/* --- telling ---------------------------------------------------------------------------------- */
+/* --- the state of a batch --------------------------------------------------------------------- */
 
 bool proto_many_has_ended(const struct proto_many_state *state)
 {

@@ -58,7 +58,7 @@ bool proto_many_parse_page(const struct proto_parameters *parameters, struct pro
 bool proto_many_parse_wait(const struct proto_parameters *parameters, uint64_t *wait_s,
                            struct proto_problem *problem);
 
-/* --- told ------------------------------------------------------------------------------------- */
+/* --- the state of a batch --------------------------------------------------------------------- */
 
 /* Written by proto_batch_encode (generated/answers.h). */
 struct proto_many_state {

@@ -42,9 +42,9 @@ struct proto_nurbs_description {
     uint64_t memory_bytes;
     struct proto_nurbs_form form;
     const struct gd_parametric *surface;
-    /* faces of the tessellation that seeds shortest paths; 0: there is none, and */
+    /* faces of the tessellation that seeds shortest paths; 0: there is none */
     uint64_t seeding_faces;
-    const char *obstacle; /* this is why */
+    const char *obstacle; /* why there is no tessellation */
 };
 
 #endif

@@ -15,7 +15,7 @@ void proto_picture_free(struct proto_picture *picture)
     proto_points_free(&picture->stops);
 }
 
-/* --- how it is seen --------------------------------------------------------------------------- */
+/* --- the view --------------------------------------------------------------------------------- */
 
 /* Returns whether the text is three numbers separated by commas, not all zero. */
 static bool read_vector(const char *text, struct gd_vec3 *out)
@@ -92,9 +92,9 @@ static bool parse_size(const char *text, struct gd_picture *out, struct proto_pr
     return true;
 }
 
-/* --- what is seen ----------------------------------------------------------------------------- */
+/* --- the content ------------------------------------------------------------------------------ */
 
-/* Reads what is drawn: the field or its source, and the path. */
+/* Reads the content of the picture: the field or its source, and the path. */
 static bool parse_content(const struct proto_get_picture_png_query *query,
                           const struct proto_parameters *parameters, struct proto_picture *out,
                           struct proto_problem *problem)

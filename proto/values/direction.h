@@ -18,9 +18,9 @@ struct proto_direction {
     struct gd_vec3 xyz;
 };
 
-/* Decodes an angle, a vector [x,y,z], or an object as in answers: {"angle"}, {"xyz"}, or both, of
- * which the angle, being more exact, is used. `pointer`: the JSON Pointer of `value`, copied.
- * Problem: invalid_request. */
+/* Decodes an angle, a vector [x,y,z], or an object as in answers: {"angle"}, {"xyz"}, or both. If
+ * both are present, the angle is used, because it is more exact. `pointer`: the JSON Pointer of
+ * `value`, copied. Problem: invalid_request. */
 bool proto_direction_decode(const json_t *value, const char *pointer, struct proto_direction *out,
                             struct proto_problem *problem);
 

@@ -29,7 +29,7 @@ size_t proto_flat_strip_bytes(const struct gd_flat_strip *strip)
            NUMBER_BYTES * ((size_t)strip->face_count * 6 + (size_t)strip->point_count * 2);
 }
 
-/* --- words ------------------------------------------------------------------------------------ */
+/* --- text ------------------------------------------------------------------------------------- */
 
 static void text(const struct drawing *drawing, const char *text)
 {
@@ -112,7 +112,7 @@ static void begin_page(const struct drawing *drawing, double length)
     text(drawing, ")\" stroke-linejoin=\"round\" stroke-linecap=\"round\">\n");
 }
 
-/* --- what is on it ---------------------------------------------------------------------------- */
+/* --- the content ------------------------------------------------------------------------------ */
 
 static void draw_faces(const struct drawing *drawing)
 {

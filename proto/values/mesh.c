@@ -130,7 +130,7 @@ enum gd_format proto_mesh_upload_format(const struct proto_mesh_options *options
     return gd_format_by_media_type(content_type);
 }
 
-/* --- format on the way out -------------------------------------------------------------------- */
+/* --- format of a download --------------------------------------------------------------------- */
 
 /* In order of preference among formats of equal quality. */
 static const enum gd_format content_formats[] = {GD_FORMAT_OBJ, GD_FORMAT_PLY, GD_FORMAT_OFF,

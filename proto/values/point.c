@@ -148,7 +148,7 @@ bool proto_point_locate(const struct gd_mesh *mesh, const struct proto_point *po
     return true;
 }
 
-/* --- back to the client ----------------------------------------------------------------------- */
+/* --- in answers ------------------------------------------------------------------------------- */
 
 void proto_xyz_encode(struct proto_writer *writer, struct gd_vec3 xyz)
 {

@@ -7,7 +7,7 @@
 #include "proto/json/decode.h"
 
 #define FIRST_CAPACITY 2
-#define COMPACT_SIZE   256 /* bytes of a compact point; longer text has digits without effect */
+#define COMPACT_SIZE   256 /* bytes of a compact point; a longer one has useless digits */
 
 void proto_points_free(struct proto_points *points)
 {
@@ -72,8 +72,8 @@ bool proto_points_decode_member(struct proto_points *points, const json_t *docum
     return point && proto_point_decode(value, pointer, point, problem);
 }
 
-/* Removes the text up to the next semicolon from its front. Returns false if it is too long for a
- * point. */
+/* Moves the text before the next semicolon from `*text` to `part`. Returns false if that is too
+ * long for a point. */
 static bool take_part(const char **text, char part[COMPACT_SIZE])
 {
     size_t size = strcspn(*text, ";");

@@ -64,8 +64,8 @@ struct proto_located_set {
 };
 
 /* Puts the members on the mesh: points by proto_point_locate, curves by gd_curve_resolve, whose
- * time and memory `control` (NULL: none) bounds. Landmarks are not used: they would change a
- * curve's rounding, whereas equal sets must have equal seeds, so that they share a field. On
+ * time and memory `control` (NULL: none) bounds. Landmarks are not used, because they would change
+ * the rounding errors of a curve. Equal sets must have equal seeds, so that they share a field. On
  * failure `*out` is untouched and the problem filled in. Errors: GD_INVALID_ARGUMENT (a point or a
  * curve), and those of gd_curve_resolve. */
 GD_MUST_USE enum gd_status proto_set_locate(const struct gd_mesh *mesh, const struct proto_set *set,

@@ -47,14 +47,16 @@ const char *server_grant_name(const struct server_grant *grant);
 const char *server_grant_tenant(const struct server_grant *grant);
 
 /* Returns whether the grant may change jobs, batches and fields that the given key of its tenant
- * made. The role write may change all of its tenant's, others only their own. False: forbidden. */
+ * made. A key with the role write may change those of all keys of its tenant. Any other key may
+ * change only its own. False: forbidden. */
 bool server_grant_may_change(const struct server_grant *grant, const char *key,
                              struct proto_problem *problem);
 
 /* Returns whether the grant may see all tenants; true without keys. */
 bool server_grant_is_operator(const struct server_grant *grant);
 
-/* Copies the grant; `to`, not `from`, is now the concurrent request. The caller ends both. */
+/* Copies the grant; `to`, no longer `from`, counts as a concurrent request. The caller ends
+ * both. */
 void server_grant_pass(struct server_grant *from, struct server_grant *to);
 void server_grant_end(struct server_grant *grant);
 
@@ -64,11 +66,11 @@ void server_access_write(struct server_access *access, const char *tenant,
 
 /* The guard checks where a request comes from. A web page can make a browser send requests to
  * loopback, even under the page's own host name (DNS rebinding). So without keys the Host must name
- * this machine, and the Origin the daemon itself. With keys any Host is accepted, unless
+ * this machine, and the Origin must name the daemon. With keys any Host is accepted, unless
  * --allowed-host lists some, because browsers never add a key by themselves. Pages of the origins
  * in --cors-origin may always use the daemon (CORS, Fetch standard, 3.2).
  *
- * Headers; NULL where absent. */
+ * The members are headers. NULL: the request has no such header. */
 struct server_guard_request {
     const char *host, *origin, *fetch_site;
     bool is_http10; /* needs no Host */

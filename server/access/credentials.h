@@ -9,8 +9,8 @@
  * Each key is a tenant with its own names of surfaces, unless tenant= names another one; "tenant="
  * alone is the tenant of a daemon without keys.
  *
- * A key is 256 random bits, shown once; the file holds only its SHA-256. A set of keys is immutable
- * and reference-counted. A new file makes a new set, in which a name keeps its quota. */
+ * A key has 258 random bits and is shown once. The file holds only its SHA-256. A set of keys is
+ * immutable and reference-counted. A new file makes a new set, in which a name keeps its quota. */
 #ifndef SERVER_ACCESS_CREDENTIALS_H
 #define SERVER_ACCESS_CREDENTIALS_H
 
@@ -35,8 +35,8 @@ struct server_limits { /* 0: no limit */
 
 enum server_quota_outcome { SERVER_QUOTA_ENTERED, SERVER_QUOTA_RATE, SERVER_QUOTA_CONCURRENT };
 
-/* How much of its limits a key has used. Reference-counted: a running request keeps it after its
- * key is removed.
+/* The part of its limits that a key has used. Reference-counted: a running request keeps it after
+ * its key is removed.
  *
  * A rate of r a second is a bucket of r tokens that fills at that rate: GCRA, stored as the time at
  * which the bucket is full again, so that a request is one compare-and-swap. (ATM Forum, Traffic

@@ -109,7 +109,8 @@ static bool ruleset_allow_port(void *user, uint16_t port)
     return syscall(SYS_landlock_add_rule, ruleset->descriptor, RULE_PORT, &rule, 0) == 0;
 }
 
-/* Allows connections to the database: its ports, libpq's files, and libc's of hosts and users. */
+/* Allows connections to the database: its ports, the files that libpq reads, and the files by which
+ * libc resolves hosts and users. */
 static bool ruleset_allow_database(struct ruleset *ruleset,
                                    const struct server_sandbox_needs *needs, bool has_ports)
 {
@@ -194,7 +195,7 @@ static const char *const fatal_calls[] = {
     "reboot", NULL};
 
 /* A call that is allowed if all its conditions hold. The filter runs only for these calls. Without
- * a database, no request answered from memory makes one. */
+ * a database, requests that are answered from memory make no such call. */
 struct rule {
     int call;
     enum { ALWAYS, ALONE, CONNECTING } when; /* without a database, with one */

@@ -5,7 +5,7 @@
  *
  * server_sandbox_enter runs before the first thread and after the TCP port is bound.
  * - No new privileges: an exec gains none by setuid.
- * - No capabilities: a daemon of root reads only files whose mode lets root read them.
+ * - No capabilities: a daemon that runs as root reads only files whose mode lets root read them.
  * - Landlock (Linux 5.19), which each thread inherits:
  *   - the data folder: everything but devices, sockets, symbolic links and running programs;
  *   - the folders of files that SIGHUP reads again, and of the files that links lead to: reading;

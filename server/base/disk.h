@@ -10,7 +10,8 @@
 #include <stddef.h>
 #include <stdio.h>
 
-/* Outcome of a write or a read, of a file here and of a surface or a row in server/store. */
+/* Outcome of a write or a read. The object is a file in this header, and a surface or a row in
+ * server/store. */
 enum server_outcome {
     SERVER_STORE_DONE,
     SERVER_STORE_CREATED,      /* from the registry: done, the name is new */
@@ -23,7 +24,7 @@ enum server_outcome {
     SERVER_STORE_READ_ONLY,    /* this or an earlier write is not durable: all writes are refused */
     SERVER_STORE_DAMAGED,      /* the stored bytes have changed */
     SERVER_STORE_STALE,        /* another daemon has changed the surface; nothing changed */
-    SERVER_STORE_UNAVAILABLE   /* unreachable for now; a change may later turn out to be done */
+    SERVER_STORE_UNAVAILABLE   /* the store can't be reached; a change may have been made */
 };
 
 #define SERVER_DISK_PATH 4096
@@ -69,7 +70,7 @@ struct server_listing {
 struct server_listing server_disk_list(const char *folder);
 bool server_listing_next(struct server_listing *listing);
 
-enum server_outcome server_disk_remove(const char *path); /* a name, durably */
+enum server_outcome server_disk_remove(const char *path); /* removes a name, durably */
 
 /* Make durable the bytes of a file, or the names in a folder. */
 enum server_outcome server_disk_sync_file(const char *path);

@@ -46,7 +46,7 @@ void server_packer_write(struct server_packer *packer, const char *text, size_t 
         stream->avail_in = size < UINT_MAX ? (uInt)size : UINT_MAX;
         text += stream->avail_in;
         size -= stream->avail_in;
-        do { /* until the block has room left: deflate has no more output then */
+        do { /* until the block is not full, which means that deflate has no more output */
             stream->next_out = block;
             stream->avail_out = sizeof block;
             /* can fail only for wrong arguments, or without input */

@@ -16,7 +16,8 @@ struct server_packer;
 struct server_packer *server_packer_create(void);
 void server_packer_destroy(struct server_packer *packer); /* NULL is harmless */
 
-/* Compresses the next piece and flushes it. `is_last` ends the text. Sets out->failure on error. */
+/* Compresses the next piece and flushes it, so that the client can decompress all text so far.
+ * `is_last` ends the text. Sets out->failure on error. */
 void server_packer_write(struct server_packer *packer, const char *text, size_t size, bool is_last,
                          struct proto_writer *out);
 

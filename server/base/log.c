@@ -120,7 +120,8 @@ void server_log_milliseconds(struct server_log_line *line, const char *key, uint
 }
 
 /* --- output ----------------------------------------------------------------------------------- */
-/* Two buffers: callers append to one while the thread, which may block, writes the other. */
+/* Two buffers: callers append to one while the thread writes the other. Only the thread blocks when
+ * standard error is a full pipe. */
 
 struct text {
     size_t size;
@@ -233,7 +234,7 @@ static void write_lines(void *user, struct server_thread *thread)
     }
 }
 
-/* Appends a line under the lock. A text's first line, and one that is urgent, wake the thread. */
+/* Appends a line under the lock. The first line of a text and an urgent line wake the thread. */
 static void line_gather(const struct server_log_line *line, bool is_urgent)
 {
     struct text *text = output.gathering;

@@ -9,7 +9,7 @@
 #define DIGEST      32
 #define PIECE_BYTES ((size_t)1 << 20) /* hashed between two checks of the control */
 
-/* Prints the digest. Only a library without SHA-256 fails. */
+/* Prints the digest. The hash function fails only if the library lacks SHA-256. */
 static void digest_print(int failed, const unsigned char digest[DIGEST],
                          char hex[SERVER_SHA256_HEX])
 {

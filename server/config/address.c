@@ -126,7 +126,7 @@ int server_address_bind(struct server_address *address, char error[SERVER_ERROR]
     return -1;
 }
 
-/* Also sets the mode of a unix socket: the umask applies to the daemon's files. */
+/* Also sets the mode of a unix socket, because the daemon's umask would make it private. */
 bool server_address_listen(int descriptor, const struct server_address *address,
                            char error[SERVER_ERROR])
 {

@@ -23,7 +23,7 @@ bool server_address_split(const char *text, char host[SERVER_ADDRESS_HOST], cons
 /* Parses "127.0.0.1:80", "[::1]:80", "localhost:80" or "unix:PATH", without DNS. False: `error`. */
 bool server_address_parse(const char *text, struct server_address *out, char error[SERVER_ERROR]);
 
-/* Returns whether only this machine can reach it: 127.0.0.0/8, ::1 and unix sockets. */
+/* Returns whether only this machine can reach the address: 127.0.0.0/8, ::1 and unix sockets. */
 bool server_address_is_local(const struct server_address *address);
 
 void server_address_format(const struct server_address *address, char text[SERVER_ADDRESS_TEXT]);

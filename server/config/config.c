@@ -22,7 +22,7 @@ enum option_kind {
     ADDRESS,
     HOST,
     ORIGIN,
-    ANCESTOR, /* an origin, for the header of each page */
+    ANCESTOR, /* an origin that may frame pages */
     CHOICE,
     PATH,
     STORE,
@@ -484,7 +484,7 @@ static enum server_config_outcome load_flags(struct loader *loader, char *const 
     return SERVER_CONFIG_RUN;
 }
 
-/* --- the whole -------------------------------------------------------------------------------- */
+/* --- the result ------------------------------------------------------------------------------- */
 
 /* Sets the default data folder: the system's for root, else the user's. */
 static bool find_data_dir(struct server_config *config)

@@ -1,4 +1,5 @@
-/* Config: the operator's settings. One table makes flags, environment, file, --help and checks. */
+/* Config: the operator's settings. One table defines the flags, the environment variables, the
+ * settings of the file, the text of --help and the checks. */
 #ifndef SERVER_CONFIG_CONFIG_H
 #define SERVER_CONFIG_CONFIG_H
 
@@ -73,8 +74,9 @@ enum server_config_outcome {
 };
 
 /* Fills `*config` from the defaults, the file of --config or GEODESICD_CONFIG, the variables
- * GEODESICD_* and the flags (`argv`, NULL-terminated, after the program's name). Later sources win,
- * but lists (--allowed-host, --cors-origin) grow. Validates the whole. */
+ * GEODESICD_* and the flags (`argv`, NULL-terminated, after the program's name). A later source
+ * replaces the value of an earlier one, but extends a list (--allowed-host, --cors-origin).
+ * Validates the result. */
 enum server_config_outcome server_config_load(struct server_config *config, char *const argv[],
                                               FILE *out, FILE *error);
 

@@ -166,7 +166,8 @@ static bool counting_check(void *user, const char *text, size_t size)
     return !counting->status;
 }
 
-/* Encodes the text, or only measures a long one. False: the deadline has passed; it replies. */
+/* Encodes a short text, or measures a long one. If the deadline has passed, replies and returns
+ * false. */
 static bool answer_measure(struct server_exchange *exchange, struct proto_writer *writer,
                            const struct server_answer_encoder *encoder)
 {

@@ -7,8 +7,8 @@
  * budget counts the relay's buffer and the handler's state as an answer.
  *
  * Each of SERVER_ANSWER_STREAMS threads serves one stream. They start with the daemon, since the
- * sandbox forbids new threads. If all are in use, and for jobs, HEAD and HTTP/1.0, the whole text
- * is held in memory. */
+ * sandbox forbids new threads. If all threads are in use, the whole text is held in memory. This
+ * also applies to jobs, HEAD and HTTP/1.0. */
 #ifndef SERVER_EXCHANGE_ANSWER_STREAM_H
 #define SERVER_EXCHANGE_ANSWER_STREAM_H
 
@@ -35,8 +35,8 @@ struct server_answer_streams_load
 server_answer_streams_load(const struct server_answer_streams *streams);
 
 struct server_answer_encoder {
-    /* Writes the text from the exchange's state. Called up to three times, with the same result. In
-     * a stream the exchange has only the host and the state. */
+    /* Writes the text from the exchange's state. Called up to three times; must write the same text
+     * each time. In a stream the exchange has only the host and the state. */
     void (*encode)(struct server_exchange *exchange, struct proto_writer *writer);
     /* bytes of SERVER_BUDGET_FLIGHT that the state holds; set to 0 when a stream counts them */
     size_t *held;

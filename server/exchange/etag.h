@@ -23,7 +23,7 @@
 
 #define SERVER_ETAG_PACKED_SUFFIX "-gzip"
 #define SERVER_ETAG_TEXT          64 /* bytes of a representation's tag, with the NUL */
-/* most values of one header; a request may have as many headers */
+/* most values of one header: the limit of all headers of a request */
 #define SERVER_ETAG_LINES 64
 
 struct server_exchange;
@@ -39,7 +39,8 @@ struct server_precondition server_precondition_read(const struct server_exchange
 
 #define SERVER_ETAG_CAPTION 18 /* bytes of server_etag_caption, with the NUL */
 
-/* Writes the form of a description with this text: "d" and 16 digits. NULL: the text is empty. */
+/* Writes the form of a description that contains this text of a client: "d" and 16 digits. Returns
+ * `out`, or NULL if the text is empty. */
 const char *server_etag_caption(char out[SERVER_ETAG_CAPTION], const char *text);
 
 enum server_etag_form { SERVER_ETAG_NONE, SERVER_ETAG_PLAIN, SERVER_ETAG_PACKED };
@@ -61,7 +62,8 @@ enum server_etag_form server_precondition_known(const struct server_precondition
 /* Returns whether both conditions allow a query by POST; `etag` is the resource's tag. */
 bool server_precondition_holds(const struct server_precondition *precondition, const char *etag);
 
-/* Returns whether both conditions allow a change of the resource. `etag` NULL: there is none. */
+/* Returns whether both conditions allow a change of the resource, whose description contains the
+ * client's `text`. `etag` NULL: the resource does not exist. */
 bool server_precondition_allows(const struct server_precondition *precondition, const char *etag,
                                 const char *text);
 

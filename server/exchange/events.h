@@ -68,7 +68,8 @@ void server_events_end(struct server_events *events);
 /* Returns the number of open streams. Thread-safe. NULL: 0. */
 uint32_t server_events_count(const struct server_events *events);
 
-/* Opens a stream, whose close releases the source. NULL: out of memory, and it is not released. */
+/* Opens a stream, whose close releases the source. NULL: out of memory; the source is not
+ * released. */
 struct server_stream *server_stream_open(struct server_events *events,
                                          const struct server_event_source *source);
 

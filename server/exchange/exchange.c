@@ -25,7 +25,8 @@ static int hex_digit(char c)
                                         : -1;
 }
 
-/* Decodes %XX in place, but no plus: numbers have exponents. False: a broken escape or a NUL. */
+/* Decodes %XX in place. Keeps a plus sign, because numbers contain it ("1e+3"). False: a broken
+ * escape or a NUL. */
 static bool percent_decode(char *text)
 {
     char *out = strchr(text, '%');
@@ -44,7 +45,8 @@ static bool percent_decode(char *text)
     return true;
 }
 
-/* Decodes the path. Returns why it is malformed, or NULL. (An encoded slash splits a segment.) */
+/* Decodes the path. Returns why it is malformed, or NULL. Rejects an encoded slash, because the
+ * decoded slash would split a segment. */
 static const char *path_decode(char *path)
 {
     if (strchr(path, '%') && strcasestr(path, "%2f"))
@@ -384,7 +386,8 @@ const char *server_exchange_sent_name(const struct server_exchange *exchange, co
     const struct proto_deprecation *each = route ? route->deprecated_parameters : NULL;
     for (; each && each->name && exchange->deprecation; each++)
         for (uint32_t i = 0; i < exchange->parameters.count; i++)
-            if (exchange->parameter_list[i].name == each->replacement && /* the pointer: renamed */
+            if (exchange->parameter_list[i].name ==
+                    each->replacement && /* the same pointer: server_exchange_rename set it */
                 strcmp(parameter, each->replacement) == 0)
                 return each->name;
     return parameter;
@@ -490,7 +493,8 @@ static bool length_read(const char *text, uint64_t *out)
     return errno == 0 && *out != SERVER_BODY_CHUNKED;
 }
 
-/* Reads the framing of the body. Refuses two lengths, even if equal, as some readers do not. */
+/* Reads the framing of the body. Refuses two Content-Length headers even if they are equal, because
+ * HTTP implementations differ on that. */
 static const char *framing_read(struct server_exchange *exchange)
 {
     uint32_t lengths = server_exchange_count_headers(exchange, "Content-Length");

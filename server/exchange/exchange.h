@@ -43,7 +43,7 @@ struct server_stream;
 struct server_surface;
 
 /* --- the body of a request (body.c) ----------------------------------------------------------- */
-/* Bytes are collected within a limit and the byte budget. */
+/* The bytes of a body are collected up to a limit, within the memory budget. */
 
 #define SERVER_BODY_CHUNKED UINT64_MAX
 
@@ -118,7 +118,8 @@ struct server_response {
 struct server_transport {
     /* A deferred exchange is answered, and belongs to the transport again. */
     void (*finish)(struct server_exchange *exchange);
-    /* Returns whether a deferred exchange's client has gone. Called each millisecond, anywhere. */
+    /* Returns whether a deferred exchange's client has gone. Any thread calls it, each
+     * millisecond. */
     bool (*is_gone)(struct server_exchange *exchange);
     /* Called when a worker starts or resumes a deferred exchange. May be NULL. */
     void (*begin)(struct server_exchange *exchange);
@@ -127,7 +128,7 @@ struct server_transport {
     bool can_stream; /* the answer may be a stream (server_reply_stream) */
 };
 
-/* The parts and settings that all requests share. Its parts outlive the exchanges. */
+/* The parts and settings that all requests share. The parts outlive the exchanges. */
 struct server_host {
     struct server_budget *budget;
     struct server_workers *workers;
@@ -218,8 +219,8 @@ void server_exchange_add_header(struct server_exchange *exchange, const char *na
                                 const char *value);
 
 /* If a proxy and the daemon disagree on where a request ends, an attacker can make them see
- * different requests (request smuggling). So these functions refuse heads that readers are known to
- * understand differently: RFC 9112, 3.2, 5.1, 6 and 11.2; RFC 9110, 5.5 and 5.6.2;
+ * different requests (request smuggling). So these functions refuse heads that HTTP implementations
+ * are known to parse differently: RFC 9112, 3.2, 5.1, 6 and 11.2; RFC 9110, 5.5 and 5.6.2;
  * server/doc/019-http-library.md. The first function checks the target. The second one checks
  * method, version and headers, and sets is_http10, has_body and body.declared. They return why the
  * head is refused, a static sentence; or NULL. O(bytes). */
@@ -236,8 +237,9 @@ struct server_exchange *server_exchange_detach(struct server_exchange *exchange,
 void server_exchange_run(struct server_exchange *exchange);
 bool server_exchange_is_unwanted(struct server_exchange *exchange);
 
-/* Hands a deferred exchange to the workers (reply.c); the caller does not touch it any more. A full
- * queue: the answer is overloaded. count_deferred counts one more deferred exchange. */
+/* Hands a deferred exchange to the workers (reply.c); the caller does not touch it any more. If the
+ * queue is full, replies with the problem `overloaded`. count_deferred counts one more deferred
+ * exchange. */
 void server_exchange_submit(struct server_exchange *exchange);
 void server_exchange_count_deferred(struct server_host *host);
 void server_exchange_job_run(struct server_job *job);
@@ -245,7 +247,7 @@ void server_exchange_job_refuse(struct server_job *job, enum server_refusal why)
 
 /* Renames parameters that have former names in the contract, so that handlers see only the new
  * names. The answer to a former path or name has a header Deprecation (RFC 9745; reply.c adds it).
- * False with invalid_request: a former name stands twice, or beside its replacement. */
+ * False with invalid_request: a former name is sent twice, or together with its replacement. */
 bool server_exchange_rename(struct server_exchange *exchange, struct proto_problem *problem);
 
 /* Returns the name under which the client sent a parameter. */

@@ -68,7 +68,7 @@ void server_metrics_destroy(struct server_metrics *metrics)
 
 /* --- counting --------------------------------------------------------------------------------- */
 
-/* Returns the thread's shard, which it takes when it first counts. */
+/* Returns the thread's shard, which is assigned when the thread first counts. */
 static unsigned own_shard(void)
 {
     static atomic_uint next;

@@ -18,14 +18,16 @@ struct server_metrics;
 struct server_metrics *server_metrics_create(const struct proto_route *routes, size_t route_count);
 void server_metrics_destroy(struct server_metrics *metrics); /* NULL is harmless */
 
-/* Counts an answered request, and its problem. `route`: a row of the table, or NULL. */
+/* Counts an answered request, and its problem (PROTO_PROBLEM_NONE: none). `route`: a row of the
+ * table; NULL: none was found. */
 void server_metrics_count(struct server_metrics *metrics, const struct proto_route *route,
                           unsigned status, enum proto_problem_code problem, uint64_t nanoseconds);
 
 /* If the status is a failed self-check or runaway work, counts it and returns true. */
 bool server_metrics_count_status(struct server_metrics *metrics, enum gd_status status);
 
-/* Count the windows of a built field, and a search for a pair. */
+/* Count the windows of a built field (intervals of edges, the engine's unit of work), and a search
+ * for a pair of points. */
 void server_metrics_count_windows(struct server_metrics *metrics, uint64_t windows);
 void server_metrics_count_search(struct server_metrics *metrics);
 

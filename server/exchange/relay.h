@@ -24,7 +24,8 @@
 /* most unread bytes, not counting the last write */
 #define SERVER_RELAY_MOST ((size_t)256 << 10)
 
-/* A write of at most this size never lacks memory: server_relay_create reserves it. */
+/* A write of at most this size never lacks memory, because server_relay_create reserves that
+ * memory. */
 #define SERVER_RELAY_BLOCK ((size_t)64 << 10)
 
 struct server_host;

@@ -219,7 +219,8 @@ static bool client_lists_gzip(const struct server_exchange *exchange)
            strspn(quality + 3, ".0") < strcspn(quality + 3, ", ;");
 }
 
-/* Returns whether the client is a browser on this host, where gzip takes longer than it saves. */
+/* Returns whether the client is a browser on this host. A browser always accepts gzip, but within a
+ * host compression takes longer than it saves. */
 static bool client_is_near_browser(const struct server_exchange *exchange)
 {
     static const char *const proxied[] = {"Forwarded", "Via", "X-Forwarded-For", "X-Real-IP"};
@@ -342,7 +343,8 @@ static void origin_allow(struct server_exchange *exchange)
     header_add(response, "Access-Control-Expose-Headers", EXPOSED_HEADERS);
 }
 
-/* --frame-ancestors replaces the 'none' of pages, never that of data. */
+/* Adds the Content-Security-Policy. --frame-ancestors replaces the 'none' in the policy of pages,
+ * never in that of data. */
 static void policy_add(struct server_exchange *exchange)
 {
     static const char none[] = "frame-ancestors 'none'";

@@ -14,7 +14,8 @@ void server_reply_writer(struct server_exchange *exchange, struct proto_writer *
 void server_reply_header(struct server_exchange *exchange, const char *name, const char *format,
                          ...) __attribute__((format(printf, 3, 4)));
 
-/* Adds the entity tag of the resource `etag`, of its representation in that form (etag.h). */
+/* Adds the entity tag of a representation: `etag` is the resource's tag, `form` its form
+ * (etag.h). */
 void server_reply_tag(struct server_exchange *exchange, const char *etag, const char *form);
 
 /* Reply with the text of the writer, as JSON or another static media type, and free the writer. If

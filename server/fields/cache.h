@@ -11,10 +11,11 @@
  *     }
  *     server_cache_unpin(hit);
  *
- * DESIGN. A surface owns a *mesh cache*. Of fields with equal seeds it keeps the one of the largest
- * reach; a field of larger reach is resumed from it and replaces it. A *pending build* has one
- * builder. Other jobs are parked at it (workers.h) until it ends, and then look the field up again.
- * A request of smaller reach does not wait, since its own field may take much less time.
+ * DESIGN. A surface owns a *mesh cache*. The *reach* of a field is the distance up to which it is
+ * computed. Of fields with equal seeds the mesh cache keeps the one of the largest reach. A build
+ * of larger reach resumes that field and replaces it. A *pending build* has one builder. Other jobs
+ * are parked at it (workers.h) until it ends, and then look the field up again. A request of
+ * smaller reach does not wait, since its own field may take much less time.
  *
  * A field is built if a request claims it, and for pairs after SERVER_CACHE_SEARCHES queries of the
  * same point (hot_points.h). A field costs as much as 10 to 100 searches for pairs. So a client
@@ -123,7 +124,8 @@ const struct server_cached *server_cache_publish(struct server_pending_build *bu
                                                  struct gd_field *field);
 void server_cache_fail(struct server_pending_build *build, enum gd_status status);
 
-/* Ends and frees a build that takes longer than the searches. The parked jobs then search. */
+/* Ends and frees a build that takes much longer than the searches that it would replace. Resumes
+ * the parked jobs, which then search. */
 void server_cache_abandon(struct server_pending_build *build);
 
 struct server_cache_statistics {

@@ -23,7 +23,8 @@ static void discretization_free(struct server_lru_item *item)
     free(discretization);
 }
 
-/* Builds a level. Its cost may exceed the budget: the engine refuses too many faces first. */
+/* Builds a level. The cost may exceed the budget, because the engine refuses a mesh of too many
+ * faces before it takes memory. */
 static enum gd_status level_build(struct server_discretizations *owner,
                                   const struct server_discretization_request *request,
                                   struct server_lru_item **out)

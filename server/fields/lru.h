@@ -3,9 +3,9 @@
  *
  * DESIGN. An item is the first member of a result's own struct. It is reference-counted, and the
  * budget counts it in the list's class until the last release. A *place* is the owner's pointer to
- * an item in the list; its eviction empties the place. One mutex guards list and places, and what
- * else the owner likes. Items are freed without it. Reclaiming locks it, so nothing is taken from
- * the budget while it is held. */
+ * an item in the list; its eviction empties the place. One mutex guards the list and the places.
+ * The owner may guard other data with it. Items are freed without it. Reclaiming locks it, so
+ * nothing is taken from the budget while it is held. */
 #ifndef SERVER_FIELDS_LRU_H
 #define SERVER_FIELDS_LRU_H
 
@@ -37,7 +37,7 @@ struct server_lru { /* the first members are set by the owner */
     atomic_uint pressures;                /* how often memory was short */
 };
 
-/* Becomes a reclaimer of the budget, until the end. All places must be empty then. */
+/* Make the list a reclaimer of the budget, and end that. At the end all places must be empty. */
 void server_lru_begin(struct server_lru *lru);
 void server_lru_end(struct server_lru *lru);
 

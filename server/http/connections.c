@@ -25,7 +25,7 @@
 #define BODY_RATE   4096 /* bytes a second */
 #define ANSWER_RATE 16384
 #define LONG_ANSWER 65536 /* bytes: the kernel takes shorter ones at once */
-/* Least bytes between two checks: half of the rate, since acknowledgements come in lumps. */
+/* Least bytes between two checks: half of the rate, because acknowledgements come in bursts. */
 #define ACKNOWLEDGED (PATIENCE_NS / SECOND_NS * ANSWER_RATE / 2)
 
 #define RESERVE_PART 8         /* 1/8 of all places */
@@ -53,7 +53,7 @@ struct server_connection {
     bool is_short;         /* the answer's deadline also covers the idle time */
     bool is_leaving;       /* the connection was shut down; under the mutex */
     uint64_t body_started_ns, body_bytes;
-    uint64_t acknowledged; /* bytes, at the thread's last look */
+    uint64_t acknowledged; /* bytes, at the thread's last check */
     uint64_t moved;        /* bytes that the client had acknowledged when it last read */
     atomic_uint_least64_t moved_ns;
 };
@@ -142,7 +142,7 @@ static uint64_t connection_extend(struct server_connection *connection, enum pha
 static void connection_check(struct server_connection *connection, uint64_t now_ns)
 {
     uint64_t deadline_ns = atomic_load(&connection->deadline_ns);
-    char byte; /* none: the client has closed its side, and the library has read all bytes */
+    char byte; /* result 0: the library has read all bytes, and the client has closed its side */
     if (recv(connection->descriptor, &byte, 1, MSG_PEEK | MSG_DONTWAIT) == 0)
         shutdown(connection->descriptor, SHUT_RD); /* an answer can still leave */
     if (deadline_ns > now_ns) return;
@@ -164,7 +164,8 @@ void server_connections_check(struct server_connections *connections, uint64_t n
 
 /* --- the reserve ------------------------------------------------------------------------------ */
 
-/* Returns how many connections must close for `free` free places; those shut down are closed. */
+/* Returns how many more connections must be shut down for `free` free places. Connections that were
+ * shut down already do not count as open. */
 static uint32_t connections_excess(struct server_connections *connections, uint32_t free)
 {
     uint64_t open = atomic_load(&connections->open),
@@ -215,7 +216,8 @@ static void connections_complain(struct server_connections *connections, uint64_
         connections->reserve, connections->most);
 }
 
-/* Shuts down half of the reserve more than necessary, so that the next one need not sort again. */
+/* Shuts down more connections than necessary, by half of the reserve. So the next new connection
+ * does not need another sort. */
 void server_connections_relieve(struct server_connections *connections, uint64_t now_ns)
 {
     uint32_t reserve = connections->reserve, scarce = reserve / SCARCE_PART, done = 0;

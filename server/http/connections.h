@@ -3,16 +3,17 @@
  * The HTTP library has only an idle timer, so a client that sends a byte now and then would keep
  * its connection for ever. So each phase of a connection has an absolute deadline:
  *     head    30 s from the opening of the connection, or from the request line of a later request
- *     body    30 s, and longer as long as the client sends 4 KiB/s on average; 30 s without a byte
+ *     body    30 s, extended while the client sends 4 KiB/s on average; 30 s without a byte
  *     work    none: jobs have deadlines of their own
- *     answer  30 s, and longer as long as it takes at 16 KiB/s; the client acknowledges 8 KiB/s in
- *             any 30 s
+ *     answer  30 s plus the time of its bytes at 16 KiB/s; the client must acknowledge 8 KiB/s
+ *             in any 30 s
  *     idle    30 s
  *
  * An eighth of all places is reserved for new clients. While fewer places are free, the thread
- * shuts down connections that wait for their clients, of the addresses that have most of them:
- * first unfinished heads older than a second, the oldest first, then connections that are idle, the
- * longest idle first. While less than half of the reserve is free, it also shuts down younger heads
+ * shuts down connections that wait for their clients. It chooses them from the addresses with the
+ * most such connections. It shuts down connections with unfinished heads first, if the heads are
+ * older than a second. Idle connections follow. The oldest connection of each kind is the first.
+ * While less than half of the reserve is free, it also shuts down connections with younger heads
  * and connections of other addresses. */
 #ifndef SERVER_HTTP_CONNECTIONS_H
 #define SERVER_HTTP_CONNECTIONS_H
@@ -29,8 +30,8 @@ struct server_connections;
 struct server_connection;
 
 struct server_connections_statistics {
-    uint64_t open;     /* now */
-    uint64_t cut;      /* since the start: shut down at a deadline other than that of idle time */
+    uint64_t open; /* now */
+    uint64_t cut;  /* since the start: shut down at the deadline of a head, a body or an answer */
     uint64_t refusals; /* since the start: malformed requests */
 };
 
@@ -46,15 +47,16 @@ void server_connections_limit(struct server_connections *connections, uint32_t m
 void server_connections_destroy(struct server_connections *connections);
 
 /* Shuts down connections whose deadline is before `now_ns`. Also shuts down the receiving side of
- * connections that the client has half-closed, since the library overlooks an end that arrives with
- * the last bytes. The thread calls it every second. Thread-safe. */
+ * connections that the client has half-closed, because the library does not notice an end of file
+ * that arrives with the last bytes. The thread calls it every second. Thread-safe. */
 void server_connections_check(struct server_connections *connections, uint64_t now_ns);
 
 /* Shuts down connections that wait for their clients, until the reserve is free. Called by the
  * thread when a connection is opened while the reserve is in use. Thread-safe. */
 void server_connections_relieve(struct server_connections *connections, uint64_t now_ns);
 
-/* Returns the number of connections from a request line to its answer's last byte. Thread-safe. */
+/* Returns the number of connections with a request: its line was read, and its answer is not sent
+ * completely. Thread-safe. */
 uint32_t server_connections_active(struct server_connections *connections);
 
 /* Thread-safe. NULL: zeros. */

@@ -8,14 +8,15 @@
  *               resumes the connection, and the answer is queued
  *     ANSWERED  the answer is with the library
  *
- * A streamed answer is read when the library can write. While there is nothing to read, the
- * connection is suspended (events.h).
+ * The library reads a part of a streamed answer each time it can write. While there is nothing to
+ * read, the connection is suspended (events.h).
  *
  * libmicrohttpd 0.9.75 detects neither hang-ups nor timeouts of suspended connections, and must not
- * be stopped while one is suspended. So server.c and connections.h have the deadlines, is_gone
+ * be stopped while one is suspended. So server.c and connections.h enforce the deadlines, is_gone
  * detects hang-ups, and the server waits for all deferred exchanges before it stops.
  *
- * The library can answer before the body only in the first call for a request. */
+ * The library can answer before the body only in the first call for a request. Errors that are
+ * found later are answered after the body. */
 #include "server/http/http.h"
 
 #include <microhttpd.h>
@@ -39,7 +40,8 @@
 #include "server/http/tls.h"
 #include "server/work/thread_priority.h"
 
-/* Bytes of a connection, for the head and as buffer of the body; cleared at each request. */
+/* Bytes that the library has for a connection: for the head, and as a buffer of the body. The
+ * library clears them at each request. */
 #define CONNECTION_MEMORY  (16 * 1024)
 #define SILENCE_SECONDS    30u /* idle timer of unix sockets (see connections.c) */
 #define SPARE_DESCRIPTORS  64u /* descriptors of the store, the log and the process */
@@ -50,8 +52,9 @@
 #define PEER_TEXT          64
 #define LARGE_BLOCK        ((size_t)128 << 10) /* bytes of a large answer that are sent at a time */
 
-/* Level 1 refuses HTTP/1.1 without a Host, and blanks in targets. From 1.0 on it also refuses bare
- * LFs, folded lines, and more blanks and empty lines than RFC 9112 allows. */
+/* Level 1 refuses HTTP/1.1 without a Host, and blanks in targets. From version 1.0 of the library
+ * on, it also refuses bare LFs, folded lines, and more blanks and empty lines than RFC 9112
+ * allows. */
 #if MHD_VERSION >= 0x01000000
 #define DISCIPLINE MHD_OPTION_CLIENT_DISCIPLINE_LVL
 #else
@@ -61,7 +64,7 @@
 enum phase { PHASE_HEAD, PHASE_BODY, PHASE_PARKED, PHASE_ANSWERED };
 
 struct client {
-    struct server_transport transport; /* first: its address is that of the client */
+    struct server_transport transport; /* first: a pointer to it also points to the client */
     struct server_exchange exchange;
     const struct server_http *http;
     struct MHD_Connection *connection;
@@ -116,7 +119,8 @@ static bool peer_is_local(const struct sockaddr *peer)
            ntohl(((const struct sockaddr_in *)peer)->sin_addr.s_addr) >> 24 == IN_LOOPBACKNET;
 }
 
-/* Returns whether the client has closed its side: it does not wait for the answer. */
+/* Returns whether the client has closed its side, which means that it does not wait for the
+ * answer. */
 static bool client_has_hung_up(void *user)
 {
     const struct client *client = user;
@@ -227,7 +231,8 @@ static const char *print_peer(const struct sockaddr *peer, char text[PEER_TEXT])
     return getnameinfo(peer, size, text, PEER_TEXT, NULL, 0, NI_NUMERICHOST) == 0 ? text : NULL;
 }
 
-/* Logs an answered exchange: its key's name; the client's address only of refused requests. */
+/* Logs an answered exchange with the name of its key. Logs the client's address only if the request
+ * was refused. */
 static void client_log(const struct client *client, uint64_t nanoseconds)
 {
     const struct server_exchange *exchange = &client->exchange;
@@ -296,7 +301,7 @@ static ssize_t on_body(void *user, uint64_t position, char *bytes, size_t size)
     return MHD_CONTENT_READER_END_OF_STREAM;
 }
 
-/* Sends a large body in blocks, since a system call that copies several MiB delays the thread's
+/* Sends a large body in blocks, because a system call that copies several MiB delays the thread's
  * other connections by milliseconds. The exchange then keeps the body. */
 static struct MHD_Response *response_create(struct client *client)
 {
@@ -414,8 +419,8 @@ static enum MHD_Result on_request(void *user, struct MHD_Connection *connection,
 
 /* --- limits ----------------------------------------------------------------------------------- */
 
-/* Returns the most connections: the configured number, which bounds their memory, but fewer if the
- * rest of the daemon would lack descriptors. */
+/* Returns the limit of open connections. The configured number bounds their memory. The limit is
+ * lower if the other parts of the daemon would lack descriptors. */
 static unsigned connection_limit(const struct server_config *config)
 {
     struct rlimit limit;

@@ -1,8 +1,8 @@
 /* See tls.h.
  *
- * DESIGN. A handshake borrows the identity in use when it begins. A reload replaces and retires
- * that identity. A later reload frees it, once no handshake can still use it (connections.h bounds
- * their time). */
+ * DESIGN. An identity is a certificate with its private key. A handshake borrows the identity that
+ * is in use when the handshake begins. A reload replaces and retires that identity. A later reload
+ * frees it, once no handshake can still use it (connections.h bounds their time). */
 #include "server/http/tls.h"
 
 #include <gnutls/abstract.h>

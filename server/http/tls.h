@@ -1,4 +1,5 @@
-/* TLS: certificate and private key. Each handshake asks for them, so they can be replaced. */
+/* TLS: certificate and private key. Each handshake reads the current pair, so a reload can replace
+ * it. */
 #ifndef SERVER_HTTP_TLS_H
 #define SERVER_HTTP_TLS_H
 

@@ -200,7 +200,8 @@ static bool on_owner(void *user, const struct server_sql_value *row)
     return false;
 }
 
-/* Claims an item of the oldest batch of the first tenant that the condition admits, if any. */
+/* Claims an item of the oldest batch of the first tenant that the condition admits. Leaves `*out`
+ * unchanged if there is none. */
 static enum server_outcome claim_where(struct server_store_sql *sql, const char *node,
                                        const char *condition, const char *after,
                                        struct server_batch_claim *out)

@@ -1,5 +1,5 @@
 /* Batch queue: batches (proto/queries/many.h) as rows: their documents, and each item's lease and
- * answer. The first daemon with time claims the next item.
+ * answer. The first daemon with a free worker claims the next item.
  *
  *     batches  id, tenant, document, etag, items, created, cancelled
  *     items    batch, item, lease, node, attempts, status, answer, number
@@ -46,7 +46,7 @@ struct server_batch_order {
     const char *etag; /* of the mesh that all items use; "": items use several */
 };
 
-/* Adds a batch; has no effect if it exists. */
+/* Adds a batch. Has no effect if the batch exists. */
 enum server_outcome server_batch_queue_add(struct server_store_sql *sql,
                                            const struct server_batch_order *order);
 
@@ -83,7 +83,7 @@ enum server_outcome server_batch_queue_answers(struct server_store_sql *sql,
                                                const struct server_batch_place *place,
                                                server_sql_visit *visit, void *user);
 
-/* Cancels a batch: no more of its items are claimed. Remove deletes it. */
+/* cancel ends a batch: no more of its items are claimed. remove deletes the batch. */
 enum server_outcome server_batch_queue_cancel(struct server_store_sql *sql, const char *id);
 enum server_outcome server_batch_queue_remove(struct server_store_sql *sql, const char *id);
 
@@ -92,9 +92,9 @@ struct server_batch_claim {
     int64_t item, attempts;
 };
 
-/* Claims the next item for the daemon `node`. Tenants take turns: claims an item of the oldest
- * batch of the first tenant above `after` with an item to do; `after` is the tenant of the last
- * item. ABSENT: no item for now. */
+/* Claims the next item for the daemon `node`. Tenants take turns: chooses the first tenant above
+ * `after` that has an item to do, and claims an item of that tenant's oldest batch. `after` is the
+ * tenant of the item that was claimed last. ABSENT: no item for now. */
 enum server_outcome server_batch_queue_claim(struct server_store_sql *sql, const char *node,
                                              const char *after, struct server_batch_claim *out);
 
@@ -108,7 +108,8 @@ enum server_outcome server_batch_queue_return(struct server_store_sql *sql,
                                               const struct server_batch_claim *claim,
                                               const char *node, bool was_tried, int64_t pause_ms);
 
-/* Returns all items without an answer to the queue, at the start of its only daemon. */
+/* Returns all items without an answer to the queue. Called at the start of the only daemon that
+ * uses the queue. */
 enum server_outcome server_batch_queue_return_all(struct server_store_sql *sql);
 
 /* Writes the item's answer, unless it has one or the batch is cancelled. */

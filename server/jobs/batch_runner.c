@@ -21,7 +21,7 @@
 #define PLACES       16
 
 struct item {
-    struct server_transport transport; /* first: the exchange's transport is the item */
+    struct server_transport transport; /* first: a pointer to it also points to the item */
     struct server_batch_runner *runner;
     struct server_batch_claim claim;
     char tag[SERVER_ETAG + 2]; /* If-Match, quoted */
@@ -45,7 +45,7 @@ struct server_batch_runner {
     struct item *items;                     /* under the lock; only the thread removes items */
     uint64_t news;                          /* under the lock */
     unsigned due;                           /* places with news, a bit each; under the lock */
-    char places[PLACES];                    /* jobs are parked there: see place_of */
+    char places[PLACES];                    /* addresses at which jobs are parked: see place_of */
     atomic_bool cant_open;                  /* the last attempt failed */
     atomic_bool is_draining;
     atomic_uint running;
@@ -227,7 +227,8 @@ static void runner_note(struct server_batch_runner *runner, const char *id)
 }
 
 /* Wakes the jobs whose batch has changed, or all jobs if other daemons share the queue. Called
- * after new items were started, since none start while requests are queued. */
+ * after new items were started, because the woken jobs are queued, and no item starts while jobs of
+ * requests are queued. */
 static void runner_wake_jobs(struct server_batch_runner *runner)
 {
     uint64_t now_ns = gd_now_ns();

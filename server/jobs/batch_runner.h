@@ -2,13 +2,13 @@
  * (batch_queue.h).
  *
  * DESIGN. A thread claims items from the queue while workers are free. Each item becomes an
- * exchange that goes through dispatch, handler and workers as a client's request does. Its answer
- * comes back to the thread, the only thread that writes items of the queue: it renews leases,
- * writes answers, and returns items that failed for lack of time, memory or workers (503, 504,
- * 507). A drain returns all running items.
+ * exchange that goes through dispatch, handler and workers as a client's request does. The thread
+ * receives the answer. Only this thread writes items of the queue: it renews leases, writes
+ * answers, and returns items that failed for lack of time, memory or workers (503, 504, 507). A
+ * drain returns all running items.
  *
  * The queue is in the store's database: PostgreSQL, or SQLite in a file of the data folder that the
- * first batch creates; for a store in memory, in memory. */
+ * first batch creates. With a store in memory, the queue is in memory, too. */
 #ifndef SERVER_JOBS_BATCH_RUNNER_H
 #define SERVER_JOBS_BATCH_RUNNER_H
 

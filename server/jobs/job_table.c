@@ -183,9 +183,9 @@ static void usage_drop_job(struct usage **list, struct usage *usage)
     free(usage);
 }
 
-/* `newcomer` wants `more` jobs or bytes. Returns the usage from which an ended job is dropped for
- * it: the largest key of the largest tenant, among the usages that have something to drop and the
- * newcomer. The newcomer counts with `more` added. */
+/* The key `newcomer` needs room for `more` jobs or bytes, which already count as its own. Returns
+ * the largest key of the largest tenant, which must drop an ended job. Ignores keys that have
+ * nothing to drop, except the newcomer. */
 static struct usage *usage_largest(struct usage *list, enum unit unit, const struct usage *newcomer,
                                    uint64_t more)
 {
@@ -242,7 +242,8 @@ static bool job_is_expired(const struct server_deferred_job *job, uint64_t now_n
            now_ns >= job->ended_ns + ttl_ns; /* a job may end after `now_ns` was read */
 }
 
-/* Makes room for a job that the usage counts. The problem has no numbers of other tenants. */
+/* Makes room for one more job, which the usage already counts. The problem does not reveal numbers
+ * of other tenants. */
 static bool table_admit(struct server_job_table *table, const struct usage *usage,
                         struct proto_problem *problem)
 {
@@ -458,7 +459,7 @@ struct server_deferred_job *server_job_table_start(struct server_job_table *tabl
     return job;
 }
 
-/* --- found, ended, dropped -------------------------------------------------------------------- */
+/* --- finding and ending jobs ------------------------------------------------------------------ */
 
 /* Under the lock: returns whether the tenant may see the job. */
 static bool job_is_visible(const struct server_deferred_job *job, const char *tenant,

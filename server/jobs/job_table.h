@@ -9,7 +9,8 @@
  * jobs.
  *
  * States: queued -> running -> done | failed, and cancelled from the first two. A cancelled job
- * shows its state at once; its exchange is then refused while it waits, or stopped by its control.
+ * shows its state at once. Its exchange ends later: it is refused if it waits for a worker, and
+ * stopped by its control if it runs.
  *
  * Bounds: ended jobs are dropped when their time to live is over, and earlier when the table or the
  * memory for answers (SERVER_BUDGET_JOBS) is full: then the oldest ended job of the largest user is

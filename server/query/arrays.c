@@ -174,7 +174,7 @@ static void crc_append(struct crc_writer *out, const void *bytes, size_t size)
     proto_append(out->writer, bytes, size);
 }
 
-/* Converts numbers. All numbers that are null in JSON become NaN. */
+/* Converts numbers. Those that JSON writes as null become NaN. */
 static size_t numbers_convert(const double *numbers, size_t count, enum server_array_type type,
                               unsigned char *out)
 {
@@ -366,7 +366,7 @@ static void zip_write_central(const struct zip_entry *entry, struct proto_writer
     proto_append(writer, entry->name, strlen(entry->name));
 }
 
-/* Writes the archive; one of 4 GiB or more, four times the default limit of answers, fails. */
+/* Writes the archive. Fails at 4 GiB, which is four times the default limit of answers. */
 static void npz_write(const struct server_arrays *arrays, struct proto_writer *writer)
 {
     struct zip_entry entries[SERVER_ARRAYS_MOST] = {0};

@@ -155,7 +155,8 @@ static enum gd_status field_make(struct server_query *query, struct server_monit
     return GD_OK;
 }
 
-/* Builds the field from its seeds if memory for two lacks, or rounding spoilt the nearer. */
+/* Resumes the cached field of smaller reach, if there is one. If memory does not suffice for two
+ * fields, or rounding errors make the resumed field wrong, builds the field from its seeds. */
 enum gd_status server_query_build_field(struct server_query *query, struct server_monitor part,
                                         const struct server_cached **out)
 {

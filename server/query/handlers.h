@@ -1,5 +1,5 @@
 /* Handlers, one for each operation of proto/openapi.yaml. An HTTP thread calls a handler with a
- * whole request; it ends with a reply or with server_exchange_defer (exchange.h). */
+ * whole request. The handler ends with a reply or with server_exchange_defer (exchange.h). */
 #ifndef SERVER_QUERY_HANDLERS_H
 #define SERVER_QUERY_HANDLERS_H
 

@@ -1,14 +1,15 @@
 /* Query: a question about a surface. Single requests and lines of a batch run the same steps.
  *
  * DESIGN. A kind of query is a table of steps. A kind's own struct begins with a struct
- * server_query and starts as zeros. The steps, in their order:
+ * server_query and starts as zeros. try_inline and solve return a *turn*, which names the next
+ * action. The steps, in their order:
  * - decode or parse reads the question and locates its points.
  * - try_inline runs once, perhaps on an HTTP thread. It answers if that takes no time. A kind that
  *   only decodes needs no try_inline and no solve.
- * - solve runs on a worker, again as long as the turn is AGAIN or, once the exchange is resumed,
- *   PARKED.
+ * - solve runs on a worker. It runs again after the turn AGAIN. After PARKED it runs again when the
+ *   exchange is resumed.
  * - encode, bytes, write or reply writes the answer when the turn is DONE. A kind without them has
- *   written its answer to the draft.
+ *   written its answer to the draft, the text of an answer that solve writes step by step.
  * - release frees what the kind's own struct holds, whatever step was the last.
  *
  * A kind with the step `answer` is answered from the field of a set. Its decoding ends with a
@@ -67,7 +68,7 @@ struct server_field_query {
     struct proto_located_set *own_set;   /* `set`, or NULL */
     struct server_resource *resource;    /* a reference to the owner of `set`, or NULL */
     const struct server_cached *pin;     /* the field if it was found but not yet used, or NULL */
-    struct server_pending_build *build;  /* that this query must do, or NULL */
+    struct server_pending_build *build;  /* the build that this query must do, or NULL */
 };
 
 struct server_query {
@@ -112,7 +113,8 @@ struct server_query_kind {
     bool (*prepare)(struct server_query *query);
     /* Runs when the pending set is located; may be NULL. */
     bool (*located)(struct server_query *query);
-    /* Answers from the field; `part` is for long calls. AGAIN: another field is named. */
+    /* Answers from the field; `part` is for long calls. AGAIN: the step has named another field,
+     * and is called with that. */
     enum server_query_turn (*answer)(struct server_query *query, const struct gd_field *field,
                                      struct server_monitor *part);
     void (*encode)(const struct server_query *query, struct proto_writer *writer);
@@ -171,8 +173,8 @@ enum server_query_turn server_query_end_draft(struct server_query *query, enum g
 GD_MUST_USE enum gd_status server_query_pause(const struct server_query *query,
                                               const struct gd_control *control, double fraction);
 
-/* Returns whether FLUSH is worth a turn: the client reads the answer while it is computed, or will,
- * because the draft is long. A failure after the first FLUSH cuts the answer. */
+/* Returns whether FLUSH is useful: the client already reads the answer while it is computed, or the
+ * draft is long enough to begin that. A failure after the first FLUSH cuts the answer. */
 bool server_query_can_flush(const struct server_query *query);
 
 /* Returns the answer's form of arrays, or SERVER_ARRAYS_NONE. */
@@ -239,7 +241,8 @@ GD_MUST_USE enum gd_status server_pair_append(struct gd_pair_answer *route,
 
 /* --- for kinds that are answered from a field (field_query.c) --------------------------------- */
 
-/* Names the field of a set, which the query takes over, and locates a quick one at once. */
+/* Names the field of a set. The query takes over the set. Locates the set at once if that is
+ * quick. */
 bool server_field_query_of_set(struct server_query *query, struct proto_set *set,
                                double max_distance);
 
@@ -247,8 +250,8 @@ bool server_field_query_of_set(struct server_query *query, struct proto_set *set
 void server_field_query_of_located(struct server_query *query, const struct proto_located_set *set,
                                    double max_distance);
 
-/* As server_field_query_of_set, for a field resource: that of the request's path, or of an id, with
- * problems at the parameter `field`. False: not_found or field_evicted. */
+/* As server_field_query_of_set, for a field resource: the one of the request's path, or the one of
+ * an id. Problems of the id refer to the parameter `field`. False: not_found or field_evicted. */
 bool server_field_query_of_resource(struct server_query *query);
 bool server_field_query_of_id(struct server_query *query, const char *id);
 
@@ -271,8 +274,9 @@ bool server_query_locate_set(struct server_query *query, struct server_monitor *
 size_t server_field_build_grant(const struct gd_mesh *mesh);
 
 /* Builds the field of query->field.request and publishes it as query->field.build, which ends in
- * any case. If the cache has a nearer field of these seeds, it is resumed. `*out` is pinned.
- * Errors: gd_field_build's; GD_BUDGET: memory was too little, or `part` ended. */
+ * any case. If the cache has a field of these seeds with a smaller reach, the build resumes that
+ * field. `*out` is pinned. Errors: gd_field_build's; GD_BUDGET: memory was too little, or the time
+ * limit of `part` was reached. */
 GD_MUST_USE enum gd_status server_query_build_field(struct server_query *query,
                                                     struct server_monitor part,
                                                     const struct server_cached **out);

@@ -14,7 +14,7 @@
 
 #define KIND_SEGMENT     1                    /* index of the path's segment */
 #define WAIT_MARGIN_NS   UINT64_C(1000000000) /* between the end of a wait and the deadline */
-#define PARSED_UNCOUNTED ((size_t)16 << 10)   /* bytes of a text whose document is not counted */
+#define PARSED_UNCOUNTED ((size_t)16 << 10)   /* the document of a shorter text is not counted */
 /* bytes of a document after which malloc_trim is called */
 #define PARSED_TRIMMED ((size_t)16 << 20)
 

@@ -24,7 +24,8 @@ bool server_request_wait(struct server_exchange *exchange, uint64_t *wait_s);
 /* Returns the time of gd_now_ns at which a wait of `wait_s` ends, or earlier at the deadline. */
 uint64_t server_request_wait_end(const struct server_exchange *exchange, uint64_t wait_s);
 
-/* Reads the page of a list, or of names, which `prefix` narrows. False: a problem is replied. */
+/* Reads which page of a list the client wants. The second function also reads `prefix`, which
+ * selects names. False: a problem is replied. */
 bool server_request_page(struct server_exchange *exchange, struct proto_page *page);
 bool server_request_page_of_names(struct server_exchange *exchange, struct proto_page *page);
 

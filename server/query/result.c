@@ -8,7 +8,8 @@
 
 #define WHAT "the file"
 
-/* A strip's faces and edges, twice as arrays are copied when they grow; few vertices are passed. */
+/* Bytes of a strip's faces and edges for each point of its path: twice their size, because arrays
+ * are copied when they grow. Assumes that the path passes through few vertices. */
 #define STRIP_BYTES_A_POINT 512
 #define STRIP_BYTES_LEAST   ((size_t)1 << 20)
 

@@ -1,4 +1,5 @@
-/* Result: an answer as a file of gd/result_file.h, within the budget. False with the problem. */
+/* Result: an answer as a file of gd/result_file.h, within the budget. The functions return false
+ * with the problem. */
 #ifndef SERVER_QUERY_RESULT_H
 #define SERVER_QUERY_RESULT_H
 

@@ -247,7 +247,8 @@ bool server_derived_meshes_add(struct server_derived_meshes *meshes, const char 
     return surface != NULL;
 }
 
-/* Removes those of the first `count` meshes that were created, unless others have their names. */
+/* Of the first `count` meshes, removes those that were created, unless other meshes have replaced
+ * them. */
 static void meshes_undo(const struct server_derived_meshes *meshes, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) {

@@ -31,8 +31,8 @@ void server_surface_resource_reply_stored(struct server_exchange *exchange,
 
 /* --- derived meshes --------------------------------------------------------------------------- */
 
-/* Meshes that the daemon makes from another surface: the pieces of a cut, a
- * tessellation, a discretization. They are resources like uploads, and as durable.
+/* Meshes that the daemon makes from another surface: the pieces of a cut, a tessellation, a
+ * discretization. They are resources like uploads, and as durable.
  *
  *     meshes.exchange = exchange;                                 a worker
  *     server_derived_meshes_add(&meshes, name, &polygons, …);     … for each mesh
@@ -40,7 +40,8 @@ void server_surface_resource_reply_stored(struct server_exchange *exchange,
  *     server_derived_meshes_store(&meshes);                       `store`, by the registry's writer
  *     server_derived_meshes_free(&meshes);                        with the exchange's state
  *
- * A derived mesh is stored as binary PLY with doubles, in the order of the polygons. */
+ * A derived mesh is stored as binary PLY with doubles, so no coordinate is rounded. Vertices and
+ * triangles keep the order of the polygons. */
 
 /* Bytes that the daemon stores with a mesh, in a format of the code that made the mesh. Loading the
  * mesh restores them as surface->attachment. They begin with a word that names the format. */

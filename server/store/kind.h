@@ -45,7 +45,7 @@ struct server_kind {
                          char text[SERVER_OPTIONS], struct proto_problem *problem);
 
     /* Builds the object from the builder's bytes and record->options. Takes memory from the
-     * builder's budget before it uses it. On success leaves the object's `out->size` bytes in
+     * builder's budget before it allocates. On success leaves the object's `out->size` bytes in
      * SERVER_BUDGET_FLIGHT; on failure sets a problem (surface.h). */
     enum gd_status (*build)(const struct server_builder *builder, struct server_built *out);
     void (*release)(void *object);
@@ -53,7 +53,8 @@ struct server_kind {
     /* Writes the answer of GET: one JSON object of at most SERVER_DESCRIPTION_MOST bytes. */
     void (*describe)(struct proto_writer *writer, const struct server_surface *surface);
 
-    /* Shortens a description of an earlier version; malloc'ed, or NULL. May be NULL. */
+    /* Shortens a description that an earlier version stored; malloc'ed. Returns NULL if that is not
+     * necessary. The function may be NULL. */
     char *(*shorten)(const char *description);
 };
 

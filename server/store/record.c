@@ -26,7 +26,8 @@ static void object_set(struct server_object *object, const char *sha256, uint64_
     object->size = size;
 }
 
-/* Sets objects, key and ETag, which omits absent parts, so that version 1's stay valid. */
+/* Sets objects, key and ETag. The ETag omits absent parts, so that ETags of version 1 stay
+ * valid. */
 static void record_complete(struct server_record *record)
 {
     const struct server_key key = server_record_key(record);

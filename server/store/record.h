@@ -15,14 +15,14 @@
  *     description {"name":"bunny",…}    the answer of GET while the surface is not loaded
  *     checksum 9a0f…                    SHA-256 of all lines above
  *
- * Version 2, which records without a caption have, lacks that line. Version 1, which is only read,
- * also lacks kind (mesh), tenant and attachment. A record is reference-counted. Once it is shared,
- * only its caption and its attached data change.
+ * A record without a caption is written as version 2, which lacks the line `caption`. Version 1,
+ * which is only read, also lacks kind (mesh), tenant and attachment. A record is reference-counted.
+ * Once it is shared, only its caption and its attached data change.
  *
  * A surface has up to two objects: the file that a client uploaded or the daemon wrote, and, for
- * derived meshes, an attachment with data of their maker. Objects are named by their content.
- * Surfaces of one tenant share them. Tenants share none, so that the time of an upload does not
- * reveal what other tenants have. */
+ * derived meshes, an attachment with data of the code that made the mesh. Objects are named by
+ * their content. Surfaces of one tenant share them. Tenants share none, so that the time of an
+ * upload does not reveal what other tenants have. */
 #ifndef SERVER_STORE_RECORD_H
 #define SERVER_STORE_RECORD_H
 
@@ -88,7 +88,8 @@ struct server_origin {
     size_t attachment_size;
 };
 
-/* Creates a record with one reference, created now. The caller sets memory and description. */
+/* Creates a record with one reference and the current time. The caller sets memory and description.
+ * NULL: out of memory. */
 struct server_record *server_record_create(const struct server_origin *origin);
 
 /* Count the record as SERVER_BUDGET_RECORDS until it is freed. Call one of them once, before the

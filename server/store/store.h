@@ -49,7 +49,8 @@ typedef bool server_pace(void *user, size_t bytes); /* called for each piece tha
  * together, as do fetch and verify, and follow and await. A store without put stores nothing.
  * Without fetch, surfaces can't be unloaded. Without follow, the store is not shared. */
 struct server_store {
-    /* Visits all surfaces; again when follow returns STALE. DONE, UNAVAILABLE, NO_MEMORY. */
+    /* Visits all surfaces, in any order. Of a shared store it is called again after follow has
+     * returned STALE. DONE, UNAVAILABLE, NO_MEMORY. */
     enum server_outcome (*each)(struct server_store *store, server_stored_visit *visit, void *user);
     /* Writes the objects, or verifies existing ones. The caller calls put or keep next. */
     enum server_outcome (*stage)(struct server_store *store, const struct server_record *record,

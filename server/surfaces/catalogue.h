@@ -1,5 +1,5 @@
-/* Catalogue: the field resources of a mesh, which clients name by id. Each has the request that it
- * answers, so that an evicted field can be built again.
+/* Catalogue: the field resources of a mesh, which clients name by id. Each resource stores the
+ * request of its field, so that an evicted field can be built again.
  *
  * DESIGN. A catalogue is attached to the record of a mesh: it survives unloading, and is destroyed
  * when the mesh is replaced or deleted. The resources of one API key are limited in number and

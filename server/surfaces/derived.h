@@ -1,4 +1,4 @@
-/* Derived: the data that is stored with a mesh that edits made from another mesh. */
+/* Derived: the data that is stored with a derived mesh, which edits made from another mesh. */
 #ifndef SERVER_SURFACES_DERIVED_H
 #define SERVER_SURFACES_DERIVED_H
 

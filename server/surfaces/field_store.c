@@ -139,7 +139,8 @@ static bool image_create(struct server_field_store *store, size_t size, struct i
     return out->bytes;
 }
 
-/* Writes and frees an image. Deletes older ones of that suffix, and all if the surface is gone. */
+/* Writes and frees an image. Deletes the surface's older files with that suffix. If the registry no
+ * longer has the surface, deletes its folder. */
 static void image_replace(struct server_field_store *store, struct server_registry *registry,
                           const struct server_surface *surface, const struct image *image,
                           const char *suffix)

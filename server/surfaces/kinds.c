@@ -46,7 +46,8 @@ static bool build_progress(void *user, double fraction)
     return !whole->progress || whole->progress(whole->user, build->begun + build->share * fraction);
 }
 
-/* Runs a step with a budget of `cost` bytes; for reading an upper bound, which sets no limit. */
+/* Runs a step with a budget of `cost` bytes. The step that reads the file has no limit, because its
+ * `cost` is an upper bound. */
 static enum gd_status step_run(struct build *build, step *run, size_t cost)
 {
     const struct server_builder *builder = build->builder;

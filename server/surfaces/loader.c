@@ -111,7 +111,8 @@ static enum server_loader_outcome load_build(struct load *load, struct server_su
     return SERVER_LOADER_LOADED;
 }
 
-/* Under the lock: parks a job (or NULL) if the record is being loaded. False: not parked. */
+/* Under the lock: parks a job (NULL is harmless) if the record is being loaded. False: it is not,
+ * or the workers were cancelled. */
 static bool load_park(struct server_loader *loader, const struct server_record *record,
                       struct server_job *job)
 {
@@ -127,7 +128,8 @@ bool server_loader_join(struct server_loader *loader, const struct server_record
     return load_park(loader, record, job);
 }
 
-/* Ends a load. Refuses the parked jobs if memory is short, else resumes them. */
+/* Ends a load. If memory is short, refuses the parked jobs. Otherwise resumes them, because other
+ * failures may not concern them. */
 static void load_end(struct load *load, enum server_loader_outcome outcome)
 {
     struct server_loader *loader = load->loader;

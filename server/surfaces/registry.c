@@ -239,7 +239,8 @@ struct server_record *server_registry_hottest(struct server_registry *registry)
     return hottest ? server_record_retain(hottest->now.record) : NULL;
 }
 
-/* Collects up to NOTED_AT_ONCE changed numbers of uses. The writer lock keeps the records. */
+/* Collects up to NOTED_AT_ONCE changed numbers of uses. The caller holds the writer lock, so the
+ * records stay valid. */
 static uint32_t slots_collect_uses(struct server_registry *registry,
                                    const struct server_record **records,
                                    struct server_store_uses *uses)
@@ -330,7 +331,8 @@ static void slots_keep_unchanged(struct server_sorted *all, struct server_sorted
     }
 }
 
-/* Reads the whole store again, when it no longer knows the changes: long ago, or restored. */
+/* Reads the whole store again. Called if the store no longer lists the changes, because they are
+ * old or the store was restored. */
 static enum server_outcome registry_reread(struct server_registry *registry)
 {
     struct server_sorted fresh;
@@ -342,7 +344,8 @@ static enum server_outcome registry_reread(struct server_registry *registry)
         registry->all = fresh;
         fresh = before;
         pthread_rwlock_unlock(&registry->lock);
-        registry->seen = 0; /* slots may differ in time: compare each version */
+        registry->seen =
+            0; /* the slots were not read at one moment: follow compares all versions */
     }
     for (uint32_t i = 0; i < fresh.count; i++) slot_leave(registry, fresh.items[i]);
     free(fresh.items);
@@ -446,7 +449,8 @@ static enum server_outcome change_store(const struct server_registry *registry,
                   : store->remove(store, now->record, version);
 }
 
-/* Applies a stored change to the slots, unless they have it or a later one. Version 0: unshared. */
+/* Applies a stored change to the slots, unless they have it or a later one. Version 0: the store is
+ * not shared. */
 static void change_apply(struct server_registry *registry, struct change *change, uint64_t version)
 {
     struct server_sorted *all = &registry->all;

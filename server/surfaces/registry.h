@@ -105,7 +105,8 @@ struct server_store *server_registry_store(const struct server_registry *registr
 /* Keeps a loaded surface in memory, unless its key has another record or another surface. */
 void server_registry_keep(struct server_registry *registry, struct server_surface *surface);
 
-/* Returns the record of the most used surface not in memory, each once, retained; or NULL. */
+/* Returns the record of the most used surface that is not in memory, retained; or NULL. Returns
+ * each record once. */
 struct server_record *server_registry_hottest(struct server_registry *registry);
 
 /* Stores the numbers of uses that have changed since the last call. */

@@ -10,9 +10,10 @@ struct server_registry;
 struct server_scrub;
 struct server_workers;
 
-/* Starts the thread. The first round begins after a minute, or after `period_s` if that is sooner;
- * each later one `period_s` after the start of the last. `rate`: bytes a second. The registry's
- * store must have verify. Borrows its arguments. NULL: no memory or thread. */
+/* Starts the thread. The first round begins after a minute, or after `period_s` if that is sooner.
+ * Each later round begins `period_s` after the start of the preceding round. `rate`: bytes a
+ * second. The registry's store must have verify. Borrows its arguments. NULL: no memory or
+ * thread. */
 struct server_scrub *server_scrub_create(struct server_registry *registry,
                                          struct server_workers *workers, uint64_t period_s,
                                          uint64_t rate);

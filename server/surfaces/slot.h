@@ -1,5 +1,5 @@
-/* Slot: the place of one surface in the registry, which uses its slots, sorted by key, under its
- * lock. */
+/* Slot: the place of one surface in the registry. The registry sorts its slots by key, and uses
+ * them under its lock. */
 #ifndef SERVER_SURFACES_SLOT_H
 #define SERVER_SURFACES_SLOT_H
 

@@ -1,7 +1,8 @@
 /* Surface: an object in memory (for instance a mesh) with its record, attachment, cached fields and
  * landmarks. Also builds surfaces from files.
  *
- * Immutable except its count, mesh cache and slots; these refer to the mesh until it is retired. */
+ * A surface is immutable except for its reference count, its mesh cache and its slots. Mesh cache
+ * and slots refer to the mesh until the surface is retired. */
 #ifndef SERVER_SURFACES_SURFACE_H
 #define SERVER_SURFACES_SURFACE_H
 
@@ -15,7 +16,7 @@ struct server_background;
 #define SERVER_BACKGROUND_DONE 1000000 /* the progress of a build that has ended */
 
 struct server_background_slot {                /* see background.h; all zero but `surface`: empty */
-    struct server_surface *surface;            /* that contains the slot */
+    struct server_surface *surface;            /* the surface that contains the slot */
     _Atomic(struct server_background *) owner; /* NULL: never used by a request */
     atomic_bool is_closed;
     atomic_uint progress; /* progress of the build, up to SERVER_BACKGROUND_DONE */
@@ -64,7 +65,8 @@ struct server_surface *server_surface_create(struct server_record *record, void 
                                              size_t bytes, struct server_budget *budget,
                                              struct server_cache *cache);
 
-/* Takes over the record's attachment, malloc'ed, and its bytes of FLIGHT, before sharing. */
+/* Takes over the record's attachment, malloc'ed, and its bytes of SERVER_BUDGET_FLIGHT. Call it
+ * before the surface is shared. */
 void server_surface_attach(struct server_surface *surface, void *attachment);
 
 struct server_surface *server_surface_retain(struct server_surface *surface);
@@ -87,7 +89,8 @@ struct server_builder { /* all borrowed */
     struct proto_problem *problem;
 };
 
-/* Builds the surface of a record, without its attachment. Errors, with a problem: GD_BUDGET, … */
+/* Builds the surface of a record, without its attachment. On failure returns a status and sets the
+ * problem. GD_BUDGET: the budget has too little memory. */
 GD_MUST_USE enum gd_status server_build_surface(const struct server_builder *builder,
                                                 struct server_surface **out);
 

@@ -2,7 +2,7 @@
 
 #include <assert.h>
 
-#define SMALL_ANSWER ((size_t)64 << 10) /* bytes of one take */
+#define SMALL_ANSWER ((size_t)64 << 10) /* most bytes of a small answer */
 #define REMEDY       "delete meshes, or raise --memory-budget"
 
 static bool account_take(void *budget, size_t bytes)
@@ -59,7 +59,8 @@ bool server_budget_take(struct server_budget *budget, enum server_budget_class c
     return false;
 }
 
-/* Checks the part of answers. Concurrent answers may exceed it by a step each, not the limit. */
+/* Checks that the answers stay within their part of the budget. Concurrent calls may exceed the
+ * part by one take each, but not the limit of the budget. */
 static bool admits_answer(struct server_budget *budget, size_t bytes)
 {
     size_t part =

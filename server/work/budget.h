@@ -4,10 +4,11 @@
  *     ...
  *     server_budget_give(budget, SERVER_BUDGET_FLIGHT, bytes);
  *
- * DESIGN. One atomic total, and one atomic count per class. A take that would exceed the limit
- * calls the reclaimers in the order of server_reclaim_turn until enough is free. The order begins
- * with the data that is cheapest to compute again. Reclaimers take locks of their own, so a caller
- * of take holds no lock. A give calls no other part. All functions are thread-safe. */
+ * DESIGN. One atomic total, and one atomic count per class. A call of server_budget_take that would
+ * exceed the limit calls the reclaimers in the order of server_reclaim_turn until enough is free.
+ * The order begins with the data that is cheapest to compute again. Reclaimers take locks of their
+ * own, so a caller of take holds no lock. server_budget_give calls no other part of the daemon. All
+ * functions are thread-safe. */
 #ifndef SERVER_WORK_BUDGET_H
 #define SERVER_WORK_BUDGET_H
 
@@ -52,15 +53,16 @@ struct server_reclaimer {
     void *user;
 };
 
-/* Answers leave one half of the budget to other classes; small ones may leave a quarter. */
+/* Answers leave one half of the budget to the other classes. Small answers leave a quarter. */
 #define SERVER_BUDGET_ANSWERS_PART       2
 #define SERVER_BUDGET_SMALL_ANSWERS_PART 4
 
 struct server_budget {
     size_t limit;
-    size_t largest_answer;                 /* bytes */
-    struct proto_writer_account answers;   /* takes from SERVER_BUDGET_ANSWERS */
-    atomic_uint_least64_t refused_answers; /* takes for answers that found their part full */
+    size_t largest_answer;               /* bytes */
+    struct proto_writer_account answers; /* takes from SERVER_BUDGET_ANSWERS */
+    atomic_uint_least64_t
+        refused_answers; /* takes that failed because the part of answers was full */
     atomic_size_t total;
     atomic_size_t used[SERVER_BUDGET_CLASSES];
     struct server_reclaimer reclaimers[SERVER_RECLAIM_TURNS]; /* set before the first take */
@@ -68,7 +70,8 @@ struct server_budget {
 
 void server_budget_init(struct server_budget *budget, size_t limit);
 
-/* Counts `bytes` in the class. False, and nothing counted: not even reclaiming makes room. */
+/* Counts `bytes` in the class. Returns false and counts nothing if even reclaiming does not make
+ * enough room. */
 bool server_budget_take(struct server_budget *budget, enum server_budget_class class, size_t bytes);
 
 /* As server_budget_take, without reclaiming. */

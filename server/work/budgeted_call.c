@@ -125,7 +125,8 @@ static bool other_calls_run(struct server_workspaces *workspaces)
     return workspaces->running > 1;
 }
 
-/* Waits until no other call runs; one of the waiting continues. GD_DEADLINE, GD_CANCELLED. */
+/* Blocks until no other call runs. If several calls wait, one of them continues. Errors:
+ * GD_DEADLINE, GD_CANCELLED. */
 static enum gd_status other_calls_wait(struct server_workspaces *workspaces,
                                        const struct gd_control *control)
 {
@@ -161,7 +162,8 @@ static bool call_attempt_begin(struct server_budgeted_call *call)
     return true;
 }
 
-/* The budget counts the workspace in addition to the grant, though they overlap in part. */
+/* The budget counts the workspace in addition to the grant, although part of the grant is the
+ * memory of the workspace. */
 static void call_attempt_end(struct server_budgeted_call *call)
 {
     struct server_space *space = &call->space;

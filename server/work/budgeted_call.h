@@ -11,7 +11,7 @@
  * suffices for most calls of its kind. A call that fails for lack of memory runs again with several
  * times as much, so the failed attempts cost a fraction of the last one. If other calls hold that
  * memory, it runs with the rest. If that is too little, it waits until no other call runs. So a
- * call must not be made within another.
+ * call must not be made within another call, which would wait for itself.
  *
  * Workspaces keep the scratch memory of a call for the next one. They form a stack: a call borrows
  * the most recently used workspace. Idle ones are reclaimed first of all classes, the longest idle
@@ -48,8 +48,9 @@ struct server_budgeted_call {
     size_t aside;              /* bytes that the call allocates in addition to its budget */
     bool is_modest;            /* uses only free memory, reclaims nothing, makes one attempt */
     size_t *held;              /* grows by `kept` at the end of a call that succeeds; or NULL */
-    enum gd_status status;     /* the loop sets that of an attempt; in the end, of the call */
-    size_t kept;               /* the loop sets the bytes of the result */
+    enum gd_status
+        status;  /* set by the loop after an attempt; at the end, the status of the call */
+    size_t kept; /* the loop sets the bytes of the result */
     struct server_space space; /* this and the rest are private */
     size_t taken;              /* bytes taken by the current attempt; 0: none */
     bool is_last;              /* the attempt has all available memory, and runs alone */

@@ -74,7 +74,7 @@ static void executor_run_task(struct executor *executor)
     if (--executor->running == 0) executor_signal(executor);
 }
 
-/* Runs tasks until the stop, or until other jobs need the worker. Then it queues itself again. */
+/* Runs tasks until the stop. If other jobs need the worker, queues itself again and returns. */
 static void helper_run(struct server_job *job)
 {
     struct executor *executor = ((struct helper *)job)->executor;

@@ -6,8 +6,8 @@
  *
  * DESIGN. The executor queues one helper job for each thread beyond the caller's. A helper serves
  * all runs until the stop: a field build has thousands of runs, and queueing a job costs as much as
- * one of them. Between runs a helper spins for some microseconds, then it sleeps. If other jobs
- * wait, a helper that has run for a millisecond queues itself again behind them.
+ * a run. Between runs a helper spins for some microseconds, then it sleeps. If other jobs wait, a
+ * helper that has run for a millisecond queues itself again behind them.
  *
  * The caller runs every task that no helper has begun: it finishes without helpers too. Caller and
  * helpers share the executor by reference count: a helper that leaves the queue after the stop

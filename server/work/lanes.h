@@ -10,8 +10,8 @@
  * least time of the others). Each lane is first in, first out. Urgent jobs, for which clients wait,
  * precede patient ones, but a patient job follows every 16 urgent ones.
  *
- * Limits, for each kind: all lanes together hold `length` jobs. A tenant takes at most as many
- * places as it leaves free (dynamic thresholds, Choudhury and Hahne, 1998).
+ * Limits, separately for urgent and patient jobs: all lanes together hold `length` jobs. A tenant
+ * takes at most as many places as it leaves free (dynamic thresholds, Choudhury and Hahne, 1998).
  *
  * Spare workers are threads beyond the number of workers. A spare worker takes an urgent job while
  * patient jobs occupy workers, or a job whose tenant has none running.
@@ -76,7 +76,8 @@ void server_lanes_init(struct server_lanes *lanes, uint32_t workers, uint32_t le
 /* Returns the lane of a tenant (NULL: ""). A new lane must get a job before the next call. */
 struct server_lane *server_lanes_of(struct server_lanes *lanes, const char *tenant);
 
-/* Queues a job at the end of the lane (false: the queue is full), or ahead of it, always. */
+/* Queues a job at the end of the lane. False: the queue is full. With `is_first`, queues it at the
+ * front, even if the queue is full. */
 bool server_lanes_push(struct server_lanes *lanes, struct server_lane *lane, struct server_job *job,
                        bool is_first);
 

@@ -8,7 +8,7 @@
 #define LONG_NS    UINT64_C(50000000)   /* time after which a job gets idle priority */
 #define MEASURE_NS UINT64_C(100000000)  /* period over which its share is measured */
 #define SHARE      8                    /* a job that gets less than 1/8 of the time starves */
-#define RETURN_NS  UINT64_C(1000000000) /* the first return to normal */
+#define RETURN_NS  UINT64_C(1000000000) /* length of the first return to normal priority */
 
 /* Sets the nice value; on Linux only of the calling thread. */
 static bool thread_set_nice(int nice)
@@ -51,8 +51,8 @@ void server_thread_place(uint32_t threads, bool are_workers_busy, uint64_t now_n
 
 static _Thread_local bool can_return, is_now_idle;
 
-/* Lowers a new worker, and finds out whether it may leave idle priority: a thread may leave
- * SCHED_IDLE if it may lower its nice value. */
+/* Lowers the priority of a new worker. Finds out whether the worker may leave idle priority: a
+ * thread may leave SCHED_IDLE if it may lower its nice value. */
 void server_worker_lower(void)
 {
     can_return = thread_set_nice(SERVER_WORKER_NICE) && thread_set_nice(SERVER_WORKER_NICE - 1) &&

@@ -2,10 +2,10 @@
  * that the system refuses change nothing. Figures: server/doc/008.
  *
  * DESIGN. HTTP threads have a slightly higher priority than other programs. Otherwise a client on
- * the same machine preempts them at every answer. While no worker is busy, each has a core of its
- * own, if there are as many cores as HTTP threads. Otherwise the kernel often runs all of them on
- * one core and their clients on another. While workers are busy, an HTTP thread may run on all
- * cores, since a worker leaves a core only at the next tick.
+ * the same machine preempts them at every answer. While no worker is busy, each HTTP thread has a
+ * core of its own, if there are enough cores. Otherwise the kernel often runs all of them on one
+ * core and their clients on another. While workers are busy, an HTTP thread may run on all cores,
+ * because a worker leaves a core only at the kernel's next timer tick.
  *
  * Workers run at nice 10. A long job gets idle priority (SCHED_IDLE): the kernel treats its core as
  * idle, so a thread that wakes there runs at once. To prevent starvation on a busy machine, a job
@@ -24,10 +24,11 @@
 /* Called by each of `threads` HTTP threads at a request: sets the cores that it may use. */
 void server_thread_place(uint32_t threads, bool are_workers_busy, uint64_t now_ns);
 
-/* Lowers the calling thread, a new worker. */
+/* Lowers the priority of the calling thread, a new worker. */
 void server_worker_lower(void);
 
-/* Gives the calling thread idle or normal priority; does nothing if idle would be for good. */
+/* Gives the calling thread idle or normal priority; does nothing if the thread could not leave idle
+ * priority again. */
 void server_worker_set_idle(bool is_idle);
 
 /* The priority of one job; not shared. */

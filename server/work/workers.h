@@ -16,19 +16,23 @@
 
 struct server_workers;
 
-/* Starts `count` threads. Up to `queue_length` urgent jobs and as many patient ones wait. */
+/* Starts `count` threads. Up to `queue_length` urgent jobs and as many patient ones can wait. NULL:
+ * no memory or thread. */
 struct server_workers *server_workers_create(uint32_t count, uint32_t queue_length);
 
-/* Starts as many spare threads (lanes.h), before the first job. Returns false if one fails. */
+/* Starts as many spare threads (lanes.h) as there are workers, before the first job. Returns false
+ * if a thread can't be started. */
 bool server_workers_add_spare(struct server_workers *workers);
 
 /* Lets tenants share the queue (lanes.h). Call it before the first job. */
 void server_workers_share(struct server_workers *workers);
 
-/* Queues a job. False: the queue is full. After a cancel the job is refused at once. */
+/* Queues a job. False: the queue is full, and the caller still owns the job. After a cancel the job
+ * is refused at once. */
 bool server_workers_submit(struct server_workers *workers, struct server_job *job);
 
-/* Queues a parked job ahead of its lane, even into a full queue: it was admitted before. */
+/* Queues a parked job at the front of its lane, even if the queue is full, because the job was
+ * admitted before. */
 void server_workers_resume(struct server_workers *workers, struct server_job *job);
 
 /* Parks a job at an address until it is unparked there, or until a time (0: none). This is the last
@@ -37,12 +41,13 @@ void server_workers_resume(struct server_workers *workers, struct server_job *jo
 bool server_workers_park(struct server_workers *workers, struct server_job *job, const void *at,
                          uint64_t until_ns);
 
-/* Queues the jobs that are parked there, ahead of their lanes; or refuses them. */
+/* Queues the jobs that are parked at the address, at the front of their lanes. The second function
+ * refuses them instead. */
 void server_workers_unpark(struct server_workers *workers, const void *at);
 void server_workers_refuse_parked(struct server_workers *workers, const void *at,
                                   enum server_refusal why);
 
-/* Returns whether jobs are parked there. */
+/* Returns whether jobs are parked at the address. */
 bool server_workers_await(struct server_workers *workers, const void *at);
 
 /* Refuses late queued and parked jobs, and queues jobs whose parking time has ended. */
@@ -52,7 +57,8 @@ void server_workers_expire(struct server_workers *workers, uint64_t now_ns);
 void server_workers_cancel(struct server_workers *workers);
 bool server_workers_cancelled(struct server_workers *workers);
 
-/* Running jobs and guests call it each millisecond. Adjusts the priority; false: cancelled. */
+/* Running jobs and guests (see below) call it each millisecond. Adjusts the priority; false:
+ * cancelled. */
 bool server_workers_go_on(struct server_workers *workers);
 
 struct server_workers_load {
@@ -62,7 +68,8 @@ struct server_workers_load {
 };
 struct server_workers_load server_workers_load(struct server_workers *workers);
 
-/* A guest, the calling thread, is one of another part, with the priority of a long job. */
+/* A guest is a thread of another part that computes for long, with the priority of a long job. The
+ * two functions make the calling thread a guest, and end that. */
 void server_workers_begin_guest(struct server_workers *workers);
 void server_workers_end_guest(struct server_workers *workers);
 

@@ -326,7 +326,8 @@ static bool pieces_build(struct cut_query *cut)
     return true;
 }
 
-/* Returns a generated name that already exists, or NULL: it must not replace another mesh. */
+/* Returns a generated name that already exists, or NULL. A generated name must not replace another
+ * mesh. */
 static const char *pieces_find_taken(const struct cut_query *cut)
 {
     struct server_registry *registry = cut->own.query.exchange->host->api->registry;
@@ -430,7 +431,7 @@ static bool cut_list_arrays(struct server_query *query)
 static void cut_release(struct server_query *query)
 {
     struct cut_query *cut = (struct cut_query *)query;
-    /* may be a stream's exchange */
+    /* the query may have moved to a stream's exchange */
     if (cut->meshes.exchange) cut->meshes.exchange = query->exchange;
     server_derived_meshes_free(&cut->meshes);
     gd_cut_free(&cut->cut);

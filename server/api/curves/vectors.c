@@ -88,7 +88,7 @@ struct trace_query {
     struct gd_point start;
     double snap;                     /* how far the point was moved; NAN: not at all */
     struct gd_direction *directions; /* only for trace */
-    /* of exp, indexed by vectors.first; after a vector's first segment only angles */
+    /* segments of exp, indexed by vectors.first; later segments of a vector have angles only */
     struct gd_vector *segments;
     bool has_paths;              /* whether the answer has paths */
     uint32_t count, trace_count; /* requested and finished traces */
@@ -389,7 +389,7 @@ static void log_put(struct log_query *own, uint32_t i, const struct gd_log *log,
     own->is_cut[i] = is_cut;
 }
 
-/* Writes the vector of a pair's answer, and frees that. */
+/* Writes the vector of a pair's answer, and frees the answer. */
 static enum gd_status log_write(struct log_query *own, uint32_t i, struct gd_pair_answer *answer)
 {
     struct gd_log log = {.vector.length = answer->distance};

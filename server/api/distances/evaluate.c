@@ -107,8 +107,8 @@ static enum gd_status result_find_gradient(const struct gd_mesh *mesh, const str
 }
 
 /* Computes the nearest member and its nearest point: the point of a point member, or the path's end
- * on a segment. Among equally near members the path may end in another than gd_field_nearest
- * returns. */
+ * on a segment. If several members are equally near, the path may end in a member other than the
+ * result of gd_field_nearest. */
 static enum gd_status result_find_nearest(const struct evaluation *evaluation,
                                           const struct gd_field *field,
                                           const struct gd_point *point, struct proto_result *result,

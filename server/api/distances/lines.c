@@ -61,8 +61,8 @@ struct isolines_query {
     uint32_t line_count;
 };
 
-/* Settles what is written. A file always has polylines and nothing else. The points of a line are
- * the ends of its arcs, unless arcs are omitted or a tolerance is given. */
+/* Decides which elements are written. A file always has polylines and nothing else. The points of a
+ * line are the ends of its arcs, unless arcs are omitted or a tolerance is given. */
 static bool isolines_settle(struct isolines_query *own)
 {
     struct server_query *query = &own->query;

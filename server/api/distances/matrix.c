@@ -3,11 +3,12 @@
  * DESIGN. The metric is symmetric: sources or targets, whichever are fewer, become the rows. Each
  * different point is one row or column. A row is a field of its point, evaluated at all columns.
  * The field is cached, or built and dropped. If all columns are vertices, the field keeps no
- * wedges. Rows of few columns are searched pair by pair. Between components nothing is computed.
+ * wedges. Rows of few columns are searched pair by pair. Distances between components are infinite
+ * and need no computation.
  *
  * Each row is a task of an executor (executor.h) with its own workspace and its own grant from the
- * memory budget. The first failure ends all rows: those by fields within a millisecond or so, those
- * by searches at the end of a search. */
+ * memory budget. The first failure ends all rows. Rows from fields end within about a millisecond,
+ * rows by searches when their current search ends. */
 #include "server/query/handlers.h"
 
 #include <math.h>
@@ -165,7 +166,8 @@ static enum gd_status row_evaluate(const struct matrix_row *row, const struct gd
     return status;
 }
 
-/* Returns the request of a row's field, to just above the limit: distances at it are final. */
+/* Returns the request of a row's field. The field reaches just beyond the limit, so that distances
+ * equal to the limit are final. */
 static struct gd_field_request row_request(const struct matrix_row *row, struct gd_seed *seed)
 {
     double limit = row->matrix->max_distance;

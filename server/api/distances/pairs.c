@@ -1,4 +1,5 @@
-/* Pairs: distance and shortest path between two points, optionally via others, leg by leg.
+/* Pairs: distance and shortest path between two points, optionally via others. A leg is the part
+ * between two consecutive points.
  *
  * DESIGN. The metric is symmetric, so a field of either end answers a leg. try_inline answers from
  * cached fields. A worker searches from one end to the other; or it builds the field of an end that

@@ -22,8 +22,8 @@ struct server_smooth_ends {
 json_t *server_smooth_uv(const char *text);
 json_t *server_smooth_place(const char *text);
 
-/* Parses a query string: decodes the body that has its parameters, except those that all queries
- * share, as members. A problem names the parameter. */
+/* Parses a query string. Makes a body whose members are the parameters, except those that all
+ * queries share, and decodes it. A problem names the parameter. */
 bool server_smooth_parse(struct server_query *query, const struct proto_parameters *parameters,
                          const struct server_smooth_ends *ends);
 

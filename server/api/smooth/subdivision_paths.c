@@ -23,8 +23,8 @@ static const struct gd_subdivision *subdivision_of(const struct server_query *qu
     return server_subdivision_of(query->surface)->surface;
 }
 
-/* Returns the mesh or the grid of a level, which the caller releases. It is the query's work up to
- * BUILD_SHARE. */
+/* Returns the mesh or the grid of a level, which the caller releases. A build is the first
+ * BUILD_SHARE of the query's work. */
 static enum gd_status discretization_get(const struct server_query *query, uint32_t level,
                                          bool wants_grid, struct server_discretization **out,
                                          struct gd_detail *detail)

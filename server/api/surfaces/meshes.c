@@ -75,8 +75,8 @@ static void packed_send(struct server_exchange *exchange, const struct server_re
     server_reply_lent(exchange, 200, gd_format_media_type(format), &head, &lent);
 }
 
-/* Compresses a file of the client's choice and caches the result. Returns NULL if the client does
- * not accept gzip, if the file is small or not compressible, or if memory is short. */
+/* Compresses a file in the format that the client chose, and caches the result. Returns NULL if the
+ * client does not accept gzip, if the file is small or not compressible, or if memory is short. */
 static struct server_packed_file *content_pack(struct server_exchange *exchange, const char *tag,
                                                const char *bytes, size_t size)
 {

@@ -37,7 +37,7 @@ static struct server_listing check_folder(struct check *check, const char *folde
 
 /* --- files that are named by their checksum --------------------------------------------------- */
 
-/* Reads a file; false: its SHA-256 is not the beginning of its name. */
+/* Reads a file. False: its name does not begin with its SHA-256. */
 static bool file_is_sound(const struct server_listing *file)
 {
     char found[SERVER_SHA256_HEX];

@@ -283,7 +283,8 @@ const char *server_database_error(struct server_database *database)
 
 /* --- statements ------------------------------------------------------------------------------- */
 
-/* Moves the log into the database. A failure refuses later writes; earlier ones are durable. */
+/* Moves the log into the database. After a failure all later writes are refused. Earlier writes are
+ * durable. */
 static void database_checkpoint(struct server_database *database, int mode)
 {
     enum server_outcome outcome = server_sqlite_outcome(
@@ -422,7 +423,8 @@ static int batches_connect(struct batches *own)
     return code;
 }
 
-/* Replaces a damaged database by a new one. Returns the code, or that of the new one. */
+/* Replaces a damaged database by a new one. Returns `code`, or the result code of opening the new
+ * database. */
 static int batches_judge(struct batches *own, int code)
 {
     char suffix[SERVER_DISK_ASIDE_SUFFIX];

@@ -65,8 +65,9 @@ static bool files_refuse_path(struct server_files *files, const char *path)
     return server_refuse(files->error, "can't open '%s': %s", path, strerror(errno));
 }
 
-/* Makes the names in a folder durable. Skips a folder that the process can't write to, since it
- * can't have created a name there. In the sandbox (sandbox.h) the folder may be inaccessible. */
+/* Makes the names in a folder durable. Skips a folder that the process can't write to, because the
+ * process can't have created a name there. In the sandbox (sandbox.h) the folder may be
+ * inaccessible. */
 static enum server_outcome sync_names(const char *folder)
 {
     if (access(folder, W_OK) != 0) return SERVER_STORE_DONE;
@@ -74,7 +75,8 @@ static enum server_outcome sync_names(const char *folder)
     return outcome == SERVER_STORE_READ_ONLY && errno == EACCES ? SERVER_STORE_DONE : outcome;
 }
 
-/* Creates a folder and its parents, and makes their names durable, as a killed one may not have. */
+/* Creates a folder and its parents. Makes the names of existing ones durable, too: a process that
+ * was killed may have created them. */
 static enum server_outcome make_path(const char *folder)
 {
     char path[SERVER_STORE_FOLDER];
@@ -110,7 +112,7 @@ static bool lock_take(struct server_files *files, int flags)
     const struct server_path path = server_files_path(files, "lock");
     files->held = open(files->folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (files->held >= 0) files->lock = open(path.text, flags | O_CLOEXEC | O_NONBLOCK, 0600);
-    /* without O_CREAT a copy may lack the file */
+    /* opened without O_CREAT, the file may be missing: some copies lack it */
     bool is_open = files->held >= 0 && (files->lock >= 0 || errno == ENOENT);
     if (!is_open) (void)files_refuse_path(files, files->held < 0 ? files->folder : path.text);
     bool is_locked = is_open &&

@@ -3,7 +3,7 @@
  *     lock                          locked by the process that has the store, as is the folder
  *     unfinished                    marks a copy that --backup or --restore has not finished
  *     geodesicd.db, -wal, -shm      SQLite: the records as rows
- *     batches.db, -wal, -shm        SQLite: the batches; made by the first
+ *     batches.db, -wal, -shm        SQLite: the batches; created for the first batch
  *     objects/ab/<object>           files and attachments, immutable, named by content (record.h)
  *     manifests/<key>.manifest      the record of each surface; the database can be made from them
  *     fields/                       landmarks and cached fields (field_store.h)
@@ -53,7 +53,8 @@ bool server_files_object_check(const char *file);
 bool server_files_open(struct server_files *files, const char *folder);
 /* As server_files_open, but creates nothing. False also if `objects` or `manifests` is missing. */
 bool server_files_open_existing(struct server_files *files, const char *folder);
-/* As server_files_open, for a new or an unfinished copy: unfinished until server_files_finish. */
+/* As server_files_open, for a new copy or an unfinished one, whose objects are kept. The copy is
+ * unfinished until server_files_finish. */
 bool server_files_open_copy(struct server_files *files, const char *folder);
 enum server_outcome server_files_finish(const struct server_files *files);
 

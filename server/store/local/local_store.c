@@ -40,8 +40,8 @@ struct local {
     pthread_mutex_t lock;             /* protects `quarantine` and `turn` */
     struct server_names quarantine;   /* ids of damaged objects */
     uint64_t turn;                    /* rises when an object leaves the quarantine */
-    struct finding *findings;         /* freed after the first visit; sorted by key where a row */
-    uint32_t count, capacity;         /* was read */
+    struct finding *findings;         /* freed after the first visit; the first ones */
+    uint32_t count, capacity;         /* have a row, and are sorted by key */
     /* ids of the objects that the last change removed from a surface; empty: none */
     char left[SERVER_PARTS][SERVER_OBJECT];
     bool lacks_rows; /* a repair failed: rows do not show all objects in use */
@@ -52,7 +52,7 @@ struct local {
 
 /* --- health ----------------------------------------------------------------------------------- */
 
-/* Makes the store read-only, with this reason unless it is already. */
+/* Makes the store read-only, for this reason. Does nothing if it is read-only already. */
 __attribute__((format(printf, 2, 3))) static void local_forbid(struct local *local,
                                                                const char *format, ...)
 {
@@ -96,7 +96,8 @@ static enum server_outcome local_judge(struct local *local, enum server_outcome 
 
 /* --- quarantine ------------------------------------------------------------------------------- */
 
-/* Returns whether the object is in quarantine; before a read. `*turn`: see quarantine_condemn. */
+/* Returns whether the object is in quarantine. A reader calls it before it reads the object, and
+ * later passes `*turn` to quarantine_condemn. */
 static bool quarantine_holds(struct local *local, const char *object, uint64_t *turn)
 {
     SERVER_LOCK(&local->lock);
@@ -104,8 +105,8 @@ static bool quarantine_holds(struct local *local, const char *object, uint64_t *
     return server_names_has(&local->quarantine, object);
 }
 
-/* Puts an object into quarantine. False: since that turn an object was rewritten, perhaps this one,
- * or memory is short. Then the next reader decides. */
+/* Puts an object into quarantine. False: an object was rewritten since `turn`, perhaps this one, or
+ * memory is short. Then the next reader of the object decides. */
 static bool quarantine_condemn(struct local *local, const char *object, uint64_t turn)
 {
     SERVER_LOCK(&local->lock);
@@ -214,7 +215,8 @@ static enum server_outcome local_put(struct server_store *store, const struct se
     return outcome;
 }
 
-/* Confirms the stored objects. A read-only store can't repair; there loading verifies them. */
+/* Confirms the stored objects. A read-only store can't repair them; it verifies objects when they
+ * are loaded. */
 static enum server_outcome local_keep(struct server_store *store,
                                       const struct server_record *record,
                                       const struct server_content *content)
@@ -282,7 +284,7 @@ static enum server_outcome local_verify(struct server_store *store,
     return outcome;
 }
 
-/* --- recovery: what there is ------------------------------------------------------------------ */
+/* --- recovery: findings ----------------------------------------------------------------------- */
 
 static void findings_forget(struct local *local)
 {

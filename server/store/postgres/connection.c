@@ -379,7 +379,8 @@ static enum server_outcome attempt_commit(struct server_pg_attempt *attempt)
     return outcome;
 }
 
-/* Queries the status of a COMMIT. DONE: committed; STALE: aborted; UNAVAILABLE: unknown. */
+/* Queries the status of a COMMIT that was not answered. DONE: committed; STALE: aborted;
+ * UNAVAILABLE: unknown for now, or in progress. */
 static enum server_outcome attempt_ask(struct server_pg_attempt *attempt)
 {
     struct server_sql_integers ended = {0};
@@ -489,7 +490,8 @@ struct server_store_sql *server_store_sql_postgres_open(const char *url)
 #define STANDARD_PORT "5432"
 #define VALUE         4096
 
-/* Copies the value of a keyword from address or environment, or "". False: malformed. */
+/* Copies the value of a keyword that the address sets, else the one of the environment, else "".
+ * False: the address is malformed. */
 static bool address_value(const char *url, const char *keyword, char value[VALUE])
 {
     PQconninfoOption *given = PQconninfoParse(url, NULL),

@@ -51,7 +51,7 @@ enum server_outcome server_pg_run(struct server_pg *pg, const struct server_stat
 /* The attempts at a transaction or a reading. The body of the loop may run several times. */
 struct server_pg_attempt {
     struct server_pg *pg;        /* the connection of this attempt */
-    enum server_outcome outcome; /* the loop sets that of an attempt; in the end, of all */
+    enum server_outcome outcome; /* set by the loop after an attempt; at the end, of all attempts */
     struct server_pg_pool *pool; /* this and the rest are private */
     bool is_transaction;
     uint64_t patience_ns, longest_ns; /* limits of all attempts, and of one statement */
@@ -61,8 +61,8 @@ struct server_pg_attempt {
 };
 
 /* The loop sets the outcome: DONE commits the transaction, STALE retries it, and PRECONDITION ends
- * it because another daemon made a change. UNAVAILABLE at the end: nothing changed, or that is
- * unknown. */
+ * it because another daemon made a change. UNAVAILABLE at the end: nothing changed, or it is
+ * unknown whether the change was made. */
 struct server_pg_attempt server_pg_transaction(struct server_pg_pool *pool);
 
 /* Attempts without a transaction, repeated if the connection is lost, for `patience_ns` at most,
@@ -76,7 +76,8 @@ bool server_pg_next(struct server_pg_attempt *attempt);
 bool server_pg_await(struct server_pg *pg, uint64_t ns);
 
 /* --- objects: files and attachments (record.h) as rows of a MiB each -------------------------- */
-/* Each is part of a transaction or a reading, and returns the outcomes of server_pg_run. */
+/* Each function is part of a transaction or a reading, and returns the outcomes of
+ * server_pg_run. */
 
 /* Writes the chunks that are missing or damaged; the database verifies the others. */
 enum server_outcome server_pg_write_object(struct server_pg *pg, const struct server_object *object,

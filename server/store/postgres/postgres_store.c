@@ -319,7 +319,8 @@ static bool listen_again(struct shared *own)
     return true;
 }
 
-/* Deletes the objects of uploads interrupted a day ago. The clock's lock keeps changes away. */
+/* Deletes the objects of uploads that were interrupted more than a day ago. Locks the clock, so
+ * that no change can refer to such an object meanwhile. */
 static void objects_sweep(struct server_pg_pool *pool)
 {
     struct server_pg_attempt attempt = server_pg_transaction(pool);
