@@ -345,7 +345,7 @@ def request_declarations(request):
 
 
 def header(guard, headers, every):
-    yield f"/* Made by generate.py from openapi.yaml: requests, and how they are read. Each _decode and _read checks\n * members, types and limits; what spans several members, and the members of x-by-hand, are the caller's. */\n#ifndef {guard}\n#define {guard}\n"
+    yield f"/* Made by generate.py from openapi.yaml: requests, and how they are read. Each _decode and _read checks\n * members, types and limits. The caller checks conditions on several members, and reads the members of\n * x-by-hand. */\n#ifndef {guard}\n#define {guard}\n"
     yield from (f'#include "{each}"' for each in sorted(headers))
     yield ""
     for member in words(every):

@@ -30,14 +30,15 @@ static void write_requests(struct server *server, struct proto_writer *writer)
         {"requests_deferred", "Requests that workers run, or that wait for workers.",
          atomic_load(&server->host.deferred)},
         {"batch_items_running", "Items of batches that this daemon works on.", batches.running},
-        {"batch_items_answered_total", "Items of batches that it has answered.",
+        {"batch_items_answered_total", "Items of batches that this daemon has answered.",
          (double)batches.answered},
-        {"batch_items_returned_total", "Items of batches that it returned to the queue.",
+        {"batch_items_returned_total", "Items of batches that this daemon returned to the queue.",
          (double)batches.returned},
         {"answer_streams", "Large answers that are encoded while their clients read them.",
          streams.count},
         {"answer_streams_held_bytes",
-         "Bytes of the budget that their states hold, without buffers.", (double)streams.held},
+         "Bytes of the budget that the states of answer streams hold, without buffers.",
+         (double)streams.held},
         {"event_streams", "Clients that watch jobs.", server_events_count(server->host.events)},
     };
     server_metrics_write_values(writer, values, sizeof values / sizeof *values);
@@ -55,9 +56,9 @@ static void write_surfaces(struct server *server, struct proto_writer *writer)
         {"cache_hits_total", "Look-ups that found a field of the source.", (double)cache.hits},
         {"cache_misses_total", "Look-ups that found no field.", (double)cache.misses},
         {"cache_builds_total", "Builds of fields that were begun.", (double)cache.builds},
-        {"cache_resumed_total", "Of these, fields that were resumed from a field of less reach.",
+        {"cache_resumed_total", "Builds of fields that resumed a cached field of smaller reach.",
          (double)cache.resumed},
-        {"cache_waits_total", "Requests that waited for a field that another was building.",
+        {"cache_waits_total", "Requests that waited for a field that another request was building.",
          (double)cache.waits},
         {"cache_evictions_total", "Fields evicted to free memory.", (double)cache.evictions},
         {"cache_fields", "Fields in the cache.", (double)cache.fields},
@@ -125,7 +126,7 @@ static void write_memory(struct server *server, struct proto_writer *writer)
         "meshes",    "fields",   "flight",          "answers", "records", "workspaces",
         "landmarks", "previews", "discretizations", "jobs",    "packed",  "spare"};
     server_metrics_write_head(writer, "memory_bytes", "gauge",
-                              "Bytes of the budget in use, by what holds them.");
+                              "Bytes of the budget in use, by class.");
     for (int i = 0; i < SERVER_BUDGET_CLASSES; i++)
         proto_append_format(writer, "geodesicd_memory_bytes{class=\"%s\"} %zu\n", names[i],
                             atomic_load(&server->budget.used[i]));

@@ -59,7 +59,8 @@ struct proto_route {
     /* deprecation of this path; NULL: the path is current */
     const struct proto_deprecation *deprecation;
     const struct proto_deprecation *deprecated_parameters; /* ends with name NULL; NULL: none */
-    /* path of the page about the current operation; NULL unless something above is deprecated */
+    /* path of the page about the current operation; NULL unless the path or a parameter is
+     * deprecated */
     const char *documentation;
 };
 

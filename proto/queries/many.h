@@ -41,7 +41,7 @@ const char *proto_many_ask(const struct proto_many *many, uint32_t item, struct 
 
 /* --- a page of answers ------------------------------------------------------------------------ */
 
-#define PROTO_MANY_WAIT 60 /* seconds; a request waits at most so long for news */
+#define PROTO_MANY_WAIT 60 /* seconds; longest wait of a request for new answers */
 
 struct proto_many_page {
     uint32_t limit;

@@ -184,8 +184,8 @@ void server_access_write(struct server_access *access, const char *tenant,
                          struct proto_writer *writer)
 {
     static const struct {
-        const char *name, *kind, *help,
-            *reason; /* kind NULL: another value of the preceding metric */
+        /* kind NULL: another value of the preceding metric */
+        const char *name, *kind, *help, *reason;
         size_t offset;
     } counters[] = {
         {"key_requests_total", "counter",

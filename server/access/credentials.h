@@ -38,9 +38,9 @@ enum server_quota_outcome { SERVER_QUOTA_ENTERED, SERVER_QUOTA_RATE, SERVER_QUOT
 /* The part of its limits that a key has used. Reference-counted: a running request keeps it after
  * its key is removed.
  *
- * A rate of r a second is a bucket of r tokens that fills at that rate: GCRA, stored as the time at
- * which the bucket is full again, so that a request is one compare-and-swap. (ATM Forum, Traffic
- * Management 4.0, 4.4.2.) */
+ * A rate of r a second is a token bucket of r tokens that fills at that rate. It is stored as the
+ * time at which the bucket is full again (GCRA), so that counting a request is one
+ * compare-and-swap. (ATM Forum, Traffic Management 4.0, 4.4.2.) */
 struct server_quota {
     atomic_uint references;
     atomic_uint_least64_t entered;     /* running requests */

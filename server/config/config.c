@@ -54,7 +54,7 @@ static const char *const sandbox_words[] = {
 
 static const struct option options[] = {
     {"listen", "ADDR:PORT|unix:PATH", VALUE(ADDRESS, listen, "127.0.0.1:8080"),
-     "where to listen; port 0 takes a free one"},
+     "address to listen on; port 0 chooses a free port"},
     {"allowed-host", "HOST", VALUE(HOST, allowed_hosts, NULL),
      "also accept this Host header; may be repeated, or a list with commas"},
     {"keys", "FILE", VALUE(PATH, keys, NULL),
@@ -67,28 +67,28 @@ static const struct option options[] = {
      "web pages of this origin may show the viewer in a frame; at most two origins of 63 "
      "characters, with a comma between them"},
     {"tls-cert", "FILE", VALUE(PATH, tls_cert, NULL),
-     "the chain of certificates, PEM: speak HTTPS only; reread at SIGHUP"},
+     "the chain of certificates, PEM; with it the daemon serves HTTPS only; reread at SIGHUP"},
     {"tls-key", "FILE", VALUE(PATH, tls_key, NULL), "the certificate's private key, PEM"},
     {"max-connections", "N", NUMBER(COUNT, max_connections, 1, SERVER_CONFIG_CONNECTIONS, "8192"),
-     "connections that are open at once; others wait, and idle ones are closed to make room"},
+     "most open connections; further ones wait, and idle ones are closed to make room"},
     {"max-address-connections", "N",
      NUMBER(COUNT, max_address_connections, 0, SERVER_CONFIG_CONNECTIONS, "2048"),
-     "connections of one address that are open at once, three quarters of all at most; others are "
+     "most open connections from one address, at most three quarters of all; further ones are "
      "closed; 0: no limit"},
     {"workers", "N", NUMBER(COUNT, workers, 1, 1024, NULL),
-     "threads that build meshes and propagate (default: the number of cores); as many spare ones "
+     "threads that build meshes and run queries (default: the number of cores); as many spare ones "
      "work only for a tenant that has no worker, or for requests while jobs have all workers"},
     {"http-threads", "N", NUMBER(COUNT, http_threads, 1, 256, NULL),
-     "threads that speak HTTP (default: the number of cores)"},
+     "threads that serve HTTP connections (default: the number of cores)"},
     {"queue-length", "N", NUMBER(COUNT, queue_length, 1, 1000000, "256"),
-     "requests that may wait for a worker before others get 503, and as many jobs; with keys no "
-     "tenant takes more places than it leaves free"},
+     "most requests that wait for a worker, and most jobs that wait; further ones get 503; with "
+     "keys a tenant takes at most as many places as it leaves free"},
     {"cpu", "NAME", CHOSEN(cpu, "auto", server_config_cpus),
-     "instructions of the kernels: auto (the best that the machine has), baseline, avx2 or avx512; "
-     "answers are the same"},
+     "CPU instructions that computations use: auto (the best of this machine), baseline, avx2 or "
+     "avx512; answers are the same"},
     {"memory-budget", "BYTES", NUMBER(BYTES, memory_budget, 1 << 20, UINT64_C(1) << 50, "4GiB"),
-     "most memory for meshes, fields and work; a 16th of it, 256MiB at most, is set aside for the "
-     "memory of released fields, which later fields reuse"},
+     "most memory for meshes, fields and computations; a 16th of it, at most 256MiB, is set aside "
+     "for the memory of released fields, which later fields reuse"},
     {"max-body", "BYTES", NUMBER(BYTES, max_body, 1 << 10, UINT64_C(1) << 40, "256MiB"),
      "largest request body"},
     {"max-answer", "BYTES", NUMBER(BYTES, max_answer, 64 << 10, UINT64_C(1) << 40, "1GiB"),
@@ -102,14 +102,14 @@ static const struct option options[] = {
      "most time that SIGTERM waits for running requests"},
     {"drain-delay-ms", "MS", NUMBER(COUNT, drain_delay_ms, 0, 86400000, "0"),
      "time after SIGTERM during which the daemon still serves, while /readyz answers 503, so that "
-     "load balancers choose another one"},
+     "load balancers choose another daemon"},
     {"job-ttl-s", "S", NUMBER(COUNT, job_ttl_s, 1, 31536000, "3600"),
      "how long a job and its answer are kept after its end"},
     {"max-jobs", "N", NUMBER(COUNT, max_jobs, 1, 1000000, "10000"),
      "most jobs; beyond that, or when their answers fill an eighth of the memory budget, the "
      "oldest ended jobs of the key with the most jobs are dropped"},
     {"landmarks", "N", NUMBER(COUNT, landmarks, 0, 16, "16"),
-     "landmark fields of a mesh, computed in idle time after its first search; they make later "
+     "landmark fields for a mesh, computed in idle time after its first search; they make later "
      "searches shorter; 0: none"},
     {"store", "KIND", VALUE(STORE, store, "local"),
      "where meshes are kept: local (in --data-dir), memory (until the daemon ends), or a database "

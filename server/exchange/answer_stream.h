@@ -7,8 +7,8 @@
  * budget counts the relay's buffer and the handler's state as an answer.
  *
  * Each of SERVER_ANSWER_STREAMS threads serves one stream. They start with the daemon, since the
- * sandbox forbids new threads. If all threads are in use, the whole text is held in memory. This
- * also applies to jobs, HEAD and HTTP/1.0. */
+ * sandbox forbids new threads. If all threads are in use, the whole text is held in memory. The
+ * whole text is also held for jobs, HEAD and HTTP/1.0. */
 #ifndef SERVER_EXCHANGE_ANSWER_STREAM_H
 #define SERVER_EXCHANGE_ANSWER_STREAM_H
 

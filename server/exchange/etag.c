@@ -57,7 +57,7 @@ static bool suffix_is_caption(const char *text, size_t size)
            size == 1 + SERVER_ETAG_CAPTION - 1 + strlen(FORMAT_SUFFIX);
 }
 
-/* Compares a tag that the client listed with `etag`. With `with_all`, the tag of any representation
+/* Compares `etag` with a tag that the client listed. With `with_all`, the tag of any representation
  * of the resource matches. If `etag` then ends with "-" or with the form of a description, tags of
  * other descriptions do not match. */
 static enum server_etag_form tag_compare(const struct tag *listed, const char *etag, bool with_all)

@@ -386,8 +386,8 @@ const char *server_exchange_sent_name(const struct server_exchange *exchange, co
     const struct proto_deprecation *each = route ? route->deprecated_parameters : NULL;
     for (; each && each->name && exchange->deprecation; each++)
         for (uint32_t i = 0; i < exchange->parameters.count; i++)
-            if (exchange->parameter_list[i].name ==
-                    each->replacement && /* the same pointer: server_exchange_rename set it */
+            /* the same pointer: server_exchange_rename set it */
+            if (exchange->parameter_list[i].name == each->replacement &&
                 strcmp(parameter, each->replacement) == 0)
                 return each->name;
     return parameter;

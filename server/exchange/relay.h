@@ -10,9 +10,9 @@
  *
  * DESIGN. The worker writes into a buffer, and the stream's reader takes from its front. When
  * SERVER_RELAY_MOST bytes are unread, the writer parks its job (workers.h) or blocks until half of
- * them are read. So memory is bounded for answers of any length; the budget counts it as an answer
- * from the beginning. When the client leaves, the stream is closed. Order of locks: events, relay,
- * workers. */
+ * them are read. So memory is bounded for answers of any length. The budget counts the buffer as an
+ * answer from the beginning. When the client leaves, the stream is closed. Order of locks: events,
+ * relay, workers. */
 #ifndef SERVER_EXCHANGE_RELAY_H
 #define SERVER_EXCHANGE_RELAY_H
 

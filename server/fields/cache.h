@@ -11,15 +11,15 @@
  *     }
  *     server_cache_unpin(hit);
  *
- * DESIGN. A surface owns a *mesh cache*. The *reach* of a field is the distance up to which it is
- * computed. Of fields with equal seeds the mesh cache keeps the one of the largest reach. A build
- * of larger reach resumes that field and replaces it. A *pending build* has one builder. Other jobs
- * are parked at it (workers.h) until it ends, and then look the field up again. A request of
- * smaller reach does not wait, since its own field may take much less time.
+ * DESIGN. A surface owns a *mesh cache*. The *seeds* of a field are its sources. Its *reach* is the
+ * distance up to which it is computed. Of fields with equal seeds the mesh cache keeps the one of
+ * the largest reach. A build of larger reach resumes that field and replaces it. A *pending build*
+ * has one builder. Other jobs are parked at it (workers.h) until it ends, and then look the field
+ * up again. A request of smaller reach does not wait, since its own field may take much less time.
  *
- * A field is built if a request claims it, and for pairs after SERVER_CACHE_SEARCHES queries of the
- * same point (hot_points.h). A field costs as much as 10 to 100 searches for pairs. So a client
- * whose sources are all different does not fill the cache.
+ * A field is built if a request claims it. For queries of pairs, the field of a point is built
+ * after SERVER_CACHE_SEARCHES queries of that point (hot_points.h). A field costs as much as 10 to
+ * 100 searches for pairs. So a client whose sources are all different does not fill the cache.
  *
  * Fields without pins can be evicted, by GreedyDual-Size-Frequency (Cherkasova, "Improving WWW
  * proxies performance with GreedyDual-Size-Frequency caching policy", 1998): at each use a field's

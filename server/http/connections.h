@@ -11,10 +11,9 @@
  *
  * An eighth of all places is reserved for new clients. While fewer places are free, the thread
  * shuts down connections that wait for their clients. It chooses them from the addresses with the
- * most such connections. It shuts down connections with unfinished heads first, if the heads are
- * older than a second. Idle connections follow. The oldest connection of each kind is the first.
- * While less than half of the reserve is free, it also shuts down connections with younger heads
- * and connections of other addresses. */
+ * most such connections. It begins with unfinished heads older than a second, the oldest first.
+ * Then it shuts down idle connections, the longest idle first. While less than half of the reserve
+ * is free, it also shuts down connections with younger heads and connections of other addresses. */
 #ifndef SERVER_HTTP_CONNECTIONS_H
 #define SERVER_HTTP_CONNECTIONS_H
 

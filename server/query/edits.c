@@ -28,7 +28,7 @@ bool server_edits_run(struct server_edits *edits, struct server_monitor *part,
                                         .held = &edits->held};
     edits->budget = host->budget;
     while (server_budgeted_call_next(&call)) {
-        detail.text[0] = '\0'; /* of an earlier call, which had less memory */
+        detail.text[0] = '\0'; /* the text of an earlier attempt, which had less memory */
         call.status = gd_edit_apply(mesh, &steps, &call.control, &edits->edited, &detail);
         if (!call.status) call.kept = edits->edited.bytes;
     }

@@ -56,8 +56,8 @@ struct server_store {
     enum server_outcome (*stage)(struct server_store *store, const struct server_record *record,
                                  const struct server_content *content);
     /* Stores a surface, or replaces it; durable when it returns DONE. `content` NULL: only the
-     * record changes, to one of the same upload (record.h). `*version`: in, the known version of
-     * the key, 0 for none; out, the new one. */
+     * record changes, to another record of the same upload (record.h). On entry `*version` is the
+     * known version of the key, 0 for none. On return it is the new version. */
     enum server_outcome (*put)(struct server_store *store, const struct server_record *record,
                                const struct server_content *content, uint64_t *version);
     /* Verifies the objects of a stored surface and rewrites damaged ones. */
@@ -66,7 +66,8 @@ struct server_store {
     /* Removes a surface; durable when it returns DONE. `*version` as for put. */
     enum server_outcome (*remove)(struct server_store *store, const struct server_record *record,
                                   uint64_t *version);
-    /* Deletes objects that the last put or remove left unused, once the surface is unlisted. */
+    /* Deletes objects that the last put or remove left unused. Called when the registry no longer
+     * lists the surface that used them. */
     void (*tidy)(struct server_store *store);
     /* Reads and verifies an object, malloc'ed. DAMAGED; ABSENT; NO_MEMORY; REFUSED. */
     enum server_outcome (*fetch)(struct server_store *store, const struct server_object *object,

@@ -344,8 +344,8 @@ static enum server_outcome registry_reread(struct server_registry *registry)
         registry->all = fresh;
         fresh = before;
         pthread_rwlock_unlock(&registry->lock);
-        registry->seen =
-            0; /* the slots were not read at one moment: follow compares all versions */
+        /* the slots were not read at one moment: follow compares all versions */
+        registry->seen = 0;
     }
     for (uint32_t i = 0; i < fresh.count; i++) slot_leave(registry, fresh.items[i]);
     free(fresh.items);

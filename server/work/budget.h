@@ -25,10 +25,10 @@ enum server_budget_class {
     SERVER_BUDGET_FLIGHT,     /* running calls, and their results until a cache counts them */
     SERVER_BUDGET_ANSWERS,    /* texts, until their last byte is sent; never reclaimed */
     SERVER_BUDGET_RECORDS,    /* metadata of surfaces and jobs; never reclaimed */
-    SERVER_BUDGET_WORKSPACES, /* idle ones */
+    SERVER_BUDGET_WORKSPACES, /* idle workspaces */
     SERVER_BUDGET_LANDMARKS,
     SERVER_BUDGET_PREVIEWS,
-    SERVER_BUDGET_DISCRETIZATIONS, /* cached ones */
+    SERVER_BUDGET_DISCRETIZATIONS, /* cached discretizations */
     SERVER_BUDGET_JOBS,            /* answers stored for jobs; never reclaimed */
     SERVER_BUDGET_PACKED,          /* gzip forms of mesh files */
     SERVER_BUDGET_SPARE,           /* reserve for the memory of released fields; never reclaimed */
@@ -49,7 +49,8 @@ enum server_reclaim_turn {
 
 struct server_reclaimer {
     void (*reclaim)(void *user, size_t bytes); /* frees `bytes` or more if it can; or NULL */
-    size_t (*holds)(void *user); /* bytes of SERVER_BUDGET_MESHES that it could free; or NULL */
+    size_t (*holds)(
+        void *user); /* bytes of SERVER_BUDGET_MESHES that the reclaimer could free; or NULL */
     void *user;
 };
 
@@ -61,8 +62,8 @@ struct server_budget {
     size_t limit;
     size_t largest_answer;               /* bytes */
     struct proto_writer_account answers; /* takes from SERVER_BUDGET_ANSWERS */
-    atomic_uint_least64_t
-        refused_answers; /* takes that failed because the part of answers was full */
+    /* takes that failed because the part of answers was full */
+    atomic_uint_least64_t refused_answers;
     atomic_size_t total;
     atomic_size_t used[SERVER_BUDGET_CLASSES];
     struct server_reclaimer reclaimers[SERVER_RECLAIM_TURNS]; /* set before the first take */
@@ -93,7 +94,7 @@ void server_budget_move(struct server_budget *budget, enum server_budget_class f
 void server_budget_adjust(struct server_budget *budget, enum server_budget_class class, size_t held,
                           size_t actual);
 
-/* Returns an upper bound of what a take can get now: the bytes that are free or reclaimable.
+/* Returns an upper bound of the bytes that a take can get now: those that are free or reclaimable.
  * O(meshes). could_take returns whether that is at least `bytes`; O(1) if so many are free. */
 size_t server_budget_available(struct server_budget *budget);
 bool server_budget_could_take(struct server_budget *budget, size_t bytes);

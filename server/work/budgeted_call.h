@@ -48,9 +48,9 @@ struct server_budgeted_call {
     size_t aside;              /* bytes that the call allocates in addition to its budget */
     bool is_modest;            /* uses only free memory, reclaims nothing, makes one attempt */
     size_t *held;              /* grows by `kept` at the end of a call that succeeds; or NULL */
-    enum gd_status
-        status;  /* set by the loop after an attempt; at the end, the status of the call */
-    size_t kept; /* the loop sets the bytes of the result */
+    /* set by the loop after an attempt; at the end, the status of the call */
+    enum gd_status status;
+    size_t kept;               /* the loop sets the bytes of the result */
     struct server_space space; /* this and the rest are private */
     size_t taken;              /* bytes taken by the current attempt; 0: none */
     bool is_last;              /* the attempt has all available memory, and runs alone */

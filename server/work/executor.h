@@ -9,8 +9,8 @@
  * a run. Between runs a helper spins for some microseconds, then it sleeps. If other jobs wait, a
  * helper that has run for a millisecond queues itself again behind them.
  *
- * The caller runs every task that no helper has begun: it finishes without helpers too. Caller and
- * helpers share the executor by reference count: a helper that leaves the queue after the stop
+ * The caller runs every task that no helper has begun, so a run also ends without helpers. Caller
+ * and helpers share the executor by reference count: a helper that leaves the queue after the stop
  * touches no memory of the caller. */
 #ifndef SERVER_WORK_EXECUTOR_H
 #define SERVER_WORK_EXECUTOR_H

@@ -1,8 +1,9 @@
 /* Workers: the threads that run jobs, and the bounded queue in front of them (lanes.h).
  *
  * DESIGN. Each submitted job ends in exactly one call of `refuse`, or of a `run` that does not park
- * it. A parked job returns through server_workers_resume or server_workers_unpark. One mutex guards
- * the queue. `run` and `refuse` are called without it, so they may take any lock.
+ * it. A parked job waits for an event without a worker. It returns to the queue through
+ * server_workers_resume or server_workers_unpark. One mutex guards the queue. `run` and `refuse`
+ * are called without it, so they may take any lock.
  *
  * States: open -> cancelled (queued and new jobs are refused, running ones see
  * server_workers_cancelled and stop) -> destroyed. All functions are thread-safe. */

@@ -45,9 +45,9 @@ void server_handle_get_livez(struct server_exchange *exchange)
     if (server_request_is_plain(exchange)) reply_health(exchange, 200, PROTO_HEALTH_OK, NULL);
 }
 
-/* Reports readiness. A daemon with a read-only store is ready, since it still answers queries. So
- * is a daemon with an unreachable shared store: other daemons are in the same state, and surfaces
- * in memory still answer. */
+/* Reports readiness. A daemon with a read-only store is ready, since it still answers queries. A
+ * daemon whose shared store can't be reached is ready, too, because other daemons are in the same
+ * state, and surfaces in memory can still be queried. */
 void server_handle_get_readyz(struct server_exchange *exchange)
 {
     const char *reason = server_registry_health(exchange->host->api->registry);

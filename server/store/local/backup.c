@@ -2,7 +2,7 @@
  *
  * Copies the database as of one moment, then the objects that its rows name. If one of them was
  * deleted meanwhile, starts again. Copies the batches first, so that the copy has the surfaces that
- * they query, unless they were removed since.
+ * the batches query, unless those surfaces were removed since.
  *
  * The copy's folder has a marker until the last file is durable. No daemon starts on an interrupted
  * copy; the same command completes it. */

@@ -76,7 +76,7 @@ static enum server_outcome sync_names(const char *folder)
 }
 
 /* Creates a folder and its parents. Makes the names of existing ones durable, too: a process that
- * was killed may have created them. */
+ * was killed may have created them without that. */
 static enum server_outcome make_path(const char *folder)
 {
     char path[SERVER_STORE_FOLDER];
@@ -200,8 +200,9 @@ static bool mark_unfinished(const struct server_files *files, const char *path)
     return !server_disk_sync_file(path) && !server_disk_sync_folder(files->folder);
 }
 
-/* Returns whether a copy's folder holds files of a store, except objects, and may remove them: an
- * earlier attempt may have copied another moment or backup. */
+/* Returns whether a copy's folder holds files of a store, except objects, and with `removes`
+ * removes those files, because an earlier attempt may have copied another moment or another
+ * backup. */
 static bool has_data(const struct server_files *files, bool removes)
 {
     static const struct {

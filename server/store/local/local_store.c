@@ -40,8 +40,9 @@ struct local {
     pthread_mutex_t lock;             /* protects `quarantine` and `turn` */
     struct server_names quarantine;   /* ids of damaged objects */
     uint64_t turn;                    /* rises when an object leaves the quarantine */
-    struct finding *findings;         /* freed after the first visit; the first ones */
-    uint32_t count, capacity;         /* have a row, and are sorted by key */
+    /* freed after the first visit; findings with a row come first, sorted by key */
+    struct finding *findings;
+    uint32_t count, capacity;
     /* ids of the objects that the last change removed from a surface; empty: none */
     char left[SERVER_PARTS][SERVER_OBJECT];
     bool lacks_rows; /* a repair failed: rows do not show all objects in use */
