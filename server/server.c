@@ -20,7 +20,7 @@
 
 /* Arrays of at least so many bytes return to the system when they are freed. By default glibc
  * raises this bound with the size of freed arrays, and so keeps the memory of freed meshes and
- * fields: after some hundred uploads, half as much as the budget. */
+ * fields. After some hundred uploads, that is half as much as the budget. */
 #define LARGE_BYTES (256 << 10)
 
 #define JOB_ANSWERS_PART 8 /* share of the memory budget for the answers of jobs: 1/8 */

@@ -61,8 +61,8 @@ bool proto_mesh_options_parse(const struct proto_parameters *parameters,
                               struct proto_mesh_options *out, struct proto_problem *problem);
 
 /* Returns the format of uploaded bytes: that of the options, else the one recognized from the
- * bytes, else that of Content-Type (may be NULL), else GD_FORMAT_ANY, with which gd_read_polygons
- * fails with GD_UNRECOGNIZED. */
+ * bytes, else that of Content-Type (may be NULL). Otherwise returns GD_FORMAT_ANY, for which
+ * gd_read_polygons fails with GD_UNRECOGNIZED. */
 enum gd_format proto_mesh_upload_format(const struct proto_mesh_options *options, const void *bytes,
                                         size_t size, const char *content_type);
 

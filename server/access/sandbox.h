@@ -18,9 +18,9 @@
  * daemon, some of them with certain arguments only. Other calls fail with ENOSYS, so that a library
  * falls back from a newer call. Calls that only an attacker makes (exec, ptrace, mount, modules)
  * end the process. The daemon then can't create a thread, a process or (without a database) a
- * socket; map executable memory; set a setuid bit; change a file's mode, owner or times; or change
- * signals, priority or limits of another process. The filter can't see paths: stat(2) still shows
- * whether a file exists. */
+ * socket. It can't map executable memory, set a setuid bit, or change a file's mode, owner or
+ * times. It can't change signals, priority or limits of another process. The filter can't see
+ * paths: stat(2) still shows whether a file exists. */
 #ifndef SERVER_ACCESS_SANDBOX_H
 #define SERVER_ACCESS_SANDBOX_H
 

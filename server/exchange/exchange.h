@@ -1,11 +1,12 @@
 /* Exchange: one request and its answer, as handlers see them. This header does not expose the HTTP
  * library.
  *
- * DESIGN. An exchange belongs to one thread at a time: the HTTP thread that reads it, then, if the
- * handler deferred it, the queue, a worker or a pending build of the cache, then the HTTP thread
- * again. The workers' lock hands it to a worker, and transport->finish hands it back. A thread that
- * has submitted, parked or finished an exchange does not touch it any more. Its transport is a
- * connection (http.c) or a job whose answer is stored (job_table.h); handlers need not know which.
+ * DESIGN. An exchange has one owner at a time. The first is the HTTP thread that reads it. If the
+ * handler defers it, the next owners are the queue, a worker or a pending build of the cache. The
+ * last is the HTTP thread again. The workers' lock hands it to a worker, and transport->finish
+ * hands it back. A thread that has submitted, parked or finished an exchange does not touch it any
+ * more. Its transport is a connection (http.c) or a job whose answer is stored (job_table.h);
+ * handlers need not know which.
  *
  * States: reading -> ready -> answered, or deferred -> answered. Answered means response.status is
  * set (reply.h). A handler ends with a reply or with server_exchange_defer. */

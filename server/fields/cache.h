@@ -22,7 +22,7 @@
  * 100 searches for pairs. So a client whose sources are all different does not fill the cache.
  *
  * Fields without pins can be evicted, by GreedyDual-Size-Frequency (Cherkasova, "Improving WWW
- * proxies performance with GreedyDual-Size-Frequency caching policy", 1998): at each use a field's
+ * proxies performance with GreedyDual-Size-Frequency caching policy", 1998). At each use a field's
  * priority becomes the priority of the last evicted field, plus build time x uses / bytes. The
  * field of the lowest priority in a sample is evicted. The budget counts a field until its last pin
  * is released. A field that is published to a closed mesh cache lives as long as its pins.

@@ -1,7 +1,7 @@
 /* Hot points: the points that were queried most often recently, in fixed memory.
  *
- * The counters of Misra and Gries (1982, "Finding repeated elements"): a point without a counter
- * gets a free one; when none is free, every counter is decremented. So a point of more than
+ * The counters of Misra and Gries (1982, "Finding repeated elements"). A point without a counter
+ * gets a free one. If no counter is free, every counter is decremented. So a point of more than
  * 1/SERVER_HOT_POINTS of the queries gets a counter. Points are identified by a hash; a collision
  * is harmless. Not thread-safe. */
 #ifndef SERVER_FIELDS_HOT_POINTS_H

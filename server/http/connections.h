@@ -71,8 +71,9 @@ struct server_connection *server_connection_open(struct server_connections *conn
 /* Frees the record, before the socket is closed. */
 void server_connection_close(struct server_connection *connection);
 
-/* The events of a request, in order: the request line was read; the headers; `size` bytes of the
- * body; the whole body; the answer is queued; the request has ended. */
+/* The events of a request, in the order of the functions. The request line was read. The headers
+ * were read. `size` bytes of the body were read. The whole body was read. The answer is queued. The
+ * request has ended. */
 void server_connection_ask(struct server_connection *connection, uint64_t now_ns);
 void server_connection_head(struct server_connection *connection, bool has_body, uint64_t now_ns);
 void server_connection_body(struct server_connection *connection, size_t size, uint64_t now_ns);

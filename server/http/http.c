@@ -1,11 +1,11 @@
 /* See http.h. The only file that includes microhttpd.h.
  *
- * DESIGN. A client is one connection with one request at a time, which begins with its request line
- * and ends when the library says so:
- *     HEAD      the headers are read; then the request is checked and begins
+ * DESIGN. A client is one connection with one request at a time. A request begins with its request
+ * line and ends when the library reports its end:
+ *     HEAD      the library reads the headers; then the request is checked and begins
  *     BODY      the body arrives in pieces; then the request ends
- *     PARKED    the connection is suspended, a worker has the exchange; its transport's finish
- *               resumes the connection, and the answer is queued
+ *     PARKED    the connection is suspended while a worker has the exchange; the exchange's end
+ *               (client_finish) resumes the connection, and the answer is queued
  *     ANSWERED  the answer is with the library
  *
  * The library reads a part of a streamed answer each time it can write. While there is nothing to

@@ -5,10 +5,10 @@
  *     items    batch, item, lease, node, attempts, status, answer, number
  *
  * DESIGN. Each item is worked on at least once. A daemon holds a claimed item for
- * SERVER_BATCH_LEASE and renews the lease while it works; when the lease of a dead daemon ends,
- * another one claims the item. The first answer is kept. So every statement can be repeated, and a
- * slow or isolated daemon does no harm. Leases use the daemons' own clocks: if those differ by more
- * than a lease, an item is worked on twice. After SERVER_BATCH_TRIES attempts an item fails.
+ * SERVER_BATCH_LEASE, and renews the lease while it works. When the lease of a dead daemon ends,
+ * another daemon claims the item. The first answer is kept. So every statement can be repeated, and
+ * a slow or isolated daemon does no harm. Leases use the daemons' own clocks: if those differ by
+ * more than a lease, an item is worked on twice. After SERVER_BATCH_TRIES attempts an item fails.
  *
  * The answers of a batch have the numbers 1, 2, … in the order in which they are written. Number n
  * is visible only after all smaller ones, so a reader that continues after n skips none.

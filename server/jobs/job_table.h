@@ -12,11 +12,11 @@
  * shows its state at once. Its exchange ends later: it is refused if it waits for a worker, and
  * stopped by its control if it runs.
  *
- * Bounds: ended jobs are dropped when their time to live is over, and earlier when the table or the
- * memory for answers (SERVER_BUDGET_JOBS) is full: then the oldest ended job of the largest user
- * (key) is dropped. Jobs that have not ended are never dropped. If the daemon has keys, a tenant
- * with n unfinished jobs gets another one only while more than n places have no unfinished job. Ids
- * grow, so the table is sorted by both id and age.
+ * Bounds: an ended job is dropped when its time to live is over. If the table or the memory for
+ * answers (SERVER_BUDGET_JOBS) is full earlier, the oldest ended job of the largest user (key) is
+ * dropped. Jobs that have not ended are never dropped. If the daemon has keys, a tenant with n
+ * unfinished jobs gets another one only while more than n places have no unfinished job. Ids grow,
+ * so the table is sorted by both id and age.
  *
  * A job is reference-counted; table, exchange and each holder have a reference. One mutex guards
  * the table and the states. Under it only the workers' lock is taken. All functions are

@@ -1,9 +1,9 @@
 /* Arrays: the numbers of an answer or of a request as bytes instead of JSON.
  *
- * DESIGN. A kind of query lists its arrays once (server_query_kind.list_arrays); they are written
- * piece by piece without a copy, so an answer of any size can be streamed (answer_stream.h). The
- * forms are: the container, with numbers as float64 or float32; the first array as .npy; all arrays
- * as .npz. The container, version 1, is little-endian:
+ * DESIGN. A kind of query lists its arrays once (server_query_kind.list_arrays). The arrays are
+ * written piece by piece without a copy, so an answer of any size can be streamed
+ * (answer_stream.h). The forms are: the container, with numbers as float64 or float32; the first
+ * array as .npy; all arrays as .npz. The container, version 1, is little-endian:
  *
  *     0   "GDARRAYS"
  *     8   uint32 version, 1; uint32 count

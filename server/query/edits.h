@@ -1,5 +1,5 @@
 /* Edits: runs the edits of a request on a surface and makes the result a derived mesh
- * (surface_resource.h) whose attachment holds the origins of its vertices (derived.h).
+ * (surface_resource.h). The attachment of the mesh holds the origins of its vertices (derived.h).
  *
  *     struct server_edits edits = {.surface = …, .edits = …};
  *     server_edits_run(&edits, &monitor, &problem) &&

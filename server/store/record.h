@@ -19,10 +19,10 @@
  * which is only read, also lacks kind (mesh), tenant and attachment. A record is reference-counted.
  * Once it is shared, only its caption and its attached data change.
  *
- * A surface has up to two objects: the file that a client uploaded or the daemon wrote, and, for
- * derived meshes, an attachment with data of the code that made the mesh. Objects are named by
- * their content. Surfaces of one tenant share them. Tenants share none, so that the time of an
- * upload does not reveal what other tenants have. */
+ * A surface has up to two objects. The first is the file that a client uploaded or the daemon
+ * wrote. A derived mesh also has an attachment, with data of the code that made the mesh. Objects
+ * are named by their content. Surfaces of one tenant share them. Tenants share none, so that the
+ * time of an upload does not reveal what other tenants have. */
 #ifndef SERVER_STORE_RECORD_H
 #define SERVER_STORE_RECORD_H
 

@@ -7,8 +7,8 @@
  *     fields/<version>-<etag>/<sha256>.preview      a thinned mesh (previews.h); one
  *
  * Files are not synced. A file is deleted if it does not match its name, or is of another version
- * or of a removed mesh; it is kept if it can't be read at the moment. Files are read, not mapped,
- * because a page that the disk can't deliver would end the process. Thread-safe, with these
+ * or of a removed mesh. A file that can't be read at the moment is kept. Files are read, not
+ * mapped, because a page that the disk can't deliver would end the process. Thread-safe, with these
  * exceptions: server_field_store_save is called when nothing else runs, and one thread at a time
  * writes landmarks or previews. */
 #ifndef SERVER_SURFACES_FIELD_STORE_H

@@ -6,9 +6,9 @@
  *
  * DESIGN. Compressing a mesh file takes about six times as long as writing it, and the result never
  * changes: the key is the ETag of the file. A file counts as SERVER_BUDGET_PACKED until the last
- * answer that sends it has ended. The cache takes only free memory, at most one 16th of the budget,
- * and is the first to be emptied when memory is short, the least recently used file first. One
- * mutex guards the list. All functions are thread-safe. */
+ * answer that sends it has ended. The cache takes only free memory, at most one 16th of the budget.
+ * It is the first cache to be emptied when memory is short, beginning with the least recently used
+ * file. One mutex guards the list. All functions are thread-safe. */
 #ifndef SERVER_SURFACES_PACKED_FILES_H
 #define SERVER_SURFACES_PACKED_FILES_H
 

@@ -32,8 +32,8 @@ void server_previews_stop(struct server_previews *previews);
 void server_previews_destroy(struct server_previews *previews); /* NULL is harmless */
 
 /* Finds the preview with that number of faces. Returns GD_OK with the preview, which the caller
- * releases; or GD_OK with NULL and the progress of the build, which the call queues if need be; or
- * the error of the last build. */
+ * releases. If there is none yet, queues its build if need be, and returns GD_OK with NULL and the
+ * progress of the build. Returns the error of the last build if that failed. */
 GD_MUST_USE enum gd_status server_previews_find(struct server_previews *previews,
                                                 struct server_surface *surface, uint32_t faces,
                                                 struct server_preview **out, double *progress);

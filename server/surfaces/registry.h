@@ -12,9 +12,9 @@
  * changes for a request. So no answer uses a surface that was replaced or removed more than a
  * second before, while the store can be reached.
  *
- * When memory is short, unused surfaces are unloaded if the store can load them again: first those
- * without cached fields, the least recently used first; then fields are evicted (cache.h); then any
- * unused surface. All functions are thread-safe. */
+ * When memory is short, unused surfaces are unloaded if the store can load them again. Surfaces
+ * without cached fields are unloaded first, in the order of their last use. Then fields are evicted
+ * (cache.h). Then any other unused surface is unloaded. All functions are thread-safe. */
 #ifndef SERVER_SURFACES_REGISTRY_H
 #define SERVER_SURFACES_REGISTRY_H
 
@@ -69,9 +69,9 @@ bool server_registry_find(struct server_registry *registry, const struct server_
 bool server_registry_use(struct server_registry *registry, const struct server_key *key,
                          struct server_surface **out);
 
-/* Lists up to `most` surfaces of the tenant and kind of `after`: those with names after its name
- * (NULL: all) that begin with `prefix` (NULL: any), in byte order, each retained. Returns their
- * number. */
+/* Lists up to `most` surfaces of the tenant and kind of `after`, in byte order, each retained.
+ * Their names are after the name in `after` (NULL: all) and begin with `prefix` (NULL: any).
+ * Returns their number. */
 uint32_t server_registry_list(struct server_registry *registry, const struct server_key *after,
                               const char *prefix, uint32_t most, struct server_listed *out);
 

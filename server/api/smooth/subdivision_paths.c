@@ -1,6 +1,6 @@
-/* Geodesics of a subdivision surface, on a worker: distance and shortest path between two points
- * on the discretization of a level; traces from a point on a discretization or on the smooth
- * surface. */
+/* Geodesics of a subdivision surface. Computes distance and shortest path between two points on the
+ * discretization of a level. Computes traces from a point on a discretization or on the smooth
+ * surface. All run on a worker. */
 #include "server/api/smooth/smooth.h"
 
 #include <math.h>
@@ -243,8 +243,8 @@ static enum gd_status trace_evaluate(struct trace *trace, const struct gd_limit_
     return gd_limit_evaluate(subdivision_of(&trace->query), place, out, &trace->detail);
 }
 
-/* Returns the memory of a path, twice its size because it is copied as it grows; and of the tables
- * in which a path finds its earlier segments. */
+/* Returns the memory of a path: twice its size, because a path is copied as it grows, and the
+ * tables in which a path finds its earlier segments. */
 static size_t mesh_path_bytes(const struct trace *trace)
 {
     size_t steps = trace->options.step_limit, bytes = 2 * steps * sizeof(struct gd_point);

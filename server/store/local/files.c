@@ -200,9 +200,8 @@ static bool mark_unfinished(const struct server_files *files, const char *path)
     return !server_disk_sync_file(path) && !server_disk_sync_folder(files->folder);
 }
 
-/* Returns whether a copy's folder holds files of a store, except objects, and with `removes`
- * removes those files, because an earlier attempt may have copied another moment or another
- * backup. */
+/* Returns whether a folder holds data of a store. With `removes`, removes the files except objects,
+ * because an earlier attempt may have copied another moment or another backup. */
 static bool has_data(const struct server_files *files, bool removes)
 {
     static const struct {
