@@ -25,7 +25,7 @@ static void block_signals(sigset_t *awaited)
     sigaddset(awaited, SIGINT);
     pthread_sigmask(SIG_BLOCK, awaited, NULL);
     signal(SIGPIPE, SIG_IGN);
-    signal(SIGXFSZ, SIG_IGN); /* beyond RLIMIT_FSIZE a write fails */
+    signal(SIGXFSZ, SIG_IGN); /* a write beyond RLIMIT_FSIZE fails instead of ending the process */
 }
 
 /* Opens /dev/null for closed standard descriptors. Otherwise the next opened file could get the

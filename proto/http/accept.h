@@ -1,4 +1,4 @@
-/* Accept: what a client is willing to receive (RFC 9110, 12.5.1). */
+/* Accept: the media types that a client accepts (RFC 9110, 12.5.1). */
 #ifndef PROTO_ACCEPT_H
 #define PROTO_ACCEPT_H
 

@@ -19,7 +19,8 @@ bool proto_domain_curve_decode_point(const json_t *document, const char *member,
 /* Lays the curve on its surface. An open polyline that is to be closed gets its first corner
  * appended. Problems: invalid_request; point_not_on_surface (with the point outside the domain);
  * insufficient_memory; those of `control`, which may be NULL. The caller releases `*out`. Cost:
- * some 30 evaluations a span, and 60 for each line of the surface that is crossed. */
+ * about 30 evaluations for each span, and 60 for each crossing of a line where the surface is not
+ * smooth. */
 bool proto_domain_curve_locate(const struct gd_parametric *surface,
                                const struct proto_domain_curve *curve,
                                const struct gd_control *control, struct gd_domain_curve **out,

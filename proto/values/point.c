@@ -6,7 +6,7 @@
 
 /* --- from compact text ------------------------------------------------------------------------ */
 
-/* Each reader removes what it reads from the front of the text, or returns false. */
+/* Each reader removes the part that it reads from the front of the text, or returns false. */
 static bool take(const char **text, char character)
 {
     if (**text != character) return false;

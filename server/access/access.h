@@ -66,9 +66,10 @@ void server_access_write(struct server_access *access, const char *tenant,
 
 /* The guard checks where a request comes from. A web page can make a browser send requests to
  * loopback, even under the page's own host name (DNS rebinding). So without keys the Host must name
- * this machine, and the Origin must name the daemon. With keys any Host is accepted, unless
- * --allowed-host lists some, because browsers never add a key by themselves. Pages of the origins
- * in --cors-origin may always use the daemon (CORS, Fetch standard, 3.2).
+ * this machine, and the Origin must name the daemon. With keys any Host is accepted, because
+ * browsers never add a key by themselves. If --allowed-host lists hosts, only those and this
+ * machine are accepted. Pages of the origins in --cors-origin may always use the daemon (CORS,
+ * Fetch standard, 3.2).
  *
  * The members are headers. NULL: the request has no such header. */
 struct server_guard_request {

@@ -119,8 +119,8 @@ struct server_response {
 struct server_transport {
     /* A deferred exchange is answered, and belongs to the transport again. */
     void (*finish)(struct server_exchange *exchange);
-    /* Returns whether a deferred exchange's client has gone. Any thread calls it, each
-     * millisecond. */
+    /* Returns whether a deferred exchange's client has gone (closed its connection). Any thread
+     * calls it, each millisecond. */
     bool (*is_gone)(struct server_exchange *exchange);
     /* Called when a worker starts or resumes a deferred exchange. May be NULL. */
     void (*begin)(struct server_exchange *exchange);

@@ -10,7 +10,8 @@
  *   exchange is resumed.
  * - encode, bytes, write or reply writes the answer when the turn is DONE. A kind without them has
  *   written its answer to the draft, the text of an answer that solve writes step by step.
- * - release frees what the kind's own struct holds, whatever step was the last.
+ * - release frees the members of the kind's own struct. It is called after the last step, also when
+ *   a step fails.
  *
  * A kind with the step `answer` is answered from the field of a set. Its decoding ends with a
  * server_field_query_of_… function, which names the set. The field is found in the cache, built, or

@@ -15,7 +15,7 @@ const struct server_kind *server_request_kind(const struct server_exchange *exch
  * False, with a problem replied: the name is invalid. */
 bool server_request_key(struct server_exchange *exchange, struct server_key *key);
 
-/* For operations without parameters. False: the request has some; a problem is replied. */
+/* For operations without parameters. False: the request has parameters; a problem is replied. */
 bool server_request_is_plain(struct server_exchange *exchange);
 
 /* Reads the seconds that the request may wait. False: a problem is replied. */
@@ -56,8 +56,8 @@ void server_request_list(struct server_exchange *exchange,
 bool server_request_take(struct server_exchange *exchange, const char *what, size_t bytes,
                          struct proto_problem *problem);
 
-/* Reserves, in the memory budget, what a document parsed from this text will need. When the caller
- * frees the document, it calls server_request_end_parsing, which returns the memory. Problem:
+/* Reserves the memory that a document parsed from this text will need. When the caller frees the
+ * document, it calls server_request_end_parsing, which returns the memory. Problem:
  * insufficient_memory. */
 bool server_request_begin_parsing(struct server_exchange *exchange, const char *text, size_t size,
                                   struct proto_problem *problem);

@@ -7,7 +7,8 @@
 #include "gd/result_file.h"
 #include "server/query/query.h"
 
-/* Writes the result, with the mesh if the query says so. The exchange's `held` counts the bytes. */
+/* Writes the result, with the mesh if query->with_mesh is set. The exchange's `held` counts the
+ * bytes. */
 bool server_result_write(const struct server_query *query, const struct gd_result *result,
                          enum gd_result_format format, struct server_answer_file *out);
 

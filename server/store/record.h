@@ -22,7 +22,7 @@
  * A surface has up to two objects. The first is the file that a client uploaded or the daemon
  * wrote. A derived mesh also has an attachment, with data of the code that made the mesh. Objects
  * are named by their content. Surfaces of one tenant share them. Tenants share none, so that the
- * time of an upload does not reveal what other tenants have. */
+ * time of an upload does not reveal the files of other tenants. */
 #ifndef SERVER_STORE_RECORD_H
 #define SERVER_STORE_RECORD_H
 

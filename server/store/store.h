@@ -4,8 +4,8 @@
  * loaded surfaces.
  *
  * A shared store gives each change of a surface a version; versions grow in the order of the
- * changes. The registry passes the version that it knows. If the surface has another one, the
- * outcome is STALE: the registry calls follow and decides again.
+ * changes. The registry passes the last version that it has seen. If the surface has another one,
+ * the outcome is STALE: the registry calls follow and decides again.
  *
  * Threads. Under the registry's writer lock one thread at a time calls stage, put, keep, remove,
  * tidy and note_uses; under its follower's lock, each and follow. One thread calls await. Any

@@ -6,8 +6,8 @@
  *
  * A thread (background.h) makes the landmarks of a surface after the first search that misses them:
  * it reads them from the field store, or builds and stores them. Sets are evicted before fields and
- * meshes, since rebuilding them is cheapest. A slot whose set was evicted waits for many times the
- * build time before the next build. All functions are thread-safe. */
+ * meshes, because rebuilding a set is cheaper. A slot whose set was evicted waits for many times
+ * the build time before the next build. All functions are thread-safe. */
 #ifndef SERVER_SURFACES_LANDMARKS_H
 #define SERVER_SURFACES_LANDMARKS_H
 

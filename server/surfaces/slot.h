@@ -18,7 +18,7 @@ struct server_slot {
     atomic_uint_least64_t uses;
     atomic_int_least64_t last;  /* use, seconds since 1970 */
     atomic_uint_least64_t turn; /* registry's clock at the last use */
-    uint64_t noted;             /* uses that the store knows; under the writer lock */
+    uint64_t noted;             /* number of uses in the store; under the writer lock */
     uint64_t version;           /* version of the record in a shared store */
     atomic_bool was_tried;      /* set by server_registry_hottest */
 };

@@ -49,8 +49,8 @@ enum server_reclaim_turn {
 
 struct server_reclaimer {
     void (*reclaim)(void *user, size_t bytes); /* frees `bytes` or more if it can; or NULL */
-    size_t (*holds)(
-        void *user); /* bytes of SERVER_BUDGET_MESHES that the reclaimer could free; or NULL */
+    /* returns the bytes of SERVER_BUDGET_MESHES that the reclaimer could free; or NULL */
+    size_t (*holds)(void *user);
     void *user;
 };
 

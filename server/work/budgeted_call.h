@@ -14,9 +14,9 @@
  * call must not be made within another call, which would wait for itself.
  *
  * Workspaces keep the scratch memory of a call for the next one. They form a stack: a call borrows
- * the most recently used workspace. Idle ones are reclaimed first of all classes, the longest idle
- * first. The bytes of a borrowed workspace are SERVER_BUDGET_FLIGHT. All functions are
- * thread-safe. */
+ * the most recently used workspace. Idle ones are reclaimed before all caches except that of packed
+ * files, the longest idle first. The bytes of a borrowed workspace are SERVER_BUDGET_FLIGHT. All
+ * functions are thread-safe. */
 #ifndef SERVER_WORK_BUDGETED_CALL_H
 #define SERVER_WORK_BUDGETED_CALL_H
 

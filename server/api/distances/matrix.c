@@ -145,7 +145,7 @@ static bool column_is_apart(const struct matrix_row *row, uint32_t column)
            gd_point_component(mesh, &row->matrix->columns.points[column]);
 }
 
-/* Replaces distances to other components and beyond the limit by INFINITY and NAN. */
+/* Replaces distances to other components by INFINITY, and distances beyond the limit by NAN. */
 static void row_limit(const struct matrix_row *row)
 {
     for (uint32_t i = 0; i < row->matrix->columns.count; i++) {

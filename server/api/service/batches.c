@@ -304,7 +304,8 @@ static bool read_batch(struct server_exchange *exchange, struct server_store_sql
     return server_reply_check(exchange, is_read, &problem);
 }
 
-/* Lists answers. False: the exchange is parked until there are some, or the batch or wait ends. */
+/* Lists answers. False: the exchange is parked until there are answers, or until the batch or the
+ * wait ends. */
 static bool list_answers(struct server_exchange *exchange)
 {
     struct answers answers = {.count = 0};

@@ -10,7 +10,7 @@
  * closed.
  *
  * A transaction whose connection is lost, or that conflicts with another, is retried with growing
- * pauses for some seconds. If the connection is lost during COMMIT, the outcome is unknown. Then
+ * pauses for a few seconds. If the connection is lost during COMMIT, the outcome is unknown. Then
  * another connection queries the status of the transaction by its number. So no transaction is
  * lost, and none is applied twice.
  *

@@ -235,7 +235,7 @@ static enum server_outcome read_clock(struct server_pg *pg, struct server_sql_in
                                         server_sql_on_integers, clock));
 }
 
-/* Visits changes. After a lost connection it continues behind the last visited one. */
+/* Visits changes. After a lost connection it continues after the last visited change. */
 static enum server_outcome visit_changes(struct server_pg *pg, struct page *page)
 {
     struct server_sql_integers clock = {0};
