@@ -24,12 +24,12 @@
 #define LARGE_BYTES (256 << 10)
 
 #define JOB_ANSWERS_PART 8 /* share of the memory budget for the answers of jobs: 1/8 */
-/* of the memory budget, set aside for the memory of released fields */
+/* 1/16 of the memory budget is set aside for the memory of released fields */
 #define SPARE_PART 16
 #define SPARE_MOST ((size_t)256 << 20)
-/* to send the last answers, when all are computed */
+/* time to send the last answers after all are computed */
 #define LAST_ANSWERS_NS UINT64_C(2000000000)
-#define PERSIST_NS      UINT64_C(10000000000) /* for writing fields */
+#define PERSIST_NS      UINT64_C(10000000000) /* time for writing fields */
 #define LOOK_NS         UINT64_C(2000000)     /* between two checks during a stop */
 #define TICK_NS         UINT64_C(10000000)    /* the longest delay of a deadline */
 #define WATCH_NS        UINT64_C(1000000000)  /* between two ticks without deferred requests */

@@ -198,7 +198,7 @@ void server_credentials_release(struct server_credentials *keys)
     free(keys);
 }
 
-/* Compares in constant time, wherever the texts differ. */
+/* Compares in a time that does not depend on where the texts differ. */
 static bool digests_match(const char a[SERVER_SHA256_HEX], const char b[SERVER_SHA256_HEX])
 {
     volatile unsigned char difference = 0;

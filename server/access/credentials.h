@@ -55,8 +55,8 @@ struct server_quota *server_quota_create(void);
 struct server_quota *server_quota_retain(struct server_quota *quota);
 void server_quota_release(struct server_quota *quota); /* NULL is harmless */
 
-/* Counts a request at `now_ns`. An admitted request must leave. For a refused one sets `*wait_ns`:
- * how long to wait, or 0 if unknown. Thread-safe. */
+/* Counts a request at `now_ns`. The caller ends an admitted request by server_quota_leave. For a
+ * refused one sets `*wait_ns`: how long to wait, or 0 if unknown. Thread-safe. */
 enum server_quota_outcome server_quota_enter(struct server_quota *quota,
                                              const struct server_limits *limits, uint64_t now_ns,
                                              uint64_t *wait_ns);

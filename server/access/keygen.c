@@ -21,8 +21,8 @@ static bool keygen_complain(FILE *error, const char *sentence)
     return false;
 }
 
-/* Writes a flag as a setting: "--role write" as "role=write", and an expiry of "90d" as the time
- * when the days end. */
+/* Writes a flag as a setting: "--role write" as "role=write", and an expiry of "90d" as the time in
+ * 90 days. */
 static bool setting_write(char *const pair[2], char out[SETTING_MOST])
 {
     char *end = "";

@@ -212,7 +212,7 @@ static const struct rule rules[] = {
     /* memory is not executable */
     {SCMP_SYS(mmap), ALWAYS, 1, {{2, WITHOUT, PROT_EXEC, 0}}},
     {SCMP_SYS(mprotect), ALWAYS, 1, {{2, WITHOUT, PROT_EXEC, 0}}},
-    /* files are not setuid; umask(2), which can't be changed any more, clears other bits */
+    /* no setuid files; the umask, which can't be changed any more, clears the other mode bits */
     {SCMP_SYS(open), ALWAYS, 1, {{2, WITHOUT, SPECIAL_BITS, 0}}},
     {SCMP_SYS(openat), ALWAYS, 1, {{3, WITHOUT, SPECIAL_BITS, 0}}},
     {SCMP_SYS(mkdir), ALWAYS, 1, {{1, WITHOUT, SPECIAL_BITS, 0}}},

@@ -33,8 +33,8 @@ void server_address_format(const struct server_address *address, char text[SERVE
 int server_address_bind(struct server_address *address, char error[SERVER_ERROR]);
 
 /* Listens on the socket; false with a sentence in `error`. Binds a unix socket, and replaces one
- * that a dead process left. It is bound only here, because other processes regard a bound socket
- * that does not listen as dead. */
+ * that a dead process left. The socket is bound only here, because other processes regard a bound
+ * socket that does not listen as dead. */
 bool server_address_listen(int descriptor, const struct server_address *address,
                            char error[SERVER_ERROR]);
 

@@ -23,7 +23,7 @@
 
 #define SERVER_ETAG_PACKED_SUFFIX "-gzip"
 #define SERVER_ETAG_TEXT          64 /* bytes of a representation's tag, with the NUL */
-/* most values of one header: the limit of all headers of a request */
+/* most values of one header; a request has at most 64 headers */
 #define SERVER_ETAG_LINES 64
 
 struct server_exchange;

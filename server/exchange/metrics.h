@@ -23,7 +23,8 @@ void server_metrics_destroy(struct server_metrics *metrics); /* NULL is harmless
 void server_metrics_count(struct server_metrics *metrics, const struct proto_route *route,
                           unsigned status, enum proto_problem_code problem, uint64_t nanoseconds);
 
-/* If the status is a failed self-check or runaway work, counts it and returns true. */
+/* If the status is a failed self-check or work that exceeded every bound, counts it and returns
+ * true. */
 bool server_metrics_count_status(struct server_metrics *metrics, enum gd_status status);
 
 /* Count the windows of a built field (intervals of edges, the engine's unit of work), and a search

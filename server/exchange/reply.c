@@ -70,7 +70,7 @@ void server_reply_writer(struct server_exchange *exchange, struct proto_writer *
     writer->account = &budget->answers;
 }
 
-/* Counts a body of that size as an answer instead of work in flight. */
+/* Counts a body of that size as SERVER_BUDGET_ANSWERS instead of SERVER_BUDGET_FLIGHT. */
 static bool answer_hold(struct server_exchange *exchange, size_t size,
                         struct proto_problem *problem)
 {

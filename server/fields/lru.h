@@ -37,7 +37,7 @@ struct server_lru { /* the first members are set by the owner */
     atomic_uint pressures;                /* how often memory was short */
 };
 
-/* Make the list a reclaimer of the budget, and end that. At the end all places must be empty. */
+/* begin makes the list a reclaimer of the budget. end ends that; all places must be empty then. */
 void server_lru_begin(struct server_lru *lru);
 void server_lru_end(struct server_lru *lru);
 

@@ -1,5 +1,5 @@
 /* API: the daemon's parts that handlers use in addition to those of every request (struct
- * server_host). The composition root fills it in. All parts outlive the exchanges. */
+ * server_host). server.c fills it in. All parts outlive the exchanges. */
 #ifndef SERVER_QUERY_API_H
 #define SERVER_QUERY_API_H
 

@@ -87,7 +87,7 @@ enum server_arrays_form {
     SERVER_ARRAYS_NPZ
 };
 
-/* Writes the arrays, of which there is at least one; always the same bytes. */
+/* Writes the arrays, at least one. Equal arrays give equal bytes. */
 void server_arrays_write(const struct server_arrays *arrays, enum server_arrays_form form,
                          struct proto_writer *writer);
 

@@ -115,7 +115,7 @@ struct server_query_kind {
     /* Runs when the pending set is located; may be NULL. */
     bool (*located)(struct server_query *query);
     /* Answers from the field; `part` is for long calls. AGAIN: the step has named another field,
-     * and is called with that. */
+     * and is called again with that field. */
     enum server_query_turn (*answer)(struct server_query *query, const struct gd_field *field,
                                      struct server_monitor *part);
     void (*encode)(const struct server_query *query, struct proto_writer *writer);

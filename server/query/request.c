@@ -88,7 +88,8 @@ static void reply_store_unavailable(struct server_exchange *exchange, const char
     server_reply_problem(exchange, &problem);
 }
 
-/* Replies not_found, alike for every name, so that other tenants' names don't show. */
+/* Replies not_found, with equal text for every name, so that it does not reveal names of other
+ * tenants. */
 static void reply_absent(struct server_exchange *exchange)
 {
     const struct server_kind *kind = server_request_kind(exchange);

@@ -79,15 +79,17 @@ struct server_store {
                                   server_pace *pace, void *user);
     /* Returns the number of objects in quarantine. */
     uint32_t (*damaged)(struct server_store *store);
-    /* Visits the changes since the last call, in the order of versions. STALE: too many; call each,
-     * and drop surfaces that it does not visit. UNAVAILABLE, NO_MEMORY. */
+    /* Visits the changes since the last call, in the order of versions. STALE: too many changes;
+     * the caller calls each, and drops the surfaces that each does not visit. UNAVAILABLE,
+     * NO_MEMORY. */
     enum server_outcome (*follow)(struct server_store *store, server_stored_visit *visit,
                                   void *user);
     /* Blocks until there is a change, at most for `ns`. */
     void (*await)(struct server_store *store, uint64_t ns);
     void (*note_uses)(struct server_store *store, const struct server_record *const *records,
                       const struct server_store_uses *uses, uint32_t count);
-    /* Returns why the store can't write or be reached, the store's sentence; NULL: it works. */
+    /* Returns a sentence, owned by the store, why it can't write or can't be reached. NULL: it
+     * works. */
     const char *(*health)(struct server_store *store);
     void (*close)(struct server_store *store); /* frees it */
 };

@@ -395,7 +395,8 @@ static bool subdivision_read_options(const struct proto_parameters *parameters,
     return true;
 }
 
-/* Returns the cost of reading. glTF may place a mesh many times. */
+/* Returns the cost of reading. A glTF file may place a mesh many times, so its cost is not bounded
+ * by its size. */
 static size_t subdivision_read_cost(const struct server_builder *builder, enum gd_format format)
 {
     size_t placed = read_cost(builder, format);

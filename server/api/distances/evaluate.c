@@ -90,7 +90,8 @@ static enum gd_status distances_limit(struct evaluation *evaluation)
     return GD_OK;
 }
 
-/* Computes the gradient, which continues the shortest path's last direction. A member has none. */
+/* Computes the gradient, which continues the shortest path's last direction. It does not exist at a
+ * member of the set. */
 static enum gd_status result_find_gradient(const struct gd_mesh *mesh, const struct gd_field *field,
                                            const struct gd_point *point,
                                            struct proto_result *result)

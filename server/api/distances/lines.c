@@ -26,7 +26,7 @@ static size_t trace_grant(const struct server_query *query, size_t bytes_an_edge
     return BYTES_A_TRACE + gd_mesh_summary(query->surface->mesh)->edges * bytes_an_edge;
 }
 
-/* Writes `count` points of a line. A closed line does not store the repeated last one. */
+/* Writes `count` points of a line. A closed line does not store the repeated last point. */
 static enum gd_status points_write(struct server_query *query, const struct gd_point *points,
                                    uint32_t stored, uint32_t count,
                                    const struct gd_control *control)

@@ -157,7 +157,7 @@ static enum server_cache_turn leg_enter(struct pair_query *pair)
     return turn == SERVER_CACHE_SEARCH ? field_enter(pair, ends.to) : turn;
 }
 
-/* Builds the field. If that fails for another reason than the query's own end, searches the leg. */
+/* Builds the field. If that fails, but the query may continue, searches the leg instead. */
 static enum server_query_turn leg_build(struct pair_query *pair)
 {
     struct server_query *query = &pair->query;

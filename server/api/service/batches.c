@@ -105,7 +105,8 @@ static bool fix_version(struct server_exchange *exchange, const struct proto_man
     return false;
 }
 
-/* Checks the number of batches. Too many are a conflict: only a DELETE makes room, not waiting. */
+/* Checks the number of batches. Too many are a conflict, because waiting does not make room; only a
+ * DELETE does. */
 static bool check_room(struct server_exchange *exchange, struct server_store_sql *sql)
 {
     int64_t count;

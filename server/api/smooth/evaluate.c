@@ -1,6 +1,6 @@
-/* Evaluate and nearest on smooth surfaces: position and derivatives at many points, and the
- * surface point nearest to a point of space. Both kinds of surfaces share the flow; each has its
- * own steps. */
+/* Evaluate and nearest on smooth surfaces: position and derivatives at many points, and the surface
+ * point nearest to a point of space. NURBS and subdivision surfaces share the order of the steps.
+ * Each has its own steps. */
 #include "server/api/smooth/smooth.h"
 
 #include <math.h>

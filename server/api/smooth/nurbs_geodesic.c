@@ -7,9 +7,9 @@
 #include "server/surfaces/kinds.h"
 
 #define SEARCH_BYTES ((size_t)1 << 20)
-/* for each class of winding numbers: the paths from which its search begins */
+/* bytes for each class of winding numbers: the paths from which its search begins */
 #define BYTES_PER_CLASS ((size_t)128 << 10)
-/* for each face of the tessellation: two fields, and the paths that are traced */
+/* bytes for each face of the tessellation: two fields, and the traced paths */
 #define BYTES_PER_FACE 1024
 #define WHAT           "the search for the path"
 

@@ -75,8 +75,8 @@ static enum server_outcome sync_names(const char *folder)
     return outcome == SERVER_STORE_READ_ONLY && errno == EACCES ? SERVER_STORE_DONE : outcome;
 }
 
-/* Creates a folder and its parents. Makes the names of existing ones durable, too: a process that
- * was killed may have created them without that. */
+/* Creates a folder and its parents. Makes the names of existing folders durable, too: a process
+ * that was killed may have created them without that. */
 static enum server_outcome make_path(const char *folder)
 {
     char path[SERVER_STORE_FOLDER];

@@ -119,8 +119,8 @@ struct server_database;
 enum server_database_use {
     /* Creates the file if need be, checks all of it and migrates it to the current schema. */
     SERVER_DATABASE_WRITE,
-    /* For a short time, while another process may write. Creates nothing except the -shm of a log
-     * that a crash left. ABSENT: there is no file, or no table yet. */
+    /* Reads for a short time, while another process may write. Creates nothing except the -shm of a
+     * log that a crash left. ABSENT: there is no file, or no table yet. */
     SERVER_DATABASE_READ,
     SERVER_DATABASE_COPY /* as READ, for a database with any tables, to check or copy it */
 };
