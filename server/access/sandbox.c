@@ -198,7 +198,7 @@ static const char *const fatal_calls[] = {
  * a database, requests that are answered from memory make no such call. */
 struct rule {
     int call;
-    enum { ALWAYS, ALONE, CONNECTING } when; /* without a database, with one */
+    enum { ALWAYS, ALONE, CONNECTING } when; /* ALONE: without a database; CONNECTING: with one */
     unsigned count;
     struct scmp_arg_cmp conditions[2]; /* argument, EQUAL, value; or argument, WITHOUT, bits, 0 */
 };
@@ -264,7 +264,7 @@ static int filter_load(scmp_filter_ctx filter, bool connects)
     } attributes[] = {{SCMP_FLTATR_ACT_BADARCH, SCMP_ACT_KILL_PROCESS},
                       {SCMP_FLTATR_CTL_NNP, 0}, /* no_new_privs is already set */
                       {SCMP_FLTATR_CTL_TSYNC, 1},
-                      {SCMP_FLTATR_CTL_OPTIMIZE, 2}}; /* a binary tree */
+                      {SCMP_FLTATR_CTL_OPTIMIZE, 2}}; /* the filter is a binary tree */
     const struct scmp_arg_cmp own_signals = {0, EQUAL, (uint64_t)getpid(), 0};
     int failed = filter ? 0 : -ENOMEM;
     for (size_t i = 0; !failed && i < COUNT(attributes); i++)

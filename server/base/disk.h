@@ -14,8 +14,8 @@
  * server/store. */
 enum server_outcome {
     SERVER_STORE_DONE,
-    SERVER_STORE_CREATED,      /* from the registry: done, the name is new */
-    SERVER_STORE_REPLACED,     /* from the registry: done, the name had a surface */
+    SERVER_STORE_CREATED,      /* only from the registry: done; the name was free */
+    SERVER_STORE_REPLACED,     /* only from the registry: done; the name had a surface */
     SERVER_STORE_ABSENT,       /* there is no such file or surface */
     SERVER_STORE_PRECONDITION, /* the precondition does not hold; nothing changed */
     SERVER_STORE_NO_MEMORY,    /* nothing changed */

@@ -13,7 +13,7 @@
 #define SERVER_CONFIG_NAMES       16
 #define SERVER_CONFIG_NAME        128
 #define SERVER_CONFIG_PATH        3000
-#define SERVER_CONFIG_CONNECTIONS 65536 /* most for max_connections */
+#define SERVER_CONFIG_CONNECTIONS 65536 /* maximum of max_connections */
 
 /* The values of --cpu, NULL-terminated: see gd/cpu.h. */
 extern const char *const server_config_cpus[];

@@ -23,7 +23,7 @@ struct server_stream {
     struct server_event_source source;
     struct server_stream_reader reader;
     struct proto_writer message; /* being read by the client */
-    size_t read;                 /* bytes of it that were read */
+    size_t read;                 /* bytes of the message that were read */
     uint64_t sent_version, sent_ns;
     bool is_paused, is_woken;
     bool has_ended; /* the message is the last one */

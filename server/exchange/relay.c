@@ -25,8 +25,8 @@ struct server_relay {
     struct proto_writer waiting;
     size_t taken;                 /* bytes at the front of `waiting` that the client has read */
     bool is_parked;               /* the writer's job is parked at the relay */
-    struct server_packer *packer; /* the writer's; NULL: no compression */
-    struct proto_writer packed;   /* the writer's: compressed text */
+    struct server_packer *packer; /* used by the writer; NULL: no compression */
+    struct proto_writer packed;   /* used by the writer: compressed text */
     bool is_ended, is_whole;      /* set by the writer */
     atomic_bool is_over;
 };

@@ -144,7 +144,7 @@ static void connection_check(struct server_connection *connection, uint64_t now_
     uint64_t deadline_ns = atomic_load(&connection->deadline_ns);
     char byte; /* result 0: the library has read all bytes, and the client has closed its side */
     if (recv(connection->descriptor, &byte, 1, MSG_PEEK | MSG_DONTWAIT) == 0)
-        shutdown(connection->descriptor, SHUT_RD); /* an answer can still leave */
+        shutdown(connection->descriptor, SHUT_RD); /* the answer can still be sent */
     if (deadline_ns > now_ns) return;
     enum phase phase = phase_of(deadline_ns);
     uint64_t later_ns = connection_extend(connection, phase, now_ns);

@@ -69,7 +69,7 @@ struct client {
     const struct server_http *http;
     struct MHD_Connection *connection;
     struct server_connection *deadlines;
-    const char *fault;               /* fault of the request line */
+    const char *fault;               /* why the request line is malformed, or NULL */
     enum phase phase;                /* written by the connection's HTTP thread only */
     atomic_uint_least64_t looked_ns; /* when is_gone last checked the socket */
 };

@@ -18,7 +18,7 @@
 #define EXPIRE_NS      UINT64_C(1000000000)
 #define PROGRESS_STEPS 1000000
 
-enum unit { UNIT_JOBS, UNIT_BYTES, UNITS }; /* bytes of answers */
+enum unit { UNIT_JOBS, UNIT_BYTES, UNITS }; /* UNIT_BYTES: of answers */
 
 /* A key's share of the table. When the table is full, jobs of the largest user are dropped. Tenants
  * are compared first, then the keys of a tenant, so that a tenant gains nothing by many keys. */

@@ -32,7 +32,7 @@ enum server_array_type { SERVER_ARRAY_NUMBERS = 1, SERVER_ARRAY_FLOATS, SERVER_A
 
 struct server_array {
     const char *name;
-    enum server_array_type type; /* to write: NUMBERS or INDICES */
+    enum server_array_type type; /* of an array to write: NUMBERS or INDICES */
     uint32_t columns;            /* 0: the array has one dimension */
     uint64_t rows;
     /* Copies rows as double or uint32_t; NULL: `source` is such an array. */

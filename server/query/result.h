@@ -23,7 +23,7 @@ bool server_result_write(const struct server_query *query, const struct gd_resul
 /* Paths, borrowed, at least one. */
 struct server_result_lines {
     const struct gd_path *paths;
-    const double *levels; /* struct gd_result's; NULL: they have none */
+    const double *levels; /* as in struct gd_result; NULL: none */
     uint32_t count;
 };
 

@@ -53,7 +53,7 @@ struct server_attachment {
 struct server_derived_mesh {
     struct server_surface *surface;
     char *file;  /* record->size bytes */
-    bool is_new; /* once stored: whether the name was free */
+    bool is_new; /* set when the mesh is stored: the name was free */
 };
 
 #define SERVER_DERIVED_MESHES_MOST 64 /* most meshes of one request */

@@ -2,7 +2,7 @@
 
 #include "server/base/thread.h"
 
-#define REST_NS UINT64_C(10000000) /* a step takes about a millisecond */
+#define REST_NS UINT64_C(10000000) /* pause after a step, which takes about a millisecond */
 
 bool server_build_is_pressed(const struct server_build *build)
 {

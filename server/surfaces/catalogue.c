@@ -16,7 +16,7 @@
     ((SERVER_CATALOGUE_RESOURCES + 1) * sizeof(void *) + sizeof(struct server_catalogue))
 
 struct server_catalogue {
-    struct server_attached attached; /* first; to a record */
+    struct server_attached attached; /* first; attached to a record */
     pthread_mutex_t lock;
     struct server_sorted resources; /* by id */
     uint64_t clock;
@@ -86,7 +86,7 @@ static void text_append_seed(struct proto_writer *text, const struct gd_seed *se
 bool server_resource_name(const char *etag, const struct proto_located_set *set,
                           double max_distance, char id[PROTO_FIELD_ID + 1])
 {
-    struct proto_writer text; /* all that distinguishes sets */
+    struct proto_writer text; /* all data that distinguishes sets */
     char hash[SERVER_SHA256_HEX];
     proto_writer_init(&text, SIZE_MAX);
     proto_append(&text, etag, strlen(etag));

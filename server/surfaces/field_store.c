@@ -235,7 +235,7 @@ void server_field_store_restore(struct server_field_store *store, struct server_
 struct saving {
     struct server_field_store *store;
     uint64_t until_ns;
-    struct server_names kept; /* files */
+    struct server_names kept; /* names of files */
     bool is_over;             /* time or room has run out */
 };
 

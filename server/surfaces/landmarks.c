@@ -9,9 +9,9 @@
 #define LEAST_FACES    2000 /* searching a smaller mesh takes less than 0.1 ms */
 #define BYTES_AN_EDGE  256  /* bytes of a build for each edge; see server/doc/003 */
 #define BYTES_A_BUILD  ((size_t)1 << 20)
-#define BYTES_A_VERTEX (16 * sizeof(float) + sizeof(double)) /* landmarks, and choosing them */
+#define BYTES_A_VERTEX (16 * sizeof(float) + sizeof(double)) /* landmarks, and to choose them */
 #define LARGEST_PART   4  /* a build may take 1/4 of the budget */
-#define PAUSE_FACTOR   10 /* times the cost of the last build */
+#define PAUSE_FACTOR   10 /* pause before a rebuild, in costs of the last build */
 #define PAUSE_LEAST_NS UINT64_C(100000000)
 
 struct server_landmarks {

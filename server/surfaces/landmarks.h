@@ -37,7 +37,7 @@ void server_landmark_set_release(struct server_landmark_set *set); /* NULL is ha
 
 struct server_landmarks_statistics {
     uint64_t built, loaded, dropped; /* sets */
-    bool is_building;                /* or a slot is queued */
+    bool is_building;                /* a set is being built, or a slot is queued */
 };
 /* `landmarks` NULL: zeros. */
 struct server_landmarks_statistics server_landmarks_statistics(struct server_landmarks *landmarks);

@@ -8,7 +8,7 @@
 #include "server/base/thread.h"
 
 #define NOTE_NS     UINT64_C(60000000000)
-#define LOAD_FACTOR 3 /* memory of a load, at most, in sizes of the surface */
+#define LOAD_FACTOR 3 /* most memory of a load, in multiples of the surface's size */
 
 struct server_loader {
     struct server_loader_parts parts;

@@ -10,7 +10,7 @@
 #include "server/base/thread.h"
 
 #define ATTEMPTS      8   /* most attempts of a change while other daemons make changes */
-#define NOTED_AT_ONCE 256 /* uses, while the writer lock is held */
+#define NOTED_AT_ONCE 256 /* numbers of uses that are stored under one writer lock */
 #define FRESH_NS      UINT64_C(1000000000) /* see server/doc/014 */
 #define AWAIT_NS      UINT64_C(200000000)
 
@@ -26,7 +26,7 @@ struct server_registry {
     /* of a shared store: */
     pthread_mutex_t following;
     uint64_t seen; /* all changes up to this version are here; under `following` */
-    atomic_uint_least64_t followed_ns; /* begin of the last following that succeeded */
+    atomic_uint_least64_t followed_ns; /* when the last successful following began */
     struct server_thread *follower;    /* NULL: the store is not shared */
 };
 

@@ -16,7 +16,7 @@ void server_listed_release(struct server_listed *listed); /* accepts all zero */
 struct server_slot {
     struct server_listed now; /* its surface is NULL: not in memory */
     atomic_uint_least64_t uses;
-    atomic_int_least64_t last;  /* use, seconds since 1970 */
+    atomic_int_least64_t last;  /* time of the last use, seconds since 1970 */
     atomic_uint_least64_t turn; /* registry's clock at the last use */
     uint64_t noted;             /* number of uses in the store; under the writer lock */
     uint64_t version;           /* version of the record in a shared store */

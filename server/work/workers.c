@@ -100,7 +100,7 @@ static void workers_run(struct server_workers *workers, struct server_job *job)
 {
     uint64_t begun_ns = gd_now_ns();
     if (server_lanes_queued(&workers->lanes))
-        workers_wake(workers); /* perhaps for a spare thread */
+        workers_wake(workers); /* a spare thread may take the next job */
     own = (struct running){workers, job->lane, job->is_patient, {0}};
     pthread_mutex_unlock(&workers->lock);
     server_priority_begin(&own.priority, begun_ns);

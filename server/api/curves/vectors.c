@@ -536,7 +536,7 @@ const struct server_query_kind server_query_log = {.name = "log",
 struct transport_query {
     struct server_query query; /* first */
     struct proto_vectors wanted;
-    struct gd_vector *vectors; /* first at the one end, then at the other */
+    struct gd_vector *vectors; /* at the start, later at the end of the path */
     double distance;           /* INFINITY: no path */
 };
 

@@ -342,7 +342,7 @@ static void note_status(struct pairs_query *own, enum gd_status status)
 
 struct group_run {
     struct pairs_query *own;
-    uint32_t begin, end; /* indices in order */
+    uint32_t begin, end; /* indices in `order` */
 };
 
 static void group_evaluate_piece(void *user, uint32_t piece)

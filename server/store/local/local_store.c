@@ -48,7 +48,7 @@ struct local {
     bool lacks_rows; /* a repair failed: rows do not show all objects in use */
     atomic_bool is_read_only;
     char reason[512];        /* why is_read_only is set; set before it, once */
-    atomic_bool was_missing; /* the folder, at the last check of health */
+    atomic_bool was_missing; /* the folder was missing at the last check of health */
 };
 
 /* --- health ----------------------------------------------------------------------------------- */
@@ -313,7 +313,7 @@ static int text_compare(const void *a, const void *b) /* a finding begins with i
 
 struct recovery {
     struct local *local;
-    uint32_t rows; /* the first findings */
+    uint32_t rows; /* number of findings with a row, which come first */
     bool is_newer, no_memory, is_damaged;
 };
 
