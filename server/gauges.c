@@ -89,7 +89,7 @@ static void write_scrub(struct server *server, struct proto_writer *writer)
         {"scrub_bytes_total", "Bytes of stored files that were verified.", (double)scrub.bytes},
         {"scrub_files_total", "Stored files that were verified.", (double)scrub.files},
         {"scrub_rounds_total", "Whole rounds through the stored files.", (double)scrub.rounds},
-        {"scrub_progress", "Part of the round under way that is done; 1 between rounds.",
+        {"scrub_progress", "Completed part of the current round; 1 between rounds.",
          scrub.progress},
         {"scrub_faults", "Files that the last whole round found damaged, missing or unreadable.",
          (double)scrub.faults},

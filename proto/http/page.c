@@ -29,7 +29,8 @@ bool proto_page_number(const struct proto_page *page, int64_t *out, struct proto
     *out = page->after ? strtoll(page->after, &end, 10) : -1;
     if (!page->after || (end != page->after && !*end && *out >= 0)) return true;
     return proto_problem_refuse(problem, "after",
-                                "write the number of an item, as `next` of the page before has it");
+                                "write the number of an item, as in `next` of the preceding "
+                                "page");
 }
 
 const char *proto_page_write_number(int64_t number, char text[PROTO_PAGE_NUMBER])

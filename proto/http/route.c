@@ -87,7 +87,7 @@ static bool refuse_method(struct proto_problem *problem, uint32_t allowed)
         size_t at = strlen(allow);
         snprintf(allow + at, sizeof allow - at, "%s%s", at ? ", " : "", methods[i].name);
     }
-    proto_problem_set(problem, PROTO_PROBLEM_METHOD_NOT_ALLOWED, "this path takes %s", allow);
+    proto_problem_set(problem, PROTO_PROBLEM_METHOD_NOT_ALLOWED, "this path accepts %s", allow);
     memcpy(problem->allow, allow, sizeof allow);
     return false;
 }

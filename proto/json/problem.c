@@ -235,7 +235,7 @@ bool proto_writer_check(const struct proto_writer *writer, struct proto_problem 
                                  "there is no memory for the answer; try again later");
     case PROTO_WRITER_NO_ROOM:
         proto_problem_set(problem, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
-                          "other answers, which their clients have not read to the end, hold the "
+                          "answers that other clients have not read to the end hold the "
                           "memory that this one needs; try again in a moment");
         problem->retry_after = 1;
         return false;
@@ -245,8 +245,8 @@ bool proto_writer_check(const struct proto_writer *writer, struct proto_problem 
         break;
     }
     proto_problem_set(problem, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
-                      "the answer is larger than the %zu bytes that one may have; ask for less of "
-                      "it, with select, geometry or fewer points, or have the operator raise "
+                      "the answer is larger than the limit of %zu bytes; ask for less of it, "
+                      "with select, geometry or fewer points, or have the operator raise "
                       "--max-answer",
                       writer->maximum);
     return proto_problem_limit(problem, writer->maximum);

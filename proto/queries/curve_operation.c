@@ -38,8 +38,7 @@ bool proto_curve_operation_request_check(const struct proto_object *object,
         return proto_decode_member(document, "", "distance", problem);
     if (proto_object_has(object, "pieces") && !read->has_rounds)
         return proto_problem_refuse(
-            problem, "/pieces",
-            "pieces go with rounds; without these the curve becomes a geodesic");
+            problem, "/pieces", "pieces need rounds; without rounds the curve becomes a geodesic");
     if (!read->has_tolerance) read->tolerance = PROTO_CURVE_OPERATION_FLAT * read->distance;
     return true;
 }

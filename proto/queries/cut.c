@@ -7,7 +7,7 @@ bool proto_cut_request_check(const struct proto_object *object, struct proto_cut
     return !read->select_only || !read->names.count ||
            proto_problem_refuse(
                object->problem, "/names",
-               "with \"select_only\" no meshes are made that could have names; leave one out");
+               "\"select_only\" makes no meshes, so there is nothing to name; leave one out");
 }
 
 /* --- the answer ------------------------------------------------------------------------------- */

@@ -23,8 +23,8 @@ static bool simplify_read(const struct proto_object *object, struct gd_edit_step
     if (!proto_simplify_request_read(object, &request)) return false;
     if (!request.has_faces && !request.has_max_distance)
         return proto_problem_refuse(object->problem, object->place,
-                                    "say faces, how many may be left, or max_distance, how far the "
-                                    "result may be from the mesh, or both");
+                                    "send faces (the most faces of the result), max_distance "
+                                    "(its largest distance from the mesh), or both");
     out->simplify = (struct gd_simplify_options){
         request.has_faces ? request.faces : 0, request.has_max_distance ? request.max_distance : 0,
         request.keep_boundary};

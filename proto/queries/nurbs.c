@@ -219,7 +219,7 @@ static bool read_parametric(const json_t *document, const struct proto_nurbs_opt
     struct proto_nurbs_form read = {0};
     if (options->has_convention)
         return proto_problem_refuse(problem, "convention",
-                                    "a convention is of NURBS; leave it out");
+                                    "only NURBS have a convention; leave it out");
     if (!proto_decode_object(document, "", members, problem) ||
         !proto_parametric_decode(json_object_get(document, "parametric"), "/parametric", out,
                                  &read.shape, problem))

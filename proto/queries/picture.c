@@ -60,7 +60,7 @@ static bool parse_up(const char *text, struct gd_picture *out, struct proto_prob
     if (!strcmp(text, "z")) return true;
     return read_vector(text, &out->up) ||
            proto_problem_refuse(problem, "up",
-                                "expected y, z, or what is to point upwards as three numbers that "
+                                "expected y, z, or the upward direction as three numbers that "
                                 "are not all 0: 0,0,1");
 }
 
@@ -104,7 +104,7 @@ static bool parse_content(const struct proto_get_picture_png_query *query,
     if (query->field && query->source)
         return proto_problem_refuse(
             problem, "source",
-            "name a field by its id, or a source to have its field: one of both");
+            "send either field, the id of a field, or source, whose field is then computed");
     if (query->source && !proto_point_parse(query->source, "source", &out->source, problem))
         return false;
     return (!query->from && !query->to && !query->via) ||

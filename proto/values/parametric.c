@@ -21,8 +21,8 @@ static bool decode_coefficients(const json_t *graph, const char *place, double *
     into->degree_v = (uint32_t)columns - 1;
     return ok || proto_problem_refuse_member(
                      problem, place, "coefficients",
-                     "coefficients[i][j] belongs to u^i v^j: rows of equal length, %d at most, "
-                     "and at most so many numbers in each",
+                     "coefficients[i][j] belongs to u^i v^j: at most %d rows of equal length, "
+                     "each with at most as many numbers",
                      ROWS_MOST);
 }
 

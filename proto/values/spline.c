@@ -58,8 +58,7 @@ static bool decode_tangents(const json_t *value, struct proto_spline *spline,
     return true;
 }
 
-static const char only_at_parameters[] =
-    "de_casteljau goes with samples or at, of which each is a parameter";
+static const char only_at_parameters[] = "de_casteljau needs samples or at, which are parameters";
 
 /* --- samples -------------------------------------------------------------------- */
 
@@ -93,7 +92,8 @@ static bool decode_sampling(const json_t *value, const struct proto_spline_reque
     if (!ways || has_samples) return decode_samples(request, spline, problem);
     if (json_object_get(value, "speed"))
         return proto_problem_refuse_member(problem, spline->place, "speed",
-                                           "speed goes with samples; spacing is of constant speed");
+                                           "speed needs samples; spacing always has constant "
+                                           "speed");
     if (request->evaluation == PROTO_EVALUATION_DE_CASTELJAU && !has_at)
         return proto_problem_refuse_member(problem, spline->place, "evaluation", "%s",
                                            only_at_parameters);

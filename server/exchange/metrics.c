@@ -224,7 +224,7 @@ void server_metrics_write(const struct server_metrics *metrics, struct proto_wri
                             proto_problem_name(code),
                             (unsigned long long)atomic_load(&metrics->problems[code]));
     server_metrics_write_head(writer, "build_info", "gauge",
-                              "The program's version and the instructions that its kernels use.");
+                              "The program's version and the CPU instructions that it uses.");
     proto_append_format(writer,
                         "geodesicd_build_info{version=\"" SERVER_VERSION "\",cpu=\"%s\"} 1\n",
                         gd_cpu_name());

@@ -335,7 +335,8 @@ static void runner_start(struct server_batch_runner *runner, const struct server
     struct item *item = NULL;
     if (claim->attempts > SERVER_BATCH_TRIES)
         (void)proto_problem_set(&problem, PROTO_PROBLEM_INTERNAL,
-                                "this item was begun %d times, and no daemon lived to answer it",
+                                "this item was started %d times, and each time the daemon "
+                                "ended before the answer",
                                 SERVER_BATCH_TRIES);
     else if (runner_read(runner, claim->id, &problem))
         item = item_create(runner, claim, &problem);

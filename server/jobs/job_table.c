@@ -258,7 +258,7 @@ static bool table_admit(struct server_job_table *table, const struct usage *usag
         return true;
     (void)proto_problem_set(
         problem, PROTO_PROBLEM_OVERLOADED,
-        "%llu jobs%s have not ended yet, and no more are taken; try again in a moment",
+        "%llu jobs%s have not ended yet, and no more are accepted; try again in a moment",
         (unsigned long long)(limits->are_tenanted ? own : active),
         limits->are_tenanted ? " of yours" : "");
     problem->retry_after = 1;

@@ -439,10 +439,12 @@ static bool entry_read(const unsigned char *bytes, size_t size, const unsigned c
     if (out->type < SERVER_ARRAY_NUMBERS || out->type > SERVER_ARRAY_INDICES)
         return refuse_bytes(problem, "an array has an unknown type");
     if (offset % 8 || offset > size || length > size - offset)
-        return refuse_bytes(problem, "an array lies beyond its end or at an odd offset");
+        return refuse_bytes(
+            problem, "an array lies beyond the end or at an offset that is no multiple of 8");
     if (out->rows > size || out->columns > size ||
         length != array_numbers(out) * type_bytes(out->type))
-        return refuse_bytes(problem, "an array's bytes are not those of its rows and columns");
+        return refuse_bytes(problem, "an array's number of bytes does not match its rows and "
+                                     "columns");
     return true;
 }
 

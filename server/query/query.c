@@ -344,8 +344,9 @@ static bool form_choose(const struct server_query_kind *kind, struct server_exch
     }
     return best > 0 ||
            proto_problem_set(problem, PROTO_PROBLEM_NOT_ACCEPTABLE,
-                             "the answer is %s%s; the request's Accept takes none of it", JSON,
-                             has_files(kind) ? ", or a file: see format" : "");
+                             "the answer is %s%s; the request's Accept header allows none of "
+                             "these",
+                             JSON, has_files(kind) ? ", or a file: see format" : "");
 }
 
 /* Reads ?mesh=, which only forms with a mesh accept. */
@@ -354,7 +355,7 @@ static bool form_read_mesh(struct server_query *query, const struct proto_parame
     if (!proto_parameters_flag(parameters, "mesh", &query->with_mesh, query->problem)) return false;
     return !query->with_mesh || form_at(query->kind, query->form)->has_mesh ||
            proto_problem_refuse(query->problem, "mesh",
-                                "this format can't have the mesh with it; glb and obj can");
+                                "this format can't include the mesh; glb and obj can");
 }
 
 enum server_arrays_form server_query_arrays_form(const struct server_query *query)

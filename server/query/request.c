@@ -333,8 +333,8 @@ void server_request_fail(struct server_exchange *exchange, enum server_outcome o
         [SERVER_STORE_REFUSED] =
             "the server's system refuses to write; nothing was changed: tell its operator",
         [SERVER_STORE_READ_ONLY] =
-            "the server's store takes no changes since a write failed; queries go on: tell its "
-            "operator, /readyz says more",
+            "the server's store accepts no changes, because a write failed; queries still "
+            "work: tell its operator, /readyz says why",
     };
     if (outcome == SERVER_STORE_DAMAGED) outcome = SERVER_STORE_READ_ONLY;
     if (outcome == SERVER_STORE_ABSENT)
@@ -346,7 +346,8 @@ void server_request_fail(struct server_exchange *exchange, enum server_outcome o
                              server_request_kind(exchange)->noun);
     else if (outcome == SERVER_STORE_STALE || outcome == SERVER_STORE_UNAVAILABLE)
         reply_store_unavailable(
-            exchange, "and it is not known whether the change was made: to repeat it does no harm");
+            exchange, "and it is not known whether the change was made: repeating it does no "
+                      "harm");
     else
         server_reply_refusal(exchange,
                              outcome == SERVER_STORE_NO_MEMORY ? PROTO_PROBLEM_INSUFFICIENT_MEMORY

@@ -103,5 +103,5 @@ bool server_result_write_strip(const struct server_query *query, const struct gd
 bool server_result_refuse_nothing(struct proto_problem *problem, const char *why)
 {
     return proto_problem_set(problem, PROTO_PROBLEM_NOT_ACCEPTABLE,
-                             "%s, so there is nothing to draw; as JSON the answer says so", why);
+                             "%s, so there is nothing to draw; ask for JSON instead", why);
 }

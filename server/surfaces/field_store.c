@@ -101,7 +101,7 @@ static bool image_read(struct server_field_store *store, const struct server_lis
     if (server_disk_read(file->path, &out->bytes, &read_size) == SERVER_STORE_DONE) {
         server_sha256(out->bytes, read_size, sha256);
         if (read_size == size && strncmp(file->name, sha256, strlen(sha256)) == 0) return true;
-        file_discard(file->path, "its checksum is not its name");
+        file_discard(file->path, "its checksum does not match its name");
     }
     image_free(store, out);
     return false;

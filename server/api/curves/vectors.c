@@ -149,8 +149,8 @@ static bool segments_locate(struct trace_query *own, uint32_t i)
         const struct proto_segment *segment = &vectors->segments[k];
         if (!segment->direction.has_angle)
             return proto_problem_refuse(own->query.problem, segment->direction.place,
-                                        "after the first one a segment takes an angle: where it "
-                                        "begins is known only on the way");
+                                        "after the first segment write angles: where a later "
+                                        "segment begins is not known in advance");
         own->segments[k] = (struct gd_vector){{.angle = segment->direction.angle}, segment->length};
     }
     return true;

@@ -215,8 +215,8 @@ static bool pairs_settle(struct pairs_query *own)
     own->count = from > to ? from : to;
     return from == to || from == 1 || to == 1 ||
            proto_problem_refuse(own->query.problem, "/to",
-                                "there are %u points in from and %u in to; send as many, or one "
-                                "on a side",
+                                "there are %u points in from and %u in to; send equally many, "
+                                "or one point in from or to",
                                 from, to);
 }
 

@@ -125,9 +125,8 @@ static bool line_admit(const struct batch *batch, struct proto_problem *problem)
     if (batch->begin < ANSWER_MOST) return true;
     return proto_problem_exceed(
         problem, NULL, ANSWER_MOST,
-        "the answers before this line take the %zu bytes that those of a batch may "
-        "take; send this line and "
-        "the rest as another batch",
+        "the answers before this line have reached the limit of %zu bytes for a batch; send "
+        "this line and the rest as another batch",
         ANSWER_MOST);
 }
 

@@ -44,7 +44,7 @@ static bool search_decode(struct server_query *query, const json_t *document)
                                      problem);
     proto_problem_set(
         problem, PROTO_PROBLEM_INVALID_MESH,
-        "shortest paths are first looked for on a tessellation, and this surface has none: %s",
+        "the search for shortest paths needs a tessellation, and this surface has none: %s",
         nurbs->detail.text[0] ? nurbs->detail.text : gd_status_sentence(nurbs->refusal));
     problem->reason = gd_status_name(nurbs->refusal);
     return false;
