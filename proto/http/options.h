@@ -61,8 +61,8 @@ struct proto_options {
 
 struct proto_writer;
 
-/* Returns whether the field (one bit) is selected. If so, its key has been written and the caller
- * writes the value. */
+/* Returns whether the field (one bit) is selected. If so, writes its key, and the caller writes the
+ * value. */
 bool proto_field(struct proto_writer *writer, const struct proto_options *options, uint32_t field);
 
 /* Writes the field with its value if it is selected. A number that is not finite becomes null. */
@@ -74,7 +74,7 @@ void proto_field_bool(struct proto_writer *writer, const struct proto_options *o
                       uint32_t field, bool value);
 
 /* Returns the selected bits among `members`, which are the parts of the field `whole`: all of them
- * if only `whole` is selected; 0 if none is. */
+ * if only `whole` is selected; 0 if neither `whole` nor a part is selected. */
 uint32_t proto_fields_within(uint32_t fields, uint32_t whole, uint32_t members);
 
 /* Returns the options for a part of the answer, the field `whole`, whose members are all other

@@ -4,8 +4,8 @@
  * The generated source defines proto_routes and proto_route_count. A row's handler is
  * server_handle_<name>, where <name> is the operation's x-handler or else its operationId. Queries
  * about meshes share the handler server_handle_query; their kind is server_query_<name>, which the
- * GET and POST forms of a query share. Rows with literal segments stand before rows that capture in
- * the same place. */
+ * GET and POST forms of a query share. Rows with a literal segment precede rows that capture the
+ * segment in that place. */
 #ifndef PROTO_ROUTE_H
 #define PROTO_ROUTE_H
 

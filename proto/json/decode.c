@@ -273,6 +273,7 @@ void proto_write_document(struct proto_writer *writer, const json_t *value)
     } else if (json_is_boolean(value)) {
         proto_write_bool(writer, json_is_true(value));
     } else {
-        proto_write_string(writer, json_string_value(value)); /* null: not a string */
+        /* a string; or null, for which json_string_value returns NULL */
+        proto_write_string(writer, json_string_value(value));
     }
 }

@@ -16,7 +16,7 @@ struct proto_located_curve {
 };
 
 /* Locates each point by proto_point_locate; gd_curve_resolve later checks vertices and boundary.
- * `curve` must outlive the located one. Problems: those of proto_point_locate, and
+ * `curve` must outlive the located curve. Problems: those of proto_point_locate, and
  * insufficient_memory. */
 bool proto_curve_locate(const struct gd_mesh *mesh, const struct proto_curve *curve,
                         struct proto_located_curve *out, struct proto_problem *problem);

@@ -11,7 +11,7 @@
 void proto_path_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
                        const struct gd_path *path, enum proto_geometry geometry);
 
-/* Writes points of a line into its begun array; the geometry is full or xyz. */
+/* Writes points of a line into an array that the caller has begun; the geometry is full or xyz. */
 void proto_points_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
                          const struct gd_point *points, uint32_t count,
                          enum proto_geometry geometry);

@@ -53,7 +53,7 @@ bool proto_set_is_quick(const struct proto_set *set);
 struct proto_located_set {
     uint32_t count; /* members */
     uint32_t seed_count;
-    bool has_segments;           /* among the seeds, from members other than points */
+    bool has_segments;           /* the seeds include segments, from members other than points */
     const struct gd_seed *seeds; /* member by member */
     const uint32_t *members;     /* for each seed: its member */
     /* for each member: offset of its label in `labels`; UINT32_MAX: none */

@@ -48,7 +48,7 @@ struct proto_located_spline {
 };
 
 /* Locates points and tangents. Problems: those of proto_point_locate and proto_direction_locate,
- * and insufficient_memory. The spline must outlive the located one. */
+ * and insufficient_memory. The spline must outlive the located spline. */
 bool proto_spline_locate(const struct gd_mesh *mesh, const struct proto_spline *spline,
                          struct proto_located_spline *out, struct proto_problem *problem);
 void proto_located_spline_free(struct proto_located_spline *located); /* leaves none */

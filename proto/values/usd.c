@@ -89,7 +89,7 @@ static bool check_corners(const struct gd_polygons *polygons, uint32_t corner_co
     return true;
 }
 
-/* Takes the corners out of the request. */
+/* Moves the corners out of the request. */
 static bool make_faces(struct proto_usd_mesh *request, const struct gd_read_options *limits,
                        struct gd_polygons *out, struct proto_problem *problem)
 {

@@ -101,7 +101,7 @@ static void place_of(char place[PROTO_KEPT_PLACE], uint32_t i)
     snprintf(place, PROTO_KEPT_PLACE, "/vectors/%u", i);
 }
 
-/* Appends the segments of vector i, for which there is room below PROTO_VECTORS. */
+/* Appends the segments of vector i. All vectors together have at most PROTO_VECTORS segments. */
 static bool append_vector(const json_t *value, uint32_t i, bool is_straight,
                           struct proto_vectors *vectors, struct proto_problem *problem)
 {

@@ -319,7 +319,8 @@ static enum server_query_turn wedges_answer_all(struct wedges_query *own,
                                                 struct server_monitor *part)
 {
     struct server_query *query = &own->query;
-    /* most edges get a few wedges more than are stored; an array grows by copying */
+    /* The result has a few more wedges on most edges than the field stores. Three times its size,
+     * because an array grows by copying. */
     size_t grant = (gd_field_statistics(field)->wedges +
                     3 * (size_t)gd_mesh_summary(query->surface->mesh)->edges) *
                    3 * sizeof *own->all.wedges;
