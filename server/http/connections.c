@@ -116,8 +116,9 @@ static bool is_read(const struct tcp_info *info)
 
 enum reading { READING_NOTHING, READING, READ_ALL };
 
-/* Returns how much the client has acknowledged since the last call. The library's writes do not
- * show that, because the kernel buffers megabytes. Unix sockets rely on the library's timer. */
+/* Returns how much the client has acknowledged: all bytes; or at least ACKNOWLEDGED bytes since the
+ * last call; or fewer. The library's writes do not show that, because the kernel buffers megabytes.
+ * Unix sockets rely on the library's timer. */
 static enum reading connection_look(struct server_connection *connection)
 {
     struct tcp_info info;

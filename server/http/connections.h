@@ -3,17 +3,18 @@
  * The HTTP library has only an idle timer, so a client that sends a byte now and then would keep
  * its connection for ever. So each phase of a connection has an absolute deadline:
  *     head    30 s from the opening of the connection, or from the request line of a later request
- *     body    30 s, extended while the client sends 4 KiB/s on average; 30 s without a byte
+ *     body    30 s, and a second more for each 4 KiB received; at most 30 s without a byte
  *     work    none: jobs have deadlines of their own
  *     answer  30 s plus the time of its bytes at 16 KiB/s; the client must acknowledge 8 KiB/s
  *             in any 30 s
  *     idle    30 s
  *
  * An eighth of all places is reserved for new clients. While fewer places are free, the thread
- * shuts down connections that wait for their clients. It chooses them from the addresses with the
- * most such connections. It begins with unfinished heads older than a second, the oldest first.
- * Then it shuts down idle connections, the longest idle first. While less than half of the reserve
- * is free, it also shuts down connections with younger heads and connections of other addresses. */
+ * shuts down connections that wait for their clients. It chooses them from addresses that have at
+ * least half as many such connections as the address with the most. It begins with unfinished heads
+ * older than a second, the oldest first. Then it shuts down idle connections, the longest idle
+ * first. While less than half of the reserve is free, it also shuts down connections with younger
+ * heads and connections of other addresses. */
 #ifndef SERVER_HTTP_CONNECTIONS_H
 #define SERVER_HTTP_CONNECTIONS_H
 
@@ -29,8 +30,8 @@ struct server_connections;
 struct server_connection;
 
 struct server_connections_statistics {
-    uint64_t open; /* now */
-    uint64_t cut;  /* since the start: shut down at the deadline of a head, a body or an answer */
+    uint64_t open;     /* now */
+    uint64_t cut;      /* since the start: shut down during a head, a body or an answer */
     uint64_t refusals; /* since the start: malformed requests */
 };
 

@@ -92,9 +92,9 @@ struct server_batch_claim {
     int64_t item, attempts;
 };
 
-/* Claims the next item for the daemon `node`. Tenants take turns: chooses the first tenant above
- * `after` that has an item to do, and claims an item of that tenant's oldest batch. `after` is the
- * tenant of the item that was claimed last. ABSENT: no item for now. */
+/* Claims the next item for the daemon `node`. Tenants take turns: chooses the next tenant after
+ * `after`, in cyclic order, that has an item to do, and claims an item of that tenant's oldest
+ * batch. `after` is the tenant of the item that was claimed last. ABSENT: no item for now. */
 enum server_outcome server_batch_queue_claim(struct server_store_sql *sql, const char *node,
                                              const char *after, struct server_batch_claim *out);
 
