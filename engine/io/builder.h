@@ -78,8 +78,8 @@ GD_MUST_USE enum gd_status gd__builder_skip(struct gd__builder *builder, const c
                                             enum gd_status status, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 
-/* Closes the open polygon. Skips a polygon of fewer than three corners (gd__builder_skip).
- * GD_SYNTAX (fewer than three corners), GD_TOO_LARGE, GD_NO_MEMORY. */
+/* Closes the open polygon. A polygon of fewer than three corners is passed to gd__builder_skip,
+ * which skips it or returns GD_SYNTAX. Other errors: GD_TOO_LARGE, GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__builder_close_polygon(struct gd__builder *builder, const char *at);
 
 /* Reports that a face names a vertex that does not exist, and returns GD_INDEX. `number` is the

@@ -31,7 +31,7 @@ struct gd__construction {
     uint32_t *representative;
     /* the input's polygons with merged vertices; a removed polygon has no corners */
     struct gd_polygons merged;
-    /* per triangle: its index, ascending; NULL: triangle i has index i */
+    /* per triangle: its index in the input, ascending; NULL: repair removed no triangle */
     uint32_t *face_index;
     uint32_t copy_count; /* number of appended vertices; mesh->copy_of has their originals */
 

@@ -5,7 +5,7 @@
 #include "nurbs/seeds.h"
 
 /* A class of paths from parameter s[0] of the first curve to parameter s[1] of the second. The
- * coordinates at the end of a path are those of the second place, plus turns[k] periods in
+ * coordinates at the end of a path are those of the second curve at s[1], plus turns[k] periods in
  * direction k. */
 struct gd__class {
     int32_t turns[2];

@@ -7,7 +7,7 @@
 
 enum {
     ACROSS = 9,     /* lines on which a cell is measured */
-    ALONG = 8,      /* steps between measured places on each line */
+    ALONG = 8,      /* steps of each line; the surface is measured at their ends */
     LEAST_STEPS = 8 /* least number of steps in a direction */
 };
 
@@ -60,8 +60,8 @@ static double total_length(const struct cell_size *sizes, uint32_t count)
 }
 
 /* Returns the number of steps for a cell. An edge of one step deviates from the surface by bend /
- * (8 steps^2). This may be half of `deviation`, because the deviations of both directions add
- * up. */
+ * (8 steps^2). At most half of `deviation` is allowed, because the deviations of both
+ * directions add up. */
 static double steps_of(const struct cell_size *size, double step, double deviation, double share)
 {
     double steps = fmax(ceil(size->length / step), 1);

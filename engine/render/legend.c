@@ -12,7 +12,7 @@
 #define LETTERS    13.0
 #define TICK_APART 1.6           /* least distance of two numbers, in text heights */
 #define LEAST_SIDE 200           /* pixels: smaller pictures have no legend */
-#define AREA       (800.0 * 600) /* pixels of the picture in which a unit is a pixel */
+#define AREA       (800.0 * 600) /* pixels of a picture whose unit is one pixel */
 
 struct gd__legend gd__legend_plan(const struct gd_picture *picture,
                                   const struct gd__palette *palette, uint32_t width,

@@ -11,7 +11,7 @@ struct gd__list {
     uint32_t distance_drops; /* wavefront->distance_drops when the oldest window was inserted */
     uint16_t visits;         /* number of propagations of the list, saturating */
     uint8_t size_class;
-    bool touched; /* the list is on the workspace's list of lists to be cleaned */
+    bool touched; /* the workspace has recorded that this list must be cleaned */
 };
 
 static inline uint32_t gd__list_capacity(const struct gd__list *list)
@@ -25,8 +25,8 @@ static inline struct gd__windows gd__list_windows(const struct gd__list *list)
 }
 
 /* Inserts sorted windows, at least one, into a list that is not empty. Takes ownership of their
- * block: the list uses the block or releases it. The list's windows win ties. Contests overlapping
- * windows only. GD_NO_MEMORY, GD_BUDGET. */
+ * block: the list uses the block or releases it. The list's windows win ties. Only windows
+ * that overlap compete. GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__list_add(struct gd__list *list, struct gd__pool *pool,
                                         struct gd__children *newer, double min_width,
                                         struct gd__scratch *scratch);

@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
 """Deadlines: expensive queries of every kind on large surfaces, each with a random deadline, mostly
 too short. The overrun is the time from the deadline to the answer, by the clock of the daemon's log
-and by the client's. Uploads have the daemon's limit, so they go to daemons with short limits.
+and by the client's. An upload cannot name a deadline, so uploads go to daemons with a short
+`--timeout-ms`.
 
     tests/fault/deadline.py [--count N] [--clients N] [--seed N] [--only KIND,KIND] [--short]
 
---short: small surfaces, and no overrun of a second; other tests may use the processors.
+--short: small surfaces. The p99.9 of the overrun may be 1 s, because other tests may use the
+processors.
 """
 import argparse
 import collections
@@ -170,8 +172,8 @@ def upload_all(options, those):
 
 
 def large_all(options):
-    """Measures uploads of a mesh of three million triangles, each step of which takes long, with
-    deadlines throughout."""
+    """Measures the tessellation of a subdivision surface into three million triangles, with
+    deadlines from 50 ms to 2 s, so that some pass in each of its long steps."""
     with Daemon(*FLAGS, "--memory-budget", "4GiB", "--max-faces", "4000000") as daemon:
         daemon.request("PUT", "/v1/subdivisions/cube", mix.CUBE)
         asker = Asker(daemon, 0, None, None)

@@ -36,7 +36,7 @@ struct operation {
     const char *name;
     const struct answer *answer;
     enum gd_status (*run)(void *out);
-    enum gd_status status; /* without failures */
+    enum gd_status status; /* what `run` returns if no allocation fails */
     /* frees what the call may keep for the next call; NULL: nothing */
     void (*settle)(void);
 };

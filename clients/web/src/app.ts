@@ -77,7 +77,7 @@ export class App {
   private readonly asker = new Latest<boolean>((live) => this.ask(live));
   private readonly chooser: Chooser;
   private readonly uploads: Uploads;
-  /** The name of the surface of each kind that was open last. */
+  /** For each kind, the name of the surface that was opened last. */
   private readonly latest = new Map<Kind, string>();
   /** The surface that the points lie on. */
   private placesOf: Surface | undefined;
@@ -369,8 +369,8 @@ export class App {
   }
 
   /**
-   * Sets the points that the mode begins with: the points of the previous mode, then standard
-   * points of the picture (`spot`).
+   * Sets the points that the mode begins with: the points of the previous mode. If they
+   * are too few, points at fixed places of the picture are added (`spot`).
    */
   private setFirstPoints(before: Place[]): void {
     let next = before.length;
@@ -443,7 +443,7 @@ export class App {
     if (error instanceof ApiError && error.status === 404) void this.list(() => {});
   }
 
-  /** Removes the answer if the present points have none. */
+  /** Removes the answer: points that the query needs are missing. */
   private clearAnswer(): void {
     this.mode.clear();
     this.answer.clear();

@@ -44,19 +44,20 @@ struct gd_limit_trace_request {
 
 /* Traces the geodesic from a place in a direction. On a geodesic x = S(u,v) the acceleration x'' is
  * normal to the surface: (u'',v'') = -g^-1 (S_u.a, S_v.a), a = S_uu u'^2 + 2 S_uv u'v' + S_vv v'^2.
- * The equation is solved patch by patch. Each patch is a polynomial that continues smoothly beyond
- * its border. The path leaves a patch exactly at its border. Across a crease the path continues as
- * if the crease were flattened; through an extraordinary vertex it continues along its tangent. If
- * the start is a vertex and the direction does not lead into the start's face, the path starts in
- * the face into which the direction leads, on the same side of creases. If no face qualifies, or
- * the start has no normal, the path ends at once. Method: Gragg's method with Bulirsch and Stoer's
- * extrapolation. The relative error is 1e-13 for each patch (more in slivers near a spike), and
- * about 1e-11 after a hundred patches. Negative curvature amplifies these errors, as it amplifies
- * errors of the start. `control` and `detail` may be NULL; the caller frees `*out` by
- * gd_limit_path_free. Errors: those of gd_limit_evaluate; GD_INVALID_ARGUMENT (length or direction
- * not finite, or a direction without tangential component); GD_INTERNAL (no step is short enough:
- * control points nearly coincide); GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: about
- * 50 us for each patch. Thread-safe. */
+ * g is the metric: the 2x2 matrix of the scalar products of S_u and S_v. The equation is solved
+ * patch by patch. Each patch is a polynomial that continues smoothly beyond its border. The path
+ * leaves a patch exactly at its border. Across a crease the path continues as if the crease were
+ * flattened; through an extraordinary vertex it continues along its tangent. If the start is a
+ * vertex and the direction does not lead into the start's face, the path starts in the face into
+ * which the direction leads, on the same side of creases. If no face qualifies, or the start has no
+ * normal, the path ends at once. Method: Gragg's method with Bulirsch and Stoer's extrapolation.
+ * The relative error is 1e-13 for each patch (more in slivers near a spike), and about 1e-11 after
+ * a hundred patches. Negative curvature amplifies these errors, as it amplifies errors of the
+ * start. `control` and `detail` may be NULL; the caller frees `*out` by gd_limit_path_free. Errors:
+ * those of gd_limit_evaluate; GD_INVALID_ARGUMENT (length or direction not finite, or a direction
+ * without tangential component); GD_INTERNAL (no step is short enough: control points nearly
+ * coincide); GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: about 50 us for each patch.
+ * Thread-safe. */
 GD_MUST_USE enum gd_status gd_limit_trace(const struct gd_subdivision *surface,
                                           const struct gd_limit_trace_request *request,
                                           const struct gd_control *control,
@@ -74,12 +75,13 @@ struct gd_limit_geodesic {
  * such as the shortest path on a discretization. The method is shooting: from the polyline's first
  * direction and length, Newton's method adjusts both until the geodesic ends at the polyline's end.
  * A second geodesic with a slightly different direction measures the derivative of the end point
- * (the Jacobi field). The method does not converge if the end is a conjugate point, if no geodesic
- * inside the surface exists (a shortest path along a boundary or around a corner), or if the length
- * changes by more than a tenth (another geodesic). This is not an error. `control` and `detail` may
- * be NULL; the caller frees out->path. Errors: those of gd_limit_trace for the first place; those
- * of gd_limit_evaluate for the others; GD_INVALID_ARGUMENT (fewer than two places, or all at one
- * point). Cost: about ten traces. Thread-safe. */
+ * (the Jacobi field). `converged` is false if the end is a conjugate point, or if no geodesic
+ * inside the surface exists (a shortest path along a boundary or around a corner). It is also false
+ * if the length found differs from the polyline's by more than a tenth, because the geodesic is
+ * then another one. This is not an error. `control` and `detail` may be NULL; the caller frees
+ * out->path. Errors: those of gd_limit_trace for the first place; those of gd_limit_evaluate for
+ * the others; GD_INVALID_ARGUMENT (fewer than two places, or all at one point). Cost: about ten
+ * traces. Thread-safe. */
 GD_MUST_USE enum gd_status gd_limit_relax(const struct gd_subdivision *surface,
                                           const struct gd_limit_places *polyline,
                                           const struct gd_control *control,

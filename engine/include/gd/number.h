@@ -18,9 +18,9 @@ const char *gd_number_parse(const char *at, const char *end, double *out);
 /* Longest text of a double: "-0.0000012345678901234567" or "-2.2250738585072014e-308". */
 #define GD_NUMBER_SIZE 26
 
-/* Writes the shortest decimal that reads back as the same (finite) double, as a JSON number:
- * without exponent for magnitudes in [1e-6, 1e17), integers without a fraction, otherwise with an
- * exponent ("1e-7", "1.5e300"). Writes no NUL; returns the end. About 25 ns. */
+/* Writes the shortest decimal that reads back as the same (finite) double, as a JSON number.
+ * Magnitudes in [1e-6, 1e17) have no exponent, and integers among them no fraction. Other
+ * magnitudes have an exponent ("1e-7", "1.5e300"). Writes no NUL; returns the end. About 25 ns. */
 char *gd_number_format(char at[GD_NUMBER_SIZE], double value);
 
 /* Writes many numbers, each followed by a comma, with vector instructions if available; "null" for

@@ -138,7 +138,7 @@ static void gradient_jumps_are_cut(void **state)
             jumps += jump > 0;
             widest = fmax(widest, jump);
         }
-        print_message("# %s: %u jumps of the gradient told, the widest %.2f\n", cases[c].name,
+        print_message("# %s: %u jumps of the gradient found, the largest %.2f\n", cases[c].name,
                       jumps, widest);
         assert_true(jumps > 5);
         gd_field_release(field);
@@ -168,7 +168,7 @@ static void random_points_have_one_path(void **state)
                 struct gd_point point =
                     test_point(surface.mesh, test_random_place(&surface.polygons, &rng));
                 if (point.kind == GD_POINT_FACE && is_cut(field, &point))
-                    fail_msg("%s: cut by chance", cases[c].name);
+                    fail_msg("%s: a random point is said to be on the cut locus", cases[c].name);
             }
             assert_false(is_cut(field, &from));
             gd_field_release(field);
@@ -177,8 +177,8 @@ static void random_points_have_one_path(void **state)
     }
 }
 
-/* A path that passes a vertex without bending is counted once, however close the point is to the
- * vertex. */
+/* A path that passes a flat vertex on its left and a path that passes it on its right are one path.
+ * They are counted once, however close the target is to the vertex. */
 static void next_to_a_vertex(void **state)
 {
     (void)state;

@@ -1,4 +1,5 @@
-/* Meridians: straight and without geodesic curvature, but with the uneven speed of the profile. */
+/* Tests geodesics along meridians. A meridian is a geodesic and a straight line of the domain, but
+ * its speed varies, as that of the profile does. */
 #include "tests/unit/nurbs/surfaces.h"
 
 #include "gd/geodesic_like.h"
