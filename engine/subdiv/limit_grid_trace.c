@@ -513,7 +513,7 @@ static enum gd_limit_end end_of(enum halt halt)
 enum gd_status gd_limit_grid_trace(const struct gd_limit_grid *grid,
                                    const struct gd_limit_grid_request *request,
                                    const struct gd_control *control, struct gd_limit_path *out,
-                                   bool *is_traced, struct gd_detail *detail)
+                                   struct gd_detail *detail)
 {
     struct gd_limit_point place = request->start;
     enum gd_status status = gd__place_check(grid->surface, &place, detail);
@@ -528,12 +528,9 @@ enum gd_status gd_limit_grid_trace(const struct gd_limit_grid *grid,
     enum halt halt = request->length > 0 ? start(&t, &local) : NEEDS_MESH;
     while (halt == GOES_ON && gd__pace(&pace, 2)) halt = cross(&t);
     status = t.status ? t.status : pace.status;
-    *is_traced = !status && halt != NEEDS_MESH;
     t.path.length = t.gone + t.carry;
     t.path.end = end_of(halt);
-    if (*is_traced)
-        *out = t.path;
-    else
-        gd_limit_path_free(&t.path);
+    if (status || halt == NEEDS_MESH) gd_limit_path_free(&t.path);
+    if (!status) *out = t.path;
     return status ? gd_fail_status(detail, status) : GD_OK;
 }

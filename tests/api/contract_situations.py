@@ -9,6 +9,7 @@ import contextlib
 import http.client
 import json
 import pathlib
+import re
 import resource
 import sys
 import tempfile
@@ -113,7 +114,10 @@ def oversized(scene, operation, ask):
 def misplaced(scene, operation, ask):
     """Replaces points by points that are not on the surface."""
     if not operation.body:
-        return ask._replace(target=ask.target.replace("v:0", "f:0:2,2,2").replace("p:0.2,0.1,-0.5", "f:0:2,2,2"))
+        target = ask.target.replace("v:0", "f:0:2,2,2").replace("p:0.2,0.1,-0.5", "f:0:2,2,2")
+        if target == ask.target:  # a place of a subdivision, or parameters of NURBS
+            target = re.sub("from=[^&]*", "from=f:0:2,2" if "/subdivisions/" in target else "from=9,9", target)
+        return ask._replace(target=target)
     if is_upload(operation):
         return [ask.plus(b"nothing of the kind"), ask.plus(dumps({**json.loads(ask.body), "knotsU": [1, 0, 0, 1]})), ask.plus(b"")]
     if ask.headers["Content-Type"] != JSON["Content-Type"]:

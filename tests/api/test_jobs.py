@@ -321,7 +321,10 @@ class Expiry(Jobs):
 
     def test_the_oldest_jobs_are_removed_from_a_full_table(self):
         self.daemon.put("square", SQUARE)
-        started = [self.start("/v1/meshes/square/distance", pair(0, 2)) for _ in range(8)]
+        started = []
+        for _ in range(8):
+            started.append(self.start("/v1/meshes/square/distance", pair(0, 2)))
+            self.wait(started[-1], "done")
         listed = [f"/v1/jobs/{job['id']}" for job in self.daemon.get("/v1/jobs").json["jobs"]]
         self.assertLessEqual(len(listed), 5)
         self.assertEqual(listed, started[-len(listed):])

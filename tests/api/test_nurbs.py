@@ -25,7 +25,7 @@ class Resource(Nurbs):
         for query in ("evaluate", "nearest", "geodesic", "point-curve-distance", "curve-distance"):
             operation = paths["paths"][f"/v1/nurbs/{{name}}/{query}"]["post"]
             shown = operation["requestBody"]["content"]["application/json"]
-            request = shown.get("example") or shown["examples"]["bare"]["value"]
+            request = shown.get("example") or next(iter(shown["examples"].values()))["value"]
             answer = self.ask("example-sheet", query, request)
             told = operation["responses"]["200"]["content"]["application/json"].get("example")
             if query == "evaluate":

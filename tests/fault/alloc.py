@@ -36,6 +36,8 @@ VOLATILE = re.compile(rb'"(?:elapsed_ms|age_s|uptime_s|requested_at|created|crea
 ETAG = re.compile(rb'"etag":"[^"]*"')
 QUERIES = {"/v1/meshes/{name}/distance": "?from=v:0&to=e:1-2:0.5", "/v1/meshes/{name}/path": "?from=v:0&to=e:1-2:0.5",
            **{f"/v1/{kind}/{{name}}/nearest": "?point=p:0.2,0.1,-0.5" for kind in ("meshes", "nurbs", "subdivisions")},
+           "/v1/nurbs/{name}/path": "?from=0.1,0.1&to=0.9,0.6",
+           **{f"/v1/subdivisions/{{name}}/{query}": "?from=f:0:0.25,0.25&to=f:1:0.5,0.5&level=2" for query in ("distance", "path")},
            "/v1/meshes/{name}/fields/{id}/isolines": "?levels=0.25,0.5&arcs=true",
            "/v1/meshes/{name}/fields/{id}/wedges": "?edge=0-1",
            **{f"/v1/meshes/{{name}}/picture.{form}": "?source=v:0&from=v:0&to=v:2&isolines=2&size=64x48" for form in ("png", "svg")}}
@@ -95,7 +97,7 @@ class Request:
     def __init__(self, document, method, path, operation, is_async=False):
         self.method, self.path, self.is_async = method.upper(), path, is_async
         self.kind, self.body = example(document, operation)
-        if path in COARSE:
+        if path in COARSE and self.body:
             self.body = self.body[:-1] + b', "level": 2}'
 
     def __str__(self):

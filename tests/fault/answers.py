@@ -78,7 +78,10 @@ def ask_unread(daemon, request):
     connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
     connection.settimeout(60)
     connection.connect(("127.0.0.1", daemon.port))
-    connection.sendall(mix.encode(request))
+    try:
+        connection.sendall(mix.encode(request))
+    except (BrokenPipeError, ConnectionResetError):  # refused before the body was read
+        connection.close()
     return connection
 
 
@@ -91,6 +94,8 @@ def await_answers(daemon):
 
 
 def status_of(connection):
+    if connection.fileno() < 0:
+        return "507"
     with contextlib.suppress(OSError):
         return connection.recv(12).decode().rpartition(" ")[2]
     return "cut"

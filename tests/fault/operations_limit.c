@@ -285,13 +285,12 @@ static enum gd_status build_grid(void *out)
 /* Starts at a vertex, whose neighbourhood is a small mesh. */
 static enum gd_status trace_grid(void *out)
 {
-    bool is_traced;
     enum gd_status status =
         gd_limit_grid_trace(grid,
                             &(struct gd_limit_grid_request){
                                 .start = places[2], .direction = {1, 0.4, 0.1}, .length = 2},
-                            NULL, out, &is_traced, NULL);
-    return status || is_traced ? status : GD_INTERNAL;
+                            NULL, out, NULL);
+    return status || ((struct gd_limit_path *)out)->step_count ? status : GD_INTERNAL;
 }
 
 static enum gd_status find_shortest(void *out)

@@ -4,7 +4,7 @@
  *     struct gd_limit_grid *grid;
  *     if (gd_limit_grid_build(surface, &options, NULL, &grid, &detail) == GD_OK) {
  *         struct gd_limit_grid_request request = {.start = place, .direction = v, .length = 2};
- *         gd_limit_grid_trace(grid, &request, NULL, &path, &is_traced, &detail);
+ *         gd_limit_grid_trace(grid, &request, NULL, &path, &detail);
  *         gd_limit_grid_free(grid);
  *     }
  *
@@ -50,17 +50,16 @@ struct gd_limit_grid_request {
 };
 
 /* Traces a straightest geodesic on the triangles of the grid. The positions of the path's steps lie
- * on the triangles. Sets *is_traced to false, without a path, in cases that need the mesh: the line
- * begins at the boundary, meets it at a small angle or in a vertex, ends in a vertex, or crosses a
- * triangle without area. `control` and `detail` may be NULL; the caller frees `*out` by
- * gd_limit_path_free. Errors: those of gd_limit_place_check and gd_direction_along;
+ * on the triangles. The path has no steps in cases that need the mesh: the line begins at the
+ * boundary, meets it at a small angle or in a vertex, ends in a vertex, or crosses a triangle
+ * without area. `control` and `detail` may be NULL; the caller frees `*out` by gd_limit_path_free.
+ * Errors: those of gd_limit_place_check and gd_direction_along;
  * GD_INVALID_ARGUMENT (length not finite), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE.
  * Cost: about 0.2 us for each crossed triangle. Thread-safe. */
 GD_MUST_USE enum gd_status gd_limit_grid_trace(const struct gd_limit_grid *grid,
                                                const struct gd_limit_grid_request *request,
                                                const struct gd_control *control,
-                                               struct gd_limit_path *out, bool *is_traced,
-                                               struct gd_detail *detail);
+                                               struct gd_limit_path *out, struct gd_detail *detail);
 
 #ifdef __cplusplus
 }

@@ -5,55 +5,50 @@
 #include "proto/json/number.h"
 #include "server/api/smooth/smooth.h"
 
-/* Returns numbers with commas between them as an array; NULL: the text is no such list. */
-static json_t *numbers_of(const char *text)
+/* Reads u,v. False: the text is of another form. */
+static bool uv_read(const char *text, double uv[2])
 {
-    json_t *array = json_array();
-    for (bool more = true; more;) {
-        double number = 0;
-        size_t length = proto_number_parse(text, &number);
-        more = text[length] == ',';
-        if (!length || (text[length] && !more) || json_array_append_new(array, json_real(number))) {
-            json_decref(array);
-            return NULL;
-        }
-        text += length + more;
-    }
-    return array;
+    size_t length = proto_number_parse(text, &uv[0]);
+    if (!length || text[length] != ',') return false;
+    text += length + 1;
+    length = proto_number_parse(text, &uv[1]);
+    return length && !text[length];
 }
 
-json_t *server_smooth_uv(const char *text)
+bool server_smooth_uv(const char *text, json_t **out)
 {
-    json_t *uv = numbers_of(text);
-    if (json_array_size(uv) == 2) return uv;
-    json_decref(uv);
-    return NULL;
+    double uv[2];
+    if (!uv_read(text, uv)) return false;
+    *out = json_pack("[f, f]", uv[0], uv[1]);
+    return true;
 }
 
-json_t *server_smooth_place(const char *text)
+bool server_smooth_place(const char *text, json_t **out)
 {
     uint64_t face = 0, corner = 0;
-    if (strncmp(text, "f:", 2) != 0) return NULL;
+    double uv[2];
+    if (strncmp(text, "f:", 2) != 0) return false;
     text += 2;
     size_t length = proto_integer_parse(text, &face);
-    if (!length || text[length] != ':') return NULL;
+    if (!length || text[length] != ':') return false;
     text += length + 1;
     length = proto_integer_parse(text, &corner);
     bool has_corner = length && text[length] == ':';
-    json_t *uv = server_smooth_uv(has_corner ? text + length + 1 : text);
-    return uv ? json_pack("{s:f, s:f, s:o}", "face", (double)face, "corner",
-                          has_corner ? (double)corner : 0, "uv", uv)
-              : NULL;
+    if (!uv_read(has_corner ? text + length + 1 : text, uv)) return false;
+    *out = json_pack("{s:f, s:f, s:[f, f]}", "face", (double)face, "corner",
+                     has_corner ? (double)corner : 0, "uv", uv[0], uv[1]);
+    return true;
 }
 
-/* Returns a number, a boolean, or the text itself, which the decoder then rejects. */
+/* Returns a number, a boolean, or the text itself, which the decoder then rejects. NULL: no
+ * memory. */
 static json_t *scalar_of(const char *text)
 {
     double number = 0;
     size_t length = proto_number_parse(text, &number);
     if (length && !text[length]) return json_real(number);
     if (strcmp(text, "true") == 0 || strcmp(text, "false") == 0) return json_boolean(*text == 't');
-    return json_string(text);
+    return json_string_nocheck(text);
 }
 
 static bool is_option(const char *name)
@@ -83,9 +78,12 @@ bool server_smooth_parse(struct server_query *query, const struct proto_paramete
         const char *name = parameters->all[i].name, *text = parameters->all[i].value;
         bool is_end = strcmp(name, "from") == 0 || strcmp(name, "to") == 0;
         if (is_option(name)) continue;
-        json_t *value = is_end ? ends->read(text) : scalar_of(text);
-        ok = value || proto_problem_refuse(problem, name, "expected %s", ends->form);
-        has_memory = !value || !json_object_set_new(document, name, value);
+        json_t *value = NULL;
+        if (!is_end)
+            value = scalar_of(text);
+        else if (!ends->read(text, &value))
+            ok = proto_problem_refuse(problem, name, "expected %s", ends->form);
+        has_memory = !ok || (value && !json_object_set_new(document, name, value));
     }
     if (!has_memory) ok = proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
     if (ok && !query->kind->decode(query, document)) {

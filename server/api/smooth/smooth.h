@@ -14,13 +14,14 @@ enum server_query_turn server_smooth_fail(const struct server_query *query, enum
 
 /* The form of the parameters `from` and `to`. */
 struct server_smooth_ends {
-    json_t *(*read)(const char *text); /* returns the value in a body; NULL: another form */
-    const char *form;                  /* for a problem: "two numbers" */
+    /* Makes the value that a body has, or NULL without memory. False: another form. */
+    bool (*read)(const char *text, json_t **out);
+    const char *form; /* for a problem: "two numbers" */
 };
 
 /* Read u,v and f:FACE:u,v or f:FACE:CORNER:u,v. */
-json_t *server_smooth_uv(const char *text);
-json_t *server_smooth_place(const char *text);
+bool server_smooth_uv(const char *text, json_t **out);
+bool server_smooth_place(const char *text, json_t **out);
 
 /* Parses a query string. Makes a body whose members are the parameters, except those that all
  * queries share, and decodes it. A problem names the parameter. */

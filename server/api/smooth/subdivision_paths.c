@@ -391,8 +391,10 @@ static enum gd_status limit_follow(struct trace *trace, const struct gd_control 
                                                   .length = wanted->request.length,
                                                   .vertex_rule = trace->options.vertex_rule,
                                                   .step_limit = PROTO_TRACE_STEPS};
-    return gd_limit_grid_trace(trace->grid->grid, &request, control, &trace->path, is_traced,
-                               &trace->detail);
+    enum gd_status status =
+        gd_limit_grid_trace(trace->grid->grid, &request, control, &trace->path, &trace->detail);
+    *is_traced = !status && trace->path.step_count > 0;
+    return status;
 }
 
 /* Writes a path on the grid or on the smooth surface. */

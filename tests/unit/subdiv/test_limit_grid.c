@@ -63,8 +63,8 @@ static void compare(struct scene *scene, const struct gd_limit_grid_request *req
     struct gd_point start;
     struct gd_direction ahead;
     struct gd_detail detail = {0};
-    bool is_traced;
-    check_ok(gd_limit_grid_trace(scene->grid, request, NULL, &path, &is_traced, &detail), &detail);
+    check_ok(gd_limit_grid_trace(scene->grid, request, NULL, &path, &detail), &detail);
+    bool is_traced = path.step_count > 0;
     scene->traced += is_traced;
     scene->left += !is_traced;
     if (!is_traced) return;
@@ -159,20 +159,16 @@ static void invalid_requests_are_refused(void **state)
     struct scene scene = open_scene(surface_from(CUBE, GD_SCHEME_CATMULL_CLARK), 2);
     struct gd_limit_path path;
     struct gd_limit_grid *grid;
-    bool is_traced;
     const struct gd_limit_grid_request wrong[] = {{{9, 0, 0.5, 0.5}, {1, 0, 0}, 1, 0, 0},
                                                   {{0, 0, 0.5, 1.5}, {1, 0, 0}, 1, 0, 0},
                                                   {{0, 0, 0.5, 0.5}, {1, 0, 0}, -1, 0, 0},
                                                   {{0, 0, 0.5, 0.5}, {NAN, 0, 0}, 1, 0, 0}};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
-        assert_int_not_equal(
-            gd_limit_grid_trace(scene.grid, &wrong[i], NULL, &path, &is_traced, NULL), GD_OK);
+        assert_int_not_equal(gd_limit_grid_trace(scene.grid, &wrong[i], NULL, &path, NULL), GD_OK);
     const struct gd_limit_grid_request good = {{0, 0, 0.5, 0.4}, {1, 0.3, 0}, 9, 0, 0};
     const struct gd_control late = {.deadline_ns = 1}, poor = {.budget_bytes = 1000};
-    assert_int_equal(gd_limit_grid_trace(scene.grid, &good, &late, &path, &is_traced, NULL),
-                     GD_DEADLINE);
-    assert_int_equal(gd_limit_grid_trace(scene.grid, &good, &poor, &path, &is_traced, NULL),
-                     GD_BUDGET);
+    assert_int_equal(gd_limit_grid_trace(scene.grid, &good, &late, &path, NULL), GD_DEADLINE);
+    assert_int_equal(gd_limit_grid_trace(scene.grid, &good, &poor, &path, NULL), GD_BUDGET);
     const struct gd_limit_mesh_options deep = {.level = 13}, fine = {.level = 5, .max_faces = 100},
                                        usual = {.level = 5};
     assert_int_equal(gd_limit_grid_build(scene.surface, &deep, NULL, &grid, NULL),
