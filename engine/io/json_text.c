@@ -58,7 +58,7 @@ static const char *number_end(const char *at, const char *end)
 enum gd_status gd__json_number(struct gd__scan *scan, double *out)
 {
     gd__json_skip_space(scan);
-    if (number_end(scan->at, scan->end) == scan->at)
+    if (number_end(scan->at, gd__scan_number_end(scan)) == scan->at)
         return gd__scan_unexpected(scan, "a JSON number");
     return gd__scan_number(scan, out);
 }

@@ -41,13 +41,16 @@ bool gd__scan_is_over(struct gd__scan *scan)
 
 enum gd_status gd__scan_end(const struct gd__scan *scan, enum gd_status status)
 {
-    return scan->deadline_ns && gd_now_ns() >= scan->deadline_ns ? GD_DEADLINE : status;
+    if (!scan->deadline_ns || gd_now_ns() < scan->deadline_ns) return status;
+    if (scan->detail) *scan->detail = (struct gd_detail){0};
+    return GD_DEADLINE;
 }
 
 enum gd_status gd__scan_fail(const struct gd__scan *scan, const char *at, enum gd_status status,
                              const char *format, ...)
 {
-    if (!scan->detail) return status;
+    /* After the deadline the line is not counted: gd__scan_end replaces the status. */
+    if (!scan->detail || gd__scan_end(scan, GD_OK)) return status;
     char sentence[GD_DETAIL_TEXT];
     va_list arguments;
     va_start(arguments, format);
@@ -197,7 +200,7 @@ static enum gd_status refuse_nan(const struct gd__scan *scan, const char *hash)
 enum gd_status gd__scan_number(struct gd__scan *scan, double *out)
 {
     gd__scan_skip_blanks(scan);
-    const char *end = gd_number_parse(scan->at, scan->end, out);
+    const char *end = gd_number_parse(scan->at, gd__scan_number_end(scan), out);
     if (end && end < scan->end && *end == '#' && end[-1] == '.') return refuse_nan(scan, end);
     if (!end || runs_on(scan, end)) return gd__scan_unexpected(scan, "a number");
     scan->at = end;
@@ -215,12 +218,12 @@ enum gd_status gd__scan_xyz(struct gd__scan *scan, double xyz[3])
 enum gd_status gd__scan_integer(struct gd__scan *scan, int64_t *out)
 {
     gd__scan_skip_blanks(scan);
-    const char *at = scan->at;
-    bool negative = at < scan->end && *at == '-';
-    if (at < scan->end && (*at == '-' || *at == '+')) at++;
+    const char *at = scan->at, *end = gd__scan_number_end(scan);
+    bool negative = at < end && *at == '-';
+    if (at < end && (*at == '-' || *at == '+')) at++;
     const char *digits = at;
     int64_t value = 0;
-    for (; at < scan->end && *at >= '0' && *at <= '9'; at++) {
+    for (; at < end && *at >= '0' && *at <= '9'; at++) {
         bool fits = value <= (INT64_MAX - 9) / 10;
         value = fits ? 10 * value + (*at - '0') : INT64_MAX;
     }

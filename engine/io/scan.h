@@ -55,12 +55,19 @@ enum gd_status gd__scan_unexpected(const struct gd__scan *scan, const char *expe
 
 #define GD__SCAN_LOOK 65536 /* bytes between two checks of the deadline */
 
+/* Returns the end of the text that a number at the cursor may have. A longer number is an error, so
+ * that no number takes long. */
+static inline const char *gd__scan_number_end(const struct gd__scan *scan)
+{
+    return scan->end - scan->at < GD__SCAN_LOOK ? scan->end : scan->at + GD__SCAN_LOOK;
+}
+
 /* Returns true if the deadline has passed, and then moves the cursor to the end of the input. A
  * reader that may have skipped input must end by gd__scan_end. */
 bool gd__scan_is_over(struct gd__scan *scan);
 
-/* Returns GD_DEADLINE if the deadline has passed, because the input may then not have been read to
- * its end. Otherwise returns `status`. */
+/* Returns GD_DEADLINE, and clears the detail, if the deadline has passed: the input may then not have
+ * been read to its end. Otherwise returns `status`. */
 enum gd_status gd__scan_end(const struct gd__scan *scan, enum gd_status status);
 
 static inline size_t gd__scan_left(const struct gd__scan *scan)

@@ -134,7 +134,8 @@ static enum gd_status read_status(struct build *build)
 
 static size_t read_cost(const struct server_builder *builder, enum gd_format format)
 {
-    const struct gd_read_options options = {.format = format, .max_faces = builder->max_faces};
+    const struct gd_read_options options = {
+        .format = format, .max_faces = builder->max_faces, .control = &builder->control};
     return gd_read_cost(builder->bytes, (size_t)builder->record->size, &options);
 }
 

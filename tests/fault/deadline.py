@@ -187,6 +187,28 @@ def large_all(options):
         return collect(daemon, [asker])
 
 
+def monotonous_all():
+    """Measures uploads of 200 MiB of one character, which readers skip in one loop. The deadline of
+    an upload begins when its body has arrived, so only the client's clock is used."""
+    overruns, block = [], 1 << 20
+    for deadline in (20, 200, 250, 300):
+        with Daemon(*FLAGS, "--memory-budget", "4GiB", "--max-body", "256MiB", "--timeout-ms", str(deadline)) as daemon:
+            for name in ("obj", "off", "ply", "stl", "json", "gltf"):
+                for character in b" 1#":
+                    connection = daemon.connect()
+                    connection.putrequest("PUT", f"/v1/meshes/same?format={name}")
+                    connection.putheader("Content-Length", str(200 * block))
+                    connection.endheaders()
+                    for _ in range(200):
+                        connection.send(bytes([character]) * block)
+                    begun = time.monotonic()
+                    status = connection.getresponse().status
+                    late = max(0, 1000 * (time.monotonic() - begun) - deadline)
+                    overruns.append(Overrun("monotonous", status, deadline, late, late))
+                    connection.close()
+    return overruns
+
+
 def print_kinds(overruns):
     kinds = collections.defaultdict(list)
     for overrun in overruns:
@@ -212,7 +234,7 @@ def main():
     if not options.only:
         overruns += upload_all(options, those)
         if not options.short:
-            overruns += large_all(options)
+            overruns += large_all(options) + monotonous_all()
     print_kinds(overruns)
     late = sum(overrun.status == 504 for overrun in overruns)
     asked = SHORT_MS if options.short else ASKED_MS

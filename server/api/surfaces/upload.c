@@ -82,7 +82,14 @@ static bool upload_identify(struct server_exchange *exchange, struct upload *upl
         server_reply_problem(exchange, &problem);
         return false;
     }
-    server_sha256(body->bytes, body->size, sha256);
+    struct server_monitor monitor = {.exchange = exchange};
+    const struct gd_control control = server_exchange_control(&monitor);
+    enum gd_status status = server_sha256_within(body->bytes, body->size, &control, sha256);
+    if (status) {
+        (void)proto_problem_from_status(&problem, status, NULL);
+        server_reply_problem(exchange, &problem);
+        return false;
+    }
     server_record_release(upload->record);
     upload->record = NULL;
     if (generate_name(upload, sha256))

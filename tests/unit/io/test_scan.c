@@ -100,6 +100,38 @@ static void reads_integers(void **state)
     }
 }
 
+/* A reader skips no more than 64 KiB of a number, so the deadline is checked. */
+static void refuses_very_long_numbers(void **state)
+{
+    (void)state;
+    char *digits = malloc(GD__SCAN_LOOK + 2);
+    memset(digits, '1', GD__SCAN_LOOK + 1);
+    digits[GD__SCAN_LOOK + 1] = '\0';
+    for (size_t more = 0; more < 2; more++) {
+        struct gd__scan scan = gd__scan_begin(digits, GD__SCAN_LOOK + more, NULL);
+        struct gd__scan again = scan;
+        enum gd_status expected = more ? GD_SYNTAX : GD_OK;
+        double number;
+        int64_t integer;
+        assert_int_equal(gd__scan_number(&scan, &number), expected);
+        assert_int_equal(gd__scan_integer(&again, &integer), expected);
+    }
+    free(digits);
+}
+
+static void a_deadline_replaces_the_failure(void **state)
+{
+    (void)state;
+    struct gd_detail detail = {.text = ""};
+    struct gd__scan scan = gd__scan_begin("!", 1, &detail);
+    assert_int_equal(gd__scan_unexpected(&scan, "a vertex"), GD_SYNTAX);
+    assert_string_not_equal(detail.text, "");
+    scan.deadline_ns = 1; /* long ago */
+    assert_int_equal(gd__scan_end(&scan, GD_SYNTAX), GD_DEADLINE);
+    assert_string_equal(detail.text, "");
+    assert_int_equal(detail.kind, GD_ELEMENT_NONE);
+}
+
 static void shows_printable_text_only(void **state)
 {
     (void)state;
@@ -117,6 +149,8 @@ int main(void)
         cmocka_unit_test(skips_lines),
         cmocka_unit_test(splits_words),
         cmocka_unit_test(reads_integers),
+        cmocka_unit_test(refuses_very_long_numbers),
+        cmocka_unit_test(a_deadline_replaces_the_failure),
         cmocka_unit_test(shows_printable_text_only),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
