@@ -66,8 +66,8 @@ static inline const char *gd__scan_number_end(const struct gd__scan *scan)
  * reader that may have skipped input must end by gd__scan_end. */
 bool gd__scan_is_over(struct gd__scan *scan);
 
-/* Returns GD_DEADLINE, and clears the detail, if the deadline has passed: the input may then not have
- * been read to its end. Otherwise returns `status`. */
+/* Returns GD_DEADLINE, and clears the detail, if the deadline has passed, because the input may
+ * then not have been read to its end. Otherwise returns `status`. */
 enum gd_status gd__scan_end(const struct gd__scan *scan, enum gd_status status);
 
 static inline size_t gd__scan_left(const struct gd__scan *scan)
