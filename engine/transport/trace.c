@@ -264,8 +264,6 @@ static bool grazes(const struct tracer *tracer)
 static enum halt at_border(struct tracer *tracer)
 {
     const struct gd__surface_ray *walk = &tracer->walk;
-    tracer->back = gd__turn_in_face(tracer->mesh, gd__line_last(&tracer->line), walk->side ^ 1,
-                                    walk->dx, walk->dy);
     bool leans = fabs(walk->dx) > GD_TOL_HIT;
     bool stops = tracer->options->boundary_rule == GD_BOUNDARY_RULE_STOP;
     if (!leans || (stops && !grazes(tracer))) return HALT_STOP;
@@ -295,7 +293,13 @@ static inline bool is_over(const struct tracer *tracer)
 static inline enum halt go_on(struct tracer *tracer)
 {
     if (tracer->halt == HALT_NONE) return hop(tracer);
-    return tracer->halt == HALT_VERTEX ? at_vertex(tracer) : at_border(tracer);
+    if (tracer->halt == HALT_BORDER)
+        tracer->back = gd__turn_in_face(tracer->mesh, gd__line_last(&tracer->line),
+                                        tracer->walk.side ^ 1, tracer->walk.dx, tracer->walk.dy);
+    double back = tracer->back;
+    enum halt halt = tracer->halt == HALT_VERTEX ? at_vertex(tracer) : at_border(tracer);
+    if (halt == HALT_LIMIT) tracer->back = back; /* the last point is still that of the halt */
+    return halt;
 }
 
 /* Advances the lines by one face each, one after the other. While one line waits for its record of

@@ -47,7 +47,7 @@ struct gd_trace_options {
     enum gd_boundary_rule boundary_rule;
     /* ends where the line crosses or touches an earlier segment of itself */
     bool stop_at_self_intersection;
-    uint64_t step_limit; /* largest number of points; 0: GD_TRACE_STEPS */
+    uint64_t step_limit; /* largest number of points after the first; 0: GD_TRACE_STEPS */
 };
 
 struct gd_trace_request {

@@ -160,6 +160,41 @@ static void limits(void **state)
     surface_free(&torus);
 }
 
+/* The edges of an octahedron continue each other straight, so a line along an edge passes only
+ * vertices. A line that the step limit ends at a vertex can be continued in its direction. */
+static void the_limit_at_a_vertex(void **state)
+{
+    (void)state;
+    double positions[6][3] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+    uint32_t corners[] = {0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4, 2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5};
+    struct gd_polygons polygons = {
+        .positions = positions, .position_count = 6, .polygon_count = 8, .corners = corners};
+    struct gd_mesh *mesh = test_mesh(&polygons);
+    for (int from = 0; from < 6; from++)
+        for (int to = 0; to < 6; to++) {
+            if (from / 2 == to / 2) continue;
+            const double *a = positions[from], *b = positions[to];
+            struct gd_point start = nearest(mesh, a[0], a[1], a[2]);
+            struct gd_direction ahead = along(mesh, start, b[0] - a[0], b[1] - a[1], b[2] - a[2]);
+            for (uint32_t steps = 1; steps < 4; steps++) {
+                const struct gd_trace_options few = {.step_limit = steps};
+                struct gd_trace trace = follow(mesh, start, ahead, 9, &few);
+                struct gd_point end = end_of(&trace);
+                assert_int_equal(trace.end, GD_TRACE_END_STEP_LIMIT);
+                assert_int_equal(end.kind, GD_POINT_VERTEX);
+                struct gd_trace rest = follow(mesh, end, trace.direction, 0.5, NULL),
+                                whole = follow(mesh, start, ahead, steps * sqrt(2) + 0.5, NULL);
+                struct gd_point p = end_of(&rest), q = end_of(&whole);
+                assert_true(gd_vec3_distance(gd_point_position(mesh, &p),
+                                             gd_point_position(mesh, &q)) < 1e-12);
+                gd_trace_free(&trace);
+                gd_trace_free(&rest);
+                gd_trace_free(&whole);
+            }
+        }
+    gd_mesh_release(mesh);
+}
+
 /* Lines that are traced together equal lines that are traced alone, bit for bit. An error of one
  * fails all. */
 static void several_lines_equal_single_ones(void **state)
@@ -252,6 +287,7 @@ int main(void)
         cmocka_unit_test(stops_at_the_boundary),
         cmocka_unit_test(slides_along_the_boundary),
         cmocka_unit_test(limits),
+        cmocka_unit_test(the_limit_at_a_vertex),
         cmocka_unit_test(several_lines_equal_single_ones),
         cmocka_unit_test(fans),
     };
