@@ -18,7 +18,7 @@ import time
 
 import contract
 from contract_scene import JSON, Ask, Scene, dumps, points_replaced, send
-from harness import PROGRAM, TETRAHEDRON, Answer, Daemon, sample
+from harness import PROGRAM, TETRAHEDRON, Answer, Daemon, sample, wait_until
 from nurbs import bumps
 from test_access import bearer, line
 
@@ -265,12 +265,13 @@ def try_keys(found, place):
 
 @contextlib.contextmanager
 def hogged(daemon, count):
-    """Keeps the only worker and its queue busy with requests."""
-    daemon.put("ball", sample("icosphere", level=5))
+    """Keeps the only worker and its queue busy with requests. The first is waited for until the
+    worker runs it: before that it takes the place of the second in the queue."""
+    assert daemon.put("ball", sample("icosphere", level=5)).status in (200, 201)
     connections = [daemon.connect() for _ in range(count)]
     for number, connection in enumerate(connections):
         connection.request("POST", "/v1/meshes/ball/farthest-points", dumps({"count": 10000 - number}), JSON)
-        daemon.wait_for("requests_deferred", number + 1)
+        wait_until(lambda: daemon.metric("requests_deferred") == number + 1 and daemon.metric("queue_depth") == number)
     yield
     for connection in connections:
         connection.close()
@@ -305,11 +306,12 @@ def try_overload(found, folder):
             found.try_all(daemon, scene, lambda scene, operation, ask: ask if operation.name == "delete_batch" else None)
 
 
-def await_calm(daemon):
-    """Waits until the number of queued requests stays constant."""
-    waiting = None
-    while waiting != (waiting := daemon.metric("requests_deferred")):
-        time.sleep(0.3)
+def await_calm(daemon, threads):
+    """Waits until for a second no request arrives and no thread receives an answer."""
+    seen = []
+    while len(seen) < 5 or len(set(seen[-5:])) > 1:
+        seen.append((daemon.metric("requests_deferred"), sum(thread.is_alive() for thread in threads)))
+        time.sleep(0.25)
 
 
 def try_drain(found, folder):
@@ -325,7 +327,7 @@ def try_drain(found, folder):
             threads = [threading.Thread(target=ask, args=[operation]) for operation in found.contract.operations if operation.method != "delete"]
             for thread in threads:
                 thread.start()
-            await_calm(daemon)
+            await_calm(daemon, threads)
             daemon.terminate()
             for thread in threads:
                 thread.join(FEW_SECONDS)
