@@ -117,9 +117,9 @@ enum gd_status gd__gltf_reals(const struct gd__gltf *gltf, uint32_t object, cons
 /* Returns true for an extension that does not change the shape. */
 static bool leaves_shape(const struct gd__json *json, uint32_t name)
 {
-    static const char *const beginnings[] = {"KHR_materials_", "KHR_techniques_", "KHR_texture_",
-                                             "KHR_lights_",    "KHR_xmp",         "EXT_texture_",
-                                             "EXT_lights_",    "MSFT_texture",    "KHR_animation_"};
+    static const char *const beginnings[] = {"KHR_materials_", "KHR_technique", "KHR_texture_",
+                                             "KHR_lights_",    "KHR_xmp",       "EXT_texture_",
+                                             "EXT_lights_",    "MSFT_texture",  "KHR_animation_"};
     if (gd__json_says(json, name, "KHR_mesh_quantization")) return true;
     for (size_t i = 0; i < sizeof beginnings / sizeof beginnings[0]; i++) {
         if (strncmp(gd__json_at(json, name) + 1, beginnings[i], strlen(beginnings[i])) == 0)
@@ -141,7 +141,8 @@ static enum gd_status refuse_extension(const struct gd__gltf *gltf, uint32_t nam
     size_t length = 0;
     while (at[length] != '"') length++;
     return gd__gltf_fail(gltf, name, GD_UNSUPPORTED,
-                         "the file needs the extension '%s', which is not supported",
+                         "the file needs the extension '%s', which is not supported: "
+                         "export it without this extension",
                          gd__excerpt((struct gd__word){at, length}).text);
 }
 

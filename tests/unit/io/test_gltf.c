@@ -190,7 +190,7 @@ static void ignores_other_content(void **state)
     const char *square = "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 0 1 2; 0 2 3";
     check_both(SCENE("'extensionsUsed':['KHR_draco_mesh_compression'],'extensionsRequired':['KHR_"
                      "mesh_quantization',"
-                     "'KHR_materials_unlit','KHR_texture_transform'],'extras':{'a\\\"b':[1,[2,{'c':"
+                     "'KHR_materials_unlit','KHR_technique_webgl'],'extras':{'a\\\"b':[1,[2,{'c':"
                      "null}],true]}"),
                square);
     check_both(SCENE("'materials':[{'name':'\\u00e4 { [ \\\" '}],'images':[{'uri':'picture.png'}]"),
