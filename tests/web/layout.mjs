@@ -129,6 +129,25 @@ async function seam(browser) {
   await browser.ask("DELETE", "/v1/nurbs/ring");
 }
 
+/** A chosen class of paths on a torus: the path has the turns, and is no shorter. */
+async function turns(browser) {
+  const { url } = browser.settings;
+  const body = JSON.stringify({ parametric: { torus: { major: 2, minor: 0.7 } } });
+  await fetch(`${url}/v1/nurbs/ring`, { method: "PUT", body });
+  const page = await browser.page("/#nurbs=ring&mode=nurbs");
+  await settle(page);
+  const shortest = await read(page, "last");
+  await page.getByLabel("Of all paths").selectOption("turns");
+  const slider = page.getByLabel("Turns in u");
+  await slider.fill("2");
+  await settle(page);
+  const found = await read(page, "last");
+  assert.deepEqual(found.turns, [2, 0]);
+  assert.ok(found.length > shortest.length);
+  await browser.picture(page, "nurbs-turns");
+  await browser.ask("DELETE", "/v1/nurbs/ring");
+}
+
 /** The keyboard turns, shifts and zooms the picture. */
 async function keys(browser) {
   const page = await browser.page(`/#meshes=${browser.settings.large}&mode=pair`);
@@ -161,6 +180,7 @@ export const tests = {
   "smooth surfaces leave no mesh": nothingStored,
   "a control mesh with polygons leaves no mesh": polygonsLeaveNothing,
   "the domain of a torus repeats": seam,
+  "a chosen class of paths on a torus": turns,
   "keys move the picture": keys,
   "delete is in sight": deleting,
 };

@@ -14,8 +14,15 @@ function element(tag: string, attributes: Record<string, string | number>): SVGE
   return node;
 }
 
-/** Returns the shifts at which lines repeat along an axis, in multiples of the domain's length. */
-const repeats = ({ closed }: Axis): number[] => (closed ? [-1, 0, 1] : [0]);
+/**
+ * Returns the shifts along an axis that bring each part of a line into the domain, in multiples of
+ * the domain's length. `parts`: coordinates of the line's points, 0 to 1 in the domain.
+ */
+function shifts({ closed }: Axis, parts: number[]): number[] {
+  if (!closed) return [0];
+  const [least, most] = [Math.floor(Math.min(...parts)), Math.floor(Math.max(...parts))];
+  return Array.from({ length: most - least + 1 }, (_, i) => -least - i);
+}
 
 /**
  * Draws lines of the domain. `style` is a class of the style sheet. Lines may leave the domain of a
@@ -38,8 +45,10 @@ export function domainDrawing(
   const inside = element("svg", { width: SIZE, height: SIZE });
   for (const { points, style } of lines) {
     const text = points.map(([a, b]) => `${x(a).toFixed(1)},${y(b).toFixed(1)}`).join(" ");
-    for (const i of repeats(u))
-      for (const k of repeats(v)) {
+    const columns = shifts(u, points.map(([a]) => part(u, a)));
+    const rows = shifts(v, points.map(([, b]) => part(v, b)));
+    for (const i of columns)
+      for (const k of rows) {
         const transform = `translate(${i * SIZE} ${-k * SIZE})`;
         inside.append(element("polyline", { points: text, class: style, transform }));
       }

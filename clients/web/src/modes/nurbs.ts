@@ -20,6 +20,7 @@ import { ENDS, INK, Mode } from "./mode.ts";
 const NET = 12; /* cells of the net of parameter lines along each axis */
 const STEPS = 48; /* segments of a parameter line */
 const SAMPLES = 200; /* points on a path */
+const MOST_TURNS = 3; /* winding number that a slider reaches */
 
 const WARNINGS: Record<string, string> = {
   not_converged: "the tolerance was not met",
@@ -27,6 +28,7 @@ const WARNINGS: Record<string, string> = {
   curve_corner: "it ends in a corner or at an end of a curve",
   through_pole: "it goes through a pole",
   not_minimal: "no minimum was found, this is a critical path",
+  family: "other paths of a family are as short",
 };
 
 const percent = (value: number): string => `${number(100 * value, 3)} %`;
@@ -46,7 +48,13 @@ export class NurbsMode extends Mode {
     ]),
     a: only("what", ["curves"], range("Curve A: v is", 0.15, 0, 1, 0.01, percent)),
     b: only("what", ["curves", "point-curve"], range("Curve B: v is", 0.85, 0, 1, 0.01, percent)),
-    minima: check("Longer local minima, too", false),
+    way: choice("Of all paths", "shortest", [
+      ["shortest", "the shortest"],
+      ["turns", "the shortest with these turns"],
+    ]),
+    turnsU: only("way", ["turns"], range("Turns in u", 0, -MOST_TURNS, MOST_TURNS, 1)),
+    turnsV: only("way", ["turns"], range("Turns in v", 0, -MOST_TURNS, MOST_TURNS, 1)),
+    minima: only("way", ["shortest"], check("Longer local minima, too", false)),
     net: check("Net of parameter lines", true),
   });
   private net: Vec3[][] = [];
@@ -105,7 +113,7 @@ export class NurbsMode extends Mode {
 
   async ask(): Promise<void> {
     const { bench, settings } = this;
-    const options = { samples: SAMPLES, ...(settings.on("minima") && { all_minima: true }) };
+    const options = { samples: SAMPLES, ...this.choice() };
     const what = settings.text("what");
     const curves =
       what === "points"
@@ -123,6 +131,17 @@ export class NurbsMode extends Mode {
       found,
       curves.map(({ line }) => line),
     );
+  }
+
+  /** Returns the members of a request that choose among the paths of all classes. */
+  private choice(): object {
+    const { settings, nurbs } = this;
+    if (settings.text("way") === "shortest")
+      return settings.on("minima") ? { all_minima: true } : {};
+    const { u, v } = nurbs.domain;
+    const turns = (axis: { closed: boolean }, name: string): number =>
+      axis.closed ? settings.number(name) : 0;
+    return { turns: [turns(u, "turnsU"), turns(v, "turnsV")] };
   }
 
   private async search(what: string, options: object): Promise<GeodesicAnswer> {
@@ -148,6 +167,7 @@ export class NurbsMode extends Mode {
 
   private show(found: GeodesicAnswer, curves: Uv[][]): void {
     const { answer, units } = this.bench;
+    const { u, v } = this.nurbs.domain;
     const places = (minimum: GeodesicAnswer): { uv: Uv; xyz: Vec3 }[] =>
       (minimum.points ?? []) as { uv: Uv; xyz: Vec3 }[];
     const longer = (found.minima ?? []).slice(1);
@@ -176,12 +196,17 @@ export class NurbsMode extends Mode {
         this.main("Length", found.length!),
         { label: "Error, estimated", value: units.length(found.error_estimate!, 2) },
         { label: "A local minimum", value: found.is_minimum ? "proved" : "not proved" },
+        ...(u.closed || v.closed
+          ? [{ label: "Turns in u, v", value: found.turns!.join(", ") }]
+          : []),
         ...(found.minima
           ? [
               {
                 label: "Longer minima",
                 value:
-                  longer.map((minimum) => units.length(minimum.length!, 6)).join(", ") || "none",
+                  longer
+                    .map(({ length, turns }) => `${units.length(length!, 6)} (turns ${turns})`)
+                    .join(", ") || "none",
               },
             ]
           : []),
