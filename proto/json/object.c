@@ -1,12 +1,13 @@
 #include "proto/json/object.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 void proto_place_keep(char out[PROTO_KEPT_PLACE], const char *place)
 {
-    snprintf(out, PROTO_KEPT_PLACE, "%s", place);
+    size_t size = strnlen(place, PROTO_KEPT_PLACE - 1);
+    memcpy(out, place, size);
+    out[size] = '\0';
 }
 
 bool proto_object_has(const struct proto_object *object, const char *name)

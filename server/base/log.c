@@ -36,21 +36,20 @@ void server_log_set_level(enum server_log_level level)
     threshold = level;
 }
 
-/* Appends the texts, up to a NULL; none of them if the line has no room for all. */
-static void line_append(struct server_log_line *line, ...)
+static char *line_put(char *at, const char *bytes, size_t size)
 {
-    size_t end = line->size;
-    const char *text;
-    va_list texts;
-    va_start(texts, line);
-    while ((text = va_arg(texts, const char *))) {
-        size_t size = strlen(text);
-        if (size > LINE_ROOM - end) break;
-        memcpy(line->text + end, text, size);
-        end += size;
-    }
-    va_end(texts);
-    if (!text) line->size = end;
+    return (char *)memcpy(at, bytes, size) + size;
+}
+
+/* Appends a member with a value in JSON; nothing if the line has no room for it. */
+static void line_append(struct server_log_line *line, const char *key, const char *value,
+                        size_t size)
+{
+    size_t key_size = strlen(key);
+    char *at = line->text + line->size;
+    if (key_size + size + strlen(",\"\":") > LINE_ROOM - line->size) return;
+    at = line_put(line_put(line_put(at, ",\"", 2), key, key_size), "\":", 2);
+    line->size = (size_t)(line_put(at, value, size) - line->text);
 }
 
 /* Returns "2026-01-31T12:34:56". Each thread formats it at most once a second. */
@@ -65,58 +64,60 @@ static const char *second_text(time_t second)
     return text;
 }
 
-/* Writes a point, three digits and NUL. */
-static void thousandths_print(unsigned thousandths, char out[5])
+/* Writes a point and three digits; returns their end. */
+static char *thousandths_print(unsigned thousandths, char *out)
 {
     *out++ = '.';
     for (unsigned unit = 100; unit; unit /= 10) *out++ = (char)('0' + thousandths / unit % 10);
-    *out = '\0';
+    return out;
 }
 
 bool server_log_begin(struct server_log_line *line, enum server_log_level level, const char *event)
 {
     if (level < threshold) return false;
-    char thousandths[5];
     struct timespec now;
     clock_gettime(CLOCK_REALTIME, &now);
-    thousandths_print((unsigned)(now.tv_nsec / 1000000), thousandths);
-    line->size = 0;
-    line_append(line, "{\"time\":\"", second_text(now.tv_sec), thousandths, "Z\",\"level\":\"",
-                server_log_levels[level], "\",\"event\":\"", event, "\"", NULL);
+    char *end = stpcpy(stpcpy(line->text, "{\"time\":\""), second_text(now.tv_sec));
+    end = stpcpy(thousandths_print((unsigned)(now.tv_nsec / 1000000), end), "Z\"");
+    line->size = (size_t)(end - line->text);
+    server_log_text(line, "level", server_log_levels[level]);
+    server_log_text(line, "event", event);
     return true;
 }
 
 void server_log_text(struct server_log_line *line, const char *key, const char *value)
 {
-    char text[TEXT_LIMIT + sizeof "\\u0000"], *end = text;
+    static const bool is_plain[256] = {
+        [' ' ... '!'] = true, ['#' ... '['] = true, [']' ... '~'] = true};
+    char text[TEXT_LIMIT + sizeof "\"\\u0000\""], *end = text;
     if (!value) return;
-    for (; *value && end < text + TEXT_LIMIT; value++) {
-        bool is_special = *value == '"' || *value == '\\';
-        if (*value >= ' ' && *value <= '~' && !is_special)
+    *end++ = '"';
+    for (; *value && end <= text + TEXT_LIMIT; value++) {
+        if (is_plain[(unsigned char)*value])
             *end++ = *value;
         else
-            end += sprintf(end, is_special ? "\\%c" : "\\u%04x", (unsigned char)*value);
+            end += sprintf(end, *value == '"' || *value == '\\' ? "\\%c" : "\\u%04x",
+                           (unsigned char)*value);
     }
-    *end = '\0';
-    line_append(line, ",\"", key, "\":\"", text, "\"", NULL);
+    *end++ = '"';
+    line_append(line, key, text, (size_t)(end - text));
 }
 
 void server_log_integer(struct server_log_line *line, const char *key, int64_t value)
 {
-    char text[PROTO_INTEGER_SIZE + 2] = "-";
+    char text[PROTO_INTEGER_SIZE + 1] = "-";
     bool negative = value < 0;
     uint64_t magnitude = negative ? 0 - (uint64_t)value : (uint64_t)value;
-    text[negative + proto_integer_print(magnitude, text + negative)] = '\0';
-    line_append(line, ",\"", key, "\":", text, NULL);
+    line_append(line, key, text, negative + proto_integer_print(magnitude, text + negative));
 }
 
 void server_log_milliseconds(struct server_log_line *line, const char *key, uint64_t nanoseconds)
 {
-    char text[PROTO_INTEGER_SIZE + 5];
+    char text[PROTO_INTEGER_SIZE + 4];
     uint64_t microseconds = (nanoseconds + 500) / 1000;
-    size_t size = proto_integer_print(microseconds / 1000, text);
-    thousandths_print((unsigned)(microseconds % 1000), text + size);
-    line_append(line, ",\"", key, "\":", text, NULL);
+    char *end = text + proto_integer_print(microseconds / 1000, text);
+    end = thousandths_print((unsigned)(microseconds % 1000), end);
+    line_append(line, key, text, (size_t)(end - text));
 }
 
 /* --- output ----------------------------------------------------------------------------------- */

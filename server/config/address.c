@@ -21,12 +21,15 @@ static bool address_refuse(char error[SERVER_ERROR], const char *text, const cha
 
 bool server_address_split(const char *text, char host[SERVER_ADDRESS_HOST], const char **port)
 {
-    int end = 0;
-    if ((sscanf(text, "[%127[^]]]%n", host, &end) != 1 || end == 0) &&
-        sscanf(text, "%127[^:[]%n", host, &end) != 1)
-        return false;
-    *port = text[end] == ':' ? text + end + 1 : text + end;
-    return (text[end] == ':' || !text[end]) && !(*port)[strspn(*port, "0123456789")];
+    bool is_bracketed = *text == '[';
+    text += is_bracketed;
+    size_t size = strcspn(text, is_bracketed ? "]" : ":[");
+    if (!size || size >= SERVER_ADDRESS_HOST || (is_bracketed && !text[size])) return false;
+    memcpy(host, text, size);
+    host[size] = '\0';
+    text += size + is_bracketed;
+    *port = *text == ':' ? text + 1 : text;
+    return (*text == ':' || !*text) && !(*port)[strspn(*port, "0123456789")];
 }
 
 bool server_address_parse(const char *text, struct server_address *out, char error[SERVER_ERROR])

@@ -138,10 +138,12 @@ const char *server_etag_caption(char out[SERVER_ETAG_CAPTION], const char *text)
 
 void server_etag_write(char out[SERVER_ETAG_TEXT], const char *etag, const char *form)
 {
-    const char *const parts[] = {etag, "-", form, FORMAT_SUFFIX, NULL};
-    const char *end = out + SERVER_ETAG_TEXT - 1;
-    for (int i = 0; parts[i] && (i == 0 || form); i++)
-        for (const char *c = parts[i]; *c && out < end;) *out++ = *c++;
+    const char *const parts[] = {etag, "-", form, FORMAT_SUFFIX};
+    char *end = out + SERVER_ETAG_TEXT - 1;
+    for (int i = 0; i < (form ? 4 : 1); i++) {
+        size_t size = strnlen(parts[i], (size_t)(end - out));
+        out = mempcpy(out, parts[i], size);
+    }
     *out = '\0';
 }
 

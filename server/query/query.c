@@ -30,12 +30,12 @@ struct server_query *server_query_create(const struct server_query_kind *kind,
                                          struct server_exchange *exchange,
                                          struct server_surface *surface)
 {
-    struct server_query *query = calloc(1, kind->size);
+    /* not calloc, which bypasses glibc's cache of freed blocks */
+    struct server_query *query = malloc(kind->size);
     if (!query) return NULL;
-    query->kind = kind;
-    query->exchange = exchange;
-    query->surface = server_surface_retain(surface);
-    query->share = 1;
+    *query = (struct server_query){
+        .kind = kind, .exchange = exchange, .surface = server_surface_retain(surface), .share = 1};
+    memset(query + 1, 0, kind->size - sizeof *query);
     server_reply_writer(exchange, &query->draft);
     return query;
 }
