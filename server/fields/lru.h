@@ -34,12 +34,16 @@ struct server_lru { /* the first members are set by the owner */
     void (*evicted)(struct server_lru *lru, struct server_lru_item **place);
     pthread_mutex_t lock;
     TAILQ_HEAD(, server_lru_item) by_use; /* the least recently used first */
+    size_t held;                          /* bytes of the items in the list */
     atomic_uint pressures;                /* how often memory was short */
 };
 
 /* begin makes the list a reclaimer of the budget. end ends that; all places must be empty then. */
 void server_lru_begin(struct server_lru *lru);
 void server_lru_end(struct server_lru *lru);
+
+/* Evicts the least recently used items until the list holds at most `most` bytes. */
+void server_lru_trim(struct server_lru *lru, size_t most);
 
 /* Begins an item with one reference; moves its bytes from SERVER_BUDGET_FLIGHT to the class. */
 void server_lru_adopt(struct server_lru *lru, struct server_lru_item *item, size_t bytes);

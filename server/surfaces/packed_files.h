@@ -8,22 +8,19 @@
  * changes: the key is the ETag of the file. A file counts as SERVER_BUDGET_PACKED until the last
  * answer that sends it has ended. The cache takes only free memory, at most one 16th of the budget.
  * It is the first cache to be emptied when memory is short, beginning with the least recently used
- * file. One mutex guards the list. All functions are thread-safe. */
+ * file (lru.h). All functions are thread-safe. */
 #ifndef SERVER_SURFACES_PACKED_FILES_H
 #define SERVER_SURFACES_PACKED_FILES_H
 
-#include <sys/queue.h>
-
 #include "server/exchange/etag.h"
-#include "server/work/budget.h"
+#include "server/fields/lru.h"
 
 #define SERVER_PACKED_FROM ((size_t)64 << 10) /* bytes; smaller files are compressed each time */
 #define SERVER_PACKED_PART 16                 /* part of the budget that the cache may hold */
 
 struct server_packed_file {
-    atomic_uint references;
-    TAILQ_ENTRY(server_packed_file) by_use;
-    struct server_budget *budget;
+    struct server_lru_item item;   /* first */
+    struct server_lru_item *place; /* the file itself while it is in the list */
     char tag[SERVER_ETAG_TEXT];
     char *bytes;
     size_t size;
