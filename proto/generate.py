@@ -42,8 +42,8 @@ from document import (  # noqa: E402
 )
 from members import c_string  # noqa: E402
 
-# queries about meshes with handlers of their own
-OWN_HANDLERS = {"batch", "picture_png", "picture_svg", "get_mesh_parameters", "get_mesh_places", "get_mesh_origins"}
+# queries with handlers of their own
+OWN_HANDLERS = {"batch", "picture_png", "picture_svg"}
 
 MEDIA_TYPES = {
     ".css": "text/css; charset=utf-8",
@@ -95,11 +95,10 @@ def literals_first(route):
 
 
 def is_query(path, item, operation):
-    """Returns whether the operation is a mesh query without a handler of its own. Queries that make
-    meshes or pictures have handlers of their own."""
+    """Returns whether the operation is a query without a handler of its own."""
     parameters = [*item.get("parameters", []), *operation.get("parameters", [])]
     names = {parameter.get("$ref", "").split("/")[-1] for parameter in parameters}
-    return path.startswith("/v1/meshes/") and "TimeoutMs" in names and handler(operation) not in OWN_HANDLERS
+    return "TimeoutMs" in names and handler(operation) not in OWN_HANDLERS
 
 
 def deprecation(old, new, since):

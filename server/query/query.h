@@ -97,8 +97,9 @@ struct server_query {
 };
 
 struct server_query_kind {
-    const char *name;                /* as in the path, and in a batch */
-    size_t size;                     /* bytes of the kind's own struct */
+    const char *name; /* as in the path, and in a batch */
+    size_t size;      /* bytes of the kind's own struct */
+    const void *own;  /* constants of a kind that shares steps with others, or NULL */
     const struct server_form *forms; /* the answer's own forms, or NULL */
     bool has_bare_points;            /* geometry is xyz by default, not full */
     bool (*decode)(struct server_query *query, const json_t *document);
@@ -145,7 +146,8 @@ enum server_query_turn server_query_solve(struct server_query *query);
 /* Appends the answer of a query that is DONE, for a batch. */
 void server_query_encode(const struct server_query *query, struct proto_writer *writer);
 
-/* Handles a single request. Queries about meshes have server_handle_query (handlers.h). */
+/* Handles a single request. Most routes name their kind of query and have server_handle_query
+ * (handlers.h). */
 void server_query_handle(struct server_exchange *exchange, const struct server_query_kind *kind);
 
 /* --- for the steps ---------------------------------------------------------------------------- */

@@ -44,9 +44,8 @@ static const char *const vector_names[VECTORS] = {"xyz", "normal", "du", "dv", "
 struct evaluation;
 
 struct evaluator {
-    struct server_query_kind kind; /* first */
-    uint32_t quick;                /* most places that an HTTP thread evaluates */
-    uint32_t round;                /* places between two checks of clock and budget */
+    uint32_t quick; /* most places that an HTTP thread evaluates */
+    uint32_t round; /* places between two checks of clock and budget */
     enum gd_status (*write)(struct evaluation *evaluation, uint32_t first, uint32_t count,
                             const struct gd_control *control);
 };
@@ -64,7 +63,7 @@ struct evaluation {
 
 static const struct evaluator *evaluator_of(const struct server_query *query)
 {
-    return (const struct evaluator *)query->kind;
+    return query->kind->own;
 }
 
 static enum gd_status evaluation_allocate(struct evaluation *evaluation)
@@ -200,15 +199,12 @@ static void nurbs_release(struct server_query *query)
     proto_uvs_free(&((struct evaluation *)query)->places.nurbs);
 }
 
-void server_handle_nurbs_evaluate(struct server_exchange *exchange)
-{
-    static const struct evaluator evaluator = {
-        .kind = {.decode = nurbs_decode, .release = nurbs_release, EVALUATION_STEPS},
-        .quick = 8, /* each takes some microseconds */
-        .round = 64,
-        .write = nurbs_write};
-    server_query_handle(exchange, &evaluator.kind);
-}
+const struct server_query_kind server_query_nurbs_evaluate = {
+    /* each place takes some microseconds */
+    .own = &(const struct evaluator){.quick = 8, .round = 64, .write = nurbs_write},
+    .decode = nurbs_decode,
+    .release = nurbs_release,
+    EVALUATION_STEPS};
 
 static enum gd_status limit_write(struct evaluation *evaluation, uint32_t first, uint32_t count,
                                   const struct gd_control *control)
@@ -239,15 +235,12 @@ static void limit_release(struct server_query *query)
     proto_limit_places_free(&((struct evaluation *)query)->places.limit);
 }
 
-void server_handle_subdivision_evaluate(struct server_exchange *exchange)
-{
-    static const struct evaluator evaluator = {
-        .kind = {.decode = limit_decode, .release = limit_release, EVALUATION_STEPS},
-        .quick = 4, /* evaluation is slower near a vertex */
-        .round = LIMIT_ROUND,
-        .write = limit_write};
-    server_query_handle(exchange, &evaluator.kind);
-}
+const struct server_query_kind server_query_subdivision_evaluate = {
+    /* evaluation is slower near a vertex */
+    .own = &(const struct evaluator){.quick = 4, .round = LIMIT_ROUND, .write = limit_write},
+    .decode = limit_decode,
+    .release = limit_release,
+    EVALUATION_STEPS};
 
 /* --- nearest: the place nearest to {"xyz": …} ------------------------------------------------- */
 
@@ -262,7 +255,6 @@ struct nearest {
 };
 
 struct finder {
-    struct server_query_kind kind; /* first */
     enum gd_status (*find)(struct nearest *nearest, const struct gd_control *control);
     double (*distance)(const struct nearest *nearest); /* returns the distance of the found point */
 };
@@ -280,7 +272,7 @@ static bool nearest_parse(struct server_query *query, const struct proto_paramet
 static enum server_query_turn nearest_solve(struct server_query *query)
 {
     struct nearest *nearest = (struct nearest *)query;
-    const struct finder *finder = (const struct finder *)query->kind;
+    const struct finder *finder = query->kind->own;
     struct server_budgeted_call call = server_query_begin_call(query, NULL, NEAREST_BYTES);
     while (server_budgeted_call_next(&call)) call.status = finder->find(nearest, &call.control);
     if (call.status) return server_smooth_fail(query, call.status, &nearest->detail, "the search");
@@ -315,12 +307,10 @@ static void nurbs_encode(const struct server_query *query, struct proto_writer *
     proto_foot_encode(writer, &((const struct nearest *)query)->found.nurbs, &query->options);
 }
 
-void server_handle_nurbs_nearest(struct server_exchange *exchange)
-{
-    static const struct finder finder = {
-        {.encode = nurbs_encode, NEAREST_STEPS}, nurbs_find, nurbs_distance};
-    server_query_handle(exchange, &finder.kind);
-}
+const struct server_query_kind server_query_nurbs_nearest = {
+    .own = &(const struct finder){nurbs_find, nurbs_distance},
+    .encode = nurbs_encode,
+    NEAREST_STEPS};
 
 static enum gd_status limit_find(struct nearest *nearest, const struct gd_control *control)
 {
@@ -338,9 +328,7 @@ static void limit_encode(const struct server_query *query, struct proto_writer *
     proto_limit_foot_encode(writer, &((const struct nearest *)query)->found.limit, &query->options);
 }
 
-void server_handle_subdivision_nearest(struct server_exchange *exchange)
-{
-    static const struct finder finder = {
-        {.encode = limit_encode, NEAREST_STEPS}, limit_find, limit_distance};
-    server_query_handle(exchange, &finder.kind);
-}
+const struct server_query_kind server_query_subdivision_nearest = {
+    .own = &(const struct finder){limit_find, limit_distance},
+    .encode = limit_encode,
+    NEAREST_STEPS};

@@ -28,19 +28,13 @@ struct search {
     struct gd_detail detail;
 };
 
-struct operation {
-    struct server_query_kind kind; /* first */
-    const struct proto_geodesic_form *form;
-};
-
 /* Decodes the request. A surface without a tessellation has no paths; the problem says why. */
 static bool search_decode(struct server_query *query, const json_t *document)
 {
     struct proto_problem *problem = query->problem;
-    const struct operation *operation = (const struct operation *)query->kind;
     const struct server_nurbs *nurbs = server_nurbs_of(query->surface);
     if (nurbs->tessellation)
-        return proto_geodesic_decode(document, operation->form, &((struct search *)query)->wanted,
+        return proto_geodesic_decode(document, query->kind->own, &((struct search *)query)->wanted,
                                      problem);
     proto_problem_set(
         problem, PROTO_PROBLEM_INVALID_MESH,
@@ -241,23 +235,11 @@ static void search_release(struct server_query *query)
     .size = sizeof(struct search), .decode = search_decode, .parse = search_parse,                 \
     .solve = search_solve, .list_arrays = search_list_arrays, .release = search_release
 
-void server_handle_nurbs_geodesic(struct server_exchange *exchange)
-{
-    static const struct operation operation = {{.name = "geodesic", SEARCH_STEPS},
-                                               &proto_geodesic_between_points};
-    server_query_handle(exchange, &operation.kind);
-}
+const struct server_query_kind server_query_nurbs_geodesic = {
+    .name = "geodesic", .own = &proto_geodesic_between_points, SEARCH_STEPS};
 
-void server_handle_nurbs_point_curve_distance(struct server_exchange *exchange)
-{
-    static const struct operation operation = {{.name = "point-curve-distance", SEARCH_STEPS},
-                                               &proto_geodesic_to_curve};
-    server_query_handle(exchange, &operation.kind);
-}
+const struct server_query_kind server_query_nurbs_point_curve_distance = {
+    .name = "point-curve-distance", .own = &proto_geodesic_to_curve, SEARCH_STEPS};
 
-void server_handle_nurbs_curve_distance(struct server_exchange *exchange)
-{
-    static const struct operation operation = {{.name = "curve-distance", SEARCH_STEPS},
-                                               &proto_geodesic_between_curves};
-    server_query_handle(exchange, &operation.kind);
-}
+const struct server_query_kind server_query_nurbs_curve_distance = {
+    .name = "curve-distance", .own = &proto_geodesic_between_curves, SEARCH_STEPS};

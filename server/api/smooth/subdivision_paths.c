@@ -129,18 +129,10 @@ static bool path_list_arrays(struct server_query *query)
     .size = sizeof(struct pair), .decode = pair_decode, .parse = pair_parse, .solve = pair_solve,  \
     .release = pair_release
 
-void server_handle_subdivision_distance(struct server_exchange *exchange)
-{
-    static const struct server_query_kind kind = {.name = "distance", PAIR_STEPS};
-    server_query_handle(exchange, &kind);
-}
+const struct server_query_kind server_query_subdivision_distance = {.name = "distance", PAIR_STEPS};
 
-void server_handle_subdivision_path(struct server_exchange *exchange)
-{
-    static const struct server_query_kind kind = {
-        .name = "path", .list_arrays = path_list_arrays, PAIR_STEPS};
-    server_query_handle(exchange, &kind);
-}
+const struct server_query_kind server_query_subdivision_path = {
+    .name = "path", .list_arrays = path_list_arrays, PAIR_STEPS};
 
 /* --- trace ------------------------------------------------------------------------------------ */
 
@@ -481,13 +473,9 @@ static enum server_query_turn trace_solve(struct server_query *query)
     return server_query_end_draft(query, GD_OK, "the trace");
 }
 
-void server_handle_subdivision_trace(struct server_exchange *exchange)
-{
-    static const struct server_query_kind kind = {.name = "trace",
-                                                  .size = sizeof(struct trace),
-                                                  .decode = trace_decode,
-                                                  .solve = trace_solve,
-                                                  .list_arrays = trace_list_arrays,
-                                                  .release = trace_release};
-    server_query_handle(exchange, &kind);
-}
+const struct server_query_kind server_query_subdivision_trace = {.name = "trace",
+                                                                 .size = sizeof(struct trace),
+                                                                 .decode = trace_decode,
+                                                                 .solve = trace_solve,
+                                                                 .list_arrays = trace_list_arrays,
+                                                                 .release = trace_release};

@@ -227,14 +227,8 @@ static enum server_query_turn tessellate_solve(struct server_query *query)
     return meshing_end(meshing, &mesher);
 }
 
-void server_handle_nurbs_tessellate(struct server_exchange *exchange)
-{
-    static const struct server_query_kind kind = {.name = "tessellate",
-                                                  .decode = tessellate_decode,
-                                                  .solve = tessellate_solve,
-                                                  MESHING_STEPS};
-    server_query_handle(exchange, &kind);
-}
+const struct server_query_kind server_query_nurbs_tessellate = {
+    .name = "tessellate", .decode = tessellate_decode, .solve = tessellate_solve, MESHING_STEPS};
 
 /* --- discretize ------------------------------------------------------------------------------- */
 
@@ -281,25 +275,14 @@ static enum server_query_turn discretize_solve(struct server_query *query)
     return meshing_end(meshing, &mesher);
 }
 
-void server_handle_subdivision_discretize(struct server_exchange *exchange)
-{
-    static const struct server_query_kind kind = {.name = "discretize",
-                                                  .decode = discretize_decode,
-                                                  .solve = discretize_solve,
-                                                  MESHING_STEPS};
-    server_query_handle(exchange, &kind);
-}
+const struct server_query_kind server_query_subdivision_discretize = {
+    .name = "discretize", .decode = discretize_decode, .solve = discretize_solve, MESHING_STEPS};
 
 /* --- GET …/parameters, GET …/places, GET …/origins -------------------------------------------- */
 
-struct reader {
-    struct server_query_kind kind; /* first */
-    const struct format *format;
-};
-
+/* The format is the kind's own constant. */
 struct reading {
     struct server_query query; /* first */
-    const struct format *format;
     const struct head *head;
     uint32_t count; /* number of vertices */
 };
@@ -307,10 +290,9 @@ struct reading {
 static bool reading_parse(struct server_query *query, const struct proto_parameters *parameters)
 {
     struct reading *reading = (struct reading *)query;
-    const struct format *format = ((const struct reader *)query->kind)->format;
+    const struct format *format = query->kind->own;
     const struct server_surface *mesh = query->surface;
     (void)parameters; /* the request has no parameters */
-    reading->format = format;
     reading->head = mesh->attachment;
     reading->count = gd_mesh_summary(mesh->mesh)->index_count;
     if (reading->head && mesh->record->attachment_size == attachment_size(format, reading->count) &&
@@ -321,6 +303,7 @@ static bool reading_parse(struct server_query *query, const struct proto_paramet
                              mesh->record->name, format->maker, format->noun);
 }
 
+/* Makes a worker write the answer, which may be long. */
 static enum server_query_turn reading_solve(struct server_query *query)
 {
     (void)query;
@@ -330,7 +313,7 @@ static enum server_query_turn reading_solve(struct server_query *query)
 static void reading_read(const void *source, uint64_t first, uint64_t count, void *out)
 {
     const struct reading *reading = source;
-    const struct format *format = reading->format;
+    const struct format *format = reading->query.kind->own;
     const char *item = (const char *)attachment_items(format, reading->head) + first * format->item;
     double *at = out;
     for (uint64_t i = 0; i < count; i++, item += format->item, at += format->numbers)
@@ -340,9 +323,10 @@ static void reading_read(const void *source, uint64_t first, uint64_t count, voi
 static bool reading_list_arrays(struct server_query *query)
 {
     const struct reading *reading = (const struct reading *)query;
-    server_arrays_add(&query->arrays, &(struct server_array){.name = reading->format->noun,
+    const struct format *format = query->kind->own;
+    server_arrays_add(&query->arrays, &(struct server_array){.name = format->noun,
                                                              .type = SERVER_ARRAY_NUMBERS,
-                                                             .columns = reading->format->numbers,
+                                                             .columns = format->numbers,
                                                              .rows = reading->count,
                                                              .read = reading_read,
                                                              .source = reading});
@@ -365,12 +349,8 @@ static void parameters_encode(const struct server_query *query, struct proto_wri
     proto_vertex_parameters_encode(writer, &out, query->options.fields);
 }
 
-void server_handle_get_mesh_parameters(struct server_exchange *exchange)
-{
-    static const struct reader reader = {
-        {.name = "parameters", .encode = parameters_encode, READING_STEPS}, &nurbs_format};
-    server_query_handle(exchange, &reader.kind);
-}
+const struct server_query_kind server_query_get_mesh_parameters = {
+    .name = "parameters", .own = &nurbs_format, .encode = parameters_encode, READING_STEPS};
 
 static void places_encode(const struct server_query *query, struct proto_writer *writer)
 {
@@ -382,12 +362,8 @@ static void places_encode(const struct server_query *query, struct proto_writer 
     proto_vertex_places_encode(writer, &out, query->options.fields);
 }
 
-void server_handle_get_mesh_places(struct server_exchange *exchange)
-{
-    static const struct reader reader = {{.name = "places", .encode = places_encode, READING_STEPS},
-                                         &limit_format};
-    server_query_handle(exchange, &reader.kind);
-}
+const struct server_query_kind server_query_get_mesh_places = {
+    .name = "places", .own = &limit_format, .encode = places_encode, READING_STEPS};
 
 static void origins_encode(const struct server_query *query, struct proto_writer *writer)
 {
@@ -399,9 +375,5 @@ static void origins_encode(const struct server_query *query, struct proto_writer
     proto_vertex_origins_encode(writer, &out, query->options.fields);
 }
 
-void server_handle_get_mesh_origins(struct server_exchange *exchange)
-{
-    static const struct reader reader = {
-        {.name = "origins", .encode = origins_encode, READING_STEPS}, &edit_format};
-    server_query_handle(exchange, &reader.kind);
-}
+const struct server_query_kind server_query_get_mesh_origins = {
+    .name = "origins", .own = &edit_format, .encode = origins_encode, READING_STEPS};
