@@ -38,9 +38,9 @@ FAULT_TESTS   = "$(BUILD)/gd_alloc --short" "tests/fault/alloc.py --short" tests
                 tests/fault/flip.py tests/fault/restore.py "tests/fault/halfopen.py --short" "tests/fault/overload.py --short" "tests/fault/answers.py --short" \
                 tests/fault/disconnect.py "tests/fault/deadline.py --short --count 300" tests/fault/stuck_log.py "tests/fault/tenants.py --short" tests/fault/soak.py
 
-# `make test` fuzzes each parser for 20 seconds, from a fixed seed. fuzz_surface, which checks
+# `make test` fuzzes each parser for 10 seconds, from a fixed seed. fuzz_surface, which checks
 # properties of distances, only replays its corpus.
-FUZZ_SHORT    = tests/fuzz/run.py --seconds 20 --seed 1 $(foreach target,$(filter-out surface,$(FUZZ_TARGETS)),$(ASAN_BUILD)/fuzz_$(target))
+FUZZ_SHORT    = tests/fuzz/run.py --seconds 10 --seed 1 $(foreach target,$(filter-out surface,$(FUZZ_TARGETS)),$(ASAN_BUILD)/fuzz_$(target))
 FUZZ_REPLAY   = tests/fuzz/run.py --seconds 0 $(ASAN_BUILD)/fuzz_surface
 FUZZ_TARGETS := $(patsubst tests/fuzz/fuzz_%.c,%,$(FUZZERS))
 

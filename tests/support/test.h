@@ -10,6 +10,23 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+/* gcc defines macros; clang has __has_feature */
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define TEST_IS_SANITIZED 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define TEST_IS_SANITIZED 1
+#endif
+#endif
+
+#ifndef TEST_IS_SANITIZED
+#define TEST_IS_SANITIZED 0
+#endif
+
+/* Sanitizers slow the long tests down some ten times. With them, these tests make one repetition of
+ * TEST_STRIDE. */
+#define TEST_STRIDE (TEST_IS_SANITIZED ? 4 : 1)
+
 #include "gd/point.h"
 #include "tests/samples/random.h"
 

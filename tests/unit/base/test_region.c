@@ -10,19 +10,6 @@
 
 #include "base/region.h"
 
-/* gcc defines macros; clang has __has_feature */
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define GD_IS_SANITIZED 1
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define GD_IS_SANITIZED 1
-#endif
-#endif
-
-#ifndef GD_IS_SANITIZED
-#define GD_IS_SANITIZED 0
-#endif
-
 #define MEGABYTE ((size_t)1 << 20)
 #define LIMIT    (10 * MEGABYTE)
 
@@ -223,7 +210,7 @@ static void keeps_spare_memory(void **state)
 static void works_with_little_address_space(void **state)
 {
     (void)state;
-#if GD_IS_SANITIZED
+#if TEST_IS_SANITIZED
     print_message("# not asked under a sanitizer, which needs all address space itself\n");
 #else
     struct rlimit before, scarce;

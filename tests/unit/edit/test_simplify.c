@@ -194,7 +194,7 @@ static void budget_deadline_and_cancel(void **state)
     assert_int_equal(gd_simplify(mesh, &options, &small, &edited, NULL), GD_BUDGET);
     assert_int_equal(gd_simplify(mesh, &options, &late, &edited, NULL), GD_DEADLINE);
     enum gd_status status = GD_CANCELLED;
-    for (uint32_t calls = 1; status == GD_CANCELLED; calls += 7) {
+    for (uint32_t calls = 1; status == GD_CANCELLED; calls += 7 * TEST_STRIDE) {
         struct test_watch watch = {.most = calls};
         const struct gd_control control = {.progress = test_watch, .user = &watch};
         status = gd_simplify(mesh, &options, &control, &edited, NULL);
