@@ -21,7 +21,7 @@
 #include "tests/fault/allocator.h"
 #include "tests/fault/operations.h"
 
-enum { OUT_MOST = 1 << 16, PATIENCE_SECONDS = 120, SHOWN = 10 };
+enum { OUT_MOST = 1 << 16, PATIENCE_SECONDS = 400, SHOWN = 10 };
 
 /* Counters in memory that the child processes share. */
 static struct tally {
