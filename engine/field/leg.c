@@ -3,7 +3,9 @@
 #include "kernel/kernel.h"
 #include "mesh/segment.h"
 
-enum { CACHE_LINE = 64 };
+/* Lines of a chunk that are prefetched together with its header, before its size is known. Waiting
+ * for the header first would cost a cache miss more. Most chunks are shorter. */
+enum { CACHE_LINE = 64, LINES_AT_ONCE = 7 };
 
 /* The distance at a point of a face is the minimum over the face's corners, the seeds in the face,
  * and those wedges of its edges whose source lies on the other side of the edge. Paths from a
@@ -27,6 +29,14 @@ struct cursor {
     uint32_t chunk;
 };
 
+/* Prefetches the first lines of a chunk. They may lie beyond the chunk; a prefetch cannot fault. */
+static inline __attribute__((always_inline)) void prefetch_chunk(const struct gd_field *field,
+                                                                 uint32_t chunk)
+{
+    const char *first = (const char *)gd__field_chunk(field, chunk);
+    for (int i = 0; i < LINES_AT_ONCE; i++) __builtin_prefetch(first + i * CACHE_LINE);
+}
+
 static inline void view_face(const struct gd_field *field, uint32_t face, const double weight[3],
                              struct view *view)
 {
@@ -34,23 +44,23 @@ static inline void view_face(const struct gd_field *field, uint32_t face, const 
     view->side = mesh->face_side[face];
     for (int k = 0; k < 3; k++) {
         view->newest[k] = field->newest[view->side[k] >> 1];
-        if (view->newest[k] != GD_NONE) __builtin_prefetch(gd__field_chunk(field, view->newest[k]));
+        if (view->newest[k] != GD_NONE) prefetch_chunk(field, view->newest[k]);
         view->at[k] =
             gd__side_local(&mesh->side[view->side[k]], weight[(k + 1) % 3], weight[(k + 2) % 3]);
     }
 }
 
-/* Prefetches the wedges of the newest chunks. The chunks' headers, which hold the sizes, must be in
- * the cache. Inlined, because GCC drops calls of a function that only prefetches. */
-static inline __attribute__((always_inline)) void prefetch_wedges(const struct gd_field *field,
-                                                                  const struct view *view)
+/* Prefetches the rest of the newest chunks. Their headers, which hold the sizes, must be in the
+ * cache. Inlined, because GCC drops calls of a function that only prefetches. */
+static inline __attribute__((always_inline)) void prefetch_rest(const struct gd_field *field,
+                                                                const struct view *view)
 {
     for (int k = 0; k < 3; k++) {
         if (view->newest[k] == GD_NONE) continue;
         const struct gd__chunk *chunk = gd__field_chunk(field, view->newest[k]);
         const char *first = (const char *)chunk;
         size_t size = gd__chunk_bytes(chunk);
-        for (size_t line = CACHE_LINE; line < size; line += CACHE_LINE)
+        for (size_t line = LINES_AT_ONCE * CACHE_LINE; line < size; line += CACHE_LINE)
             __builtin_prefetch(first + line);
     }
 }
@@ -196,7 +206,7 @@ static void best_in_face(const struct gd_field *field, uint32_t face, const doub
     struct gd__leg_key best = {.distance = GD__FAR, .kind = GD__LEG_NONE};
     view_face(field, face, weight, &view);
     for (int k = 0; k < 3; k++) try_corner(field, view.side[k], view.at[k], &best);
-    prefetch_wedges(field, &view);
+    prefetch_rest(field, &view);
     double margin = 0;
     if (field->face_seed_count) {
         try_seeds(field, face, weight, &best);
