@@ -21,9 +21,8 @@ static bool content_read_format(struct server_exchange *exchange, enum gd_format
 {
     const char *accept = server_exchange_header(exchange, "Accept");
     struct proto_problem problem;
-    if (proto_mesh_content_format(&exchange->parameters, accept, format, &problem)) return true;
-    server_reply_problem(exchange, &problem);
-    return false;
+    bool is_good = proto_mesh_content_format(&exchange->parameters, accept, format, &problem);
+    return server_reply_check(exchange, is_good, &problem);
 }
 
 /* Bounds the bytes of polygons and text: a double has at most 25 characters, an index 11. */
@@ -161,11 +160,9 @@ void server_handle_list_boundaries(struct server_exchange *exchange)
     struct proto_writer writer;
     struct proto_page page;
     int64_t after;
-    if (!server_reply_accepts_json(exchange) || !server_request_page(exchange, &page)) return;
-    if (!proto_page_number(&page, &after, &problem)) {
-        server_reply_problem(exchange, &problem);
+    if (!server_reply_accepts_json(exchange) || !server_request_page(exchange, &page) ||
+        !server_reply_check(exchange, proto_page_number(&page, &after, &problem), &problem))
         return;
-    }
     struct server_surface *surface = server_request_surface(exchange);
     if (!surface) return;
     server_reply_writer(exchange, &writer);

@@ -138,17 +138,14 @@ static bool find(struct server_exchange *exchange, struct preview_request *reque
     if (gd_mesh_summary(request->surface->mesh)->faces <= request->faces) return true;
     enum gd_status status = server_previews_find(previews, request->surface, request->faces,
                                                  &request->preview, &progress);
-    if (status == GD_BUDGET) {
+    if (status == GD_BUDGET)
         server_budget_refuse(exchange->host->budget, "the preview",
                              gd_edit_cost(gd_mesh_summary(request->surface->mesh)->faces),
                              &problem);
-        server_reply_problem(exchange, &problem);
-    } else if (status) {
+    else if (status)
         proto_problem_from_status(&problem, status, NULL);
-        server_reply_problem(exchange, &problem);
-    } else if (!request->preview) {
-        progress_reply(exchange, progress);
-    }
+    if (!server_reply_check(exchange, !status, &problem)) return false;
+    if (!request->preview) progress_reply(exchange, progress);
     return request->preview != NULL;
 }
 
@@ -156,10 +153,8 @@ void server_handle_get_preview(struct server_exchange *exchange)
 {
     struct preview_request wanted = {0};
     struct proto_problem problem;
-    if (!parameters_read(exchange, &wanted, &problem)) {
-        server_reply_problem(exchange, &problem);
+    if (!server_reply_check(exchange, parameters_read(exchange, &wanted, &problem), &problem))
         return;
-    }
     wanted.surface = server_request_surface(exchange);
     if (!wanted.surface) return;
     struct preview_request *request = malloc(sizeof *request);

@@ -128,12 +128,10 @@ static bool caption_decode(struct server_exchange *exchange, struct caption *cap
     if (is_good) {
         caption->is_given = text;
         snprintf(caption->text, sizeof caption->text, "%s", text ? text : "");
-    } else {
-        server_reply_problem(exchange, &problem);
     }
     json_decref(document);
     if (document) server_request_end_parsing(exchange);
-    return is_good;
+    return server_reply_check(exchange, is_good, &problem);
 }
 
 void server_handle_update_surface(struct server_exchange *exchange)

@@ -78,18 +78,14 @@ static bool upload_identify(struct server_exchange *exchange, struct upload *upl
                                      server_exchange_header(exchange, "Content-Type")};
     struct proto_problem problem;
     char sha256[SERVER_SHA256_HEX], options[SERVER_OPTIONS];
-    if (!kind->read_options(&exchange->parameters, &file, options, &problem)) {
-        server_reply_problem(exchange, &problem);
-        return false;
-    }
     struct server_monitor monitor = {.exchange = exchange};
     const struct gd_control control = server_exchange_control(&monitor);
-    enum gd_status status = server_sha256_within(body->bytes, body->size, &control, sha256);
-    if (status) {
-        (void)proto_problem_from_status(&problem, status, NULL);
-        server_reply_problem(exchange, &problem);
-        return false;
+    bool is_good = kind->read_options(&exchange->parameters, &file, options, &problem);
+    if (is_good) {
+        enum gd_status status = server_sha256_within(body->bytes, body->size, &control, sha256);
+        is_good = !status || proto_problem_from_status(&problem, status, NULL);
     }
+    if (!server_reply_check(exchange, is_good, &problem)) return false;
     server_record_release(upload->record);
     upload->record = NULL;
     if (generate_name(upload, sha256))
@@ -221,10 +217,9 @@ static bool upload_build(struct server_exchange *exchange)
     if (!upload->surface)
         upload->surface = server_surface_resource_build(&part, upload->record, exchange->body.bytes,
                                                         NULL, &problem);
-    if (!upload->surface || (upload->edits.count && !upload_edit(exchange, upload, &problem))) {
-        server_reply_problem(exchange, &problem);
-        return true;
-    }
+    bool is_built =
+        upload->surface && (!upload->edits.count || upload_edit(exchange, upload, &problem));
+    if (!server_reply_check(exchange, is_built, &problem)) return true;
     if (upload->edits.count && !upload_compare(exchange, upload)) return true;
     return server_request_write(exchange, upload->is_known ? upload_confirm : upload_store);
 }
@@ -253,10 +248,8 @@ static void upload_start(struct server_exchange *exchange, const char *name)
     }
     strcpy(upload->name, name);
     server_exchange_keep(exchange, upload, upload_free);
-    if (upload_parse(exchange, upload, &problem))
+    if (server_reply_check(exchange, upload_parse(exchange, upload, &problem), &problem))
         server_exchange_defer(exchange, upload_build, NULL);
-    else
-        server_reply_problem(exchange, &problem);
 }
 
 void server_handle_create_surface(struct server_exchange *exchange)
