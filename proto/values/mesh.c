@@ -8,7 +8,6 @@
 #include "proto/http/page.h"
 #include "proto/json/decode.h"
 #include "proto/json/utf8.h"
-#include "proto/values/point.h"
 
 /* --- name ------------------------------------------------------------------------------------- */
 

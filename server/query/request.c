@@ -354,3 +354,10 @@ void server_request_fail(struct server_exchange *exchange, enum server_outcome o
                                                                : PROTO_PROBLEM_INSUFFICIENT_STORAGE,
                              "%s", sentences[outcome]);
 }
+
+bool server_request_check_stored(struct server_exchange *exchange, enum server_outcome outcome)
+{
+    bool is_stored = outcome == SERVER_STORE_CREATED || outcome == SERVER_STORE_REPLACED;
+    if (!is_stored) server_request_fail(exchange, outcome);
+    return is_stored;
+}

@@ -80,4 +80,7 @@ void server_request_go_on(struct server_exchange *rest);
 /* Replies with the problem of a store's outcome. */
 void server_request_fail(struct server_exchange *exchange, enum server_outcome outcome);
 
+/* Returns whether a surface was stored; otherwise replies with the problem. */
+bool server_request_check_stored(struct server_exchange *exchange, enum server_outcome outcome);
+
 #endif

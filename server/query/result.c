@@ -3,7 +3,6 @@
 #include <stdlib.h>
 
 #include "proto/values/flat_strip.h"
-#include "server/query/api.h"
 #include "server/query/request.h"
 
 #define WHAT "the file"

@@ -87,10 +87,7 @@ void server_surface_resource_reply_stored(struct server_exchange *exchange,
 {
     const struct server_record *record = surface->record;
     const struct server_listed listed = {surface->record, surface};
-    if (outcome != SERVER_STORE_CREATED && outcome != SERVER_STORE_REPLACED) {
-        server_request_fail(exchange, outcome);
-        return;
-    }
+    if (!server_request_check_stored(exchange, outcome)) return;
     server_reply_header(exchange, "Location", "/v1/%s/%s", record->kind->plural, record->name);
     server_surface_resource_reply(exchange, outcome == SERVER_STORE_CREATED ? 201 : 200, &listed);
 }
@@ -284,10 +281,7 @@ void server_derived_meshes_reply(const struct server_derived_meshes *meshes,
                                  enum server_outcome outcome)
 {
     struct proto_writer writer;
-    if (outcome != SERVER_STORE_CREATED && outcome != SERVER_STORE_REPLACED) {
-        server_request_fail(meshes->exchange, outcome);
-        return;
-    }
+    if (!server_request_check_stored(meshes->exchange, outcome)) return;
     server_reply_writer(meshes->exchange, &writer);
     proto_write_object_begin(&writer);
     proto_member_array(&writer, "meshes");

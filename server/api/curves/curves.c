@@ -356,10 +356,7 @@ static bool pieces_store(struct server_exchange *exchange)
         return true;
     }
     enum server_outcome outcome = server_derived_meshes_store(&cut->meshes);
-    if (outcome != SERVER_STORE_CREATED && outcome != SERVER_STORE_REPLACED) {
-        server_request_fail(exchange, outcome);
-        return true;
-    }
+    if (!server_request_check_stored(exchange, outcome)) return true;
     cut->is_stored = true;
     server_exchange_defer(exchange, cut->work, NULL);
     server_workers_resume(exchange->host->workers, &exchange->job);

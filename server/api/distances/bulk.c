@@ -109,7 +109,7 @@ static enum gd_status array_locate(const struct list_arrays *arrays, uint32_t i,
                                 server_array_number(points, 3 * (uint64_t)i + 1),
                                 server_array_number(points, 3 * (uint64_t)i + 2)};
     enum gd_status status = gd_locate_nearest(arrays->mesh, xyz, -1, out, detail);
-    if (!status && snap) *snap = gd_locate_distance(arrays->mesh, xyz, out);
+    if (!status) *snap = gd_locate_distance(arrays->mesh, xyz, out);
     return status;
 }
 

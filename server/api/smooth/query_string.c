@@ -1,7 +1,6 @@
 /* Query strings as bodies: queries by GET take the parameters that POST takes as members. */
 #include <string.h>
 
-#include "proto/json/decode.h"
 #include "proto/json/number.h"
 #include "server/api/smooth/smooth.h"
 
