@@ -134,8 +134,7 @@ const json_t *proto_decode_member(const json_t *object, const char *place, const
 {
     const json_t *value = json_object_get(object, member);
     if (value) return value;
-    proto_problem_refuse(problem, place, "the member \"%s\" is missing", member);
-    proto_problem_descend(problem, member);
+    proto_problem_refuse_member(problem, place, member, "the member \"%s\" is missing", member);
     return NULL;
 }
 
@@ -202,8 +201,8 @@ static const json_t *decode_array(const json_t *object, const char *place, const
     const json_t *array = proto_decode_member(object, place, member, problem);
     if (!array) return NULL;
     if (!json_is_array(array) || json_array_size(array) != count) {
-        proto_problem_refuse(problem, place, "expected an array of %zu numbers", count);
-        proto_problem_descend(problem, member);
+        proto_problem_refuse_member(problem, place, member, "expected an array of %zu numbers",
+                                    count);
         return NULL;
     }
     for (size_t i = 0; i < count; i++) {

@@ -41,8 +41,7 @@ static const json_t *read_list(const json_t *document, const char *member,
     size_t count = json_array_size(list);
     if (!list) return NULL;
     if (json_is_array(list) && count >= 1 && count <= PROTO_MANY_ITEMS) return list;
-    proto_problem_refuse(problem, "", "list 1 to %d of them", PROTO_MANY_ITEMS);
-    proto_problem_descend(problem, member);
+    proto_problem_refuse_member(problem, "", member, "list 1 to %d of them", PROTO_MANY_ITEMS);
     return NULL;
 }
 
