@@ -6,7 +6,7 @@
 ROOMS_geodesic        := base mesh io repair construction window kernel guide wavefront partition \
                          field line query
 ROOMS_geodesic-tools  := transport render edit cut
-ROOMS_geodesic-smooth := subdiv nurbs
+ROOMS_geodesic-smooth := subdiv loops nurbs
 # The first library is the core. The others use only the core, so it comes last for the linker.
 LIBRARIES := geodesic geodesic-tools geodesic-smooth
 ROOMS     ?= $(foreach name,$(LIBRARIES),$(ROOMS_$(name)))

@@ -19,7 +19,7 @@ import sys
 
 # rooms of the engine; gd/ headers have the rank of the room that implements them
 ENGINE = {"base": 0, "mesh": 1, "io": 1, "repair": 2, "construction": 3, "window": 2, "kernel": 3, "guide": 4, "wavefront": 5, "partition": 6, "field": 7, "line": 8, "query": 9,
-          "transport": 10, "render": 10, "edit": 10, "cut": 11, "subdiv": 11, "nurbs": 11, "umbrella": 12}
+          "transport": 10, "render": 10, "edit": 10, "cut": 11, "subdiv": 11, "loops": 10, "nurbs": 11, "umbrella": 12}
 PUBLIC = {
     "base": ["language", "status", "vec", "control", "executor", "polygons", "number", "colour_map"],
     "mesh": ["mesh", "point", "locate", "direction"],
@@ -33,6 +33,7 @@ PUBLIC = {
     "cut": ["cut"],
     "transport": ["trace", "vector", "mean", "spline", "frame", "shortening", "resampling", "offset", "flat_strip"],
     "subdiv": ["subdivision", "limit", "limit_place", "limit_path", "limit_mesh", "limit_grid", "limit_shortest", "discretization"],
+    "loops": ["trim"],
     "nurbs": ["parametric", "nurbs", "domain_curve", "tessellation", "geodesic_like", "space_distance"],
     "umbrella": ["tools", "smooth"],
 }

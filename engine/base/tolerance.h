@@ -400,4 +400,33 @@
  * sides. */
 #define GD_TOL_ONWARD_ROUNDING 2e-15
 
+/* Curves of a trimming loop meet if their ends are this close, relative to the domain's width. Files
+ * of CAD systems hold about ten digits. */
+#define GD_TOL_LOOP_CLOSED 1e-8
+
+/* A parameter on a loop this close to the end of a span is that end. */
+#define GD_TOL_LOOP_PLACE 1e-12
+
+/* A place may lie this far outside a trimmed domain, relative to the domain's width: twice the
+ * rounding of places that are computed on a loop, stored and read again. */
+#define GD_TOL_TRIMMED 1e-9
+
+/* A path in a trimmed domain is taut if it leaves loops at angles below this. The error of its
+ * length is of the order of the third power. */
+#define GD_TOL_TAUT 1e-8
+
+/* Contacts do not move if the angle is below this: the rounding of directions. */
+#define GD_TOL_CALM 1e-13
+
+/* The quadrature of a part of a loop is exact to this, relative to the surface's size. */
+#define GD_TOL_ARC 1e-15
+
+/* A path leaves a trimmed domain if it is this far outside, relative to the domain's width. Places
+ * of a path are rounded, and a tangential path is off its loop by the square of its angle. */
+#define GD_TOL_LEAVES 1e-8
+
+/* A path follows a loop whose geodesic curvature, times the surface's size, is at most this much
+ * away from the obstacle: a straight loop. */
+#define GD_TOL_PRESSING 1e-7
+
 #endif

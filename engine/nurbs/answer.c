@@ -9,7 +9,7 @@
 
 enum { PANELS = 32 };
 
-static void geodesic_free(struct gd_geodesic *geodesic)
+void gd__answer_free(struct gd_geodesic *geodesic)
 {
     for (uint32_t i = 0; i < geodesic->piece_count; i++) {
         free(geodesic->pieces[i].knots);
@@ -21,7 +21,7 @@ static void geodesic_free(struct gd_geodesic *geodesic)
 void gd_geodesics_free(struct gd_geodesics *geodesics)
 {
     if (!geodesics) return;
-    for (uint32_t i = 0; i < geodesics->count; i++) geodesic_free(&geodesics->items[i]);
+    for (uint32_t i = 0; i < geodesics->count; i++) gd__answer_free(&geodesics->items[i]);
     free(geodesics->items);
     *geodesics = (struct gd_geodesics){0};
 }
@@ -145,7 +145,7 @@ enum gd_status gd__answer_make(const struct gd__candidate *candidate,
     if (!status) answer_measure(candidate, &answer);
     if (!status) status = pace->status;
     if (status) {
-        geodesic_free(&answer);
+        gd__answer_free(&answer);
         return status;
     }
     set_end(candidate->part[0].chain, 0, &answer.from_parameter, &answer.from_angle);

@@ -166,8 +166,7 @@ void gd__candidate_turns(const struct gd__candidate *candidate,
 
 /* --- from a seed ------------------------------------------------------------------------------ */
 
-static struct gd__joint candidate_joint_of(const struct gd_domain_curve *curve, double s,
-                                           const double at[2])
+struct gd__joint gd__joint_of_end(const struct gd_domain_curve *curve, double s, const double at[2])
 {
     const struct gd_parametric *surface = curve->surface;
     if (curve->is_point) {
@@ -371,7 +370,7 @@ enum gd_status gd__candidates_of_seed(const struct gd__task *task,
     bool tips = false;
     for (int side = 0; side < 2; side++) {
         const double *at = polyline->at[side ? polyline->count - 1 : 0];
-        tip[side] = joint[side] = candidate_joint_of(ends[side], seed->s[side], at);
+        tip[side] = joint[side] = gd__joint_of_end(ends[side], seed->s[side], at);
         tips = tip_joint(ends[side], seed->s[side], at, &tip[side]) || tips;
     }
     uint32_t made;

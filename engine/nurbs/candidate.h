@@ -41,6 +41,10 @@ GD_MUST_USE enum gd_status gd__candidates_of_seed(const struct gd__task *task,
 GD_MUST_USE enum gd_status gd__candidate_finish(const struct gd__task *task,
                                                 struct gd__candidate *candidate);
 
+/* Returns the joint of a path's end at the place `at`, which is the curve's place at s. */
+struct gd__joint gd__joint_of_end(const struct gd_domain_curve *curve, double s,
+                                  const double at[2]);
+
 void gd__candidate_free(struct gd__candidate *candidate);
 
 double gd__candidate_length(const struct gd__candidate *candidate);

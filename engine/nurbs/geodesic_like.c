@@ -12,6 +12,7 @@
 #include "nurbs/classes.h"
 #include "nurbs/family.h"
 #include "nurbs/meet.h"
+#include "nurbs/taut.h"
 #include "nurbs/tessellation.h"
 #include "nurbs/trim.h"
 
@@ -443,6 +444,26 @@ static enum gd_status check_turns(const struct gd_parametric *surface, const int
     return GD_OK;
 }
 
+/* On a trimmed surface, parts of loops become cubic pieces, and the class of a path is that of the
+ * tessellation's shortest paths. */
+static enum gd_status check_trimmed(const struct gd_geodesic_request *request,
+                                    const struct gd_geodesic_options *o, struct gd_detail *detail)
+{
+    if (request->initial || request->turns)
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "a trimmed surface takes no initial curve and no turns: list all minima "
+                       "instead");
+    if (o->control_points || (o->degree && o->degree != GD_GEODESIC_DEGREE))
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "paths in a trimmed domain have degree %d and as many control points as "
+                       "the tolerance needs",
+                       GD_GEODESIC_DEGREE);
+    if (o->all_minima && !(request->from->is_point && request->to->is_point))
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "in a trimmed domain all minima are listed between points only");
+    return GD_OK;
+}
+
 static enum gd_status geodesic_check(const struct gd_tessellation *tessellation,
                                      const struct gd_geodesic_request *request,
                                      const struct gd_geodesic_options *o, struct gd_detail *detail)
@@ -456,6 +477,7 @@ static enum gd_status geodesic_check(const struct gd_tessellation *tessellation,
         return gd_fail(detail, GD_INVALID_ARGUMENT,
                        "an initial curve, turns and all minima exclude each other");
     enum gd_status status = check_options(o, detail);
+    if (!status && surface->loops) status = check_trimmed(request, o, detail);
     return status || !request->turns ? status : check_turns(surface, request->turns, detail);
 }
 
@@ -469,6 +491,40 @@ static enum gd_status geodesic_solve(struct solving *solving, const struct gd__p
     if (!status) status = keep_families(solving, &solving->candidates);
     if (!status) status = geodesic_answer(solving, out);
     candidates_free(&solving->candidates);
+    return status ? gd_fail_status(detail, status) : GD_OK;
+}
+
+/* Checks that a curve of the request stays in the trimmed domain. */
+static enum gd_status check_curve_inside(const struct gd_domain_curve *curve, const char *name,
+                                         struct gd__pace *pace, struct gd_detail *detail)
+{
+    static const struct gd__curve_places wanted = {8, 256, 4096, true};
+    double *places;
+    uint32_t count;
+    enum gd_status status = gd__curve_places(curve, &wanted, &places, &count);
+    if (status) return gd_fail_status(detail, status);
+    for (uint32_t i = 0; i < count && !status && gd__pace(pace, GD__STEP); i++) {
+        double at[2];
+        gd_domain_curve_at(curve, places[i], at);
+        if (!gd_parametric_contains(curve->surface, at[0], at[1]))
+            status = gd_fail(detail, GD_INVALID_ARGUMENT,
+                             "the %s of the path leaves the trimmed domain at (%.6g, %.6g)", name,
+                             at[0], at[1]);
+    }
+    free(places);
+    return status ? status : pace->status;
+}
+
+/* Computes the shortest path in a trimmed domain. */
+static enum gd_status solve_taut(struct solving *solving, const struct gd__path_seeds *seeds,
+                                 struct gd_geodesics *out, struct gd_detail *detail)
+{
+    enum gd_status status =
+        gd__taut_paths(solving->task, solving->ends, seeds, solving->options.all_minima, out);
+    if (status == GD_INTERNAL)
+        return gd_fail(
+            detail, status,
+            "no path in the trimmed domain passed its checks: it is not proven shortest");
     return status ? gd_fail_status(detail, status) : GD_OK;
 }
 
@@ -523,6 +579,12 @@ enum gd_status gd_geodesic_solve(const struct gd_tessellation *tessellation,
     enum gd_status status = geodesic_check(tessellation, request, &o, detail);
     if (status) return status;
     bool meet;
+    if (tessellation->surface->loops) {
+        struct gd__pace checks = {.control = control};
+        status = check_curve_inside(request->from, "beginning", &checks, detail);
+        if (!status) status = check_curve_inside(request->to, "end", &checks, detail);
+        if (status) return status;
+    }
     status = solve_meeting(request, control, &meet, out);
     if (status) return gd_fail_status(detail, status);
     if (meet) return GD_OK;
@@ -539,7 +601,8 @@ enum gd_status gd_geodesic_solve(const struct gd_tessellation *tessellation,
     struct gd__path_seeds seeds;
     status = find_seeds(&solving, tessellation, &share, &seeds, detail);
     if (status) return status;
-    status = geodesic_solve(&solving, &seeds, out, detail);
+    status = tessellation->surface->loops ? solve_taut(&solving, &seeds, out, detail)
+                                          : geodesic_solve(&solving, &seeds, out, detail);
     gd__path_seeds_free(&seeds);
     return status;
 }

@@ -2,11 +2,12 @@
 #include "nurbs/tessellation.h"
 
 #include <math.h>
+#include <string.h>
 
 void gd_tessellation_vertex(const struct gd_tessellation *tessellation, struct gd_vertex vertex,
                             double uv[2])
 {
-    gd__node_parameters(&tessellation->grid, tessellation->node_of[vertex.index], uv);
+    gd__node_parameters(tessellation, tessellation->node_of[vertex.index], uv);
 }
 
 /* If a corner lies at a pole, its parameter along the pole is undefined. Sets this parameter to the
@@ -31,7 +32,7 @@ void gd_tessellation_parameters(const struct gd_tessellation *tessellation,
     gd_point_describe(tessellation->mesh, point, &at);
     const uint32_t *nodes = tessellation->corners[at.face.index];
     double corner[3][2];
-    for (int i = 0; i < 3; i++) gd__node_parameters(&tessellation->grid, nodes[i], corner[i]);
+    for (int i = 0; i < 3; i++) gd__node_parameters(tessellation, nodes[i], corner[i]);
     settle_poles(tessellation->surface, at.barycentric, corner);
     for (int k = 0; k < 2; k++)
         uv[k] = at.barycentric[0] * corner[0][k] + at.barycentric[1] * corner[1][k] +
@@ -72,6 +73,26 @@ static double least(const double weight[3])
     return fmin(weight[0], fmin(weight[1], weight[2]));
 }
 
+/* Computes the point of a trimmed tessellation with the parameters `at`. Between a loop and the
+ * chords of its samples, it is the nearest point of the best triangle. */
+static enum gd_status trimmed_point(const struct gd_tessellation *t, const double at[2],
+                                    struct gd_point *out, struct gd_detail *detail)
+{
+    double best[3] = {-INFINITY, -INFINITY, -INFINITY}, sum = 0;
+    uint32_t face = 0;
+    for (uint32_t f = 0; f < t->polygons.polygon_count && least(best) < 0; f++) {
+        double corner[3][2], weight[3];
+        for (int k = 0; k < 3; k++) gd__node_parameters(t, t->corners[f][k], corner[k]);
+        barycentric((const double(*)[2])corner, at, weight);
+        if (!(least(weight) > least(best))) continue;
+        memcpy(best, weight, sizeof best);
+        face = f;
+    }
+    for (int k = 0; k < 3; k++) sum += best[k] = fmax(best[k], 0);
+    for (int k = 0; k < 3; k++) best[k] /= sum;
+    return gd_point_in_face(t->mesh, (struct gd_face){face}, best, out, detail);
+}
+
 enum gd_status gd_tessellation_point(const struct gd_tessellation *tessellation, double u, double v,
                                      struct gd_point *out, struct gd_detail *detail)
 {
@@ -80,6 +101,7 @@ enum gd_status gd_tessellation_point(const struct gd_tessellation *tessellation,
         return gd_fail(detail, GD_INVALID_ARGUMENT,
                        "(%.17g, %.17g) lies outside the surface's domain", u, v);
     double at[2] = {gd__axis_wrap(surface->axis[0], u), gd__axis_wrap(surface->axis[1], v)}, part;
+    if (tessellation->node_uv) return trimmed_point(tessellation, at, out, detail);
     uint32_t i = gd__grid_step(&tessellation->grid, 0, at[0], &part);
     uint32_t j = gd__grid_step(&tessellation->grid, 1, at[1], &part);
     uint32_t cell = i * tessellation->grid.steps[1] + j, first = tessellation->first_face[cell],
@@ -89,8 +111,7 @@ enum gd_status gd_tessellation_point(const struct gd_tessellation *tessellation,
     for (uint32_t f = 0; f < faces; f++) {
         double corner[3][2];
         for (int k = 0; k < 3; k++)
-            gd__node_parameters(&tessellation->grid, tessellation->corners[first + f][k],
-                                corner[k]);
+            gd__node_parameters(tessellation, tessellation->corners[first + f][k], corner[k]);
         if (faces == 2)
             barycentric((const double(*)[2])corner, at, weights[f]);
         else

@@ -204,6 +204,8 @@ void gd_parametric_release(const struct gd_parametric *surface)
     if (!surface || !gd__references_drop(&surface->references)) return;
     struct gd_parametric *shared = (struct gd_parametric *)surface;
     if (shared->evaluator.destroy) shared->evaluator.destroy(shared->evaluator.shape);
+    gd__loops_free(shared->loops);
+    gd_parametric_release(shared->base);
     free(shared);
 }
 
@@ -227,20 +229,86 @@ double gd_parametric_size(const struct gd_parametric *surface)
     return surface->size;
 }
 
+/* --- trimmed surfaces ------------------------------------------------------------------------- */
+
+/* Creates a surface with the evaluator of `surface`. Inside an outer loop no direction is closed,
+ * because the domain ends at the loop. */
+static enum gd_status share_evaluator(const struct gd_parametric *surface, bool has_outer,
+                                      struct gd_parametric **out, struct gd_detail *detail)
+{
+    struct gd_evaluator evaluator = surface->evaluator;
+    evaluator.destroy = NULL;
+    evaluator.bytes = surface->bytes;
+    if (has_outer) {
+        evaluator.u.closed = evaluator.u.seam = false;
+        evaluator.v.closed = evaluator.v.seam = false;
+    }
+    enum gd_status status = gd_parametric_create(&evaluator, out, detail);
+    if (!status) (*out)->base = gd_parametric_retain(surface);
+    return status;
+}
+
+enum gd_status gd_parametric_trim(const struct gd_parametric *surface, const struct gd_trims *trims,
+                                  const struct gd_control *control, struct gd_parametric **out,
+                                  struct gd_trim_fault *fault)
+{
+    struct gd_trim_fault unused;
+    if (!fault) fault = &unused;
+    *fault = (struct gd_trim_fault){0};
+    if (surface->loops) return gd__loops_fail(fault, 0, 0, "the surface is trimmed already");
+    const double low[2] = {surface->axis[0]->low, surface->axis[1]->low},
+                 high[2] = {surface->axis[0]->high, surface->axis[1]->high};
+    struct gd__pace pace = {.control = control};
+    struct gd__loops *loops;
+    struct gd_parametric *trimmed;
+    enum gd_status status = gd__loops_create(low, high, trims, &pace, &loops, fault);
+    if (!status) {
+        status = share_evaluator(surface, trims->has_outer, &trimmed, &fault->detail);
+        if (status) gd__loops_free(loops);
+    }
+    if (status) return fault->detail.text[0] ? status : gd_fail_status(&fault->detail, status);
+    trimmed->loops = loops;
+    trimmed->bytes += loops->bytes;
+    *out = trimmed;
+    return GD_OK;
+}
+
+uint32_t gd_parametric_loops(const struct gd_parametric *surface, bool *has_outer)
+{
+    *has_outer = surface->loops && surface->loops->has_outer;
+    return surface->loops ? surface->loops->count : 0;
+}
+
 static bool axis_contains(const struct gd_axis *axis, double t)
 {
     return isfinite(t) && (axis->closed || (t >= axis->low && t <= axis->high));
 }
 
-bool gd_parametric_contains(const struct gd_parametric *surface, double u, double v)
+static bool is_in_rectangle(const struct gd_parametric *surface, double u, double v)
 {
     return axis_contains(surface->axis[0], u) && axis_contains(surface->axis[1], v);
+}
+
+bool gd_parametric_contains(const struct gd_parametric *surface, double u, double v)
+{
+    struct gd__loop_place place;
+    if (!is_in_rectangle(surface, u, v)) return false;
+    return !surface->loops ||
+           gd__surface_depth(surface, (double[]){u, v}, &place) >= -GD_TOL_TRIMMED;
+}
+
+double gd__surface_depth(const struct gd_parametric *surface, const double at[2],
+                         struct gd__loop_place *out)
+{
+    const double place[2] = {gd__axis_wrap(surface->axis[0], at[0]),
+                             gd__axis_wrap(surface->axis[1], at[1])};
+    return gd__loops_depth(surface->loops, place, out);
 }
 
 enum gd_status gd_parametric_evaluate(const struct gd_parametric *surface, double u, double v,
                                       struct gd_jet *out)
 {
-    if (!gd_parametric_contains(surface, u, v)) return GD_INVALID_ARGUMENT;
+    if (!is_in_rectangle(surface, u, v)) return GD_INVALID_ARGUMENT;
     double at[2] = {gd__axis_wrap(surface->axis[0], u), gd__axis_wrap(surface->axis[1], v)};
     gd__surface_at(surface, at, out);
     return GD_OK;

@@ -6,6 +6,7 @@
 #include "base/pace.h"
 #include "base/references.h"
 #include "gd/parametric.h"
+#include "loops/loops.h"
 
 /* Pace steps (base/pace.h) that one step of this folder counts as. Such a step, for example the
  * quadrature of a span, takes a few microseconds. */
@@ -18,6 +19,9 @@ struct gd_parametric {
     /* largest distance of a point from the origin, which determines the rounding of positions */
     double farthest;
     size_t bytes;
+    /* A trimmed surface: its loops, and the surface whose evaluator it shares. NULL: not trimmed. */
+    struct gd__loops *loops;
+    const struct gd_parametric *base;
     atomic_uint references;
 };
 
@@ -62,5 +66,11 @@ struct gd_vec3 gd__surface_position(const struct gd_parametric *surface, const d
 
 /* Returns true if coordinate `axis` = t is a border that is a pole. */
 bool gd__surface_pole(const struct gd_parametric *surface, int axis, double t);
+
+/* Returns the signed, scaled distance of a place from the loops of a trimmed surface, positive
+ * inside, and the nearest place of the loops. The place may be outside [low, high] in closed
+ * directions. */
+double gd__surface_depth(const struct gd_parametric *surface, const double at[2],
+                         struct gd__loop_place *out);
 
 #endif

@@ -39,7 +39,7 @@ static enum gd_status make_vertices(struct gd_tessellation *t, const struct gd_c
         if (node % 1024 == 0 && (status = gd_control_check(control, 0.3 * node / nodes)))
             return status;
         double at[2];
-        gd__node_parameters(&t->grid, node, at);
+        gd__node_parameters(t, node, at);
         struct gd_vec3 x = gd__surface_position(t->surface, at);
         uint32_t vertex = t->polygons.position_count++;
         memcpy(t->polygons.positions[vertex], (double[3]){x.x, x.y, x.z},
@@ -122,8 +122,12 @@ enum gd_status gd_tessellation_build(const struct gd_parametric *surface,
     atomic_init(&t->references, 1);
     t->surface = gd_parametric_retain(surface);
     enum gd_status status = gd__grid_make(surface, options, &t->grid);
-    if (!status) status = make_vertices(t, control);
-    if (!status) status = make_faces(t, control);
+    if (!status && surface->loops) {
+        status = gd__tessellation_trim(t, control);
+    } else if (!status) {
+        status = make_vertices(t, control);
+        if (!status) status = make_faces(t, control);
+    }
     if (status)
         gd_fail_status(detail, status);
     else
@@ -153,13 +157,16 @@ void gd_tessellation_release(const struct gd_tessellation *tessellation)
     free(shared->node_of);
     free(shared->corners);
     free(shared->first_face);
+    free(shared->node_uv);
     free(shared);
 }
 
 size_t gd_tessellation_memsize(const struct gd_tessellation *t)
 {
-    size_t nodes = gd__node_count(&t->grid), faces = t->polygons.polygon_count;
-    return sizeof *t + gd_mesh_memsize(t->mesh) +
+    size_t nodes = t->node_uv ? t->node_count : gd__node_count(&t->grid),
+           faces = t->polygons.polygon_count;
+    size_t uv = t->node_uv ? nodes * sizeof *t->node_uv : 0;
+    return sizeof *t + gd_mesh_memsize(t->mesh) + uv +
            nodes * (2 * sizeof(uint32_t) + 3 * sizeof(double)) + faces * 8 * sizeof(uint32_t);
 }
 

@@ -6,7 +6,8 @@
 #include "nurbs/grid.h"
 
 /* Node (i, j) of the grid has the number i * (steps[1] + 1) + j. In a closed direction the last
- * nodes are copies of the first. */
+ * nodes are copies of the first. The nodes of a trimmed surface are grid nodes and places of the
+ * loops, in any order. */
 struct gd_tessellation {
     const struct gd_parametric *surface;
     struct gd__grid grid;
@@ -18,6 +19,9 @@ struct gd_tessellation {
     /* cell -> its first face, with one more entry; a cell at a pole has one face, others have
        two */
     uint32_t *first_face;
+    /* Trimmed surfaces only: the parameters of each node. `first_face` is then NULL. */
+    uint32_t node_count;
+    double (*node_uv)[2];
     atomic_uint references;
 };
 
@@ -26,10 +30,17 @@ static inline uint32_t gd__node_count(const struct gd__grid *grid)
     return (grid->steps[0] + 1) * (grid->steps[1] + 1);
 }
 
-static inline void gd__node_parameters(const struct gd__grid *grid, uint32_t node, double uv[2])
+static inline void gd__node_parameters(const struct gd_tessellation *t, uint32_t node, double uv[2])
 {
-    uv[0] = grid->at[0][node / (grid->steps[1] + 1)];
-    uv[1] = grid->at[1][node % (grid->steps[1] + 1)];
+    const struct gd__grid *grid = &t->grid;
+    uv[0] = t->node_uv ? t->node_uv[node][0] : grid->at[0][node / (grid->steps[1] + 1)];
+    uv[1] = t->node_uv ? t->node_uv[node][1] : grid->at[1][node % (grid->steps[1] + 1)];
 }
+
+/* Makes nodes, vertices and faces of a trimmed surface, from the grid. The boundary edges lie on
+ * the loops, to GD__LOOPS_SAG. Errors: GD_TOO_LARGE, GD_INTERNAL, GD_NO_MEMORY, GD_BUDGET,
+ * GD_CANCELLED, GD_DEADLINE. */
+GD_MUST_USE enum gd_status gd__tessellation_trim(struct gd_tessellation *tessellation,
+                                                 const struct gd_control *control);
 
 #endif

@@ -21,6 +21,7 @@
 
 #include "gd/control.h"
 #include "gd/status.h"
+#include "gd/trim.h"
 #include "gd/vec.h"
 
 GD_EXTERN_C_BEGIN
@@ -79,12 +80,13 @@ const struct gd_axis *gd_parametric_axis_v(const struct gd_parametric *surface);
  * points. */
 double gd_parametric_size(const struct gd_parametric *surface);
 
-/* Returns true if (u, v) is in the domain. A closed direction contains every finite number. */
+/* Returns true if (u, v) is in the domain, to 1e-9 of its width if it is trimmed. A closed direction
+ * contains every finite number. */
 bool gd_parametric_contains(const struct gd_parametric *surface, double u, double v);
 
 /* Computes position and derivatives at a point of the domain. On a line, derivatives are those of
- * the piece above it; on the upper border, those of the piece below. Error: GD_INVALID_ARGUMENT
- * (outside the domain). O(degree^2). Thread-safe. */
+ * the piece above it; on the upper border, those of the piece below. Trimming loops are ignored.
+ * Error: GD_INVALID_ARGUMENT (outside the rectangle). O(degree^2). Thread-safe. */
 GD_MUST_USE enum gd_status gd_parametric_evaluate(const struct gd_parametric *surface, double u,
                                                   double v, struct gd_jet *out);
 
@@ -116,6 +118,22 @@ GD_MUST_USE enum gd_status gd_parametric_nearest(const struct gd_parametric *sur
                                                  const struct gd_control *control,
                                                  struct gd_parametric_closest *out,
                                                  struct gd_detail *detail);
+
+/* --- trimmed surfaces (gd/trim.h) -------------------------------------------------------------- */
+
+/* Creates a trimmed surface, which keeps `surface` alive. `surface` must not be trimmed. `control`
+ * and `fault` may be NULL. Errors: GD_INVALID_ARGUMENT (a fault: counts, degrees, knots or weights
+ * out of range, a loop that is not closed, crosses or touches itself or another loop, leaves the
+ * domain, or a hole outside the outer loop or inside another hole), GD_NO_MEMORY, GD_CANCELLED,
+ * GD_DEADLINE. The caller owns one reference of `*out`. Cost: a few milliseconds. Thread-safe. */
+GD_MUST_USE enum gd_status gd_parametric_trim(const struct gd_parametric *surface,
+                                              const struct gd_trims *trims,
+                                              const struct gd_control *control,
+                                              struct gd_parametric **out,
+                                              struct gd_trim_fault *fault);
+
+/* The number of trimming loops, and whether the first one is the outer loop. 0: not trimmed. */
+uint32_t gd_parametric_loops(const struct gd_parametric *surface, bool *has_outer);
 
 /* --- analytic surfaces ------------------------------------------------------------------------ */
 

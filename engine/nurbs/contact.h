@@ -1,0 +1,84 @@
+/* Contact: a part of a trimming loop that a path follows, or touches in one place.
+ *
+ * The domain is on the left of each loop (loops/loops.h). A path that follows a loop in its
+ * direction therefore has the obstacle on its right. Angles and curvatures are counted as
+ * *pressing*: positive towards the obstacle. A taut path turns towards the obstacle wherever it
+ * touches the obstacle. */
+#ifndef GD_NURBS_CONTACT_H
+#define GD_NURBS_CONTACT_H
+
+#include "nurbs/uv_polyline.h"
+
+struct gd__contact {
+    uint32_t loop, span; /* the span of the loop on which the contact lies */
+    int direction;       /* 1: the path runs in the direction of the loop; -1: against it */
+    double begin, end;   /* parameters on the span; (end - begin) * direction >= 0 */
+    double least, most;  /* bounds of these parameters: 0 and 1, or the end of the path */
+    double shift[2];     /* whole periods that are added to the loop's places */
+};
+
+struct gd__contacts {
+    uint32_t count, capacity;
+    struct gd__contact *items; /* in the order of the path */
+};
+
+/* A place of a contact: parameters, and in space the unit tangent in the direction of the path, the
+ * surface's unit normal, the speed |dx/dt| and the pressing geodesic curvature of the loop. */
+struct gd__contact_place {
+    double at[2];
+    struct gd_vec3 x, tangent, normal;
+    double speed, curvature;
+};
+
+void gd__contact_at(const struct gd_parametric *surface, const struct gd__contact *contact,
+                    double t, struct gd__contact_place *out);
+
+/* Returns the pressing angle from one direction to another, in the tangent plane. */
+double gd__contact_turn(const struct gd__contact *contact, struct gd_vec3 normal,
+                        struct gd_vec3 from, struct gd_vec3 to);
+
+static inline bool gd__contact_is_arc(const struct gd__contact *contact)
+{
+    return contact->begin != contact->end;
+}
+
+/* Computes the length of the contact in space. Adds the error of the quadrature to *error. */
+double gd__contact_length(const struct gd_parametric *surface, const struct gd__contact *contact,
+                          struct gd__pace *pace, double *error);
+
+/* Finds the least pressing curvature of the contact, and its parameter. */
+double gd__contact_least_curvature(const struct gd_parametric *surface,
+                                   const struct gd__contact *contact, double *t);
+
+/* Makes a contact of one place, at the parameter t of a span. `at` is the place in the chart of the
+ * path. */
+struct gd__contact gd__contact_touch(const struct gd_parametric *surface,
+                                     const struct gd__loop_place *place, int direction,
+                                     const double at[2]);
+
+/* Makes room for `count` contacts before contact `index`. Error: GD_NO_MEMORY. */
+GD_MUST_USE enum gd_status gd__contacts_open(struct gd__contacts *contacts, uint32_t index,
+                                             uint32_t count);
+
+/* Inserts the contact, and at a corner of the loop a second one on the span beyond the corner. Sets
+ * *added to their number. Error: GD_NO_MEMORY. */
+GD_MUST_USE enum gd_status gd__contacts_insert(const struct gd_parametric *surface,
+                                               struct gd__contacts *contacts, uint32_t index,
+                                               const struct gd__contact *contact, uint32_t *added);
+
+/* The path of a seed as contacts and the polylines between them: gap[i] leads to contact i. */
+struct gd__taut_parts {
+    struct gd__contacts contacts;
+    uint32_t gap_count, gap_capacity; /* contacts.count + 1 */
+    struct gd__uv_polyline *gaps;
+};
+
+/* Divides a shortest path of the trimmed tessellation where it touches loops. Errors: GD_NO_MEMORY,
+ * GD_CANCELLED, GD_DEADLINE. */
+GD_MUST_USE enum gd_status gd__taut_divide(const struct gd_parametric *surface,
+                                           const struct gd__uv_polyline *polyline,
+                                           struct gd__pace *pace, struct gd__taut_parts *out);
+
+void gd__taut_parts_free(struct gd__taut_parts *parts);
+
+#endif

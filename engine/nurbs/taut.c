@@ -1,0 +1,591 @@
+#include "nurbs/taut.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/array.h"
+#include "base/tolerance.h"
+
+enum {
+    ROUNDS_MOST = 80,
+    CONTACTS_MOST = 512,
+    ARC_SAMPLES = 8 /* of a contact that becomes part of a gap */
+};
+
+/* Fraction of the domain's width: ends of a gap nearer than this are one place. */
+static const double one_place = 1e-11;
+/* A loop whose geodesic curvature is less than this, over the size of the surface, is straight. */
+static const double straight = 1e-9;
+
+/* --- directions ------------------------------------------------------------------------------- */
+
+/* Sets *out to the direction in which the path reaches contact i: that of the gap, or of the contact
+ * before an empty gap. Returns false at the beginning of the path. */
+static bool direction_in(const struct gd__taut *taut, uint32_t i, struct gd_vec3 *out)
+{
+    for (;; i--) {
+        struct gd_jet x;
+        struct gd__contact_place place;
+        const struct gd__gap *gap = &taut->gaps[i];
+        if (!gap->is_empty) {
+            *out = gd__chain_velocity(gap->solution.chain, 1, &x);
+            return true;
+        }
+        if (i == 0) return false;
+        const struct gd__contact *before = &taut->contacts.items[i - 1];
+        if (!gd__contact_is_arc(before)) continue;
+        gd__contact_at(taut->task->surface, before, before->end, &place);
+        *out = place.tangent;
+        return true;
+    }
+}
+
+/* Sets *out to the direction in which the path leaves contact i. */
+static bool direction_out(const struct gd__taut *taut, uint32_t i, struct gd_vec3 *out)
+{
+    for (;; i++) {
+        struct gd_jet x;
+        struct gd__contact_place place;
+        const struct gd__gap *gap = &taut->gaps[i + 1];
+        if (!gap->is_empty) {
+            *out = gd__chain_velocity(gap->solution.chain, 0, &x);
+            return true;
+        }
+        if (i + 1 == taut->contacts.count) return false;
+        const struct gd__contact *after = &taut->contacts.items[i + 1];
+        if (!gd__contact_is_arc(after)) continue;
+        gd__contact_at(taut->task->surface, after, after->begin, &place);
+        *out = place.tangent;
+        return true;
+    }
+}
+
+/* --- gaps ------------------------------------------------------------------------------------- */
+
+static void gap_free(struct gd__gap *gap)
+{
+    gd__uv_polyline_free(&gap->line);
+    if (gap->is_solved && !gap->is_empty) free(gap->solution.chain);
+    *gap = (struct gd__gap){0};
+}
+
+/* Computes the end of a gap. Side 0: its beginning, the end of the contact before it. */
+static void gap_end(const struct gd__taut *taut, uint32_t gap, int side, double at[2])
+{
+    const struct gd__contacts *contacts = &taut->contacts;
+    bool is_path_end = side ? gap == contacts->count : gap == 0;
+    if (is_path_end) {
+        const struct gd__uv_polyline *line = &taut->gaps[gap].line;
+        memcpy(at, line->at[side ? line->count - 1 : 0], 2 * sizeof *at);
+        return;
+    }
+    const struct gd__contact *contact = &contacts->items[side ? gap : gap - 1];
+    struct gd__contact_place place;
+    gd__contact_at(taut->task->surface, contact, side ? contact->begin : contact->end, &place);
+    memcpy(at, place.at, sizeof place.at);
+}
+
+static double taut_apart(const struct gd__taut *taut, const double a[2], const double b[2])
+{
+    const double *width = taut->task->surface->loops->width;
+    return hypot((a[0] - b[0]) / width[0], (a[1] - b[1]) / width[1]);
+}
+
+static struct gd__joint gap_joint(const struct gd__taut *taut, uint32_t gap, int side,
+                                  const double at[2])
+{
+    bool is_path_end = side ? gap == taut->contacts.count : gap == 0;
+    if (is_path_end) return gd__joint_of_end(taut->ends[side], taut->s[side], at);
+    return (struct gd__joint){.kind = GD__JOINT_FIXED, .place = {at[0], at[1]}};
+}
+
+/* Computes the geodesic of a gap, and makes its samples the initial path of the next round. */
+static enum gd_status gap_solve(struct gd__taut *taut, uint32_t number)
+{
+    struct gd__gap *gap = &taut->gaps[number];
+    double at[2][2];
+    if (gap->is_solved && !gap->is_empty) free(gap->solution.chain);
+    gap->is_solved = false;
+    for (int side = 0; side < 2; side++) gap_end(taut, number, side, at[side]);
+    gap->is_empty = taut_apart(taut, at[0], at[1]) <= one_place;
+    if (gap->is_empty) {
+        gap->is_solved = true;
+        return GD_OK;
+    }
+    struct gd__uv_polyline *line = &gap->line;
+    memcpy(line->at[0], at[0], sizeof at[0]);
+    memcpy(line->at[line->count - 1], at[1], sizeof at[1]);
+    gd__uv_polyline_measure(taut->task->surface, line);
+    const struct gd__joint from = gap_joint(taut, number, 0, at[0]),
+                           to = gap_joint(taut, number, 1, at[1]);
+    struct gd__solution solution = {0};
+    enum gd_status status = gd__solve_coarse(taut->task, line, &from, &to, &solution);
+    if (!status) status = gd__solve_fine(taut->task, &solution);
+    if (status) {
+        free(solution.chain);
+        return status;
+    }
+    gap->solution = solution;
+    gap->is_solved = true;
+    gd__uv_polyline_free(line);
+    status = gd__uv_polyline_of_chain(solution.chain, line);
+    if (status) *line = (struct gd__uv_polyline){0};
+    for (int side = 0; side < 2 && !status; side++) {
+        const struct gd__joint *joint =
+            &solution.chain->joints[side ? solution.chain->piece_count : 0];
+        if (joint->curve && joint->kind == GD__JOINT_CURVE) taut->s[side] = joint->at;
+    }
+    return status;
+}
+
+static enum gd_status gaps_open(struct gd__taut *taut, uint32_t index, uint32_t count)
+{
+    enum gd_status status =
+        gd__array_extend(&taut->gaps, &taut->gap_capacity, taut->gap_count + (uint64_t)count,
+                         sizeof *taut->gaps, NULL);
+    if (status) return status;
+    memmove(taut->gaps + index + count, taut->gaps + index,
+            (taut->gap_count - index) * sizeof *taut->gaps);
+    memset(taut->gaps + index, 0, count * sizeof *taut->gaps);
+    taut->gap_count += count;
+    return GD_OK;
+}
+
+static enum gd_status append_line(struct gd__uv_polyline *to, const struct gd__uv_polyline *from,
+                                  uint32_t first)
+{
+    enum gd_status status = GD_OK;
+    for (uint32_t i = first; i < from->count && !status; i++)
+        status = gd__uv_polyline_add(to, from->at[i]);
+    return status;
+}
+
+/* Removes contact i. The gaps beside it become one, which first runs along the contact. */
+static enum gd_status drop_contact(struct gd__taut *taut, uint32_t i)
+{
+    const struct gd__contact contact = taut->contacts.items[i];
+    struct gd__uv_polyline line = {0};
+    enum gd_status status = append_line(&line, &taut->gaps[i].line, 0);
+    for (int k = 1; k < ARC_SAMPLES && gd__contact_is_arc(&contact) && !status; k++) {
+        struct gd__contact_place place;
+        gd__contact_at(taut->task->surface, &contact,
+                       contact.begin + (contact.end - contact.begin) * k / ARC_SAMPLES, &place);
+        status = gd__uv_polyline_add(&line, place.at);
+    }
+    if (!status) status = append_line(&line, &taut->gaps[i + 1].line, 0);
+    if (status) {
+        gd__uv_polyline_free(&line);
+        return status;
+    }
+    gap_free(&taut->gaps[i]);
+    gap_free(&taut->gaps[i + 1]);
+    taut->gaps[i].line = line;
+    taut->gap_count--;
+    taut->contacts.count--;
+    memmove(taut->gaps + i + 1, taut->gaps + i + 2, (taut->gap_count - i - 1) * sizeof *taut->gaps);
+    memmove(taut->contacts.items + i, taut->contacts.items + i + 1,
+            (taut->contacts.count - i) * sizeof *taut->contacts.items);
+    return GD_OK;
+}
+
+/* Returns true if the second contact begins on the first one, or before it ends. */
+static bool contacts_overlap(const struct gd__contact *a, const struct gd__contact *b)
+{
+    return a->loop == b->loop && a->span == b->span && a->direction == b->direction &&
+           a->shift[0] == b->shift[0] && a->shift[1] == b->shift[1] &&
+           (b->begin - a->end) * a->direction <= 0;
+}
+
+/* Makes one contact of neighbouring contacts that overlap. */
+static void merge_contacts(struct gd__taut *taut)
+{
+    for (uint32_t i = 0; i + 1 < taut->contacts.count;) {
+        struct gd__contact *contact = &taut->contacts.items[i];
+        if (!contacts_overlap(contact, contact + 1)) {
+            i++;
+            continue;
+        }
+        if ((contact[1].end - contact->end) * contact->direction > 0) contact->end = contact[1].end;
+        if ((contact[1].begin - contact->begin) * contact->direction < 0)
+            contact->begin = contact[1].begin;
+        gap_free(&taut->gaps[i + 1]);
+        taut->gap_count--;
+        taut->contacts.count--;
+        memmove(taut->gaps + i + 1, taut->gaps + i + 2,
+                (taut->gap_count - i - 1) * sizeof *taut->gaps);
+        memmove(contact + 1, contact + 2, (taut->contacts.count - i - 1) * sizeof *contact);
+    }
+}
+
+/* --- bounds ----------------------------------------------------------------------------------- */
+
+/* Bounds the contacts on the span at which the path begins or ends, so that no contact passes the
+ * path's end. */
+static void bound_contacts(struct gd__taut *taut, int side)
+{
+    const struct gd_parametric *surface = taut->task->surface;
+    const struct gd__uv_polyline *line = &taut->gaps[side ? taut->gap_count - 1 : 0].line;
+    struct gd__loop_place place;
+    double depth = gd__surface_depth(surface, line->at[side ? line->count - 1 : 0], &place);
+    if (fabs(depth) > GD_TOL_TRIMMED || !taut->ends[side]->is_point) return;
+    const struct gd__contact end =
+        gd__contact_touch(surface, &place, 1, line->at[side ? line->count - 1 : 0]);
+    for (uint32_t i = 0; i < taut->contacts.count; i++) {
+        struct gd__contact *contact = &taut->contacts.items[i];
+        bool is_same = contact->loop == end.loop && contact->span == end.span &&
+                       contact->shift[0] == end.shift[0] && contact->shift[1] == end.shift[1];
+        if (!is_same) continue;
+        bool is_after = contact->begin + contact->end >= 2 * end.begin;
+        if (is_after)
+            contact->least = fmax(contact->least, end.begin);
+        else
+            contact->most = fmin(contact->most, end.begin);
+        contact->begin = fmin(fmax(contact->begin, contact->least), contact->most);
+        contact->end = fmin(fmax(contact->end, contact->least), contact->most);
+    }
+}
+
+/* --- steps of contacts ------------------------------------------------------------------------ */
+
+/* The conditions of one contact. */
+struct stand {
+    struct gd__contact_place begin, end;
+    bool has_in, has_out;
+    double in, out; /* pressing angles into the contact and out of it; 0 at an end of the path */
+    double whole;   /* from the direction in to the direction out */
+};
+
+static struct stand stand_of(const struct gd__taut *taut, uint32_t i)
+{
+    const struct gd__contact *contact = &taut->contacts.items[i];
+    struct stand stand = {0};
+    struct gd_vec3 in, out;
+    gd__contact_at(taut->task->surface, contact, contact->begin, &stand.begin);
+    gd__contact_at(taut->task->surface, contact, contact->end, &stand.end);
+    stand.has_in = direction_in(taut, i, &in);
+    stand.has_out = direction_out(taut, i, &out);
+    if (stand.has_in)
+        stand.in = gd__contact_turn(contact, stand.begin.normal, in, stand.begin.tangent);
+    if (stand.has_out)
+        stand.out = gd__contact_turn(contact, stand.end.normal, stand.end.tangent, out);
+    stand.whole =
+        stand.has_in && stand.has_out ? gd__contact_turn(contact, stand.begin.normal, in, out) : 0;
+    return stand;
+}
+
+/* Returns the parameter of a contact's end moved so that its angle vanishes. `sign`: 1 for the end,
+ * -1 for the beginning. */
+static double moved(const struct gd__taut *taut, const struct gd__contact *contact, double t,
+                    const struct gd__contact_place *place, double angle, int sign)
+{
+    double least = straight / taut->task->surface->size;
+    double limit = sign * contact->direction > 0 ? contact->most : contact->least;
+    if (place->curvature > least) {
+        double step = angle / (place->curvature * place->speed);
+        t += sign * contact->direction * fmin(fmax(step, -0.5), 0.5);
+    } else if (angle > 0) {
+        t = place->curvature >= -least ? limit : t;
+    } else if (angle < -GD_TOL_TAUT) {
+        t = sign > 0 ? contact->begin : contact->end;
+    }
+    return fmin(fmax(t, contact->least), contact->most);
+}
+
+/* Returns the condition's violation of an end: the angle, unless the end is at a bound and presses
+ * against it. */
+static double held_angle(const struct gd__contact *contact, double t, double angle, int sign)
+{
+    double limit = sign * contact->direction > 0 ? contact->most : contact->least;
+    return t == limit && angle > 0 ? 0 : fabs(angle);
+}
+
+/* Returns true if a contact of one place does not press against the obstacle. */
+static bool is_loose(const struct stand *stand)
+{
+    if (stand->has_in && stand->has_out) return stand->whole < -GD_TOL_TAUT;
+    return !(stand->has_in && stand->in > GD_TOL_TAUT) &&
+           !(stand->has_out && stand->out > GD_TOL_TAUT);
+}
+
+/* Returns true if the path passes a contact of one place, inside its span, against the contact's
+ * direction. */
+static bool is_reversed(const struct gd__contact *contact, const struct stand *stand)
+{
+    return contact->begin > 0 && contact->begin < 1 && stand->has_in && stand->has_out &&
+           fabs(stand->in) > M_PI_2 && fabs(stand->out) > M_PI_2;
+}
+
+/* DROPPED: the list of contacts changed, or a contact turned around. */
+enum step { STEP_DONE, STEP_MOVED, STEP_DROPPED };
+
+/* Moves the ends of contact i, or removes the contact. *most is raised to the largest angle. */
+static enum gd_status step_contact(struct gd__taut *taut, uint32_t i, enum step *step, double *most)
+{
+    struct gd__contact *contact = &taut->contacts.items[i];
+    const struct stand stand = stand_of(taut, i);
+    bool is_arc = gd__contact_is_arc(contact);
+    *step = STEP_DONE;
+    if (!is_arc && is_reversed(contact, &stand)) {
+        contact->direction = -contact->direction;
+        *step = STEP_DROPPED;
+        return GD_OK;
+    }
+    if (!is_arc && is_loose(&stand)) {
+        *step = STEP_DROPPED;
+        return drop_contact(taut, i);
+    }
+    double begin = contact->begin, end = contact->end;
+    bool begin_moves = is_arc ? fabs(stand.in) > GD_TOL_CALM : stand.in > GD_TOL_TAUT,
+         end_moves = is_arc ? fabs(stand.out) > GD_TOL_CALM : stand.out > GD_TOL_TAUT;
+    if (begin_moves) {
+        *most = fmax(*most, held_angle(contact, begin, stand.in, -1));
+        begin = moved(taut, contact, begin, &stand.begin, stand.in, -1);
+    }
+    if (end_moves) {
+        *most = fmax(*most, held_angle(contact, end, stand.out, 1));
+        end = moved(taut, contact, end, &stand.end, stand.out, 1);
+    }
+    if ((end - begin) * contact->direction < 0) begin = end = 0.5 * (begin + end);
+    if (begin != contact->begin || end != contact->end) *step = STEP_MOVED;
+    contact->begin = begin;
+    contact->end = end;
+    return GD_OK;
+}
+
+/* If a contact ends at an end of its span and would move farther, adds a contact on the next span.
+ * Returns GD_OK and sets *added. */
+static enum gd_status spill_contact(struct gd__taut *taut, uint32_t i, bool *added)
+{
+    const struct gd__contact contact = taut->contacts.items[i];
+    const struct stand stand = stand_of(taut, i);
+    const struct gd__loop *loop = &taut->task->surface->loops->loops[contact.loop];
+    *added = false;
+    for (int sign = -1; sign <= 1; sign += 2) {
+        int way = sign * contact.direction;
+        double t = sign > 0 ? contact.end : contact.begin, limit = way > 0 ? 1 : 0,
+               angle = sign > 0 ? stand.out : stand.in;
+        if (t != limit || !(angle > GD_TOL_TAUT)) continue;
+        struct gd__contact next = contact;
+        next.span =
+            (contact.span + loop->span_count + (uint32_t)(way > 0 ? 1 : -1)) % loop->span_count;
+        next.least = 0, next.most = 1;
+        next.begin = next.end = way > 0 ? 0 : 1;
+        /* the neighbour may be there already */
+        uint32_t other = sign > 0 ? i + 1 : i - 1;
+        if (other < taut->contacts.count && taut->contacts.items[other].loop == next.loop &&
+            taut->contacts.items[other].span == next.span)
+            continue;
+        uint32_t index = sign > 0 ? i + 1 : i;
+        enum gd_status status = gaps_open(taut, i + 1, 1);
+        if (!status) status = gd__contacts_open(&taut->contacts, index, 1);
+        if (status) return status;
+        taut->contacts.items[index] = next;
+        struct gd__contact_place place;
+        gd__contact_at(taut->task->surface, &next, next.begin, &place);
+        struct gd__uv_polyline *line = &taut->gaps[i + 1].line;
+        for (int k = 0; k < 2 && !status; k++) status = gd__uv_polyline_add(line, place.at);
+        *added = true;
+        return status;
+    }
+    return GD_OK;
+}
+
+/* Divides a contact where the loop bends away from the obstacle. */
+static enum gd_status split_contact(struct gd__taut *taut, uint32_t i, bool *split)
+{
+    struct gd__contact *contact = &taut->contacts.items[i];
+    double t;
+    *split = false;
+    if (!gd__contact_is_arc(contact)) return GD_OK;
+    double least = gd__contact_least_curvature(taut->task->surface, contact, &t);
+    if (least * taut->task->surface->size >= -GD_TOL_PRESSING) return GD_OK;
+    struct gd__contact after = *contact;
+    double room = 0.25 * fmin(fabs(t - contact->begin), fabs(contact->end - t));
+    if (room <= one_place) {
+        /* the bend is at an end of the contact, which moves on its own */
+        double width = 0.25 * (contact->end - contact->begin);
+        if (fabs(t - contact->begin) < fabs(contact->end - t))
+            contact->begin += width;
+        else
+            contact->end -= width;
+        *split = true;
+        return GD_OK;
+    }
+    enum gd_status status = gaps_open(taut, i + 1, 1);
+    if (!status) status = gd__contacts_open(&taut->contacts, i + 1, 1);
+    if (status) return status;
+    contact = &taut->contacts.items[i];
+    contact->end = t - contact->direction * room;
+    after.begin = t + after.direction * room;
+    taut->contacts.items[i + 1] = after;
+    const double ends[2] = {contact->end, after.begin};
+    for (int k = 0; k < 2 && !status; k++) {
+        struct gd__contact_place place;
+        gd__contact_at(taut->task->surface, contact, ends[k], &place);
+        status = gd__uv_polyline_add(&taut->gaps[i + 1].line, place.at);
+    }
+    *split = true;
+    return status;
+}
+
+/* --- gaps that leave the domain --------------------------------------------------------------- */
+
+/* Adds a contact where gap `number` is farthest outside. */
+static enum gd_status add_leaving(struct gd__taut *taut, uint32_t number,
+                                  const struct gd__leaving *leaving)
+{
+    const struct gd_parametric *surface = taut->task->surface;
+    struct gd__contact touch = gd__contact_touch(surface, &leaving->place, 1, leaving->at);
+    struct gd__contact_place place;
+    gd__contact_at(surface, &touch, touch.begin, &place);
+    if (gd_vec3_dot(place.tangent, leaving->velocity) < 0) touch.direction = -1;
+    uint32_t added;
+    enum gd_status status = gd__contacts_insert(surface, &taut->contacts, number, &touch, &added);
+    if (status) return status;
+    status = gaps_open(taut, number + 1, added);
+    if (status) return status;
+    struct gd__gap *gap = &taut->gaps[number];
+    gap_free(gap);
+    for (uint32_t i = 0; i <= leaving->sample && !status; i++)
+        status = gd__uv_polyline_add(&gap->line, leaving->samples.at[i]);
+    if (!status) status = gd__uv_polyline_add(&gap->line, place.at);
+    for (uint32_t k = 1; k <= added && !status; k++) {
+        status = gd__uv_polyline_add(&gap[k].line, place.at);
+        if (!status && k < added) status = gd__uv_polyline_add(&gap[k].line, place.at);
+    }
+    if (!status) status = append_line(&gap[added].line, &leaving->samples, leaving->sample + 1);
+    return status;
+}
+
+/* Finds the first gap that leaves the domain, and adds a contact to it. */
+static enum gd_status check_gaps(struct gd__taut *taut, bool *inside)
+{
+    enum gd_status status = GD_OK;
+    *inside = true;
+    for (uint32_t i = 0; i < taut->gap_count && !status && *inside; i++) {
+        struct gd__leaving leaving;
+        if (taut->gaps[i].is_empty) continue;
+        status = gd__gap_check(taut->gaps[i].solution.chain, inside, &leaving);
+        if (status || *inside) continue;
+        status = add_leaving(taut, i, &leaving);
+        gd__uv_polyline_free(&leaving.samples);
+    }
+    return status;
+}
+
+/* --- the path --------------------------------------------------------------------------------- */
+
+/* One round: solves the gaps, then moves or removes contacts. Sets *changed if the path changed. */
+static enum gd_status taut_round(struct gd__taut *taut, bool *changed)
+{
+    enum gd_status status = GD_OK;
+    double most = 0;
+    *changed = false;
+    for (uint32_t i = 0; i < taut->gap_count && !status; i++) status = gap_solve(taut, i);
+    if (status) return status;
+    for (uint32_t i = 0; i < taut->contacts.count && !status; i++) {
+        bool split, added;
+        status = split_contact(taut, i, &split);
+        if (!status && split) {
+            *changed = true;
+            return GD_OK;
+        }
+        if (!status) status = spill_contact(taut, i, &added);
+        if (!status && added) {
+            *changed = true;
+            return GD_OK;
+        }
+    }
+    for (uint32_t i = 0; i < taut->contacts.count && !status; i++) {
+        enum step step;
+        status = step_contact(taut, i, &step, &most);
+        if (step == STEP_DROPPED) {
+            *changed = true;
+            return status;
+        }
+    }
+    *changed = most > GD_TOL_TAUT;
+    taut->residual = most;
+    return status;
+}
+
+static enum gd_status taut_iterate(struct gd__taut *taut)
+{
+    enum gd_status status = GD_OK;
+    bool changed = true, inside = false;
+    for (int round = 0; round < ROUNDS_MOST && !status && !inside; round++) {
+        if (taut->contacts.count > CONTACTS_MOST) return GD_OK;
+        merge_contacts(taut);
+        bound_contacts(taut, 0);
+        bound_contacts(taut, 1);
+        status = taut_round(taut, &changed);
+        if (status || changed) continue;
+        /* the last step moved contacts a little: solve the gaps between their final places */
+        for (uint32_t i = 0; i < taut->gap_count && !status; i++) status = gap_solve(taut, i);
+        if (!status) status = check_gaps(taut, &inside);
+    }
+    taut->is_taut = !status && inside;
+    return status;
+}
+
+static enum gd_status taut_measure(struct gd__taut *taut)
+{
+    const struct gd__task *task = taut->task;
+    for (uint32_t i = 0; i < taut->gap_count; i++) {
+        const struct gd__solution *solution = &taut->gaps[i].solution;
+        if (taut->gaps[i].is_empty) continue;
+        taut->length += solution->report.length;
+        taut->error += solution->error;
+        bool is_proven = solution->converged && solution->report.converged &&
+                         solution->report.positive && !gd__solution_is_bent(task, solution);
+        taut->is_taut = taut->is_taut && is_proven;
+    }
+    for (uint32_t i = 0; i < taut->contacts.count; i++)
+        taut->length +=
+            gd__contact_length(task->surface, &taut->contacts.items[i], task->pace, &taut->error);
+    /* an end of a contact that is off by an angle changes the length by a third power */
+    taut->error += taut->residual * taut->residual * taut->length;
+    return task->pace->status;
+}
+
+void gd__taut_free(struct gd__taut *taut)
+{
+    for (uint32_t i = 0; i < taut->gap_count; i++) gap_free(&taut->gaps[i]);
+    free(taut->gaps);
+    free(taut->contacts.items);
+    taut->gaps = NULL;
+    taut->contacts = (struct gd__contacts){0};
+    taut->gap_count = 0;
+}
+
+/* Takes over the parts of a divided path. */
+static enum gd_status take_parts(struct gd__taut *taut, struct gd__taut_parts *parts)
+{
+    enum gd_status status = gaps_open(taut, 0, parts->gap_count);
+    if (status) return status;
+    for (uint32_t i = 0; i < parts->gap_count; i++) taut->gaps[i].line = parts->gaps[i];
+    taut->contacts = parts->contacts;
+    parts->contacts = (struct gd__contacts){0};
+    parts->gap_count = 0;
+    return GD_OK;
+}
+
+enum gd_status gd__taut_solve(const struct gd__task *task,
+                              const struct gd_domain_curve *const ends[2],
+                              const struct gd__path_seed *seed, struct gd__taut *out)
+{
+    struct gd__taut taut = {.task = task, .ends = ends, .s = {seed->s[0], seed->s[1]}};
+    struct gd__taut_parts parts;
+    enum gd_status status = gd__taut_divide(task->surface, &seed->polyline, task->pace, &parts);
+    if (status) return status;
+    status = take_parts(&taut, &parts);
+    gd__taut_parts_free(&parts);
+    if (!status) status = taut_iterate(&taut);
+    if (!status) status = taut_measure(&taut);
+    if (status)
+        gd__taut_free(&taut);
+    else
+        *out = taut;
+    return status;
+}

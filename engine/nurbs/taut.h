@@ -1,0 +1,74 @@
+/* Taut: shortest paths in a trimmed domain.
+ *
+ * DESIGN
+ * - A taut path consists of geodesics of the surface and of parts of loops (contacts, contact.h).
+ *   It leaves a loop along its tangent, or at a corner, and turns towards the obstacle wherever it
+ *   touches the obstacle. These are the conditions of a local minimum among the paths that do not
+ *   leave the domain.
+ * - The exact geodesic of the trimmed tessellation gives the class of the path and its first
+ *   contacts. Each gap between contacts is solved as a geodesic without constraint. Then the ends
+ *   of the contacts move: where the loop has the geodesic curvature k, an angle a between path and
+ *   loop vanishes after a step of about a / k along the loop. To first order this step moves the
+ *   end of the gap along the gap itself, so the contacts do not influence each other and the steps
+ *   converge as Newton's method does.
+ * - A gap that leaves the domain gets a contact where it is farthest outside. A contact at which
+ *   the path turns away from the obstacle is removed.
+ * - A path is accepted only if all conditions hold: each gap is a geodesic that Newton's method
+ *   proves to be a local minimum, no gap leaves the domain, the path is tangential to loops, and
+ *   each contact presses against the obstacle. */
+#ifndef GD_NURBS_TAUT_H
+#define GD_NURBS_TAUT_H
+
+#include "nurbs/candidate.h"
+#include "nurbs/contact.h"
+#include "nurbs/seeds.h"
+
+struct gd__gap {
+    struct gd__uv_polyline line; /* initial path */
+    bool is_solved, is_empty;    /* is_empty: both ends are the same place */
+    struct gd__solution solution;
+};
+
+struct gd__taut {
+    const struct gd__task *task;
+    const struct gd_domain_curve *const *ends; /* 2 */
+    double s[2];                               /* parameters of the path's ends on the curves */
+    struct gd__contacts contacts;
+    uint32_t gap_count, gap_capacity; /* contacts.count + 1; gap i leads to contact i */
+    struct gd__gap *gaps;
+    double residual; /* largest angle by which the path is not taut */
+    double length, error;
+    bool is_taut; /* all conditions hold */
+};
+
+/* Computes the taut path of a seed. `out->is_taut` is false if the conditions do not hold after a
+ * limited number of steps. Errors: those of gd__newton. */
+GD_MUST_USE enum gd_status gd__taut_solve(const struct gd__task *task,
+                                          const struct gd_domain_curve *const ends[2],
+                                          const struct gd__path_seed *seed, struct gd__taut *out);
+
+void gd__taut_free(struct gd__taut *taut);
+
+/* Sets *inside if a gap does not leave the domain. Otherwise sets `out` to the place of a loop
+ * nearest to the worst place `at`, and *position to its place on the gap's sampled polyline. */
+struct gd__leaving {
+    struct gd__loop_place place;
+    double at[2];
+    struct gd_vec3 velocity;
+    uint32_t sample; /* of `samples` */
+    struct gd__uv_polyline samples;
+};
+GD_MUST_USE enum gd_status gd__gap_check(const struct gd__chain *chain, bool *inside,
+                                         struct gd__leaving *out);
+
+/* Computes all taut paths, or the shortest one, in a trimmed domain. Errors: those of gd__newton,
+ * and GD_INTERNAL (a path that may be shortest is not proven). */
+GD_MUST_USE enum gd_status gd__taut_paths(const struct gd__task *task,
+                                          const struct gd_domain_curve *const ends[2],
+                                          const struct gd__path_seeds *seeds, bool all,
+                                          struct gd_geodesics *out);
+
+/* Converts a taut path to the caller's struct. Errors: GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE. */
+GD_MUST_USE enum gd_status gd__taut_answer(const struct gd__taut *taut, struct gd_geodesic *out);
+
+#endif
