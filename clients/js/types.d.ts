@@ -1606,6 +1606,7 @@ export type VertexPlaces = {
 
 export type NurbsFile = (NurbsSurface | {
   parametric: Shape;
+  trims?: Trims;
 });
 
 export type NurbsSurface = {
@@ -1621,7 +1622,36 @@ export type NurbsSurface = {
   /** Positive numbers, one for each control point. All are 1 by default. */
   weights?: Array<number[]>;
   convention?: ("canonical" | "three" | "verb" | "rhino");
+  trims?: Trims;
 };
+
+/**
+ * Loops in the parameter plane. The surface is the part inside the outer loop and outside the
+ * holes. Loops do not cross or touch, and a hole is not inside another hole. Without an outer loop
+ * the surface extends to the borders of its domain and across the seams of closed directions; holes
+ * then do not touch the borders or cross the seams. At most 256 loops and 4096 points.
+ */
+export type Trims = {
+  outer?: TrimLoop;
+  holes?: TrimLoop[];
+};
+
+/**
+ * A simple closed curve, in either direction. Each curve ends where the next one begins, and the
+ * last one ends where the first one begins.
+ */
+export type TrimLoop = TrimCurve[];
+
+/** A polyline, or a rational B-spline; without knots a Bézier curve. */
+export type TrimCurve = ({
+  polyline: Array<[number, number]>;
+} | {
+  degree: number;
+  knots?: number[];
+  /** All are [u, v], or all are [u, v, weight]. */
+  controlPoints: Array<number[]>;
+  weights?: number[];
+});
 
 /** Knots in ascending order; knots may repeat. */
 export type SurfaceKnots = number[];
@@ -1706,6 +1736,10 @@ export type Nurbs = {
   seeding_faces?: number;
   /** Why the surface does not support shortest paths. */
   reason?: string;
+  /** Number of trimming loops; absent if the surface is not trimmed. */
+  trimming_loops?: number;
+  /** One of the trimming loops is an outer loop; absent if the surface is not trimmed. */
+  outer_loop?: boolean;
   memory_bytes: Count;
   created: string;
   /** ETag of the file and its options, without quotes. */

@@ -400,8 +400,8 @@
  * sides. */
 #define GD_TOL_ONWARD_ROUNDING 2e-15
 
-/* Curves of a trimming loop meet if their ends are this close, relative to the domain's width. Files
- * of CAD systems hold about ten digits. */
+/* Curves of a trimming loop meet if their ends are this close, relative to the domain's width.
+ * Files of CAD systems hold about ten digits. */
 #define GD_TOL_LOOP_CLOSED 1e-8
 
 /* A parameter on a loop this close to the end of a span is that end. */

@@ -8,7 +8,7 @@
 #include "loops/loops.h"
 
 /* Loops are sampled at least this densely, scaled. */
-static const double longest = 0.05;
+static const double longest = 0.02;
 
 struct segment {
     struct gd__lattice_node a, b;
@@ -195,7 +195,7 @@ enum gd_status gd__loops_check(struct gd__loops *loops, struct gd__pace *pace,
 {
     enum gd_status status = gd__loops_sample(loops, longest, pace, &loops->samples);
     if (status == GD_TOO_LARGE)
-        return gd__loops_fail(fault, 0, 0, "the loops are too detailed to be told apart");
+        return gd__loops_fail(fault, 0, 0, "the loops are too detailed: simplify them");
     for (uint32_t i = 0; i < loops->count && !status; i++)
         status = check_rectangle(loops, i, fault);
     if (!status) status = check_crossings(loops, pace, fault);

@@ -51,7 +51,7 @@ struct gd__loop_place {
     uint32_t loop;
     double s;
     double at[2];
-    double distance; /* scaled, from the place that was asked for */
+    double distance; /* scaled, from the given place */
     bool is_corner;  /* s is the end of a span, to GD_TOL_LOOP_PLACE */
 };
 

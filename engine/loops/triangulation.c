@@ -284,7 +284,7 @@ static enum gd_status list_crossed(struct work *w, uint32_t a, uint32_t b, uint3
         if (d == b) return GD_OK;
         int side = turn(w, a, b, d);
         if (side == 0) return GD_INVALID_ARGUMENT;
-        /* the segment leaves the neighbour by the edge between d and the corner on the other side */
+        /* the segment leaves the neighbour between d and the corner on the other side */
         number = other;
         edge = corner_of(u, side > 0 ? q : p);
     }
@@ -416,8 +416,8 @@ static enum gd_status work_begin(struct work *w)
     return GD_OK;
 }
 
-enum gd_status gd__plane_triangulate(const struct gd__triangulation_input *input, struct gd__pace *pace,
-                               struct gd__triangulation *out)
+enum gd_status gd__plane_triangulate(const struct gd__triangulation_input *input,
+                                     struct gd__pace *pace, struct gd__triangulation *out)
 {
     struct work w = {.input = input, .pace = pace};
     enum gd_status status = work_begin(&w);

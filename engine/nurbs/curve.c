@@ -411,3 +411,22 @@ void gd_domain_curve_at(const struct gd_domain_curve *curve, double s, double uv
     uv[0] = jet.at[0];
     uv[1] = jet.at[1];
 }
+
+enum gd_status gd_domain_curve_inside(const struct gd_domain_curve *curve,
+                                      const struct gd_control *control, bool *inside, double uv[2])
+{
+    static const struct gd__curve_places wanted = {8, 256, 4096, true};
+    *inside = true;
+    if (!curve->surface->loops) return GD_OK;
+    struct gd__pace pace = {.control = control};
+    uint64_t cost = curve->surface->loops->samples.count / 4 + 1;
+    double *places;
+    uint32_t count = 0;
+    enum gd_status status = gd__curve_places(curve, &wanted, &places, &count);
+    for (uint32_t i = 0; i < count && !status && *inside && gd__pace(&pace, cost); i++) {
+        gd_domain_curve_at(curve, places[i], uv);
+        *inside = gd_parametric_contains(curve->surface, uv[0], uv[1]);
+    }
+    if (!status) free(places);
+    return status ? status : pace.status;
+}

@@ -495,24 +495,16 @@ static enum gd_status geodesic_solve(struct solving *solving, const struct gd__p
 }
 
 /* Checks that a curve of the request stays in the trimmed domain. */
-static enum gd_status check_curve_inside(const struct gd_domain_curve *curve, const char *name,
-                                         struct gd__pace *pace, struct gd_detail *detail)
+static enum gd_status check_inside(const struct gd_domain_curve *curve,
+                                   const struct gd_control *control, struct gd_detail *detail)
 {
-    static const struct gd__curve_places wanted = {8, 256, 4096, true};
-    double *places;
-    uint32_t count;
-    enum gd_status status = gd__curve_places(curve, &wanted, &places, &count);
+    double uv[2];
+    bool inside;
+    enum gd_status status = gd_domain_curve_inside(curve, control, &inside, uv);
     if (status) return gd_fail_status(detail, status);
-    for (uint32_t i = 0; i < count && !status && gd__pace(pace, GD__STEP); i++) {
-        double at[2];
-        gd_domain_curve_at(curve, places[i], at);
-        if (!gd_parametric_contains(curve->surface, at[0], at[1]))
-            status = gd_fail(detail, GD_INVALID_ARGUMENT,
-                             "the %s of the path leaves the trimmed domain at (%.6g, %.6g)", name,
-                             at[0], at[1]);
-    }
-    free(places);
-    return status ? status : pace->status;
+    return inside ? GD_OK
+                  : gd_fail(detail, GD_INVALID_ARGUMENT,
+                            "a curve leaves the trimmed domain at (%.6g, %.6g)", uv[0], uv[1]);
 }
 
 /* Computes the shortest path in a trimmed domain. */
@@ -579,12 +571,9 @@ enum gd_status gd_geodesic_solve(const struct gd_tessellation *tessellation,
     enum gd_status status = geodesic_check(tessellation, request, &o, detail);
     if (status) return status;
     bool meet;
-    if (tessellation->surface->loops) {
-        struct gd__pace checks = {.control = control};
-        status = check_curve_inside(request->from, "beginning", &checks, detail);
-        if (!status) status = check_curve_inside(request->to, "end", &checks, detail);
-        if (status) return status;
-    }
+    status = check_inside(request->from, control, detail);
+    if (!status) status = check_inside(request->to, control, detail);
+    if (status) return status;
     status = solve_meeting(request, control, &meet, out);
     if (status) return gd_fail_status(detail, status);
     if (meet) return GD_OK;

@@ -4,8 +4,9 @@
 #include "base/tolerance.h"
 #include "nurbs/grid.h"
 
-/* LOOK: nodes between two checks of the control */
-enum { GRID_FACES = 2048, STEPS_MOST = 60, LOOK = 512 };
+/* LOOK: nodes between two checks of the control. SECTIONS, POLISH: steps towards the nearest place
+ * of a loop. */
+enum { GRID_FACES = 2048, STEPS_MOST = 60, LOOK = 512, SECTIONS = 40, POLISH = 4 };
 
 /* Half of the squared distance, with gradient and Hessian in (u, v). */
 struct target {
@@ -106,7 +107,7 @@ static void nurbs_nearest_improve(const struct gd_parametric *surface, struct gd
     for (int k = 0; k < 2; k++) at[k] = gd__axis_wrap(surface->axis[k], at[k]);
     struct gd_vec3 x = gd__surface_position(surface, at);
     double distance = gd_vec3_distance(x, xyz);
-    if (distance < best->distance)
+    if (distance < best->distance && gd_parametric_contains(surface, at[0], at[1]))
         *best = (struct gd_parametric_closest){at[0], at[1], x, distance};
 }
 
@@ -131,6 +132,89 @@ static enum gd_status nurbs_nearest_search(const struct gd_parametric *surface, 
     return status;
 }
 
+/* --- the loops of a trimmed surface ----------------------------------------------------------- */
+
+static void loop_place(const struct gd_parametric *surface, uint32_t loop, double s,
+                       struct gd_vec3 xyz, struct gd_parametric_closest *out)
+{
+    struct gd__span_jet jet;
+    gd__loop_jet(surface->loops, loop, s, false, &jet);
+    out->u = jet.at[0], out->v = jet.at[1];
+    out->xyz = gd__surface_position(surface, jet.at);
+    out->distance = gd_vec3_distance(out->xyz, xyz);
+}
+
+/* Returns Newton's step along a loop towards the place nearest to xyz; 0 if it is not a minimum. */
+static double loop_step(const struct gd_parametric *surface, uint32_t loop, double s,
+                        struct gd_vec3 xyz)
+{
+    struct gd__span_jet jet;
+    gd__loop_jet(surface->loops, loop, s, false, &jet);
+    struct target t = half_square_at(surface, xyz, jet.at);
+    double slope = t.gradient[0] * jet.first[0] + t.gradient[1] * jet.first[1];
+    double curve = t.gradient[0] * jet.second[0] + t.gradient[1] * jet.second[1] +
+                   t.hessian[0] * jet.first[0] * jet.first[0] +
+                   2 * t.hessian[1] * jet.first[0] * jet.first[1] +
+                   t.hessian[2] * jet.first[1] * jet.first[1];
+    return curve > 0 ? -slope / curve : 0;
+}
+
+/* Finds the nearest place of a loop between two parameters, by golden section and Newton's
+ * method. */
+static void loop_improve(const struct gd_parametric *surface, uint32_t loop, const double ends[2],
+                         struct gd_vec3 xyz, struct gd_parametric_closest *best)
+{
+    const double golden = 0.5 * (sqrt(5) - 1);
+    double low = ends[0], high = ends[1];
+    struct gd_parametric_closest a, b;
+    for (int i = 0; i < SECTIONS; i++) {
+        double p = high - golden * (high - low), q = low + golden * (high - low);
+        loop_place(surface, loop, p, xyz, &a);
+        loop_place(surface, loop, q, xyz, &b);
+        if (a.distance < b.distance)
+            high = q;
+        else
+            low = p;
+    }
+    double s = 0.5 * (low + high);
+    for (int i = 0; i < POLISH; i++) {
+        double next = fmin(fmax(s + loop_step(surface, loop, s, xyz), ends[0]), ends[1]);
+        loop_place(surface, loop, s, xyz, &a);
+        loop_place(surface, loop, next, xyz, &b);
+        if (b.distance <= a.distance) s = next;
+    }
+    loop_place(surface, loop, s, xyz, &a);
+    if (a.distance < best->distance) *best = a;
+}
+
+/* Finds the nearest place of all loops, from each sample that is nearer than its neighbours. */
+static enum gd_status nearest_on_loops(const struct gd_parametric *surface, struct gd_vec3 xyz,
+                                       const struct gd_control *control,
+                                       struct gd_parametric_closest *best)
+{
+    const struct gd__loop_samples *samples = &surface->loops->samples;
+    struct gd__pace pace = {.control = control, .fraction = 0.9};
+    for (uint32_t i = 0; i < surface->loops->count; i++) {
+        uint32_t first = samples->first[i], count = samples->first[i + 1] - first;
+        double spans = surface->loops->loops[i].span_count;
+        for (uint32_t k = 0; k < count && gd__pace(&pace, GD__STEP); k++) {
+            uint32_t before = (k + count - 1) % count, after = (k + 1) % count;
+            struct gd_parametric_closest here, a, b;
+            loop_place(surface, i, samples->s[first + k], xyz, &here);
+            loop_place(surface, i, samples->s[first + before], xyz, &a);
+            loop_place(surface, i, samples->s[first + after], xyz, &b);
+            if (a.distance < here.distance || b.distance < here.distance) continue;
+            double s = samples->s[first + k],
+                   low = samples->s[first + before] - (before > k ? spans : 0),
+                   high = samples->s[first + after] + (after < k ? spans : 0);
+            loop_improve(surface, i, (double[]){low, s}, xyz, best);
+            loop_improve(surface, i, (double[]){s, high}, xyz, best);
+            if (here.distance < best->distance) *best = here;
+        }
+    }
+    return pace.status;
+}
+
 enum gd_status gd_parametric_nearest(const struct gd_parametric *surface, struct gd_vec3 xyz,
                                      const struct gd_control *control,
                                      struct gd_parametric_closest *out, struct gd_detail *detail)
@@ -149,6 +233,7 @@ enum gd_status gd_parametric_nearest(const struct gd_parametric *surface, struct
     if (!status)
         status = distance ? nurbs_nearest_search(surface, xyz, &grid, control, distance, &best)
                           : GD_NO_MEMORY;
+    if (!status && surface->loops) status = nearest_on_loops(surface, xyz, control, &best);
     free(distance);
     gd__grid_free(&grid);
     if (status) return gd_fail_status(detail, status);

@@ -19,7 +19,7 @@ struct gd_parametric {
     /* largest distance of a point from the origin, which determines the rounding of positions */
     double farthest;
     size_t bytes;
-    /* A trimmed surface: its loops, and the surface whose evaluator it shares. NULL: not trimmed. */
+    /* of a trimmed surface: its loops, and the surface whose evaluator it shares; else NULL */
     struct gd__loops *loops;
     const struct gd_parametric *base;
     atomic_uint references;

@@ -20,8 +20,8 @@ static const double straight = 1e-9;
 
 /* --- directions ------------------------------------------------------------------------------- */
 
-/* Sets *out to the direction in which the path reaches contact i: that of the gap, or of the contact
- * before an empty gap. Returns false at the beginning of the path. */
+/* Sets *out to the direction in which the path reaches contact i: that of the gap, or of the
+ * contact before an empty gap. Returns false at the beginning of the path. */
 static bool direction_in(const struct gd__taut *taut, uint32_t i, struct gd_vec3 *out)
 {
     for (;; i--) {

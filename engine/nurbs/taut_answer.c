@@ -13,7 +13,7 @@ enum {
 };
 
 /* Fraction of the domain's width: a spline along a loop is closer to the loop than this. */
-static const double fit = 1e-11;
+static const double fit = 1e-10;
 /* Fraction of the length: two paths are the same if lengths and middles differ by less. */
 static const double same_path = 1e-7;
 /* The length of the mesh's path and of the taut path differ by less than this fraction. */

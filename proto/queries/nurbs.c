@@ -7,6 +7,7 @@
 #include "generated/queries.h"
 #include "generated/requests.h"
 #include "proto/json/writer.h"
+#include "proto/queries/trims.h"
 #include "proto/values/parametric.h"
 
 bool proto_nurbs_options_parse(const struct proto_parameters *parameters,
@@ -160,14 +161,13 @@ static bool decode_weights(const json_t *document, struct file *file, struct pro
 static bool decode_file(const json_t *document, const struct proto_nurbs_options *options,
                         struct file *file, struct proto_problem *problem)
 {
-    static const char *const trims[] = {"trim",       "trims",         "trimming",
-                                        "trimCurves", "trimmingLoops", "loops"};
-    for (size_t i = 0; i < sizeof trims / sizeof *trims; i++)
-        if (json_object_get(document, trims[i]))
+    static const char *const others[] = {"trim", "trimming", "trimCurves", "trimmingLoops",
+                                         "loops"};
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        if (json_object_get(document, others[i]))
             return refuse_data("trimmed",
-                               "trimmed surfaces are not supported: send the surface without its "
-                               "trimming loops, and "
-                               "loops as curves of a query",
+                               "trimming loops have another form: send them as the member trims, "
+                               "{\"outer\": [curves], \"holes\": [[curves]]}",
                                problem);
     const struct proto_object object = {document, "", problem};
     struct proto_nurbs_surface *knots = &file->knots;
@@ -215,7 +215,7 @@ static bool read_parametric(const json_t *document, const struct proto_nurbs_opt
                             struct gd_parametric **out, struct proto_nurbs_form *form,
                             struct proto_problem *problem)
 {
-    static const char *const members[] = {"parametric", NULL};
+    static const char *const members[] = {"parametric", "trims", NULL};
     struct proto_nurbs_form read = {0};
     if (options->has_convention)
         return proto_problem_refuse(problem, "convention",
@@ -248,6 +248,11 @@ bool proto_nurbs_read(const void *bytes, size_t size, const struct proto_nurbs_o
     bool ok = json_object_get(document, "parametric")
                   ? read_parametric(document, options, out, form, problem)
                   : read_nurbs(document, options, out, form, problem);
+    if (ok && !proto_trims_apply(document, options->control, out, problem)) {
+        gd_parametric_release(*out);
+        *out = NULL;
+        ok = false;
+    }
     json_decref(document);
     return ok;
 }

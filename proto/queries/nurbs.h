@@ -27,8 +27,8 @@ struct proto_nurbs_form {
 };
 
 /* Reads the surface of a file. Problems: invalid_request (not JSON of this form), invalid_mesh with
- * the flaw's name as reason (the numbers are not a surface), too_large, insufficient_memory. The
- * caller releases `*out`. Memory: about 70 bytes a number. */
+ * the flaw's name as reason (the numbers are not a surface) or `trims` (faulty loops), too_large,
+ * insufficient_memory. The caller releases `*out`. Memory: about 70 bytes a number. */
 bool proto_nurbs_read(const void *bytes, size_t size, const struct proto_nurbs_options *options,
                       struct gd_parametric **out, struct proto_nurbs_form *form,
                       struct proto_problem *problem);
@@ -44,7 +44,9 @@ struct proto_nurbs_description {
     const struct gd_parametric *surface;
     /* faces of the tessellation that seeds shortest paths; 0: there is none */
     uint64_t seeding_faces;
-    const char *obstacle; /* why there is no tessellation */
+    const char *obstacle;    /* why there is no tessellation */
+    uint32_t trimming_loops; /* 0: not trimmed */
+    bool has_outer_loop;
 };
 
 #endif

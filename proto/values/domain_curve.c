@@ -124,6 +124,17 @@ static enum gd_status close_polyline(const struct gd_parametric *surface,
     return status;
 }
 
+/* Checks that the curve stays within the loops of a trimmed surface. */
+static bool check_inside(const struct gd_domain_curve *made, const struct proto_domain_curve *curve,
+                         const struct gd_control *control, struct proto_problem *problem)
+{
+    double uv[2];
+    bool inside;
+    enum gd_status status = gd_domain_curve_inside(made, control, &inside, uv);
+    if (status) return proto_problem_from_status(problem, status, NULL);
+    return inside || proto_uv_check(gd_domain_curve_surface(made), uv, curve->place, problem);
+}
+
 bool proto_domain_curve_locate(const struct gd_parametric *surface,
                                const struct proto_domain_curve *curve,
                                const struct gd_control *control, struct gd_domain_curve **out,
@@ -145,6 +156,10 @@ bool proto_domain_curve_locate(const struct gd_parametric *surface,
     if (status) {
         proto_problem_from_status(problem, status, &detail);
         return status == GD_INVALID_ARGUMENT ? proto_problem_at(problem, curve->place) : false;
+    }
+    if (!check_inside(made, curve, control, problem)) {
+        gd_domain_curve_release(made);
+        return false;
     }
     *out = made;
     return true;

@@ -43,6 +43,15 @@ bool proto_uv_check(const struct gd_parametric *surface, const double uv[2], con
 {
     if (gd_parametric_contains(surface, uv[0], uv[1])) return true;
     const struct gd_axis *u = gd_parametric_axis_u(surface), *v = gd_parametric_axis_v(surface);
+    bool is_trimmed_off = (u->closed || (uv[0] >= u->low && uv[0] <= u->high)) &&
+                          (v->closed || (uv[1] >= v->low && uv[1] <= v->high));
+    if (is_trimmed_off) {
+        proto_problem_set(problem, PROTO_PROBLEM_POINT_NOT_ON_SURFACE,
+                          "(%.17g, %.17g) is cut away by the trimming loops; choose a point inside "
+                          "the outer loop and outside the holes, or ask nearest for one",
+                          uv[0], uv[1]);
+        return proto_problem_at(problem, place);
+    }
     proto_problem_set(
         problem, PROTO_PROBLEM_POINT_NOT_ON_SURFACE,
         "(%.17g, %.17g) lies outside the surface's domain, [%.17g, %.17g]%s x [%.17g, %.17g]%s",

@@ -274,6 +274,7 @@ const struct server_kind server_kind_mesh = {
 /* --- NURBS ------------------------------------------------------------------------------------ */
 
 #define TESSELLATION_BYTES ((size_t)8 << 20) /* enough for most builds */
+#define TRIMS_BYTES        ((size_t)8 << 20) /* most bytes for checking trimming loops */
 
 static bool nurbs_read_options(const struct proto_parameters *parameters,
                                const struct server_file *file, char text[SERVER_OPTIONS],
@@ -304,6 +305,15 @@ static enum gd_status nurbs_read(struct build *build, const struct gd_control *c
     return GD_OK;
 }
 
+/* Returns the cost of reading. The samples of trimming loops are not bounded by the file's size. */
+static size_t nurbs_read_cost(const struct server_builder *builder)
+{
+    static const char member[] = "\"trims\"";
+    bool is_trimmed =
+        memmem(builder->bytes, (size_t)builder->record->size, member, sizeof member - 1) != NULL;
+    return json_cost(builder) + (is_trimmed ? TRIMS_BYTES : 0);
+}
+
 static enum gd_status nurbs_tessellate(struct build *build, const struct gd_control *control,
                                        size_t *kept)
 {
@@ -329,7 +339,7 @@ static enum gd_status nurbs_build(const struct server_builder *builder, struct s
 {
     struct build build = {.builder = builder};
     enum gd_status status = object_create(&build, sizeof(struct server_nurbs));
-    if (!status) status = build_read(&build, nurbs_read, json_cost(builder), 0.2);
+    if (!status) status = build_read(&build, nurbs_read, nurbs_read_cost(builder), 0.2);
     if (!status) {
         struct server_nurbs *nurbs = build.object;
         status = step_run_growing(&build, nurbs_tessellate, TESSELLATION_BYTES);
@@ -349,6 +359,8 @@ static void nurbs_describe(struct proto_writer *writer, const struct server_surf
     const struct server_record *record = surface->record;
     const struct server_nurbs *nurbs = server_nurbs_of(surface);
     const struct gd_tessellation *tessellation = nurbs->tessellation;
+    bool has_outer;
+    uint32_t loops = gd_parametric_loops(nurbs->surface, &has_outer);
     const struct proto_nurbs_description description = {
         .name = record->name,
         .sha256 = record->sha256,
@@ -360,6 +372,8 @@ static void nurbs_describe(struct proto_writer *writer, const struct server_surf
         .seeding_faces =
             tessellation ? gd_mesh_summary(gd_tessellation_mesh(tessellation))->faces : 0,
         .obstacle = tessellation ? NULL : gd_status_name(nurbs->refusal),
+        .trimming_loops = loops,
+        .has_outer_loop = has_outer,
     };
     proto_nurbs_encode(writer, &description);
 }

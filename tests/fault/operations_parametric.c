@@ -9,10 +9,10 @@
 
 #include "gd/geodesic_like.h"
 
-static struct gd_parametric *tube, *sphere, *sheet;
-static struct gd_tessellation *on_tube, *on_sphere, *on_sheet;
+static struct gd_parametric *tube, *sphere, *sheet, *plate;
+static struct gd_tessellation *on_tube, *on_sphere, *on_sheet, *on_plate;
 static struct gd_domain_curve *tube_a, *tube_b, *tube_loop, *sphere_a, *sphere_b, *sheet_a,
-    *sheet_b;
+    *sheet_b, *plate_a, *plate_b;
 static struct gd_geodesics found;
 
 static struct gd_tessellation *tessellate(const struct gd_parametric *surface)
@@ -22,6 +22,19 @@ static struct gd_tessellation *tessellate(const struct gd_parametric *surface)
                                    &made, NULL),
              NULL);
     return made;
+}
+
+/* Cuts a hole with two round and two straight sides into the sheet. */
+static enum gd_status trim_sheet(void *out)
+{
+    static const double left[][2] = {{0.3, 0.3}, {0.7, 0.3}, {0.7, 0.6}},
+                        right[][2] = {{0.7, 0.6}, {0.5, 0.9}, {0.3, 0.6}, {0.3, 0.3}};
+    static const double knots[] = {0, 0, 0, 0.5, 1, 1, 1};
+    const struct gd_trim_curve curves[] = {
+        {.degree = 1, .count = 3, .points = left},
+        {.degree = 2, .count = 4, .points = right, .knots = knots}};
+    const struct gd_trim_loop loop = {curves, 2};
+    return gd_parametric_trim(sheet, &(struct gd_trims){&loop, 1, false}, NULL, out, NULL);
 }
 
 static void open_surfaces(void)
@@ -37,6 +50,10 @@ static void open_surfaces(void)
     tube_loop = iso_at(tube, GD_ISO_U, 0.4);
     sphere_a = point_at(sphere, 0.1, 0.1);
     sphere_b = point_at(sphere, 0.55, 0.8);
+    check_ok(trim_sheet(&plate), NULL);
+    on_plate = tessellate(plate);
+    plate_a = point_at(plate, 0.1, 0.4);
+    plate_b = point_at(plate, 0.9, 0.5);
     sheet_a = point_at(sheet, 0.05, 0.1);
     sheet_b = point_at(sheet, 0.9, 0.8);
     check_ok(gd_geodesic_solve(on_tube, &(struct gd_geodesic_request){.from = tube_a, .to = tube_b},
@@ -291,6 +308,23 @@ static enum gd_status in_space(void *out)
         NULL);
 }
 
+static enum gd_status nearest_trimmed(void *out)
+{
+    return gd_parametric_nearest(plate, (struct gd_vec3){0.5, 0.5, 0.2}, NULL, out, NULL);
+}
+
+static enum gd_status tessellate_trimmed(void *out)
+{
+    return gd_tessellation_build(plate, &(struct gd_tessellation_options){.faces = 200}, NULL, out,
+                                 NULL);
+}
+
+static enum gd_status solve_trimmed(void *out)
+{
+    return gd_geodesic_solve(
+        on_plate, &(struct gd_geodesic_request){.from = plate_a, .to = plate_b}, NULL, out, NULL);
+}
+
 static const struct operation items[] = {
     {"NURBS surface", &a_surface, create_nurbs, GD_OK, NULL},
     {"torus", &a_surface, create_torus, GD_OK, NULL},
@@ -312,6 +346,10 @@ static const struct operation items[] = {
     {"geodesic-like curve on a sphere", &geodesics, solve_sphere, GD_OK, NULL},
     {"geodesic-like curve on a sheet", &geodesics, solve_sheet, GD_OK, NULL},
     {"geodesic-like curve of one B-spline", &geodesics, solve_as_the_paper, GD_OK, NULL},
+    {"trimmed surface", &a_surface, trim_sheet, GD_OK, NULL},
+    {"nearest point of a trimmed surface", &a_foot, nearest_trimmed, GD_OK, NULL},
+    {"tessellation of a trimmed surface", &a_tessellation, tessellate_trimmed, GD_OK, NULL},
+    {"shortest path in a trimmed domain", &geodesics, solve_trimmed, GD_OK, NULL},
     {"places of a geodesic-like curve", &some_places, sample, GD_OK, NULL},
     {"distance of curves in space", &a_space_foot, in_space, GD_OK, NULL},
 };

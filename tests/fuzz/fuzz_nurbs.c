@@ -29,6 +29,17 @@ static void require_points(const struct gd_parametric *surface)
     }
 }
 
+/* A trimmed surface has a nearest point, which lies in its domain. */
+static void require_domain(const struct gd_parametric *surface)
+{
+    struct gd_parametric_closest found;
+    bool has_outer;
+    if (!gd_parametric_loops(surface, &has_outer)) return;
+    promise(gd_parametric_nearest(surface, (struct gd_vec3){0.3, 0.2, 0.1}, NULL, &found, NULL) ==
+            GD_OK);
+    promise(gd_parametric_contains(surface, found.u, found.v));
+}
+
 static void read_file(const uint8_t *data, size_t size)
 {
     static const struct proto_nurbs_options options;
@@ -42,7 +53,9 @@ static void read_file(const uint8_t *data, size_t size)
         return;
     }
     require_points(surface);
+    require_domain(surface);
     description.surface = surface;
+    description.trimming_loops = gd_parametric_loops(surface, &description.has_outer_loop);
     proto_writer_init(&writer, 65536);
     proto_nurbs_encode(&writer, &description);
     promise_json(&writer);

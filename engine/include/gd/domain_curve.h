@@ -76,6 +76,13 @@ bool gd_domain_curve_is_closed(const struct gd_domain_curve *curve);
 /* Returns the range of the curve's parameter. */
 void gd_domain_curve_range(const struct gd_domain_curve *curve, double *low, double *high);
 
+/* Sets *inside if the curve stays within the loops of a trimmed surface, which is tested at up to
+ * 4096 places. Otherwise sets `uv` to a place outside. Other surfaces contain all their curves.
+ * `control` may be NULL. Errors: GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE. Thread-safe. */
+GD_MUST_USE enum gd_status gd_domain_curve_inside(const struct gd_domain_curve *curve,
+                                                  const struct gd_control *control, bool *inside,
+                                                  double uv[2]);
+
 /* Computes (u, v) at the parameter `s`, which is wrapped on closed curves and clamped on others.
  * O(degree^2). Thread-safe. */
 void gd_domain_curve_at(const struct gd_domain_curve *curve, double s, double uv[2]);

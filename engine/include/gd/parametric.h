@@ -80,8 +80,8 @@ const struct gd_axis *gd_parametric_axis_v(const struct gd_parametric *surface);
  * points. */
 double gd_parametric_size(const struct gd_parametric *surface);
 
-/* Returns true if (u, v) is in the domain, to 1e-9 of its width if it is trimmed. A closed direction
- * contains every finite number. */
+/* Returns true if (u, v) is in the domain, to 1e-9 of its width if it is trimmed. A closed
+ * direction contains every finite number. */
 bool gd_parametric_contains(const struct gd_parametric *surface, double u, double v);
 
 /* Computes position and derivatives at a point of the domain. On a line, derivatives are those of
@@ -109,17 +109,18 @@ struct gd_parametric_closest {
     double distance;
 };
 
-/* Computes the globally closest point of the surface to `xyz`: Newton's method from every grid
- * point that may be near the minimum. `control` and `detail` may be NULL. Errors:
- * GD_INVALID_ARGUMENT (not finite), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: about
- * a thousand evaluations. Piegl and Tiller, The NURBS Book, section 6.1. Thread-safe. */
+/* Computes the globally closest point of the surface to `xyz`, within the loops of a trimmed
+ * surface: Newton's method from every grid point that may be near the minimum, and along loops.
+ * `control` and `detail` may be NULL. Errors: GD_INVALID_ARGUMENT (not finite), GD_NO_MEMORY,
+ * GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: about a thousand evaluations. Piegl and Tiller, The
+ * NURBS Book, section 6.1. Thread-safe. */
 GD_MUST_USE enum gd_status gd_parametric_nearest(const struct gd_parametric *surface,
                                                  struct gd_vec3 xyz,
                                                  const struct gd_control *control,
                                                  struct gd_parametric_closest *out,
                                                  struct gd_detail *detail);
 
-/* --- trimmed surfaces (gd/trim.h) -------------------------------------------------------------- */
+/* --- trimmed surfaces: see gd/trim.h ---------------------------------------------------------- */
 
 /* Creates a trimmed surface, which keeps `surface` alive. `surface` must not be trimmed. `control`
  * and `fault` may be NULL. Errors: GD_INVALID_ARGUMENT (a fault: counts, degrees, knots or weights

@@ -299,6 +299,201 @@ static void distances_are_a_metric(void **state)
     close_scene(&scene);
 }
 
+/* --- the domain ------------------------------------------------------------------------------- */
+
+static void faulty_loops_are_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        uint32_t outer_count, hole_count, loop;
+        double outer[5][2], hole[5][2];
+        const char *part;
+    } cases[] = {
+        {3, 0, 0, {{1, 1}, {3, 1}, {3, 3}}, {{0}}, "not closed"},
+        {5, 0, 0, {{1, 1}, {3, 3}, {1, 3}, {3, 1}, {1, 1}}, {{0}}, "itself"},
+        {5, 0, 0, {{1, 1}, {3, 1}, {2, 1}, {2, 3}, {1, 1}}, {{0}}, "itself"},
+        {5, 0, 0, {{1, 1}, {1, 1}, {3, 1}, {3, 3}, {1, 1}}, {{0}}, "equal"},
+        {4, 0, 0, {{1, 1}, {5, 1}, {3, 3}, {1, 1}}, {{0}}, "leaves the domain"},
+        {4,
+         4,
+         1,
+         {{1, 1}, {3, 1}, {3, 3}, {1, 1}},
+         {{2, 0.5}, {2.5, 2}, {2.5, 0.5}, {2, 0.5}},
+         "crosses"},
+        {4,
+         4,
+         1,
+         {{1, 1}, {3, 1}, {3, 3}, {1, 1}},
+         {{2, 1}, {2.5, 1.5}, {2.2, 1.5}, {2, 1}},
+         "touches"},
+        {4,
+         4,
+         1,
+         {{1, 1}, {2, 1}, {2, 2}, {1, 1}},
+         {{3, 3}, {3.5, 3}, {3.5, 3.5}, {3, 3}},
+         "outside the outer loop"},
+        {0, 4, 0, {{0}}, {{0, 1}, {1, 1}, {1, 2}, {0, 1}}, "border"},
+    };
+    struct gd_parametric *surface = flat(4, 4), *made;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct polygon polygons[2];
+        struct gd_trim_loop loops[2];
+        uint32_t count = 0;
+        if (cases[i].outer_count) {
+            polygon_make(&polygons[0], cases[i].outer, cases[i].outer_count);
+            loops[count++] = polygons[0].loop;
+        }
+        if (cases[i].hole_count) {
+            polygon_make(&polygons[1], cases[i].hole, cases[i].hole_count);
+            loops[count++] = polygons[1].loop;
+        }
+        struct gd_trim_fault fault;
+        const struct gd_trims trims = {loops, count, cases[i].outer_count > 0};
+        assert_int_equal(gd_parametric_trim(surface, &trims, NULL, &made, &fault),
+                         GD_INVALID_ARGUMENT);
+        assert_int_equal(fault.loop, cases[i].loop);
+        assert_non_null(strstr(fault.detail.text, cases[i].part));
+    }
+    gd_parametric_release(surface);
+}
+
+/* A square with a circular hole, whose outer loop consists of a line, a Bézier curve and a
+ * polyline. */
+static struct scene open_plate(void)
+{
+    static const double bottom[][2] = {{0, 0}, {4, 0}}, right[][2] = {{4, 0}, {4, 1}, {4, 4}},
+                        rest[][2] = {{4, 4}, {0, 4}, {0, 0}};
+    const struct gd_trim_curve outer[] = {{.degree = 1, .count = 2, .points = bottom},
+                                          {.degree = 2, .count = 3, .points = right},
+                                          {.degree = 1, .count = 3, .points = rest}};
+    struct circle hole;
+    circle_make(&hole, 2, 2, 1);
+    const struct gd_trim_loop loops[] = {{outer, 3}, hole.loop};
+    return open_scene(flat(4, 4), &(struct gd_trims){loops, 2, true});
+}
+
+static void the_mesh_ends_at_the_loops(void **state)
+{
+    (void)state;
+    struct scene scene = open_plate();
+    const struct gd_polygons *polygons = gd_tessellation_polygons(scene.tessellation);
+    const struct gd_mesh_summary *summary =
+        gd_mesh_summary(gd_tessellation_mesh(scene.tessellation));
+    double area = 0;
+    for (uint32_t f = 0; f < polygons->polygon_count; f++) {
+        const double *a = polygons->positions[polygons->corners[3 * f]],
+                     *b = polygons->positions[polygons->corners[3 * f + 1]],
+                     *c = polygons->positions[polygons->corners[3 * f + 2]];
+        double part = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+        assert_true(part > 0);
+        area += 0.5 * part;
+    }
+    check_close(area, 16 - M_PI, 2e-4);
+    assert_int_equal(summary->boundaries, 2);
+    assert_int_equal(summary->components, 1);
+    /* a point of the tessellation has the parameters of the request */
+    struct gd_point point;
+    double uv[2];
+    check_ok(gd_tessellation_point(scene.tessellation, 3.2, 1.1, &point, NULL), NULL);
+    gd_tessellation_parameters(scene.tessellation, &point, uv);
+    assert_true(fabs(uv[0] - 3.2) < 1e-12 && fabs(uv[1] - 1.1) < 1e-12);
+    close_scene(&scene);
+}
+
+static void the_domain_ends_at_the_loops(void **state)
+{
+    (void)state;
+    struct scene scene = open_plate();
+    struct gd_parametric_closest found;
+    bool has_outer;
+    assert_int_equal(gd_parametric_loops(scene.surface, &has_outer), 2);
+    assert_true(has_outer);
+    assert_true(gd_parametric_contains(scene.surface, 0, 0));
+    assert_true(gd_parametric_contains(scene.surface, 3, 2));
+    assert_true(gd_parametric_contains(scene.surface, 2 + M_SQRT1_2, 2 - M_SQRT1_2));
+    assert_true(gd_parametric_contains(scene.surface, 2, 1 - 1e-6));
+    assert_false(gd_parametric_contains(scene.surface, 2, 1 + 1e-6));
+    assert_false(gd_parametric_contains(scene.surface, 2, 2));
+    /* nearest: inside, in the hole, beyond a corner */
+    check_ok(
+        gd_parametric_nearest(scene.surface, (struct gd_vec3){0.5, 0.7, 2}, NULL, &found, NULL),
+        NULL);
+    check_close(found.distance, 2, promise);
+    check_ok(
+        gd_parametric_nearest(scene.surface, (struct gd_vec3){2.3, 2.4, 0}, NULL, &found, NULL),
+        NULL);
+    check_close(found.distance, 0.5, promise);
+    assert_true(fabs(found.u - 2.6) < 1e-9 && fabs(found.v - 2.8) < 1e-9);
+    check_ok(gd_parametric_nearest(scene.surface, (struct gd_vec3){7, 8, 0}, NULL, &found, NULL),
+             NULL);
+    check_close(found.distance, 5, promise);
+    close_scene(&scene);
+}
+
+/* A point and a curve on both sides of the hole. */
+static void a_curve_behind_a_hole(void **state)
+{
+    (void)state;
+    struct scene scene = open_plate();
+    struct gd_domain_curve *point, *line;
+    struct gd_geodesics found;
+    struct gd_detail detail = {0};
+    const double corners[2][2] = {{3.5, 0.5}, {3.5, 3.5}}, through[2][2] = {{0.5, 2}, {3.5, 2}};
+    check_ok(gd_domain_curve_point(scene.surface, 0.5, 2, &point, NULL), NULL);
+    check_ok(gd_domain_curve_polyline(scene.surface, &(struct gd_domain_polyline){corners, 2}, NULL,
+                                      &line, NULL),
+             NULL);
+    const struct gd_geodesic_request request = {.from = point, .to = line};
+    check_ok(gd_geodesic_solve(scene.tessellation, &request, NULL, &found, &detail), &detail);
+    /* tangent, arc, and the tangent that meets the line at a right angle */
+    check_close(found.items[0].length, sqrt(1.25) + M_PI_2 - acos(1 / 1.5) + 1.5, promise);
+    check_close(found.items[0].to_angle, M_PI_2, 1e-7);
+    gd_geodesics_free(&found);
+    gd_domain_curve_release(line);
+    check_ok(gd_domain_curve_polyline(scene.surface, &(struct gd_domain_polyline){through, 2}, NULL,
+                                      &line, NULL),
+             NULL);
+    assert_int_equal(gd_geodesic_solve(scene.tessellation,
+                                       &(struct gd_geodesic_request){.from = point, .to = line},
+                                       NULL, &found, &detail),
+                     GD_INVALID_ARGUMENT);
+    gd_domain_curve_release(line);
+    gd_domain_curve_release(point);
+    close_scene(&scene);
+}
+
+/* Paths from and to places of the loop. */
+static void paths_along_a_loop(void **state)
+{
+    (void)state;
+    struct scene scene = open_plate();
+    double places[4][2];
+    const double angles[4] = {0.1, 0.9, 1.7, M_PI};
+    for (int i = 0; i < 4; i++)
+        places[i][0] = 2 + cos(angles[i]), places[i][1] = 2 + sin(angles[i]);
+    for (int i = 0; i < 4; i++)
+        for (int k = 0; k < i; k++)
+            check_close(distance(&scene, places[i], places[k]), angles[i] - angles[k], promise);
+    close_scene(&scene);
+}
+
+static void a_deadline_ends_the_search(void **state)
+{
+    (void)state;
+    struct scene scene = open_plate();
+    struct gd_domain_curve *from = point_at(scene.surface, 0.5, 2),
+                           *to = point_at(scene.surface, 3.5, 2);
+    struct gd_geodesics found;
+    const struct gd_control late = {.deadline_ns = 1};
+    assert_int_equal(gd_geodesic_solve(scene.tessellation,
+                                       &(struct gd_geodesic_request){.from = from, .to = to}, &late,
+                                       &found, NULL),
+                     GD_DEADLINE);
+    gd_domain_curve_release(from);
+    gd_domain_curve_release(to);
+    close_scene(&scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -308,6 +503,12 @@ int main(void)
         cmocka_unit_test(around_a_hole_of_a_cylinder),
         cmocka_unit_test(along_a_parallel_of_a_sphere),
         cmocka_unit_test(distances_are_a_metric),
+        cmocka_unit_test(faulty_loops_are_refused),
+        cmocka_unit_test(the_mesh_ends_at_the_loops),
+        cmocka_unit_test(the_domain_ends_at_the_loops),
+        cmocka_unit_test(a_curve_behind_a_hole),
+        cmocka_unit_test(paths_along_a_loop),
+        cmocka_unit_test(a_deadline_ends_the_search),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -122,7 +122,10 @@ static void each_flaw_has_its_reason(void **state)
         {"{\"degreeU\":1,\"degreeV\":1," KNOTS "," POINTS ",\"weights\":[[1,1],[1,-1]]}", "weight"},
         {"{\"degreeU\":16,\"degreeV\":1," KNOTS "," POINTS "}", "degree"},
         {"{\"degreeU\":2,\"degreeV\":1," KNOTS "," POINTS "}", "control_count"},
-        {"{\"degreeU\":1,\"degreeV\":1," KNOTS "," POINTS ",\"trims\":[]}", "trimmed"},
+        {"{\"degreeU\":1,\"degreeV\":1," KNOTS "," POINTS ",\"trimCurves\":[]}", "trimmed"},
+        {"{\"degreeU\":1,\"degreeV\":1," KNOTS "," POINTS
+         ",\"trims\":{\"holes\":[[{\"polyline\":[[0.2,0.2],[0.4,0.2]]}]]}}",
+         "trims"},
     };
     (void)state;
     for (size_t i = 0; i < COUNT(cases); i++) {

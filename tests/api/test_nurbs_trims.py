@@ -1,0 +1,121 @@
+"""Trimmed surfaces: loops of the file, the domain that they leave, paths in it, and durability."""
+import json
+import math
+import unittest
+
+from harness import Folder
+from nurbs import CIRCLE_KNOTS, JSON, Nurbs
+
+HALF = math.sqrt(0.5)
+
+
+def circle(u, v, radius):
+    """Returns a loop of one rational curve around (u, v)."""
+    corners = ((1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1), (1, 0))
+    points = [[u + radius * x, v + radius * y, HALF if x and y else 1] for x, y in corners]
+    return [{"degree": 2, "knots": CIRCLE_KNOTS, "controlPoints": points}]
+
+
+def plate(**trims):
+    """Returns the square [0, 4] x [0, 4] of the plane with trimming loops."""
+    return {"parametric": {"graph": {"coefficients": [[0]], "u": [0, 4], "v": [0, 4]}}, "trims": trims}
+
+
+SQUARE_LOOP = [{"polyline": [[0, 0], [4, 0], [4, 4], [0, 4], [0, 0]]}]
+L_LOOP = [{"polyline": [[0, 0], [4, 0], [4, 1], [1, 1]]}, {"degree": 1, "controlPoints": [[1, 1], [1, 4]]}, {"polyline": [[1, 4], [0, 4], [0, 0]]}]
+AROUND = 2 * math.sqrt(1.25) + (math.pi - 2 * math.acos(1 / 1.5))  # from (0.5, 2) to (3.5, 2) around the unit circle at (2, 2)
+
+
+class Trims(Nurbs):
+    surfaces = {"plate": plate(outer=SQUARE_LOOP, holes=[circle(2, 2, 1)]), "angle": plate(outer=L_LOOP)}
+
+    def test_descriptions(self):
+        told = self.daemon.get("/v1/nurbs/plate").json
+        self.assertEqual((told["trimming_loops"], told["outer_loop"], told["geodesics"]), (2, True, True))
+        self.put("untrimmed", {"parametric": {"torus": {"major": 2, "minor": 1}}})
+        self.assertFalse({"trimming_loops", "outer_loop"} & set(self.daemon.get("/v1/nurbs/untrimmed").json))
+
+    def test_paths_stay_in_the_domain(self):
+        answer = self.ask("plate", "path", {"from": [0.5, 2], "to": [3.5, 2], "samples": 200, "all_minima": True})
+        self.assertAlmostEqual(answer["length"], AROUND, 10)
+        self.assertEqual((answer["converged"], answer["is_minimum"], answer["boundary_contact"]), (True, True, True))
+        self.assertEqual(len(answer["minima"]), 2)
+        for path in answer["minima"]:
+            self.assertAlmostEqual(path["length"], AROUND, 10)
+            self.assertTrue(all(math.dist(point["uv"], (2, 2)) > 1 - 1e-8 for point in path["points"]))
+        corner = self.ask("angle", "path", {"from": [3.5, 0.5], "to": [0.5, 3.5]})
+        self.assertAlmostEqual(corner["length"], 2 * math.hypot(2.5, 0.5), 10)
+        straight = self.ask("angle", "path", {"from": [0.5, 0.5], "to": [0.5, 3.5]})
+        self.assertEqual((straight["boundary_contact"], straight["warnings"]), (False, []))
+
+    def test_points_on_sampled_paths_are_in_the_domain(self):
+        points = self.ask("plate", "path", {"from": [0.5, 2.1], "to": [3.5, 2], "samples": 100})["points"]
+        self.assertEqual(len(self.ask("plate", "evaluate", {"uv": [point["uv"] for point in points]})["points"]), 100)
+
+    def test_places_that_are_cut_away(self):
+        for query, body, pointer in (("evaluate", {"uv": [[0, 0], [2, 2]]}, "/uv/1"),
+                                     ("path", {"from": [2, 2], "to": [0, 0]}, "/from"),
+                                     ("point-curve-distance", {"point": [0, 0], "curve": {"polyline": [[3, 1], [2, 2]]}}, "/curve/polyline/1"),
+                                     ("point-curve-distance", {"point": [0, 0], "curve": {"polyline": [[0.5, 2], [3.5, 2]]}}, "/curve")):
+            with self.subTest(query=query, pointer=pointer):
+                problem = self.assert_problem(self.post("plate", query, body), 422, "point_not_on_surface")
+                self.assertEqual(problem["pointer"], pointer)
+                self.assertIn("trimming loops", problem["detail"])
+
+    def test_nearest(self):
+        found = self.ask("plate", "nearest", {"xyz": [2.3, 2.4, 0]})
+        self.assertAlmostEqual(found["distance"], 0.5, 10)
+        self.assertAlmostEqual(found["uv"][0], 2.6, 8)
+
+    def test_the_mesh_has_the_hole(self):
+        self.assertEqual(self.post("plate", "tessellate", {"mesh": "plate-mesh", "tolerance": 0.001}).status, 201)
+        mesh = self.daemon.get("/v1/meshes/plate-mesh").json
+        self.assertEqual((len(mesh["boundaries"]), mesh["components"]), (2, 1))
+        self.assertAlmostEqual(mesh["boundaries"][1]["length"], 2 * math.pi, 3)
+        self.assertAlmostEqual(mesh["area"], 16 - math.pi, 2)
+        places = self.daemon.get("/v1/meshes/plate-mesh/parameters").json["uv"]
+        self.assertTrue(all(math.dist(uv, (2, 2)) > 1 - 1e-9 for uv in places))
+
+    def test_what_trimmed_surfaces_do_not_offer(self):
+        for member, value in (("turns", [0, 0]), ("initial", {"polyline": [[0.5, 2], [0.5, 3]]})):
+            body = {"from": [0.5, 2], "to": [0.5, 3], member: value}
+            problem = self.assert_problem(self.post("plate", "path", body), 400, "invalid_request")
+            self.assertEqual(problem["pointer"], f"/{member}")
+        self.assert_problem(self.post("plate", "path", {"from": [0.5, 2], "to": [0.5, 3], "degree": 2}), 400, "invalid_request")
+
+    def test_faulty_loops(self):
+        bow = [{"polyline": [[1, 1], [3, 3], [1, 3], [3, 1], [1, 1]]}]
+        open_ = [{"polyline": [[1, 1], [3, 1]]}, {"polyline": [[3, 1], [3, 3], [1, 3]]}]
+        for pointer, part, trims in (("/trims/outer/0", "itself", {"outer": bow}),
+                                     ("/trims/holes/0/1", "not closed", {"holes": [open_]}),
+                                     ("/trims/holes/1/0", "touches", {"holes": [circle(2, 2, 1), circle(3, 2, 0.5)]}),
+                                     ("/trims/holes/1/0", "inside hole 0", {"holes": [circle(2, 2, 1), circle(2, 2, 0.5)]}),
+                                     ("/trims/holes/0/0", "outside the outer loop", {"outer": L_LOOP, "holes": [circle(3, 3, 0.5)]})):
+            with self.subTest(pointer=pointer, part=part):
+                problem = self.assert_problem(self.put("faulty", plate(**trims)), 422, "invalid_mesh")
+                self.assertEqual((problem["reason"], problem["pointer"]), ("trims", pointer))
+                self.assertIn(part, problem["detail"])
+        for pointer, trims in (("/trims", {}), ("/trims/inner", {"inner": []}), ("/trims/holes", {"holes": 3}), ("/trims/outer", {"outer": []}),
+                               ("/trims/outer/0/degree", {"outer": [{"controlPoints": [[1, 1], [2, 2]]}]}),
+                               ("/trims/outer/0/polyline/1", {"outer": [{"polyline": [[1, 1], [2]]}]}),
+                               ("/trims/outer/0/knots", {"outer": [{"degree": 1, "knots": [0, 1], "controlPoints": [[1, 1], [2, 2]]}]}),
+                               ("/trims/outer/0/weights", {"outer": [{"degree": 1, "weights": [1], "controlPoints": [[1, 1], [2, 2]]}]})):
+            with self.subTest(pointer=pointer):
+                problem = self.assert_problem(self.put("faulty", plate(**trims)), 400, "invalid_request")
+                self.assertEqual(problem["pointer"], pointer)
+
+
+class Durable(Folder):
+    def test_loops_survive_a_restart(self):
+        request = json.dumps({"from": [0.5, 2], "to": [3.5, 2]})
+        with self.start() as daemon:
+            self.assertEqual(daemon.request("PUT", "/v1/nurbs/plate", json.dumps(Trims.surfaces["plate"]), JSON).status, 201)
+            before = daemon.request("POST", "/v1/nurbs/plate/path", request, JSON)
+        with self.start() as daemon:
+            after = daemon.request("POST", "/v1/nurbs/plate/path", request, JSON)
+            self.assertEqual((after.status, after.json), (200, before.json))
+            self.assertEqual(daemon.get("/v1/nurbs/plate").json["trimming_loops"], 2)
+
+
+if __name__ == "__main__":
+    unittest.main()
