@@ -1738,7 +1738,7 @@ export type Nurbs = {
   reason?: string;
   /** Number of trimming loops; absent if the surface is not trimmed. */
   trimming_loops?: number;
-  /** One of the trimming loops is an outer loop; absent if the surface is not trimmed. */
+  /** One of the loops is an outer loop; absent if the surface is not trimmed. */
   outer_loop?: boolean;
   memory_bytes: Count;
   created: string;

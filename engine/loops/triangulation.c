@@ -208,8 +208,8 @@ static enum gd_status split_edge(struct work *w, uint32_t number, int edge, uint
 
 static enum gd_status insert(struct work *w, uint32_t point)
 {
-    uint32_t number;
-    int edge;
+    uint32_t number = 0;
+    int edge = -1;
     enum gd_status status = locate(w, point, &number, &edge);
     if (status) return status;
     const struct triangle *t = &w->triangles[number];
@@ -314,8 +314,8 @@ static enum gd_status flip_crossed(struct work *w, uint32_t a, uint32_t b)
 {
     uint64_t left = w->stack_count, rounds = 16 + 4 * left * left;
     for (uint32_t head = 0; head < w->stack_count; head++) {
-        uint32_t p = w->stack[head][0], q = w->stack[head][1], number;
-        int edge;
+        uint32_t p = w->stack[head][0], q = w->stack[head][1], number = 0;
+        int edge = 0;
         if (!gd__pace(w->pace, 4)) return w->pace->status;
         if (!rounds--) return GD_INTERNAL;
         enum gd_status status = find_edge(w, p, q, &number, &edge);
@@ -339,8 +339,8 @@ static enum gd_status flip_crossed(struct work *w, uint32_t a, uint32_t b)
 /* Makes the segment (a, b) an edge of the triangulation, and fixes it. */
 static enum gd_status force_edge(struct work *w, uint32_t a, uint32_t b)
 {
-    uint32_t number;
-    int edge;
+    uint32_t number = 0;
+    int edge = 0;
     bool is_edge;
     enum gd_status status = find_start(w, a, b, &number, &edge, &is_edge);
     if (!status && !is_edge) {

@@ -27,6 +27,7 @@ struct gd__triangulation {
  * GD_BUDGET, GD_CANCELLED, GD_DEADLINE. About O(points) if neighbouring points follow one
  * another. */
 GD_MUST_USE enum gd_status gd__plane_triangulate(const struct gd__triangulation_input *input,
-                                           struct gd__pace *pace, struct gd__triangulation *out);
+                                                 struct gd__pace *pace,
+                                                 struct gd__triangulation *out);
 
 #endif

@@ -235,7 +235,7 @@ static enum gd_status add_contact(struct division *d, const struct gd__contact *
 {
     struct gd__taut_parts *parts = d->parts;
     struct gd__contact_place place;
-    uint32_t added;
+    uint32_t added = 0;
     gd__contact_at(d->surface, contact, contact->begin, &place);
     enum gd_status status = gd__uv_polyline_add(&parts->gaps[parts->gap_count - 1], place.at);
     gd__contact_at(d->surface, contact, contact->end, &place);

@@ -23,7 +23,8 @@ def plate(**trims):
 
 SQUARE_LOOP = [{"polyline": [[0, 0], [4, 0], [4, 4], [0, 4], [0, 0]]}]
 L_LOOP = [{"polyline": [[0, 0], [4, 0], [4, 1], [1, 1]]}, {"degree": 1, "controlPoints": [[1, 1], [1, 4]]}, {"polyline": [[1, 4], [0, 4], [0, 0]]}]
-AROUND = 2 * math.sqrt(1.25) + (math.pi - 2 * math.acos(1 / 1.5))  # from (0.5, 2) to (3.5, 2) around the unit circle at (2, 2)
+# length of the path from (0.5, 2) to (3.5, 2) around the unit circle at (2, 2)
+AROUND = 2 * math.sqrt(1.25) + (math.pi - 2 * math.acos(1 / 1.5))
 
 
 class Trims(Nurbs):
