@@ -8,9 +8,11 @@
 #include "base/tolerance.h"
 #include "base/prefetch.h"
 
-/* Weight of the remaining distance in A*. A weight above 1 finds a path at a fraction of the cost.
- * The path may be slightly too long, but it is straightened afterwards. */
-#define GREED           1.1
+/* Weights of the remaining distance in A*: of the straight line in space, and with landmarks of the
+ * line and of the landmarks' bound. A weight above 1 finds a path at a fraction of the cost. The
+ * path may be slightly too long, but it is straightened afterwards. */
+#define GREED           1.2
+#define LINE_GREED      1.1
 #define LANDMARKS_GREED 1.05
 
 /* Fan entries or ring vertices between two checks of the control: well under a millisecond. */
@@ -160,9 +162,10 @@ static enum gd_status relax_vertex(struct gd__guide *guide, uint32_t vertex, str
     node->upper = offer.upper;
     node->parent = offer.parent;
     node->across = offer.across;
-    double rest = GREED * gd_vec3_distance(guide->mesh->position[vertex], *from);
+    double line = gd_vec3_distance(guide->mesh->position[vertex], *from), rest = GREED * line;
     if (guide->landmark)
-        rest = fmax(rest, LANDMARKS_GREED * landmark_bound(guide, &guide->from_start, vertex));
+        rest = fmax(LINE_GREED * line,
+                    LANDMARKS_GREED * landmark_bound(guide, &guide->from_start, vertex));
     guide->heap[guide->heap_count] = (struct gd__guide_entry){offer.upper + rest, vertex};
     sift_up(guide, guide->heap_count++);
     return GD_OK;
