@@ -5,15 +5,15 @@
 #include "base/array.h"
 #include "field/sources.h"
 
-/* The last leg of each shortest path comes from a source (sources.h) that sees the point through
- * the leg's face. A path through a corner where no shortest path bends is longer by more than the
- * tie tolerance. Two paths of nearly equal length that arrive at an angle are equally long at a
+/* The last leg of each shortest path is a straight line from a source (sources.h) through one of
+ * the point's faces. A path through a corner where no shortest path bends is longer by more than
+ * the tie tolerance. Two paths of nearly equal length that arrive at an angle are equally long at a
  * nearby point. The distance to that point is the difference of the lengths, divided by twice the
  * sine of half of the angle. */
 
 struct arrival {
     double distance;
-    double turn; /* direction that the path comes from, as a turn around the point */
+    double turn; /* direction from the point back along the path, as a turn around the point */
 };
 
 struct arrivals {

@@ -5,8 +5,8 @@
 #include "base/array.h"
 
 /* The part of a circle that lies in the face and is not nearer to another source is bounded by
- * disks and half-planes. On a circle each of them is a condition cos(angle - phi) >= q. On a line
- * (the circle of a segment source) each of them is an interval. */
+ * disks and half-planes. On a circle, each disk or half-plane gives a condition cos(angle - phi) >=
+ * q. On a line (the circle of a segment source) each gives an interval. */
 
 static struct gd__local opposite(struct gd__local v)
 {
@@ -106,9 +106,9 @@ static bool circle_touches(const struct gd__circle *circle, struct gd__local nor
            slack;
 }
 
-/* Returns the part on the negative side of a line. A circle that touches the line within `slack`
- * counts as lying on its centre's side. A straight circle that coincides with the line counts as
- * lying on its own source's side. */
+/* Returns the part on the negative side of a line. If a circle touches the line within `slack`, all
+ * of it counts as lying on the side of its centre. If a straight circle coincides with the line, it
+ * counts as lying on the side of its source. */
 static struct gd__turn beyond_line(const struct gd__circle *circle, struct gd__local normal,
                                    struct gd__local through, double slack)
 {
@@ -144,8 +144,8 @@ static struct gd__turn in_disk(const struct gd__circle *circle, struct gd__local
                            (apart * apart + excess) / (2 * apart * circle->radius));
 }
 
-/* Returns the part where the distance from a linear source is at most the level. A linear source
- * only counts where its distance is at least its `nearest`. */
+/* Returns the part where the distance from a linear source is at most the level. Places where this
+ * distance is less than the source's `nearest` are excluded. */
 static struct gd__turn in_band(const struct gd__circle *circle, const struct gd__source *source,
                                double level)
 {
@@ -155,7 +155,7 @@ static struct gd__turn in_band(const struct gd__circle *circle, const struct gd_
     return gd__turn_both(&above, &below);
 }
 
-/* Returns the part where the source is visible and its distance is at most the level. */
+/* Returns the part that the source sees and whose distance from it is at most the level. */
 static struct gd__turn seen_by(const struct gd__circle *circle, const struct gd__source *source,
                                double level)
 {
@@ -212,8 +212,8 @@ static struct probe probe_of(const struct gd__circle *circle, const struct gd__s
                           0.5 * circle->radius * (span->to - span->from)};
 }
 
-/* Returns true if the source may be nearer than the level at a point of the probe that it sees. The
- * test needs no angles and rejects most sources. */
+/* Returns true if the distance from the source may be less than the level at a point of the probe.
+ * The test needs no angles and rejects most sources. */
 static bool may_cover(const struct gd__source *source, double level, const struct probe *probe)
 {
     struct gd__local v = gd__local_minus(probe->at, source->left_at),
@@ -235,10 +235,10 @@ static bool face_each_other(const struct gd__source *a, const struct gd__source 
            (b->linear || gd__source_distance(a, b->at) >= level);
 }
 
-/* Returns true if source k wins a tie with source i. Sources that face each other touch in one
- * point, or along a ridge at the level; then neither wins. A linear source wins against a point, so
- * that a line and the circle around its segment's end join exactly. Otherwise the source with the
- * lower number wins. */
+/* Returns true if source k wins a tie with source i. The circles of sources that face each other
+ * touch in one point, or along a ridge at the level; then neither source wins. A linear source wins
+ * against a point, so that a line and the circle around its segment's end join exactly. Otherwise
+ * the source with the lower number wins. */
 static bool takes_tie(const struct gd__sources *sources, uint32_t k, uint32_t i, double level)
 {
     const struct gd__source *a = &sources->source[k], *b = &sources->source[i];

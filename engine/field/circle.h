@@ -1,9 +1,9 @@
-/* Circle: the points of a face's plane at a level's distance from one source, and the arcs of it
- * where no other source is nearer.
+/* Circle: the points of a face's plane whose distance from one source is the level, and the arcs of
+ * this circle where no other source is nearer.
  *
- * For a linear source (a segment) the circle is a straight line. The line is parametrised by an
- * angle too: the tangent of half the angle is the length along the line, divided by `radius`. The
- * whole line has the angles from -pi to pi, in the order of a counter-clockwise circle. */
+ * For a linear source (a segment) the circle is a straight line. An angle parametrises the line
+ * too: the tangent of half the angle is the length along the line, divided by `radius`. The whole
+ * line has the angles from -pi to pi, in the order of a counter-clockwise circle. */
 #ifndef GD_FIELD_CIRCLE_H
 #define GD_FIELD_CIRCLE_H
 

@@ -1,6 +1,6 @@
 /* Close seeds: a seed is close to a point in another face if both lie beside the same edge or the
- * same vertex. Wedges would lose digits of such a short distance. This file computes it from small
- * weights and their differences. Normalised unit. */
+ * same vertex. Wedges would lose digits of such a short distance. Therefore this file computes the
+ * distance from small weights and their differences. Normalised unit. */
 #ifndef GD_FIELD_CLOSE_SEED_H
 #define GD_FIELD_CLOSE_SEED_H
 

@@ -55,7 +55,7 @@ struct batch {
     const struct gd_point *points;
     uint32_t count;
     const uint32_t *order;
-    double *distance; /* distance of point order[i] at [i] */
+    double *distance; /* entry i: the distance of point order[i] */
 };
 
 /* All zero is empty. */

@@ -162,7 +162,8 @@ static void copy_seed(struct gd__seed *to, const struct gd_seed *from, double un
     if (from->is_segment) to->end = from->end;
 }
 
-/* Prefetches the faces of a seed's edge: along a curve they are not neighbours in memory. */
+/* Prefetches the faces of a seed's edge, because consecutive faces along a curve are not neighbours
+ * in memory. */
 GD__PREFETCH prefetch_faces(const struct gd_mesh *mesh, const struct gd_seed *seed)
 {
     if (seed->point.kind == GD_POINT_EDGE)

@@ -10,8 +10,8 @@
  * Between two parallel segments the place belongs to a ridge of constant distance, which ends at a
  * third source or on the boundary, or is a closed line that crosses edges. Therefore a maximum is a
  * vertex, a point of a boundary edge between two sources, a point of any edge between two segments,
- * or a point between three sources. Vertices are tried first. Then only faces that may exceed the
- * best point so far are searched, with only the sources that may exceed it. */
+ * or a point between three sources. Vertices are tried first. Then the search visits only faces,
+ * and in each face only sources, whose distances may exceed the best one so far. */
 
 enum { CHECK_INTERVAL = 64 /* faces */ };
 
@@ -53,7 +53,7 @@ static void take_farthest_vertex(struct search *search)
     }
 }
 
-/* Offers a place of the current face, which becomes the best if its exact distance is greater. */
+/* Makes a place of the current face the best one if its exact distance is greater. */
 static void offer_place(struct search *search, struct gd__local at)
 {
     struct gd_point point =
@@ -281,8 +281,8 @@ static enum gd_status search_face(struct search *search, uint32_t face)
     return GD_OK;
 }
 
-/* Returns true if the field reaches every seed at a vertex, and corner 0 of the face of every other
- * seed. */
+/* Returns true if the field has a distance for every seed at a vertex, and for corner 0 of the face
+ * of every other seed. */
 static bool is_heard_of_all_seeds(const struct gd_field *field)
 {
     const struct gd_mesh *mesh = field->mesh;
@@ -297,8 +297,8 @@ static bool is_heard_of_all_seeds(const struct gd_field *field)
     return true;
 }
 
-/* Returns true if a field covers everything that paths reach. If it reaches some corners of a face
- * but not all, points of that face may be beyond its reach. */
+/* Returns true if all points with a path to a seed are within the field's reach. If the field
+ * reaches only some corners of a face, points of that face may be beyond its reach. */
 static bool is_within_reach(const struct search *search)
 {
     const struct gd_field *field = search->field;

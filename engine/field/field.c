@@ -149,8 +149,8 @@ static enum gd_status build_once(const struct build *build, struct gd__variant v
     return status;
 }
 
-/* If the check fails, the field is built again by another variant, with which rounding discards
- * other windows. */
+/* If the check fails, builds the field again by another variant of the propagation, in which
+ * rounding discards other windows. */
 static enum gd_status build_somehow(const struct build *build, const struct gd_executor *executor,
                                     struct gd_field **out)
 {

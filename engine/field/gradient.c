@@ -2,8 +2,8 @@
 #include "field/face_frame.h"
 #include "mesh/segment.h"
 
-/* The gradient of the distance: the direction of the path's last leg at the point, as a vector in
- * space. */
+/* Computes the gradient of the distance: the direction of the path's last leg at the point, as a
+ * vector in space. */
 
 /* A direction in the frame of a side of a face, not of unit length. */
 struct direction {

@@ -133,9 +133,9 @@ static bool is_seed(const struct gd_mesh *mesh, const struct gd__seed *seed)
                      gd__segment_locate(mesh, &seed->point, &seed->end, &location));
 }
 
-/* Returns true if a vertex' predecessor is valid. A vertex reached through a face names a side with
- * a face. A vertex reached along an edge is a neighbour of its source. Only an unreached vertex has
- * neither. */
+/* Returns true if a vertex' predecessor is valid. The predecessor of a vertex reached through a
+ * face must be a side with a face. A vertex reached along an edge must be a neighbour of its
+ * source. Only an unreached vertex has no predecessor. */
 static bool is_predecessor(const struct gd_field *field, uint32_t vertex)
 {
     const struct gd_mesh *mesh = field->mesh;

@@ -13,7 +13,7 @@
  * elements of blocks whose range contains the level. Such blocks are a small part of the surface,
  * because neighbours on the surface share a block. */
 
-#define INDEX_SHARE 0.4 /* the part of gd_isoline_trace's progress that building the index takes */
+#define INDEX_SHARE 0.4 /* fraction of gd_isoline_trace's progress for building the index */
 
 /* STEPS_AN_ARC: work of converting an arc to the caller's units */
 enum { STEPS_AN_ARC = 8, BLOCK = GD__CROSSING_BLOCK };
@@ -81,7 +81,7 @@ static enum gd_status check_work(struct tracer *tracer, double fraction)
 }
 
 /* Returns the range of distances on an edge: along it the distance changes by at most its length.
- * An unreached end counts as the edge's length farther than the other end. */
+ * The distance of an unreached end is taken as that of the other end plus the edge's length. */
 static struct gd__levels edge_levels(double a, double b, double length)
 {
     double sum = lesser(a, b + length) + lesser(b, a + length);
@@ -103,8 +103,8 @@ static bool may_cross_edge(const struct tracer *tracer, uint32_t edge)
     return levels_have(&levels, tracer->level);
 }
 
-/* Finds the crossings of a block's edges. Sets the block's last, additional entry of first_crossing
- * too. */
+/* Finds the crossings of a block's edges. Also sets the additional entry of first_crossing at the
+ * block's end. */
 static enum gd_status cross_edge_block(struct tracer *tracer, uint32_t block)
 {
     uint32_t edge = block * BLOCK, count = tracer->mesh->edge_count,

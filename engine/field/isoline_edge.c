@@ -2,8 +2,9 @@
 #include "field/isoline_parts.h"
 
 /* Crossings: where the distance along an edge passes the level. For each source seen from the edge,
- * the places where its distance equals the level are candidates. Between two consecutive candidates
- * all points of the edge are below the level, or none is. So one evaluation in the middle decides.
+ * the places where its distance equals the level are candidates. Between two consecutive
+ * candidates, either all points of the edge are below the level or none is. One evaluation in the
+ * middle shows which.
  *
  * A distance that equals the level up to rounding counts as not below. This rule is needed because
  * the isoline of a segment may run along whole edges, and may touch other edges between their ends.

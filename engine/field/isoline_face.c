@@ -265,8 +265,8 @@ static struct gd__isoline_piece piece_of(const struct work *work, const struct g
     return piece;
 }
 
-/* Joins two crossings that have no arc between them because of rounding, by an arc around the
- * source that fits both best. */
+/* Joins two crossings that, because of rounding, have no arc between them. The new arc has the
+ * source whose distance at both crossings is nearest to the level. */
 static enum gd_status bridge_crossings(const struct work *work, const struct gd__end *entry,
                                        const struct gd__end *exit)
 {

@@ -1,10 +1,9 @@
 /* Parts of an isoline: its crossings of edges, and its chains of arcs across faces.
  *
  * DESIGN
- * - The isoline bounds the points below the level, which lie to its left. Whether a vertex is below
- *   depends on its stored distance alone. Whether a point of an edge is below is decided once for
- *   both faces. Therefore as many lines enter a face as leave it: rounding cannot change the
- *   topology.
+ * - The isoline bounds the points below the level, which lie to its left. A vertex is below if its
+ *   stored distance is below. For a point of an edge the test is made once for both faces.
+ *   Therefore as many lines enter a face as leave it: rounding cannot change the topology.
  * - Inside a face the line consists of arcs. An arc is a part of one source's circle, or of a
  *   segment's parallel line, where no other source is nearer (circle.h). Ends of arcs and crossings
  *   are matched by place, nearest pairs first, so that each arc continues in another arc or at a

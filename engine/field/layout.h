@@ -133,8 +133,8 @@ struct gd__leg {
     enum gd__leg_kind kind;
     uint32_t face; /* the face in which the leg ends */
     uint32_t from; /* GD__LEG_VERTEX: the vertex; GD__LEG_SEED, GD__LEG_CLOSE: the seed */
-    /* GD__LEG_WEDGE: a side of `face`, and (x, -y), y >= 0: the source's place in the side's frame,
-       or for a linear wedge the direction towards the source */
+    /* GD__LEG_WEDGE: a side of `face`, and (x, -y), y >= 0. This is the source's place in the
+       side's frame, or for a linear wedge the direction towards the source. */
     uint32_t side;
     double parameter, x, y;
     /* The source of the wedge. A leg that bends at the wedge's end bends at `parameter`, and its
@@ -152,8 +152,8 @@ struct gd__leg_key {
 };
 
 /* Finds the best path to a point over all faces that contain the point; GD__FAR and GD__LEG_NONE:
- * no path. `out` is written member by member; copying the whole struct right after the call would
- * stall on store forwarding. */
+ * no path. The function writes `out` member by member. Do not copy the whole struct right after the
+ * call: the copy would wait for these stores (failed store forwarding). */
 void gd__field_leg_key(const struct gd_field *field, const struct gd_point *point,
                        struct gd__leg_key *out);
 
@@ -165,8 +165,8 @@ uint32_t gd__field_source_behind(const struct gd_field *field, uint32_t vertex);
 struct gd__leg gd__field_leg(const struct gd_field *field, const struct gd_point *point);
 
 /* Returns the last leg to a point of an edge where the path to `vertex` bends. In faces as small as
- * rounding the best path may lead back to `vertex`: then the leg goes to the nearer end of the
- * edge. */
+ * rounding, the best path may lead back to `vertex`. The result is then a leg to the nearer end of
+ * the edge. */
 struct gd__leg gd__field_leg_onward(const struct gd_field *field, const struct gd_point *bend,
                                     uint32_t vertex);
 

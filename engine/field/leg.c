@@ -66,7 +66,7 @@ static inline __attribute__((always_inline)) void prefetch_rest(const struct gd_
 }
 
 /* Fills the next views of a face, at most WEDGE_VIEWS, and returns their number. Writes a view for
- * each chunk; the next view overwrites that of a chunk whose source is on the face's own side. */
+ * each chunk. If a chunk's source is on the face's own side, the next view overwrites it. */
 static inline uint32_t take_views(const struct gd_field *field, const struct view *view,
                                   struct cursor *cursor, struct gd__wedge_view *wedge_views)
 {
@@ -188,7 +188,8 @@ static bool are_beside(const struct gd_field *field, uint32_t vertex, uint32_t f
  * amount is the rounding of places in the face if the known path is short compared with the face
  * and comes from a point seed, directly or through a vertex beside both the point and the seed.
  * Such a path is more precise than a path through a wedge. In all other cases the amount is 0. In
- * particular, a known path through another corner may itself be slightly too long. */
+ * particular, the amount is 0 for a known path through another corner, because the length of such a
+ * path may be slightly too large. */
 static inline double margin_of(const struct gd_field *field, uint32_t face, const double weight[3],
                                const struct gd__leg_key *best)
 {
@@ -310,7 +311,7 @@ static void complete_wedge(const struct gd__wedge_view *wedge_view, uint32_t wed
     leg->parameter = wedge_crossing(wedge_view, &w);
 }
 
-/* Finds the wedge with number `place` in the search, and completes the leg. */
+/* Finds the wedge that the search counted as number `place`, and completes the leg. */
 static void find_wedge(const struct gd_field *field, const struct gd_point *point, uint32_t place,
                        struct gd__leg *leg)
 {

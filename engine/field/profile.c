@@ -64,8 +64,8 @@ static struct gd__window window_of_line(const struct gathering *g, double value,
                                .source = source};
 }
 
-/* Adds the part of the segment that the source of a side's window sees, between the rays through
- * the window's ends. */
+/* Adds the part of the segment that the source of a side's window sees. This part lies between the
+ * rays through the window's ends. */
 static enum gd_status push_seen(struct gathering *g, const struct gd__window *seen)
 {
     struct gd__local at = g->chord.from, u = g->chord.along;
@@ -200,9 +200,9 @@ static double at_most(const struct gd__window *w, double t)
     return gd__window_distance(w, end) + fabs(t - end);
 }
 
-/* Returns the distance at t, an end of window i. Rounded ends leave gaps between neighbouring
- * strips of segments, in which a farther source appears; the windows beside a gap bound the
- * distance. */
+/* Returns the distance at t, an end of window i. Because ends are rounded, gaps may lie between
+ * neighbouring strips of segments. In a gap the profile shows a source that is farther than the
+ * true one. The windows beside the gap bound the distance. */
 static double distance_at_end(const struct gd__profile *profile, uint32_t i, double t)
 {
     const struct gd__window *w = profile->windows.windows;

@@ -55,7 +55,7 @@ struct gd__stop gd__ray_arrive_at_chord(struct gd__path_builder *builder, uint32
 
 /* --- from face to face ------------------------------------------------------------------------ */
 
-/* The way in which a ray left a face: the lengths of the crossed edge and of the ray's segment in
+/* Describes how a ray left a face, by the lengths of the crossed edge and of the ray's segment in
  * the face. */
 struct passage {
     double edge, segment;
@@ -99,7 +99,7 @@ BOTH_KINDS void cross_face(const struct gd_side *s, struct gd__ray *ray, struct 
     ray->t = passage->edge - along;
     ray->x = -(rx * ux + ry * uy);
     double y = ux * ry - uy * rx;
-    ray->y = y > 0 ? y : 0; /* fmax would be a call, which spills all registers */
+    ray->y = y > 0 ? y : 0; /* not fmax, because a function call would spill all registers */
     passage->segment = sqrt(sx * sx + sy * sy);
 }
 
@@ -180,7 +180,7 @@ static struct gd__stop follow_to_point(struct gd__path_builder *builder, struct 
 
 /* The error of a ray grows with the length of its leg, not with the size of the face. In faces much
  * smaller than the leg, rounding can take the ray past the wrong side of a vertex, or past its
- * source. A careful ray goes through every such vertex: the detour is of second order, and the
+ * source. A careful ray goes through every such vertex. The detour is of second order, and the
  * predecessor of the vertex is accurate because the vertex is near to the source. */
 
 /* Returns the vertex within the margin of the crossing where a ray leaves its face, or GD_NONE.

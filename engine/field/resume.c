@@ -4,8 +4,8 @@
 #include "field/layout.h"
 #include "partition/partition.h"
 
-/* Fraction of the vertices. If the partial field reaches fewer, two wavefronts from the seeds
- * (engine/doc/011) are faster than resuming. */
+/* Fraction of the vertices. If the partial field reaches fewer vertices, two wavefronts from the
+ * seeds (engine/doc/011) are faster than resuming. */
 #define PART_WORTH_KEEPING 0.5
 
 static enum gd_status check_resume(const struct gd_field *partial, double radius,

@@ -11,7 +11,8 @@
 
 enum {
     CHECK_INTERVAL = 16, /* edges or faces with more than one owner */
-    ROUNDS_MOST = 4      /* limit on rounds of changes of vertex owners; nested ties are rare */
+    /* limit on rounds of settle_owners; one round suffices unless ties are nested, which is rare */
+    ROUNDS_MOST = 4
 };
 
 /* Progress of the call when a step begins. */

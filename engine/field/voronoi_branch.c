@@ -1,6 +1,6 @@
 #include "field/voronoi_branch.h"
 
-/* steps of Newton's method, from places that are accurate up to rounding or the height of a
+/* steps of Newton's method; it starts at places that are accurate up to rounding or the height of a
  * chord */
 enum { STEPS = 8 };
 

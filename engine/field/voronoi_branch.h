@@ -8,8 +8,8 @@
  *   1/r = 2 (a u - k) / (a a - k^2).
  * - About a point s, against a line with gradient g that is farther by k: r = k + r g u, that is
  *   1/r = (1 - g u) / k.
- * - A line has this form about any place off the line. For two linear sources the centre is a
- *   chosen place, not a source.
+ * - A line has this form about any place that is not on the line. For two linear sources the centre
+ *   is a chosen place, not a source.
  * So 1/r is linear in u. There are two tests of a place c + r u of the branch: on which side of a
  * line it lies, and whether a third source is nearer. Divided by r, these tests are linear in u
  * too: m u >= h. Their solution is a span of angles. Only the test of a third point against two

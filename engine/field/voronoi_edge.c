@@ -7,7 +7,8 @@
 /* Owners along an edge, from the lower envelope of the windows that reach the edge, the edge's
  * ends, and the seeds on the edge. */
 
-enum { STEPS = 8 /* steps of Newton's method, from places that are accurate up to the nudge */ };
+/* steps of Newton's method; it starts at places that are accurate up to the nudge */
+enum { STEPS = 8 };
 
 static uint32_t end_of(const struct gd__diagram *diagram, uint32_t edge, int k)
 {

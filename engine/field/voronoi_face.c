@@ -119,8 +119,8 @@ static enum gd_status find_views(const struct work *work)
     return GD_OK;
 }
 
-/* Returns true for a corner of the face where no path bends: its straight paths belong to a source
- * behind the corner. */
+/* Returns true for a corner of the face where no path bends. Paths through such a corner are
+ * straight, and belong to a source behind the corner. */
 static bool is_needless(const struct gd__diagram *diagram, const struct gd__source *source)
 {
     uint32_t vertices = diagram->mesh->vertex_count;

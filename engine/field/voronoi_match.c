@@ -130,8 +130,8 @@ static struct gd__loose_end *find_partner(const struct work *work,
     return best;
 }
 
-/* Adds a loose end with the node of a triple point, for two of its members whose part was not
- * found. Later matching bridges it, or joins it to a part that ends elsewhere because of
+/* Adds a loose end at the node of a triple point, for two of its members whose part was not found.
+ * Later matching bridges this end, or joins it to a part that ends elsewhere because of
  * rounding. */
 static enum gd_status await_two(const struct work *work, const struct gd__loose_end *first,
                                 uint32_t a, uint32_t b, uint32_t node)

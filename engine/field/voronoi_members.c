@@ -50,7 +50,7 @@ static int by_claim(const void *a, const void *b)
 
 /* Returns the owner of a place that several seeds share. `places` are sorted. Among the members
  * with the least offset, the owner is the member with the most segments that end at the place; in a
- * tie, the first of them. The reason is that a point on another member's curve owns nothing. */
+ * tie, the first of them. Therefore a point on another member's curve owns no region. */
 static uint32_t member_with_best_claim(const struct place *places, uint32_t count)
 {
     uint32_t best = places[0].member, most = 0, ends = 0;

@@ -4,7 +4,7 @@
  * DESIGN
  * - A nudge separates members that tie: each member's distance is increased by a tiny amount of its
  *   own (GD_TOL_TIE). With nudges the diagram is in general position even if surface and seeds are
- *   symmetric, and edges and faces decide ties consistently. Nudges only decide the topology;
+ *   symmetric, and edges and faces decide ties consistently. Nudges determine the topology only;
  *   places are computed without them.
  * - Each vertex has an owner. Along an edge the owners come from the lower envelope of its windows.
  *   An owner change is a node where the owner changes; both faces of the edge share it. If the

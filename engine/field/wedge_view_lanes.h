@@ -71,7 +71,7 @@ static inline lanes distances_of_points(const struct gd_field *field,
           from = greater(g->b0 - (unit + unit), all(0)),
           to = lesser(g->b1 + (unit + unit), all(wedge_view->length));
     lanes px = all(wedge_view->x), py = all(wedge_view->y), dx = px - x, dy = py + y;
-    /* leg.c has the same computation for one wedge */
+    /* leg.c repeats this computation for a single wedge */
     lanes straight = pick(lt(all(0), dy), x + dx * (y / dy), px);
     lanes bend = lesser(greater(straight, from), to), ex = bend - x, fx = px - bend;
     mask bends = either(lt(straight, from), lt(to, straight));

@@ -10,8 +10,8 @@
  * Chunks contain no windows whose sources lie on the edge's own line. Therefore the edge's ends and
  * the seeds on the edge are merged here, as the paper's tuples with d0 = 0 or d1 = 0. */
 
-/* Stored ends of wedges are rounded to one unit: two ends that were equal may lie this far apart,
- * without a real gap. */
+/* Stored ends of wedges are rounded to one unit. Two ends that were equal before rounding may lie
+ * this far apart. */
 #define ROUNDED (2 * GD__WEDGE_UNIT)
 
 /* Dropped pieces leave gaps up to this width: the wedge before the gap is extended over it. */
@@ -172,8 +172,7 @@ static struct gd_wedge export_wedge(const struct gd_field *field, double length,
     bool at_vertex = w.source < mesh->vertex_count, left = w.tags & GD__WINDOW_FAR_SIDE;
     double sigma = gd__field_sigma(field, w.source);
     w.sigma -= sigma;
-    /* for a linear wedge this is the distance from its line, which may be below 0 in a closed
-       gap */
+    /* d0, d1 of a linear wedge: distances from its line, which may be below 0 in a closed gap */
     return (struct gd_wedge){.b0 = w.b0 * mesh->unit,
                              .b1 = w.b1 * mesh->unit,
                              .d0 = fmax(gd__window_distance(&w, w.b0), 0) * mesh->unit,
@@ -275,7 +274,7 @@ static enum gd_status append_edges(const struct gd_field *field, const struct gd
         uint32_t before = capacity;
         status = append_edge(field, edge, m, all, &capacity);
         if (status || (capacity == before && edge % CHECK_EDGES != 0)) continue;
-        /* growing the array holds it and a copy of twice its size */
+        /* while the array grows, the old array and a new one of twice its size exist */
         status = gd_control_afford(control, fixed + 3 * (size_t)capacity * sizeof *all->wedges);
         if (!status) status = gd_control_check(control, (double)edge / edges);
     }

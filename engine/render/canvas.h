@@ -41,7 +41,7 @@ struct gd__canvas {
 /* --- on an image ------------------------------------------------------------------------------ */
 
 struct gd__paint {
-    struct gd__canvas canvas; /* first */
+    struct gd__canvas canvas; /* must be the first member */
     struct gd__image *image;  /* borrowed */
     const struct gd_control *control;
     uint8_t *coverage; /* per pixel: coverage by the current shape; all 0 between calls */
@@ -57,7 +57,7 @@ void gd__paint_close(struct gd__paint *paint); /* also needed after a failure */
 /* --- as SVG ----------------------------------------------------------------------------------- */
 
 struct gd__svg {
-    struct gd__canvas canvas; /* first */
+    struct gd__canvas canvas; /* must be the first member */
     struct gd__budget *budget;
     char *text;
     size_t used, capacity;

@@ -50,11 +50,11 @@ struct gd_curve_request {
 
 /* Computes the curve of a request; the caller frees it by gd_curve_free. A point equal to its
  * predecessor is left out. A point within 4e-12 of an edge or a vertex, in barycentric coordinates,
- * is moved onto it. A closed curve of two points runs there and back. `control` and `detail` may be
- * NULL. Errors: GD_INVALID_ARGUMENT (no points, or points on different components),
- * GD_OUT_OF_RANGE, GD_UNREFERENCED_VERTEX, GD_NO_SUCH_EDGE, GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
- * GD_DEADLINE, and those of gd_pair_solve. Cost: that of gd_pair_solve for each pair of points;
- * otherwise linear in the size of the curve. Thread-safe. */
+ * is moved onto it. A closed curve of two points runs from the first to the second and back.
+ * `control` and `detail` may be NULL. Errors: GD_INVALID_ARGUMENT (no points, or points on
+ * different components), GD_OUT_OF_RANGE, GD_UNREFERENCED_VERTEX, GD_NO_SUCH_EDGE, GD_NO_MEMORY,
+ * GD_BUDGET, GD_CANCELLED, GD_DEADLINE, and those of gd_pair_solve. Cost: that of gd_pair_solve for
+ * each pair of points; otherwise linear in the size of the curve. Thread-safe. */
 GD_MUST_USE enum gd_status gd_curve_resolve(const struct gd_mesh *mesh,
                                             const struct gd_curve_request *request,
                                             const struct gd_control *control, struct gd_curve *out,

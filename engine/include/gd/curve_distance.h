@@ -9,9 +9,9 @@
  *         gd_curve_distance_free(&distance);
  *     }
  *
- * Along a segment of the other curve the field's distance is the lower envelope of the distances
- * from a few sources, whose extremes have closed forms. In all functions `control` may be NULL.
- * Thread-safe. */
+ * Along a segment of the other curve, the field's distance is the lower envelope of the distances
+ * from a few sources. The extremes of this envelope have closed forms. In all functions `control`
+ * may be NULL. Thread-safe. */
 #ifndef GD_CURVE_DISTANCE_H
 #define GD_CURVE_DISTANCE_H
 

@@ -56,9 +56,9 @@ void gd_cut_free(struct gd_cut *cut); /* frees the pieces and zeroes; NULL is ha
  *
  * The curve is snapped to a vertex, an edge or itself if it passes closer than a millionth of the
  * face's longest edge (up to a hundredth in faces that are nearly degenerate). Thus no new face is
- * too flat for computations. A part of the curve that runs there and back without enclosing an
- * area, or along the boundary, cuts nothing. If the curve crosses itself, each loop is cut out: a
- * figure of eight gives three pieces. Exact integer arithmetic decides the crossings and the
+ * too flat for computations. A part of the curve cuts nothing if it runs along the boundary, or
+ * returns along itself without enclosing an area. If the curve crosses itself, each loop is cut
+ * out: a figure of eight gives three pieces. Exact integer arithmetic decides the crossings and the
  * triangulation of crossed faces.
  *
  * The caller frees `*out` by gd_cut_free. Errors: GD_INVALID_ARGUMENT (an open curve whose ends are

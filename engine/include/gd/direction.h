@@ -4,15 +4,15 @@
  *     if (gd_direction_at_angle(mesh, &point, M_PI_2, &direction, NULL) == GD_OK)
  *         printf("%g\n", direction.xyz.z);
  *
- * Angles grow counter-clockwise as seen from outside. Angle zero is (indices and order are those of
- * the input)
+ * Angles grow counter-clockwise as seen from outside. Angle zero is the following direction
+ * (indices and order are those of the input):
  *     in a face             the direction of its first edge, from its first corner to its second,
  *                           in the order of the input
  *     on an edge            from the lower-numbered vertex to the higher one. The surface is flat
  *                           across an edge: angles up to pi lead into the face to the left of that
  *                           direction, others into the face to the right
  *     at an interior vertex the edge to the lowest-numbered neighbour; any total angle
- *                           counts as 2 pi
+ *                           is scaled to 2 pi
  *     at a boundary vertex  the boundary edge from which the faces around the vertex follow each
  *                           other counter-clockwise; angles are not scaled, and are at most
  *                           the total angle.

@@ -27,7 +27,8 @@ struct gd_discretize_options {
 /* `polygons` are triangles. The other arrays have one entry for each vertex. */
 struct gd_discretization {
     struct gd_polygons polygons;
-    struct gd_limit_point *places; /* a vertex on an edge names either of its faces */
+    /* for a vertex on an edge: its place in one of the edge's two faces */
+    struct gd_limit_point *places;
     /* Unit normals. On a crease: the normal of one side. 0 where no normal exists. */
     struct gd_vec3 *normals;
 };

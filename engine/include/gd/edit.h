@@ -1,5 +1,5 @@
-/* Edit: makes a new mesh from a mesh: simplified, subdivided, smoothed, with filled holes, or with
- * some of the components.
+/* Edit: makes a new mesh from a mesh. The edits are simplification, subdivision, smoothing, filling
+ * of holes, and selection of components.
  *
  *     struct gd_simplify_options options = {.faces = 10000};
  *     struct gd_edited edited;
@@ -54,8 +54,8 @@ struct gd_simplify_options {
 /* Simplifies a mesh by edge collapses, in order of their quadric error. The remaining vertices keep
  * their positions and their order. A collapse is rejected if it turns a face by more than 90
  * degrees, makes a face so flat that gd_mesh_build would warn, or changes the topology. Vertices
- * with more than GD_EDIT_VALENCE_MOST neighbours stay, and so do their neighbours. Therefore the
- * result may have more faces than requested.
+ * with more than GD_EDIT_VALENCE_MOST neighbours, and their neighbours, are not removed. Therefore
+ * the result may have more faces than requested.
  *
  * The caller frees `*out` by gd_edited_free. Errors: GD_INVALID_ARGUMENT (neither faces nor
  * max_distance, or an invalid length), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost:
@@ -102,8 +102,7 @@ enum gd_smooth_direction { GD_SMOOTH_TANGENTIAL, GD_SMOOTH_NORMAL, GD_SMOOTH_BOT
 struct gd_smooth_options {
     uint32_t iterations; /* 1 to GD_SMOOTH_ITERATIONS_MOST */
     enum gd_smooth_direction direction;
-    /* radians: the ends of an edge stay if the normals of its faces differ by more than this
-       angle */
+    /* radians: an edge is a feature if the normals of its faces differ by more than this angle */
     double feature_angle;
 };
 
@@ -111,7 +110,7 @@ struct gd_smooth_options {
 
 /* Moves each vertex half of the way to the mean of its neighbours, `iterations` times. Tangential
  * moves make faces more regular; moves along the normal remove noise. Vertices on the boundary and
- * on features stay. The caller frees `*out` by gd_edited_free. Errors: GD_INVALID_ARGUMENT,
+ * on features do not move. The caller frees `*out` by gd_edited_free. Errors: GD_INVALID_ARGUMENT,
  * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: linear for each iteration.
  * Thread-safe. */
 GD_MUST_USE enum gd_status gd_smooth_mesh(const struct gd_mesh *mesh,
@@ -129,12 +128,13 @@ struct gd_fill_options {
 
 /* Fills each boundary loop of at most `max_edges` edges with triangles of least total area. The new
  * triangles are divided until they are as small as the faces around them, and then smoothed. The
- * faces and vertices of the input stay and come first. A loop stays open if only degenerate
- * triangles would close it, if its triangles would cross each other or those of another loop, or if
- * it is the border of a single face. New triangles may cross faces of the input. The caller frees
- * `*out` by gd_edited_free. Errors: GD_INVALID_ARGUMENT; GD_NOT_TRIANGULABLE, with the vertices of
- * a loop, if no loop can be closed; GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. For a loop
- * of n edges: O(n^3) time and 10 n^2 bytes. Thread-safe. */
+ * faces and vertices of the input do not change; new faces and vertices come after them. A loop
+ * stays open if only degenerate triangles would close it, if its triangles would cross each other
+ * or those of another loop, or if it is the border of a single face. New triangles may cross faces
+ * of the input. The caller frees `*out` by gd_edited_free. Errors: GD_INVALID_ARGUMENT;
+ * GD_NOT_TRIANGULABLE, with the vertices of a loop, if no loop can be closed; GD_NO_MEMORY,
+ * GD_BUDGET, GD_CANCELLED, GD_DEADLINE. For a loop of n edges: O(n^3) time and 10 n^2 bytes.
+ * Thread-safe. */
 GD_MUST_USE enum gd_status gd_fill(const struct gd_mesh *mesh,
                                    const struct gd_fill_options *options,
                                    const struct gd_control *control, struct gd_edited *out,
@@ -163,7 +163,7 @@ struct gd_edit_step {
 
 #define GD_EDIT_STEPS_MOST 16
 
-/* Edits applied one after the other. The array is borrowed for the call. */
+/* A sequence of edits. The array is borrowed for the call. */
 struct gd_edit_steps {
     const struct gd_edit_step *items;
     uint32_t count;

@@ -85,7 +85,7 @@ enum gd_geodesic_warning {
 
 struct gd_geodesic {
     double length;
-    double error;                        /* estimate of the length's error, in its unit */
+    double error;                        /* estimated error of the length, in the same unit */
     double from_parameter, to_parameter; /* parameters on the curves; 0 for a point */
     /* between path and curve, in [0, pi]; pi / 2 for a point */
     double from_angle, to_angle;
@@ -118,12 +118,12 @@ void gd_geodesics_free(struct gd_geodesics *geodesics); /* NULL is harmless */
  * that do not cross `from` or `to` between their ends. Of each family of equally long paths only
  * one is listed. If no path is a minimum, the result is one path with GD_GEODESIC_NOT_MINIMAL. If
  * `from` and `to` meet, the path has length 0 and no pieces. Exchanging `from` and `to` changes the
- * result only by rounding. The function finds the global minimum if the tessellation is fine enough
- * to distinguish the routes around the surface's features. `control` and `detail` may be NULL; the
- * caller frees `*out` by gd_geodesics_free. Errors: GD_INVALID_ARGUMENT (a curve of another
- * surface, options out of range), those of gd_field_build, GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
- * GD_DEADLINE, GD_INTERNAL (no path converged). Cost: milliseconds, for two fields of the
- * tessellation and about 20 Newton steps. Thread-safe. */
+ * result only by rounding. The function finds the global minimum if the tessellation is fine
+ * enough: it must distinguish the routes around the surface's features. `control` and `detail` may
+ * be NULL; the caller frees `*out` by gd_geodesics_free. Errors: GD_INVALID_ARGUMENT (a curve of
+ * another surface, options out of range), those of gd_field_build, GD_NO_MEMORY, GD_BUDGET,
+ * GD_CANCELLED, GD_DEADLINE, GD_INTERNAL (no path converged). Cost: milliseconds, for two fields of
+ * the tessellation and about 20 Newton steps. Thread-safe. */
 GD_MUST_USE enum gd_status gd_geodesic_solve(const struct gd_tessellation *tessellation,
                                              const struct gd_geodesic_request *request,
                                              const struct gd_control *control,

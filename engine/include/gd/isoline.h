@@ -12,10 +12,10 @@
  * pieces, each parallel to a segment source. Arcs and pieces meet on edges and on the bisectors of
  * their sources. A line is closed, or open with both ends on the boundary. Seen from outside,
  * points nearer to the seeds lie to the left of a line. Lines are not sampled: the distance at an
- * arc's end equals the level to 1e-9 relative (1e-14 is usual). Lines whose length is no more than
- * rounding, for example at a local maximum or at level zero, are left out. Midway between two
- * parallel segments the distance is constant along a ridge: a line at that level runs along the
- * ridge in both directions. */
+ * arc's end equals the level to 1e-9 relative (1e-14 is usual). Lines no longer than the rounding
+ * error, for example at a local maximum or at level zero, are left out. Midway between two parallel
+ * segments the distance is constant along a ridge: a line at that level runs along the ridge in
+ * both directions. */
 #ifndef GD_ISOLINE_H
 #define GD_ISOLINE_H
 

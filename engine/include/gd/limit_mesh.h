@@ -70,8 +70,8 @@ GD_MUST_USE enum gd_status gd_limit_mesh_point(const struct gd_limit_mesh *fine,
                                                const struct gd_limit_point *place,
                                                struct gd_point *out, struct gd_detail *detail);
 
-/* Returns the place of a mesh point. For a point on an edge between two faces the place is in
- * either. Cost: as gd_limit_mesh_point. */
+/* Returns the place of a mesh point. For a point on an edge between two faces, the place is in one
+ * of the two. Cost: as gd_limit_mesh_point. */
 struct gd_limit_point gd_limit_mesh_place(const struct gd_limit_mesh *fine,
                                           const struct gd_point *point);
 

@@ -26,11 +26,11 @@ void gd_limit_shortest_free(struct gd_limit_shortest *shortest);
  * geodesic of the limit surface (gd_limit_relax). If relaxation fails, or if the relaxed path is
  * longer than the mesh's path projected onto the limit surface, the result is the projected path.
  * The projected path's length is an upper bound of the distance; its difference from mesh_distance
- * estimates the error. If two paths are nearly equally short, the mesh decides, and the result may
- * be longer than the shortest path by O(4^-level). `control` and `detail` may be NULL; the caller
- * frees `*out` by gd_limit_shortest_free. Errors: those of gd_limit_place_check and gd_pair_solve;
- * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_INTERNAL. Cost: a search on the mesh, and
- * about ten traces. Thread-safe. */
+ * estimates the error. If two paths are nearly equally short, the function chooses the path that is
+ * shorter on the mesh. The result may then be longer than the shortest path by O(4^-level).
+ * `control` and `detail` may be NULL; the caller frees `*out` by gd_limit_shortest_free. Errors:
+ * those of gd_limit_place_check and gd_pair_solve; GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
+ * GD_DEADLINE, GD_INTERNAL. Cost: a search on the mesh, and about ten traces. Thread-safe. */
 GD_MUST_USE enum gd_status gd_limit_shortest_find(const struct gd_limit_mesh *fine,
                                                   const struct gd_limit_point ends[2],
                                                   const struct gd_control *control,

@@ -54,7 +54,7 @@ struct gd_mesh_options {
  * NULL. The caller owns one reference of `*out`.
  *
  * Polygons of up to 4096 corners are triangulated by diagonals that are not yet edges of the mesh.
- * In each component a minority of the faces is flipped if the orientation is inconsistent. Vertices
+ * If the orientation of a component is inconsistent, the minority of its faces is flipped. Vertices
  * that no face uses keep their index.
  *
  * Weld: the vertices of faces are visited in order of index. Each is merged into the
@@ -103,7 +103,8 @@ struct gd_mesh_summary {
     uint32_t boundaries;            /* boundary loops */
     uint32_t unreferenced_vertices; /* indices without a vertex of the surface */
     uint32_t saddle_vertices;       /* interior, total angle > 2 pi */
-    /* nearly degenerate: height less than 1e-6 of the longest edge; usable, but worth repairing */
+    /* nearly degenerate: height less than 1e-6 of the longest edge; distances are still reliable,
+       but a repair is advisable */
     uint32_t degenerate_faces;
     uint32_t flipped_faces; /* flipped to make the orientation consistent */
     int64_t euler_characteristic;

@@ -1,4 +1,4 @@
-/* Shortening: moves a curve across the surface towards a geodesic, as a string that is pulled
+/* Shortening: moves a curve across the surface towards a geodesic, like a string that is pulled
  * tight.
  *
  *     struct gd_shortening_request request = {.curve = &curve};
@@ -42,12 +42,12 @@ void gd_shortening_free(struct gd_shortening *shortening); /* NULL is harmless *
 /* Shortens the curve in `rounds` rounds. Each round divides it into `pieces` and straightens them;
  * every other round shifts the divisions by half a piece. The ends of an open curve stay. With
  * `rounds` 0 the result is a geodesic. An open curve is straightened at once. A closed curve takes
- * up to GD_SHORTENING_ROUNDS rounds. Each of them begins at another point of the curve and
- * straightens the bend at the previous beginning. `control` and `detail` may be NULL. The caller
- * frees `*out` by gd_shortening_free. Errors: GD_INVALID_ARGUMENT (a closed curve that shrinks to a
- * point), GD_TOO_LARGE (more than 65536 pieces), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED,
- * GD_DEADLINE, GD_INTERNAL (two consecutive points without a common face). Cost: a round is linear
- * in the number of faces that the curve crosses or moves across. Thread-safe. */
+ * up to GD_SHORTENING_ROUNDS rounds. Each round begins at another point of the curve, and thus
+ * straightens the bend at the beginning of the previous round. `control` and `detail` may be NULL.
+ * The caller frees `*out` by gd_shortening_free. Errors: GD_INVALID_ARGUMENT (a closed curve that
+ * shrinks to a point), GD_TOO_LARGE (more than 65536 pieces), GD_NO_MEMORY, GD_BUDGET,
+ * GD_CANCELLED, GD_DEADLINE, GD_INTERNAL (two consecutive points without a common face). Cost: a
+ * round is linear in the number of faces that the curve crosses or moves across. Thread-safe. */
 GD_MUST_USE enum gd_status gd_curve_shorten(const struct gd_mesh *mesh,
                                             const struct gd_shortening_request *request,
                                             const struct gd_control *control,

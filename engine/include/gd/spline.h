@@ -53,7 +53,7 @@ struct gd_spline_request {
     const struct gd_point *points;
     uint32_t count;
     /* joins the last point to the first, which is not repeated; a closed spline of two points runs
-       there and back */
+       from the first to the second and back */
     bool closed;
     double alpha; /* in [0, 1]: 0 uniform, 1/2 centripetal, 1 chordal */
     /* c, from 0 (Catmull-Rom) to 1 (tangents of inner points are 0, and the curve is a geodesic

@@ -89,7 +89,7 @@ struct gd_detail {
     uint32_t count;
     /* the first offending elements; [1] is only used for edges */
     uint64_t elements[GD_DETAIL_ELEMENTS][2];
-    /* one sentence for users, NUL-terminated, may be empty */
+    /* a sentence for users, NUL-terminated; may be empty */
     char text[GD_DETAIL_TEXT];
 };
 

@@ -21,10 +21,10 @@
  * rounding does not choose the side. The tolerance is 1e-12 of the crossed edge or of the distance
  * from the start, whichever is shorter, plus 4e-15 of the edge.
  *
- * At the boundary a line stops or slides. A sliding line follows the boundary, to the side to which
- * it leans, as long as it makes an acute angle with the next edge. It leaves the boundary where its
- * straight continuation is on the surface. At a boundary vertex the straight continuation is half a
- * turn from the direction back. */
+ * At the boundary a line stops or slides. A sliding line turns into the boundary edge with which it
+ * makes the smaller angle. It follows the boundary as long as its angle with the next edge is
+ * acute. It leaves the boundary where its straight continuation is on the surface. At a boundary
+ * vertex the straight continuation is half a turn from the direction back. */
 #ifndef GD_TRACE_H
 #define GD_TRACE_H
 
@@ -90,10 +90,10 @@ GD_MUST_USE enum gd_status gd_trace_follow(const struct gd_mesh *mesh,
 #define GD_TRACE_LANES 8 /* largest number of traces of gd_trace_follow_many */
 
 /* Traces lines in request->count <= GD_TRACE_LANES directions into as many elements of `out`: the
- * results equal those of gd_trace_follow to the last bit. The lines advance by one face in turn, so
- * that their memory latencies overlap. On meshes larger than the caches this is about four times as
- * fast as single calls. On failure of any line `out` is untouched, and the detail describes the
- * first failure. Memory is allocated once for all lines. */
+ * results equal those of gd_trace_follow to the last bit. The lines advance in turn, by one face
+ * each, so that their memory latencies overlap. On meshes larger than the caches this is about four
+ * times as fast as single calls. On failure of any line `out` is untouched, and the detail
+ * describes the first failure. Memory is allocated once for all lines. */
 GD_MUST_USE enum gd_status gd_trace_follow_many(const struct gd_mesh *mesh,
                                                 const struct gd_trace_request *request,
                                                 const struct gd_control *control,

@@ -1,4 +1,4 @@
-/* Workspace: memory that consecutive long calls reuse, which saves allocation, clearing and page
+/* Workspace: memory that consecutive long calls reuse. It saves allocation, clearing and page
  * faults.
  *
  * Without a workspace each call allocates and frees its memory. With a workspace (struct
