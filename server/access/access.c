@@ -184,7 +184,7 @@ void server_access_write(struct server_access *access, const char *tenant,
                          struct proto_writer *writer)
 {
     static const struct {
-        /* kind NULL: another value of the preceding metric */
+        /* `kind` is NULL if the entry is another value of the preceding metric */
         const char *name, *kind, *help, *reason;
         size_t offset;
     } counters[] = {

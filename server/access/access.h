@@ -18,14 +18,15 @@ struct server_access;
 struct server_grant {
     struct server_credentials *keys;     /* a reference to the set that contains `key` */
     const struct server_credential *key; /* NULL: no key */
-    bool is_entered; /* the request counts as one of the key's concurrent requests */
+    bool is_entered; /* true: the request counts among the key's concurrent requests */
 };
 
 /* Reads the keys of the file. Returns NULL with a sentence in `error` on failure. */
 struct server_access *server_access_create(const char *path, char error[SERVER_ERROR]);
 void server_access_destroy(struct server_access *access); /* NULL is harmless */
 
-/* Reads the file again. False with a sentence in `error`: the old keys stay in use. Thread-safe. */
+/* Reads the file again. On failure returns false with a sentence in `error`; the old keys stay in
+ * use. Thread-safe. */
 bool server_access_reload(struct server_access *access, char error[SERVER_ERROR]);
 
 struct server_access_request {
@@ -34,9 +35,9 @@ struct server_access_request {
     enum proto_access needed;
 };
 
-/* Fills in `*grant`, also if the key is refused; the caller always ends it. Returns false with
- * unauthorized, forbidden or rate_limited. Returns true with an empty grant if `access` is NULL or
- * the route public. Thread-safe. */
+/* Fills in `*grant`, also if the key is refused; the caller always ends the grant. Returns false
+ * with unauthorized, forbidden or rate_limited. Returns true with an empty grant if `access` is
+ * NULL or the route is public. Thread-safe. */
 bool server_access_admit(struct server_access *access, const struct server_access_request *request,
                          struct server_grant *grant, struct proto_problem *problem);
 
@@ -47,20 +48,21 @@ const char *server_grant_name(const struct server_grant *grant);
 const char *server_grant_tenant(const struct server_grant *grant);
 
 /* Returns whether the grant may change jobs, batches and fields that the given key of its tenant
- * made. A key with the role write may change those of all keys of its tenant. Any other key may
- * change only its own. False: forbidden. */
+ * made. A key with the role write may change what any key of its tenant made. Any other key may
+ * change only what it made itself. False: the error is forbidden. */
 bool server_grant_may_change(const struct server_grant *grant, const char *key,
                              struct proto_problem *problem);
 
 /* Returns whether the grant may see all tenants; true without keys. */
 bool server_grant_is_operator(const struct server_grant *grant);
 
-/* Copies the grant; `to`, no longer `from`, counts as a concurrent request. The caller ends
- * both. */
+/* Copies the grant. From then on `to`, instead of `from`, counts as a concurrent request. The
+ * caller ends both. */
 void server_grant_pass(struct server_grant *from, struct server_grant *to);
 void server_grant_end(struct server_grant *grant);
 
-/* Appends the requests and refusals of a tenant's keys (NULL: of all). `access` may be NULL. */
+/* Appends the numbers of requests and refusals of a tenant's keys; `tenant` NULL: of all keys.
+ * `access` may be NULL. */
 void server_access_write(struct server_access *access, const char *tenant,
                          struct proto_writer *writer);
 
@@ -80,7 +82,8 @@ struct server_guard_request {
 /* Returns whether --cors-origin lists the origin; false for NULL. Thread-safe. */
 bool server_guard_lists(const struct server_config *config, const char *origin);
 
-/* Checks Host and Origin. False: forbidden, or invalid_request: no host. Thread-safe. */
+/* Checks Host and Origin. Returns false with the problem forbidden, or invalid_request if there is
+ * no host. Thread-safe. */
 bool server_guard_admit(const struct server_config *config,
                         const struct server_guard_request *request, struct proto_problem *problem);
 

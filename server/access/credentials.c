@@ -82,7 +82,7 @@ bool server_credentials_set(struct server_credential *key, char *setting, char e
                          is_rate ? "a second" : "at once", SERVER_LIMITS_MOST);
 }
 
-/* Parses a line. Messages never repeat a word of it, which might be a key. */
+/* Parses a line. Messages never repeat a word of the line, because the word might be a key. */
 static bool key_read(char *line, struct server_credential *out, char error[SERVER_ERROR])
 {
     char *rest, *name = strtok_r(line, BLANKS, &rest), *digest = strtok_r(NULL, BLANKS, &rest);
@@ -198,7 +198,7 @@ void server_credentials_release(struct server_credentials *keys)
     free(keys);
 }
 
-/* Compares in a time that does not depend on where the texts differ. */
+/* Compares two digests. The time does not depend on the place where they differ. */
 static bool digests_match(const char a[SERVER_SHA256_HEX], const char b[SERVER_SHA256_HEX])
 {
     volatile unsigned char difference = 0;
@@ -246,7 +246,7 @@ static bool place_take(struct server_quota *quota, uint32_t most)
     return true;
 }
 
-/* Takes a token from the bucket. Returns false, with the time to wait, if it is empty. */
+/* Takes a token from the bucket. If the bucket is empty, returns false with the time to wait. */
 static bool token_take(struct server_quota *quota, uint32_t rate, uint64_t now_ns,
                        uint64_t *wait_ns)
 {
@@ -269,7 +269,8 @@ enum server_quota_outcome server_quota_enter(struct server_quota *quota,
     enum server_quota_outcome outcome = SERVER_QUOTA_ENTERED;
     *wait_ns = 0;
     atomic_fetch_add_explicit(&quota->requests, 1, memory_order_relaxed);
-    if (!place_take(quota, limits->concurrent)) { /* first, so that it uses no token */
+    /* checked first, so that a refused request uses no token */
+    if (!place_take(quota, limits->concurrent)) {
         outcome = SERVER_QUOTA_CONCURRENT;
     } else if (limits->rate && !token_take(quota, limits->rate, now_ns, wait_ns)) {
         outcome = SERVER_QUOTA_RATE;

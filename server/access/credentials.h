@@ -23,8 +23,9 @@
 #include "server/base/error.h"
 #include "server/base/sha256.h"
 
-#define SERVER_CREDENTIAL_NAME   65     /* with the NUL */
-#define SERVER_CREDENTIAL_PREFIX "gdk_" /* people, and scanners for secrets, recognise it */
+#define SERVER_CREDENTIAL_NAME 65 /* with the NUL */
+/* people, and scanners for secrets, recognise a key by this prefix */
+#define SERVER_CREDENTIAL_PREFIX "gdk_"
 #define SERVER_CREDENTIALS_MOST  10000
 #define SERVER_LIMITS_MOST       1000000u
 
@@ -35,17 +36,17 @@ struct server_limits { /* 0: no limit */
 
 enum server_quota_outcome { SERVER_QUOTA_ENTERED, SERVER_QUOTA_RATE, SERVER_QUOTA_CONCURRENT };
 
-/* The part of its limits that a key has used. Reference-counted: a running request keeps it after
- * its key is removed.
+/* The part of its limits that a key has used. Quotas are reference-counted: a running request keeps
+ * its quota after the key is removed.
  *
- * A rate of r a second is a token bucket of r tokens that fills at that rate. It is stored as the
- * time at which the bucket is full again (GCRA), so that counting a request is one
+ * A rate of r a second is a token bucket of r tokens that fills at that rate. The bucket is stored
+ * as the time at which it will be full again (GCRA), so that counting a request is one
  * compare-and-swap. (ATM Forum, Traffic Management 4.0, 4.4.2.) */
 struct server_quota {
     atomic_uint references;
     atomic_uint_least64_t entered;     /* running requests */
     atomic_uint_least64_t full_ns;     /* time at which the bucket is full again */
-    atomic_uint_least64_t requests;    /* since the start, refused ones included */
+    atomic_uint_least64_t requests;    /* since the start, including refused requests */
     atomic_uint_least64_t refusals[3]; /* by enum server_quota_outcome */
     atomic_uint_least64_t forbidden;   /* requests refused because of the role */
 };
@@ -55,8 +56,9 @@ struct server_quota *server_quota_create(void);
 struct server_quota *server_quota_retain(struct server_quota *quota);
 void server_quota_release(struct server_quota *quota); /* NULL is harmless */
 
-/* Counts a request at `now_ns`. The caller ends an admitted request by server_quota_leave. For a
- * refused one sets `*wait_ns`: how long to wait, or 0 if unknown. Thread-safe. */
+/* Counts a request at `now_ns`. The caller ends an admitted request by server_quota_leave. If the
+ * request is refused, sets `*wait_ns` to the time to wait, or to 0 if that is unknown.
+ * Thread-safe. */
 enum server_quota_outcome server_quota_enter(struct server_quota *quota,
                                              const struct server_limits *limits, uint64_t now_ns,
                                              uint64_t *wait_ns);
@@ -94,15 +96,16 @@ void server_credentials_release(struct server_credentials *keys); /* NULL is har
 const struct server_credential *server_credentials_find(const struct server_credentials *keys,
                                                         const char *text, size_t size);
 
-/* Parses a setting of a line, "role=write", in place. False with a sentence in `error`. */
+/* Parses a setting of a line, such as "role=write", in place. On failure returns false with a
+ * sentence in `error`. */
 bool server_credentials_set(struct server_credential *key, char *setting, char error[SERVER_ERROR]);
 
 /* Returns whether the text has the form of a name. */
 bool server_credentials_is_name(const char *text);
 
 /* keygen.c: runs `geodesicd keygen`; `argv` begins with the name of the key. Prints the key and
- * then its line for the file of --keys to `out`, and an explanation to `error`, so that a script
- * reads two lines. Returns false after printing a sentence to `error`. */
+ * then its line for the file of --keys to `out`, so that a script reads these two lines. Prints an
+ * explanation to `error`. Returns false after printing a sentence to `error`. */
 bool server_keygen(int argc, char *const argv[], FILE *out, FILE *error);
 
 #endif

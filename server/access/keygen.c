@@ -21,8 +21,8 @@ static bool keygen_complain(FILE *error, const char *sentence)
     return false;
 }
 
-/* Writes a flag as a setting: "--role write" as "role=write", and an expiry of "90d" as the time in
- * 90 days. */
+/* Writes a flag as a setting: "--role write" becomes "role=write", and an expiry of "90d" becomes
+ * the time 90 days from now. */
 static bool setting_write(char *const pair[2], char out[SETTING_MOST])
 {
     char *end = "";
@@ -34,7 +34,7 @@ static bool setting_write(char *const pair[2], char out[SETTING_MOST])
     return gmtime_r(&then, &utc) && strftime(out, SETTING_MOST, "expires=%Y-%m-%dT%H:%M:%SZ", &utc);
 }
 
-/* Appends the settings of the flags to a line. */
+/* Appends the flags to a line, as settings. */
 static bool settings_write(int argc, char *const argv[], FILE *line, FILE *error)
 {
     struct server_credential key = {.role = SERVER_ROLE_READ};

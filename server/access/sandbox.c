@@ -139,7 +139,8 @@ static bool ruleset_allow(struct ruleset *ruleset, const struct server_sandbox_n
     return !needs->database || ruleset_allow_database(ruleset, needs, has_ports);
 }
 
-/* Restricts this thread and the threads that it starts. NULL, or why nothing is restricted. */
+/* Restricts this thread and the threads that it starts. Returns NULL, or the reason why nothing is
+ * restricted. */
 static const char *landlock_enter(const struct server_sandbox_needs *needs)
 {
     struct ruleset ruleset;
@@ -194,8 +195,8 @@ static const char *const fatal_calls[] = {
     "init_module finit_module delete_module kexec_load bpf keyctl perf_event_open userfaultfd",
     "reboot", NULL};
 
-/* A call that is allowed if all its conditions hold. The filter runs only for these calls. Without
- * a database, requests that are answered from memory make no such call. */
+/* A call that is allowed if all its conditions hold. The kernel runs the filter only for these
+ * calls. Without a database, requests that are answered from memory make none of them. */
 struct rule {
     int call;
     enum { ALWAYS, ALONE, CONNECTING } when; /* ALONE: without a database; CONNECTING: with one */
@@ -217,7 +218,7 @@ static const struct rule rules[] = {
     {SCMP_SYS(openat), ALWAYS, 1, {{3, WITHOUT, SPECIAL_BITS, 0}}},
     {SCMP_SYS(mkdir), ALWAYS, 1, {{1, WITHOUT, SPECIAL_BITS, 0}}},
     {SCMP_SYS(mkdirat), ALWAYS, 1, {{2, WITHOUT, SPECIAL_BITS, 0}}},
-    /* the calling thread, no other process */
+    /* allowed for the calling thread, not for other processes */
     {SCMP_SYS(sched_getaffinity), ALWAYS, 1, {{0, EQUAL, 0, 0}}},
     {SCMP_SYS(sched_setaffinity), ALWAYS, 1, {{0, EQUAL, 0, 0}}},
     {SCMP_SYS(sched_setscheduler), ALWAYS, 1, {{0, EQUAL, 0, 0}}},
@@ -229,15 +230,16 @@ static const struct rule rules[] = {
     /* without a database no socket can connect */
     {SCMP_SYS(sendto), ALONE, 0, {{0}}},
     {SCMP_SYS(sendmsg), ALONE, 0, {{0}}},
-    /* needed to connect and to resolve host names; a send must not connect (TCP Fast Open), because
-     * Landlock does not see that */
+    /* needed to connect and to resolve host names. A send must not connect (TCP Fast Open), because
+       Landlock does not check such connections */
     {SCMP_SYS(sendto), CONNECTING, 1, {{3, WITHOUT, MSG_FASTOPEN, 0}}},
     {SCMP_SYS(sendmsg), CONNECTING, 1, {{2, WITHOUT, MSG_FASTOPEN, 0}}},
     {SCMP_SYS(sendmmsg), CONNECTING, 1, {{3, WITHOUT, MSG_FASTOPEN, 0}}},
     {SCMP_SYS(socket), CONNECTING, 1, {{0, EQUAL, AF_UNIX, 0}}},
     {SCMP_SYS(socket), CONNECTING, 1, {{0, EQUAL, AF_INET, 0}}},
     {SCMP_SYS(socket), CONNECTING, 1, {{0, EQUAL, AF_INET6, 0}}},
-    {SCMP_SYS(ioctl), CONNECTING, 1, {{1, EQUAL, FIONREAD, 0}}}, /* size of a DNS answer */
+    /* needed to read the size of a DNS answer */
+    {SCMP_SYS(ioctl), CONNECTING, 1, {{1, EQUAL, FIONREAD, 0}}},
     {SCMP_SYS(connect), CONNECTING, 0, {{0}}},
 };
 

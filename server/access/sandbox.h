@@ -1,7 +1,7 @@
 /* Sandbox: limits the harm of an attacker who controls the daemon. The daemon permanently drops, in
  * all its threads, each right that it does not need. Dropping rights needs no privilege.
  *
- * DESIGN. Two steps, because the daemon needs more rights until it listens.
+ * DESIGN. The sandbox has two steps, because the daemon needs more rights until it listens.
  *
  * server_sandbox_enter runs before the first thread and after the TCP port is bound.
  * - No new privileges: an exec gains none by setuid.
@@ -41,18 +41,19 @@ struct server_sandbox_needs {
                       void *user);
 };
 
-/* State of the sandbox. A string that is not NULL is static and says why that part is off. */
+/* State of the sandbox. The strings are NULL, or static texts with the reason why that part is
+ * off. */
 struct server_sandbox {
-    bool is_wanted; /* false: nothing is on */
+    bool is_wanted; /* false: no part of the sandbox is on */
     bool connects;  /* the daemon may connect to a database at any time */
     const char *new_privileges, *capabilities, *landlock, *seccomp;
 };
 
-/* The first step. `needs` NULL: no sandbox. Builds with AddressSanitizer or ThreadSanitizer, which
- * read /proc, also have none. */
+/* The first step. With `needs` NULL there is no sandbox, nor in builds with AddressSanitizer or
+ * ThreadSanitizer, because these read /proc. */
 struct server_sandbox server_sandbox_enter(const struct server_sandbox_needs *needs);
 
-/* The second step. Logs which parts are on, and why others are off. */
+/* The second step. Logs the parts that are on, and the reasons why others are off. */
 void server_sandbox_seal(struct server_sandbox *sandbox);
 
 #endif

@@ -9,7 +9,7 @@
 #define LOOK_NS 5000000 /* between two checks of a waiting request's deadline */
 
 struct server_discretizations {
-    struct server_lru lru; /* first */
+    struct server_lru lru; /* must be the first member */
     struct server_workspaces *workspaces;
     uint32_t max_faces;
     pthread_cond_t build_ended;

@@ -20,7 +20,7 @@
 struct server_discretizations;
 
 struct server_discretization {
-    struct server_lru_item item; /* first */
+    struct server_lru_item item; /* must be the first member */
     struct gd_limit_mesh *mesh;  /* NULL: the discretization is a grid */
     struct gd_limit_grid *grid;
 };

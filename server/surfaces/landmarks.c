@@ -15,7 +15,7 @@
 #define PAUSE_LEAST_NS UINT64_C(100000000)
 
 struct server_landmarks {
-    struct server_background background; /* first */
+    struct server_background background; /* must be the first member */
     struct server_metrics *metrics;
     uint32_t count;
     struct server_landmarks_statistics statistics; /* under the lock */

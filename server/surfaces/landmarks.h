@@ -17,7 +17,7 @@
 struct server_metrics;
 
 struct server_landmark_set {
-    struct server_lru_item item; /* first */
+    struct server_lru_item item; /* must be the first member */
     struct gd_landmarks *landmarks;
 };
 

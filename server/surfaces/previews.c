@@ -7,7 +7,7 @@
 #include "server/surfaces/field_store.h"
 
 struct server_previews {
-    struct server_background background; /* first */
+    struct server_background background; /* must be the first member */
     enum gd_status status;               /* of the current build; used by the thread */
 };
 

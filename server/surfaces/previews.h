@@ -18,7 +18,7 @@
 #define SERVER_PREVIEW_FROM 300000
 
 struct server_preview {
-    struct server_lru_item item; /* first */
+    struct server_lru_item item; /* must be the first member */
     uint32_t wanted;             /* faces; the preview may have slightly more */
     double largest_distance;     /* from the mesh, in its unit */
     struct gd_polygons polygons;

@@ -14,7 +14,7 @@
 struct executor;
 
 struct helper {
-    struct server_job job; /* first */
+    struct server_job job; /* must be the first member */
     struct executor *executor;
 };
 

@@ -1,5 +1,5 @@
-/* The distance between two curves, from the field of one of them; the Hausdorff distance also needs
- * the field of the other. */
+/* Answers queries for the distance between two curves. The distance is computed from the field of
+ * one curve; the Hausdorff distance also needs the field of the other curve. */
 #include "server/query/handlers.h"
 
 #include <math.h>
@@ -8,17 +8,17 @@
 #include "proto/queries/curve_distance.h"
 #include "server/query/query.h"
 
-#define SETS_SHARE 0.2 /* share of the work, for locating the curves */
+#define SETS_SHARE 0.2 /* fraction of the query's progress for locating the curves */
 
 enum { A, B };
 
 struct curves_query {
-    struct server_query query; /* first */
+    struct server_query query; /* must be the first member */
     struct proto_curve_distance wanted;
     struct proto_located_set *set[2];
     struct gd_curve curve[2];
     int source;                        /* the curve whose field is being used */
-    struct gd_curve_distance found[2]; /* index: the curve of the field */
+    struct gd_curve_distance found[2]; /* entry i: the result from the field of curve i */
 };
 
 static bool curves_decode(struct server_query *query, const json_t *document)
@@ -85,7 +85,7 @@ static void curves_encode(const struct server_query *query, struct proto_writer 
                                     &query->options);
 }
 
-/* Lists the arrays, without a line if there is no path. */
+/* Lists the arrays of the answer. They have no line if there is no path. */
 static bool curves_list_arrays(struct server_query *query)
 {
     const struct curves_query *curves = (const struct curves_query *)query;

@@ -18,19 +18,22 @@
 
 /* --- queries about one curve ------------------------------------------------------------------ */
 
-#define RESOLVE_SHARE 0.5 /* share of the work; the rest uses the curve */
+/* fraction of the progress for resolving the curve; the rest is for using the curve */
+#define RESOLVE_SHARE 0.5
 
-/* First member of each kind's own struct. */
+/* The first member of the own struct of each kind of query. */
 struct curve_query {
-    struct server_query query; /* first */
+    struct server_query query; /* must be the first member */
     struct proto_located_curve curve;
-    /* May move the points out of the curve. On success the query holds `*kept` bytes. */
+    /* Uses the curve. May take over the curve's points. On success the query holds `*kept`
+       bytes. */
     enum gd_status (*use)(struct curve_query *own, struct gd_curve *curve,
                           const struct gd_control *control, size_t *kept);
     struct gd_detail detail; /* detail of a failure */
 };
 
-/* Resolves the curve and uses it in one long call. Refuses an unresolvable curve at its place. */
+/* Resolves the curve and uses it, in one long call. If the curve can't be resolved, the problem
+ * names its place in the request. */
 static bool curve_solve(struct curve_query *own, size_t grant, const char *what)
 {
     struct server_query *query = &own->query;
@@ -62,7 +65,7 @@ static bool curve_solve(struct curve_query *own, size_t grant, const char *what)
 /* --- operations ------------------------------------------------------------------------------- */
 
 struct operation_query {
-    struct curve_query own; /* first */
+    struct curve_query own; /* must be the first member */
     struct proto_curve_operation_request wanted;
     struct proto_curve_result result;
 };
@@ -198,7 +201,7 @@ static void points_read(const void *source, uint64_t first, uint64_t count, void
                         (uint32_t)count, out);
 }
 
-/* Lists the curve as a line. A closed curve's first point is repeated at the end. */
+/* Lists the curve as a line. The line of a closed curve repeats the first point at its end. */
 static bool operation_list_curve(struct operation_query *operation)
 {
     struct server_query *query = &operation->own.query;
@@ -252,13 +255,13 @@ const struct server_query_kind server_query_curve = {.name = "curve",
 #define CUT_BYTES         ((size_t)1 << 20)
 
 struct cut_query {
-    struct curve_query own; /* first */
+    struct curve_query own; /* must be the first member */
     struct proto_cut_request wanted;
     struct gd_point inside;
     struct gd_cut cut;
     struct server_derived_meshes meshes;
     bool is_stored;
-    /* the query's work, to run when the pieces are stored */
+    /* the work function of the query, called when the pieces are stored */
     bool (*work)(struct server_exchange *exchange);
 };
 
@@ -303,7 +306,8 @@ static bool pieces_check(const struct cut_query *cut)
         count, SERVER_DERIVED_MESHES_MOST);
 }
 
-/* Builds the pieces. A piece has the requested name, or the parent's with a number. */
+/* Builds the pieces. The name of a piece is the requested name, or the parent's name with a
+ * number. */
 static bool pieces_build(struct cut_query *cut)
 {
     const struct server_query *query = &cut->own.query;
@@ -391,7 +395,8 @@ static void cut_encode(const struct server_query *query, struct proto_writer *wr
     proto_cut_end(writer, &cut->cut, fields);
 }
 
-/* Lists a map of all pieces, one after the other, and where each piece begins. */
+/* Lists one map, which is the concatenation of the maps of all pieces, and the index where each
+ * piece begins. */
 static bool cut_list_map(struct cut_query *cut, bool is_of_faces)
 {
     struct server_query *query = &cut->own.query;
@@ -446,10 +451,11 @@ const struct server_query_kind server_query_cut = {.name = "cut",
 
 /* --- splines ---------------------------------------------------------------------------------- */
 
-#define SPLINE_BUILD_SHARE 0.7 /* share of the work; the rest samples */
+/* fraction of the progress for building the spline; the rest is for sampling */
+#define SPLINE_BUILD_SHARE 0.7
 
 struct spline_query {
-    struct server_query query; /* first */
+    struct server_query query; /* must be the first member */
     struct proto_spline wanted;
     struct proto_located_spline located;
     struct gd_spline spline;

@@ -1,4 +1,5 @@
-/* Tangent vectors and straightest geodesics: traces from a point, exp, log and transport. */
+/* Answers queries about tangent vectors and straightest geodesics: traces from a point, exp, log
+ * and transport. */
 #include "server/query/handlers.h"
 
 #include <math.h>
@@ -13,7 +14,7 @@
 
 /* --- vectors of a request --------------------------------------------------------------------- */
 
-/* Returns whether the vector has no segments, because log found no path. */
+/* Returns true if the vector has no segments because log found no path. */
 static bool vector_is_absent(const struct proto_vectors *vectors, uint32_t i)
 {
     return !vectors->factors && vectors->first[i] == vectors->first[i + 1];
@@ -57,7 +58,7 @@ static enum gd_status vector_arrays_reserve(struct server_query *query, uint32_t
     return GD_OK;
 }
 
-/* Sets the vector `i`. `direction` NULL: none. */
+/* Sets the vector `i`. If `direction` is NULL, the vector has no direction. */
 static void vector_arrays_set(const struct vector_arrays *arrays, uint32_t i,
                               const struct gd_direction *direction, double length)
 {
@@ -81,18 +82,18 @@ static void vector_arrays_list(const struct vector_arrays *arrays, uint32_t coun
 
 /* Straightest geodesics from a point: trace follows directions, exp follows vectors. */
 struct trace_query {
-    struct server_query query;         /* first */
+    struct server_query query;         /* must be the first member */
     struct proto_trace_request wanted; /* only for trace */
     struct gd_trace_options options;
     struct proto_vectors vectors;
     struct gd_point start;
-    double snap;                     /* how far the point was moved; NAN: not at all */
+    double snap; /* distance by which the point was moved onto the surface; NAN: it was not moved */
     struct gd_direction *directions; /* only for trace */
     /* segments of exp, indexed by vectors.first; later segments of a vector have angles only */
     struct gd_vector *segments;
     bool has_paths;              /* whether the answer has paths */
     uint32_t count, trace_count; /* requested and finished traces */
-    struct gd_trace *traces;     /* without paths, each has only its last point */
+    struct gd_trace *traces;     /* without paths, each trace has only its last point */
 };
 
 static bool directions_locate(struct trace_query *own)
@@ -307,7 +308,8 @@ static void exp_encode(const struct server_query *query, struct proto_writer *wr
     proto_write_object_end(writer);
 }
 
-/* A null vector has a line without points. Without paths each line is its last point. */
+/* Lists the arrays of the answer. A null vector has a line without points. Without paths, each line
+ * consists of its last point. */
 static bool traces_list_arrays(struct server_query *query)
 {
     const struct trace_query *own = (const struct trace_query *)query;
@@ -345,18 +347,20 @@ const struct server_query_kind server_query_exp = {.name = "exp",
 
 /* --- log -------------------------------------------------------------------------------------- */
 
-/* The vectors of the shortest paths from a point to others. A few targets are searched one by one,
- * unless the field of the point is cached. For many targets or all vertices the field is built. */
+/* The vectors of the shortest paths from a point to others. For a few targets, one path after the
+ * other is searched, unless the field of the point is cached. For many targets or all vertices, the
+ * field is built. */
 
-#define FEW     8    /* most targets whose searches take less time than a field */
-#define PORTION 1024 /* vectors that are written between two checks of the control */
+#define FEW     8    /* largest number of targets for which searches take less time than a field */
+#define PORTION 1024 /* number of vectors written between two checks of the control */
 
 struct log_query {
-    struct server_query query; /* first */
+    struct server_query query; /* must be the first member */
     struct gd_seed from;
     struct proto_located_set set; /* `from` alone */
-    double snap;                  /* how far the point was moved; NAN: not at all */
-    bool has_targets;             /* the query's points; else all vertices */
+    double snap; /* distance by which the point was moved onto the surface; NAN: it was not moved */
+    /* true: the targets are the query's points; false: all vertices */
+    bool has_targets;
     bool first_vector_only;
     uint32_t count;              /* number of vectors of an answer as arrays */
     struct vector_arrays arrays; /* for an answer as arrays */
@@ -377,7 +381,7 @@ static bool log_decode(struct server_query *query, const json_t *document)
                               query->problem);
 }
 
-/* Writes a vector, or keeps it for an answer as arrays. */
+/* Writes a vector, or stores it for an answer as arrays. */
 static void log_put(struct log_query *own, uint32_t i, const struct gd_log *log, bool is_cut)
 {
     if (!own->arrays.length) {
@@ -409,7 +413,7 @@ static enum gd_status log_write(struct log_query *own, uint32_t i, struct gd_pai
     return GD_OK;
 }
 
-/* Writes the vectors of targets from the field (NULL: by searches). */
+/* Writes the vectors of targets, from the field or, if `field` is NULL, from searches. */
 static enum gd_status log_write_targets(struct log_query *own, const struct gd_field *field,
                                         const struct server_monitor *whole)
 {
@@ -512,7 +516,7 @@ static enum server_query_turn log_solve(struct server_query *query)
                                   : log_answer(query, NULL, &whole);
 }
 
-/* Lists the arrays. Only JSON has the segments. */
+/* Lists the arrays. They have no segments; only JSON answers have them. */
 static bool log_list_arrays(struct server_query *query)
 {
     struct log_query *own = (struct log_query *)query;
@@ -534,10 +538,11 @@ const struct server_query_kind server_query_log = {.name = "log",
 
 /* Moves vectors at a point to another point along the shortest path. */
 struct transport_query {
-    struct server_query query; /* first */
+    struct server_query query; /* must be the first member */
     struct proto_vectors wanted;
-    struct gd_vector *vectors; /* at the start, later at the end of the path */
-    double distance;           /* INFINITY: no path */
+    /* at first, the vectors at the start of the path; after the transport, those at its end */
+    struct gd_vector *vectors;
+    double distance; /* INFINITY: no path */
 };
 
 static bool transport_locate(struct transport_query *own)

@@ -3,9 +3,9 @@
  *
  * DESIGN. All idle workers locate the points of a request. Pairs are sorted by the end (from or to)
  * with fewer different points; the pairs of one such point are a group. If the point has a cached
- * field, its group is evaluated in pieces, in parallel. Of the other groups, small ones are
- * searched pair by pair; for a larger group a field is built and dropped. These groups run in
- * parallel, too. */
+ * field, its group is evaluated in pieces, in parallel. Small groups without a cached field are
+ * searched pair by pair. For a large group without one, a field is built and dropped. These groups
+ * run in parallel, too. */
 #include "server/query/handlers.h"
 
 #include <math.h>
@@ -22,17 +22,19 @@
 #include "server/work/budgeted_call.h"
 #include "server/work/executor.h"
 
-#define MOST   4000000                     /* pairs or points of a request */
-#define PIECE  16384                       /* points that one task locates or evaluates */
-#define FEW    (SERVER_CACHE_SEARCHES / 2) /* pairs whose searches take half as long as a field */
-#define COLUMN 16                          /* bytes of an evaluation for each point */
+#define MOST  4000000 /* largest number of pairs or points in a request */
+#define PIECE 16384   /* number of points that one task locates or evaluates */
+/* number of pairs whose searches take half as long as a field */
+#define FEW    (SERVER_CACHE_SEARCHES / 2)
+#define COLUMN 16 /* bytes that an evaluation needs for each point */
 #define PLACE  PROTO_KEPT_PLACE
 
 /* --- a list of points ------------------------------------------------------------------------- */
 
 struct point_list {
     struct gd_point *points;
-    double *snaps; /* how far each point was moved; NAN: not at all */
+    /* distance by which each point was moved onto the surface; NAN: it was not moved */
+    double *snaps;
     uint32_t count;
 };
 
@@ -79,14 +81,14 @@ static bool list_decode(struct server_query *query, const json_t *document, cons
     return true;
 }
 
-/* The arrays of a list "x": `x` has vertices or coordinates; otherwise `x_face` has faces and
- * `x_barycentric` the barycentric coordinates in them. */
+/* The arrays of a list "x". Either `x` contains vertices or coordinates, or `x_face` contains faces
+ * and `x_barycentric` the barycentric coordinates in these faces. */
 struct list_arrays {
     const struct server_array *points, *faces, *places;
     const struct gd_mesh *mesh;
     const struct point_list *list;
-    atomic_int status;     /* status of the first failure, … */
-    atomic_uint failed_at; /* … and its point */
+    atomic_int status;     /* status of the first failure */
+    atomic_uint failed_at; /* index of the point at which it occurred */
 };
 
 static enum gd_status array_locate(const struct list_arrays *arrays, uint32_t i,
@@ -189,7 +191,7 @@ struct pair_order { /* a pair in a group */
 };
 
 struct pairs_query {
-    struct server_query query; /* first */
+    struct server_query query; /* must be the first member */
     struct point_list from, to;
     uint32_t count;
     double *distances; /* INFINITY: no path */
@@ -197,7 +199,8 @@ struct pairs_query {
     const struct point_list *row; /* the end by which pairs are sorted */
     const struct point_list *column;
     struct pair_order *order;
-    uint32_t *group;   /* index in `order` where each group begins, and the end of the last */
+    /* index in `order` where each group begins; one more entry for the end of the last group */
+    uint32_t *group;
     uint32_t *pending; /* groups without a cached field */
     uint32_t group_count, pending_count;
     struct gd_point *columns; /* the other ends of the pairs, in order */
@@ -289,7 +292,7 @@ static int order_compare(const void *a, const void *b, void *points)
     return (x->pair > y->pair) - (x->pair < y->pair);
 }
 
-/* Sorts the pairs by one of their ends. Returns the number of different points there. */
+/* Sorts the pairs by one of their ends. Returns the number of different points at this end. */
 static uint32_t pairs_sort(struct pairs_query *own, const struct point_list *row)
 {
     const struct gd_point *points = row->points;
@@ -358,7 +361,7 @@ static void group_evaluate_piece(void *user, uint32_t piece)
                                         own->found + begin));
 }
 
-/* Returns whether the group's field was cached. */
+/* Answers the group from a cached field. Returns false if the field is not cached. */
 static bool group_find(struct pairs_query *own, uint32_t group)
 {
     struct group_run run = {own, own->group[group], own->group[group + 1]};
@@ -485,7 +488,7 @@ const struct server_query_kind server_query_pairs = {.name = "pairs",
 /* --- nearest points --------------------------------------------------------------------------- */
 
 struct nearest_points_query {
-    struct server_query query; /* first */
+    struct server_query query; /* must be the first member */
     struct point_list list;
 };
 
@@ -586,7 +589,7 @@ static bool nearest_points_list_arrays(struct server_query *query)
     return true;
 }
 
-/* After locating, nothing is left to do. */
+/* Locating the points is all the work; the solve step only answers. */
 const struct server_query_kind server_query_nearest_points = {
     .name = "nearest-points",
     .size = sizeof(struct nearest_points_query),

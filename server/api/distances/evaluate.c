@@ -1,4 +1,5 @@
-/* Distances, nearest members, paths and gradients of points, from a field or to a set. */
+/* Answers queries for distances, nearest members, paths and gradients of points, from a field or to
+ * a set. */
 #include "server/query/handlers.h"
 
 #include <math.h>
@@ -8,17 +9,19 @@
 #include "proto/queries/evaluation.h"
 #include "server/query/query.h"
 
-/* Most points that an HTTP thread may evaluate; and for paths, most points and most faces. */
+/* The largest number of points that an HTTP thread may evaluate; and for paths, the largest numbers
+ * of points and of faces. */
 #define QUICK_POINTS     64
 #define QUICK_PATHS      4
 #define QUICK_PATH_FACES 200000
-#define DISTANCE_SHARE   0.2 /* share of the work, if the results have more than the distance */
+/* fraction of the progress for the distances, if the results have other values too */
+#define DISTANCE_SHARE 0.2
 
 struct evaluation {
-    struct server_query query; /* first */
+    struct server_query query; /* must be the first member */
     uint32_t wanted;           /* fields of each result */
     double *distances;
-    uint32_t *members;     /* for an answer as arrays; UINT32_MAX: none */
+    uint32_t *members;     /* nearest members, for an answer as arrays; UINT32_MAX: none */
     double (*nearest)[3];  /* the nearest point; NAN: none */
     double (*gradient)[3]; /* NAN: none */
     struct gd_path *paths; /* for an answer as arrays, if selected */
@@ -90,8 +93,8 @@ static enum gd_status distances_limit(struct evaluation *evaluation)
     return GD_OK;
 }
 
-/* Computes the gradient, which continues the shortest path's last direction. It does not exist at a
- * member of the set. */
+/* Computes the gradient. It has the direction in which the shortest path arrives at the point. At a
+ * member of the set there is no gradient. */
 static enum gd_status result_find_gradient(const struct gd_mesh *mesh, const struct gd_field *field,
                                            const struct gd_point *point,
                                            struct proto_result *result)
@@ -107,9 +110,9 @@ static enum gd_status result_find_gradient(const struct gd_mesh *mesh, const str
     return GD_OK;
 }
 
-/* Computes the nearest member and its nearest point: the point of a point member, or the path's end
- * on a segment. If several members are equally near, the path may end in a member other than the
- * result of gd_field_nearest. */
+/* Computes the nearest member and the member's nearest point. This is the point of a point member,
+ * or the path's end on a segment. If several members are equally near, the path may end in a member
+ * other than the result of gd_field_nearest. */
 static enum gd_status result_find_nearest(const struct evaluation *evaluation,
                                           const struct gd_field *field,
                                           const struct gd_point *point, struct proto_result *result,
@@ -138,7 +141,8 @@ static void xyz_copy(struct gd_vec3 at, double out[3])
     out[2] = at.z;
 }
 
-/* Stores a result for an answer as arrays, with the path; NULL: there is no distance. */
+/* Stores a result, with its path, for an answer as arrays. `path` is NULL if there is no
+ * distance. */
 static enum gd_status result_keep(struct evaluation *evaluation, uint32_t i,
                                   const struct proto_result *result, struct gd_path *path)
 {
@@ -231,7 +235,7 @@ static enum server_query_turn evaluation_answer(struct server_query *query,
     return server_query_end_draft(query, status, "the answer");
 }
 
-/* Lists the arrays. A result without a path has a line without points. */
+/* Lists the arrays of the answer. A result without a path has a line without points. */
 static bool evaluation_list_arrays(struct server_query *query)
 {
     const struct evaluation *evaluation = (const struct evaluation *)query;

@@ -14,12 +14,13 @@
 #include "server/query/request.h"
 #include "server/query/result.h"
 
-#define QUICK_VERTICES 10000 /* most vertices whose values an HTTP thread writes */
+#define QUICK_VERTICES 10000 /* largest number of vertices whose values an HTTP thread writes */
 
 /* --- create ----------------------------------------------------------------------------------- */
 
 struct field_creation {
-    struct server_query query; /* first; the resource takes over its set */
+    /* must be the first member; the resource takes over the query's set */
+    struct server_query query;
     char id[PROTO_FIELD_ID + 1];
     char *set_text;
     bool is_new;
@@ -41,7 +42,7 @@ static void creation_release(struct server_query *query)
     free(((struct field_creation *)query)->set_text);
 }
 
-/* Returns whether the resource exists; then the query has a reference to it. */
+/* Returns true if the resource exists; the query then has a reference to it. */
 static bool creation_is_listed(struct server_query *query)
 {
     struct server_catalogue *catalogue = server_record_catalogue(query->surface->record);
@@ -217,8 +218,8 @@ void server_handle_delete_field(struct server_exchange *exchange)
 /* --- values at all vertices ------------------------------------------------------------------- */
 
 struct values_query {
-    struct server_query query; /* first */
-    double *values;            /* by vertex index; values that are not finite become null */
+    struct server_query query; /* must be the first member */
+    double *values;            /* by vertex index; values that are not finite are written as null */
 };
 
 static uint32_t values_count(const struct server_query *query)
@@ -288,13 +289,13 @@ const struct server_query_kind server_query_get_field_values = {.name = "values"
 
 /* Wedges of one edge or, as arrays only, of all edges. */
 struct wedges_query {
-    struct server_query query; /* first */
+    struct server_query query; /* must be the first member */
     struct gd_vertex ends[2];
     struct gd_wedge *wedges; /* owned */
     uint32_t count;
     bool is_of_all;
     struct gd_all_wedges all; /* owned */
-    uint32_t first[2];        /* first wedge of the one edge, and the end */
+    uint32_t first[2];        /* one edge: its first wedge, and the end of its wedges */
 };
 
 static bool wedges_parse(struct server_query *query, const struct proto_parameters *parameters)
@@ -319,8 +320,8 @@ static enum server_query_turn wedges_answer_all(struct wedges_query *own,
                                                 struct server_monitor *part)
 {
     struct server_query *query = &own->query;
-    /* The result has a few more wedges on most edges than the field stores. Three times its size,
-     * because an array grows by copying. */
+    /* On most edges the result has a few more wedges than the field stores. The factor three covers
+       the copy while an array grows. */
     size_t grant = (gd_field_statistics(field)->wedges +
                     3 * (size_t)gd_mesh_summary(query->surface->mesh)->edges) *
                    3 * sizeof *own->all.wedges;

@@ -1,5 +1,5 @@
-/* Lines of a field: its isolines at some levels, and the Voronoi diagram of its set. A worker
- * traces them and writes them one by one. */
+/* Answers queries for lines of a field: its isolines at some levels, and the Voronoi diagram of its
+ * set. A worker traces the lines, and writes them one by one. */
 #include "server/query/handlers.h"
 
 #include <stdlib.h>
@@ -11,14 +11,15 @@
 #include "server/query/query.h"
 #include "server/query/result.h"
 
-#define BYTES_A_TRACE   ((size_t)1 << 20)
-#define ISOLINE_EDGE    32  /* bytes for each edge of the mesh while an isoline is traced, … */
-#define BISECTOR_EDGE   48  /* … and while bisectors are traced */
-#define INDEX_SHARE     0.2 /* share of the work, for the isolines' index */
-#define TRACE_SHARE     0.4 /* share of the work, for tracing; the rest writes */
-#define TRACED_BYTES    ((size_t)64 << 20) /* most bytes of traced lines that wait to be written */
-#define BISECTOR_POINTS 500000             /* most points of an answer */
-#define PORTION         512 /* elements that are written between two checks of the control */
+#define BYTES_A_TRACE ((size_t)1 << 20)
+#define ISOLINE_EDGE  32  /* bytes needed for each edge of the mesh while an isoline is traced */
+#define BISECTOR_EDGE 48  /* bytes needed for each edge of the mesh while bisectors are traced */
+#define INDEX_SHARE   0.2 /* fraction of the progress for building the index of isolines */
+#define TRACE_SHARE   0.4 /* fraction of the progress for tracing; the rest is for writing */
+/* limit on the bytes of traced lines that are not yet written */
+#define TRACED_BYTES    ((size_t)64 << 20)
+#define BISECTOR_POINTS 500000 /* limit on the points of an answer */
+#define PORTION         512    /* number of elements written between two checks of the control */
 #define WHAT            "the answer"
 
 static size_t trace_grant(const struct server_query *query, size_t bytes_an_edge)
@@ -46,23 +47,24 @@ static enum gd_status points_write(struct server_query *query, const struct gd_p
 /* --- isolines: the question ------------------------------------------------------------------- */
 
 struct isolines_query {
-    struct server_query query; /* first */
+    struct server_query query; /* must be the first member */
     struct proto_isolines wanted;
     double tolerance;
     bool is_file, has_flat_points;
     uint64_t points, arcs; /* written so far */
     struct gd_isoline_index *index;
-    struct gd_isoline *isolines; /* by level; levels from `next` to `traced` have their lines */
+    /* one for each level; those from `next` to `traced` have been traced and not yet written */
+    struct gd_isoline *isolines;
     uint32_t traced, next;
     size_t traced_bytes;        /* bytes of these lines */
-    struct server_monitor part; /* the part of the work that writes levels */
+    struct server_monitor part; /* progress of the step that writes levels */
     struct gd_path *lines;      /* lines for a file; other answers are in the draft */
     double *levels;             /* level of each line */
     uint32_t line_count;
 };
 
-/* Decides which elements are written. A file always has polylines and nothing else. The points of a
- * line are the ends of its arcs, unless arcs are omitted or a tolerance is given. */
+/* Determines the elements that are written. A file contains polylines only. The points of a line
+ * are the ends of its arcs, unless arcs are omitted or a tolerance is given. */
 static bool isolines_settle(struct isolines_query *own)
 {
     struct server_query *query = &own->query;
@@ -121,7 +123,7 @@ static bool lines_admit(struct isolines_query *own, const struct gd_isoline *iso
         PROTO_ISOLINES_POINTS);
 }
 
-/* Stores the line for a file, or writes it and gives its bytes back. */
+/* Stores the line for a file; or writes the line, and returns its bytes to the budget. */
 static enum gd_status line_flatten(struct isolines_query *own, const struct gd_isoline_line *line,
                                    const struct gd_control *control)
 {
@@ -213,7 +215,7 @@ static bool level_write(struct isolines_query *own)
     return !status;
 }
 
-/* Writes the remaining levels; a long answer is sent level by level. */
+/* Writes the remaining levels. A long answer is sent level by level. */
 static enum server_query_turn levels_write(struct isolines_query *own)
 {
     struct server_query *query = &own->query;
@@ -242,8 +244,9 @@ static bool level_trace(struct isolines_query *own, struct server_monitor *part)
     return lines_admit(own, isoline);
 }
 
-/* Traces all levels before the first one is sent, so that too many lines are refused as a whole. If
- * their lines take much memory, levels are written to the draft meanwhile. */
+/* Traces all levels before the first one is sent, so that a request with too many lines is refused
+ * as a whole. If the traced lines take much memory, some levels are already written to the
+ * draft. */
 static bool levels_trace(struct isolines_query *own, const struct server_monitor *part)
 {
     uint32_t count = own->wanted.level_count;
@@ -324,7 +327,7 @@ const struct server_query_kind server_query_isolines = {.name = "isolines",
 /* --- Voronoi diagrams ------------------------------------------------------------------------- */
 
 struct voronoi_query {
-    struct server_query query; /* first */
+    struct server_query query; /* must be the first member */
     double tolerance;
     const struct gd_field *field;
     uint32_t *labels; /* by vertex index; NULL: not selected */
@@ -340,7 +343,7 @@ static bool voronoi_decode(struct server_query *query, const json_t *document)
     return server_field_query_of_set(query, &wanted.set, 0);
 }
 
-/* Computes the labels. The engine allocates as many bytes as the labels take. */
+/* Computes the labels. While it does so, the engine needs as many bytes again as the labels. */
 static enum gd_status labels_find(struct voronoi_query *own)
 {
     struct server_query *query = &own->query;

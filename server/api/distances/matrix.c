@@ -1,4 +1,4 @@
-/* Matrix: the distances from each source to each target, by workers.
+/* Matrix: workers compute the distances from each source to each target.
  *
  * DESIGN. The metric is symmetric: sources or targets, whichever are fewer, become the rows. Each
  * different point is one row or column. A row is a field of its point, evaluated at all columns.
@@ -22,30 +22,35 @@
 #include "server/work/budgeted_call.h"
 #include "server/work/executor.h"
 
-#define FEW_COLUMNS    (SERVER_CACHE_SEARCHES / 2) /* searches take half as long as a field */
-#define BYTES_A_COLUMN 16                /* bytes of an evaluation, see gd_field_distances */
-#define BYTES_AN_EDGE  96                /* without wedges, see gd_field_distances_only */
-#define BYTES_A_ROW    ((size_t)1 << 20) /* further bytes on a mesh of any size */
+/* for so few columns, searches take half as long as a field */
+#define FEW_COLUMNS (SERVER_CACHE_SEARCHES / 2)
+/* bytes that an evaluation needs for each column, see gd_field_distances */
+#define BYTES_A_COLUMN 16
+/* for a field without wedges, see gd_field_distances_only */
+#define BYTES_AN_EDGE 96
+#define BYTES_A_ROW   ((size_t)1 << 20) /* additional bytes, independent of the mesh's size */
 
 /* The different points of a list. */
 struct point_index {
     struct gd_point *points;
     uint32_t count;
-    /* for each position in the list: the index in `points`, which is the same allocation */
+    /* for each position in the list: the index of its point in `points`; in the same allocation as
+       `points` */
     uint32_t *number;
 };
 
 struct matrix_query {
-    struct server_query query;           /* first */
+    struct server_query query;           /* must be the first member */
     struct proto_located_points targets; /* the sources are the query's points */
     double max_distance;                 /* INFINITY: no limit */
-    double *distances; /* one row for each source. INFINITY: no path; NAN: beyond max_distance */
+    /* one row for each source; INFINITY: no path; NAN: farther than max_distance */
+    double *distances;
 
-    bool is_turned; /* the rows are the targets */
+    bool is_turned; /* true: the rows are the targets */
     struct point_index rows, columns;
-    uint32_t *vertices; /* for each column its vertex index; NULL: not all columns are vertices */
+    uint32_t *vertices;    /* the vertex index of each column; NULL: not all columns are vertices */
     double *row_distances; /* rows x columns */
-    atomic_size_t grant;   /* bytes that sufficed for the rows so far */
+    atomic_size_t grant;   /* bytes that were sufficient for the rows computed so far */
     atomic_int status;     /* the first failure */
 };
 
@@ -121,7 +126,7 @@ static uint32_t *columns_as_vertices(const struct gd_mesh *mesh, const struct po
 
 /* --- a row from a field ----------------------------------------------------------------------- */
 
-/* Ends a row when another one has failed. */
+/* Cancels a row if another row has failed. */
 static bool row_on_progress(void *user, double fraction)
 {
     struct matrix_row *row = user;
@@ -176,7 +181,7 @@ static struct gd_field_request row_request(const struct matrix_row *row, struct 
         .seeds = seed, .seed_count = 1, .radius = isfinite(limit) ? nextafter(limit, INFINITY) : 0};
 }
 
-/* Computes a row from a field, then drops it. The next row begins with this row's grant. */
+/* Computes a row from a field, then drops the field. The next row begins with this row's grant. */
 static enum gd_status row_from_field(const struct matrix_row *row, const struct gd_control *control)
 {
     struct gd_seed seed;
@@ -191,7 +196,7 @@ static enum gd_status row_from_field(const struct matrix_row *row, const struct 
     return status;
 }
 
-/* Computes a row without storing wedges, which are most of a field's memory. */
+/* Computes a row without storing wedges, which take most of a field's memory. */
 static enum gd_status row_from_vertices(const struct matrix_row *row,
                                         const struct gd_control *control)
 {

@@ -1,10 +1,10 @@
-/* Pairs: distance and shortest path between two points, optionally via others. A leg is the part
- * between two consecutive points.
+/* Pairs: answers queries for the distance and the shortest path between two points, optionally via
+ * other points. A leg is the part of the path between two consecutive points.
  *
  * DESIGN. The metric is symmetric, so a field of either end answers a leg. try_inline answers from
- * cached fields. A worker searches from one end to the other; or it builds the field of an end that
- * enough queries have named. While another query builds the field of an end, this query is parked.
- * It looks into the cache again when the build has ended. */
+ * cached fields. A worker searches from one end to the other. If enough queries have named an end,
+ * the worker builds the field of this end instead. While another query builds the field of an end,
+ * this query is parked. When the build has ended, the query tries the cache again. */
 #include "server/query/handlers.h"
 
 #include <math.h>
@@ -15,21 +15,22 @@
 #include "server/query/query.h"
 #include "server/query/result.h"
 
-/* Most faces of a mesh whose paths an HTTP thread traces. */
+/* Limit on the faces of a mesh whose paths an HTTP thread may trace. */
 #define INLINE_PATH_FACES 200000
-/* Ten times the cost of a field on most meshes. With less time left, the pair is searched. */
+/* Ten times the cost of a field on most meshes. If less time is left until the deadline, the pair
+ * is searched. */
 #define PATIENCE_NS_AN_EDGE 10000
-/* A build that takes longer is abandoned, since searches are the better choice there. */
+/* A build that takes longer is abandoned, because searches are faster on such meshes. */
 #define BUILD_NS         1000000000
 #define BUILD_NS_AN_EDGE 5000
 #define WHAT             "the search"
 
 struct pair_query {
-    struct server_query query; /* first */
+    struct server_query query; /* must be the first member */
     enum gd_pair_output output;
     uint32_t leg, leg_count; /* the current leg: from point `leg` of the query to the next one */
-    bool is_noted;           /* the cache has counted the leg's ends */
-    struct gd_pair_answer answer; /* answer of the legs before the current one */
+    bool is_noted;           /* true: the cache has counted this query of the leg's ends */
+    struct gd_pair_answer answer; /* joined answer of the legs before the current one */
     struct gd_seed source;        /* source of the field that this query builds */
 };
 
@@ -75,7 +76,7 @@ static struct server_monitor leg_monitor(const struct pair_query *pair)
     return server_query_monitor(&pair->query, pair->leg * share, share);
 }
 
-/* Appends and frees the answer of a leg. AGAIN: legs remain. */
+/* Appends and frees the answer of a leg. Returns AGAIN if legs remain. */
 static enum server_query_turn leg_end(struct pair_query *pair, enum gd_status status,
                                       struct gd_pair_answer *leg)
 {
@@ -98,7 +99,7 @@ static enum server_query_turn leg_answer(struct pair_query *pair,
     return leg_end(pair, status, &leg);
 }
 
-/* Answers legs from cached fields. AGAIN: a leg remains. */
+/* Answers legs from cached fields. Returns AGAIN if a leg remains. */
 static enum server_query_turn leg_find(struct pair_query *pair)
 {
     enum server_query_turn turn = SERVER_QUERY_AGAIN;
@@ -122,7 +123,7 @@ static enum server_query_turn leg_search(struct pair_query *pair)
 
 /* --- building a field ------------------------------------------------------------------------- */
 
-/* Counts, once for each leg, a query of ends without a field. */
+/* Counts a query of a leg whose ends have no field, once for each leg. */
 static void leg_note(struct pair_query *pair)
 {
     struct server_mesh_cache *fields = pair->query.surface->fields;
@@ -146,7 +147,8 @@ static uint64_t edge_count(const struct pair_query *pair)
     return gd_mesh_summary(pair->query.surface->mesh)->edges;
 }
 
-/* Enters the cache. BUILD: this query has a build. WAIT: it is parked and must not be touched. */
+/* Enters the cache. BUILD: this query must build the field. WAIT: the query is parked, and the
+ * caller must not use it any more. */
 static enum server_cache_turn leg_enter(struct pair_query *pair)
 {
     const struct server_pair ends = leg_of(pair);
@@ -157,7 +159,7 @@ static enum server_cache_turn leg_enter(struct pair_query *pair)
     return turn == SERVER_CACHE_SEARCH ? field_enter(pair, ends.to) : turn;
 }
 
-/* Builds the field. If that fails, but the query may continue, searches the leg instead. */
+/* Builds the field. If the build fails but the query may continue, searches the leg instead. */
 static enum server_query_turn leg_build(struct pair_query *pair)
 {
     struct server_query *query = &pair->query;
@@ -185,13 +187,14 @@ static enum server_query_turn pair_try_inline(struct server_query *query)
     return turn;
 }
 
-/* Begins a build before its builder is queued: later queries for its field are not queued. */
+/* Begins the build before its query is queued, so that later queries for the same field are parked
+ * instead of queued. */
 static bool pair_join(struct server_query *query)
 {
     return leg_enter((struct pair_query *)query) == SERVER_CACHE_WAIT;
 }
 
-/* Looks into the cache, then runs at most one search or build. */
+/* Tries the cache, then runs at most one search or build. */
 static enum server_query_turn pair_solve(struct server_query *query)
 {
     struct pair_query *pair = (struct pair_query *)query;

@@ -1,4 +1,5 @@
-/* Points: the surface point nearest to a point, the weighted mean, and farthest points. */
+/* Answers queries for points: the surface point nearest to a point, the weighted mean, and farthest
+ * points. */
 #include "server/query/handlers.h"
 
 #include <math.h>
@@ -13,7 +14,7 @@
 /* Decoding locates the point in O(log n); nothing is left to solve. */
 
 struct nearest_query {
-    struct server_query query; /* first */
+    struct server_query query; /* must be the first member */
     struct gd_point point;
     double snap_distance;
 };
@@ -56,7 +57,7 @@ const struct server_query_kind server_query_nearest = {.name = "nearest",
 /* --- mean ------------------------------------------------------------------------------------- */
 
 struct mean_query {
-    struct server_query query; /* first */
+    struct server_query query; /* must be the first member */
     double *weights;           /* NULL: equal weights */
     bool one_step;
     struct gd_mean mean;
@@ -120,11 +121,11 @@ const struct server_query_kind server_query_mean = {.name = "mean",
 /* --- farthest points -------------------------------------------------------------------------- */
 
 struct sampling_query {
-    struct server_query query; /* first */
+    struct server_query query; /* must be the first member */
     uint32_t count;
     bool has_start;
     struct gd_point start;
-    double snap; /* how far the start was moved; NAN: not at all */
+    double snap; /* distance by which the start was moved onto the surface; NAN: it was not moved */
     struct gd_point *points;
     double *radii;
 };

@@ -1,13 +1,14 @@
-/* Batch stream: many queries in one request, one JSON line each, answered in order by the steps of
+/* Batch stream: answers many queries in one request, each on a JSON line, in order, by the steps of
  * single requests (query.h).
  *
- * DESIGN. One worker works line by line; a line that waits for a field of another request parks the
- * exchange. When time or memory runs out, each remaining line is answered with the problem.
+ * DESIGN. One worker answers line after line. If a line needs a field that another request builds,
+ * the exchange is parked. When time or memory runs out, each remaining line is answered with the
+ * problem.
  *
- * Answers are collected. If no line takes long, they are sent as one response. Before the first
- * long line, or when many bytes are ready, the request is answered with a stream (relay.h), and an
- * exchange detached from the request continues. From then on, ready answers go to the stream before
- * each long line. A job (Prefer: respond-async) collects all answers. */
+ * Answers are collected. If no line takes long, they are sent as one response. Otherwise, before
+ * the first long line or when many bytes are ready, the response becomes a stream (relay.h), and a
+ * detached exchange continues the work. From then on, collected answers are passed to the stream
+ * before each long line. A job (Prefer: respond-async) collects all answers. */
 #include "server/query/handlers.h"
 
 #include <stdio.h>
@@ -23,9 +24,9 @@
 #include "server/query/request.h"
 
 #define NDJSON "application/x-ndjson"
-/* bytes of collected answers after which lines are refused */
+/* limit on the bytes of collected answers; later lines are refused */
 #define ANSWER_MOST ((size_t)64 << 20)
-/* bytes of collected answers that go to the stream even before a quick line */
+/* with more bytes of collected answers, they are passed to the stream even before a quick line */
 #define FLUSH_BYTES 65536
 
 struct batch {
@@ -33,10 +34,10 @@ struct batch {
     struct server_surface *surface;
     struct proto_batch_line line; /* the current line */
     struct server_query *query;   /* query of the current line; NULL: the line is answered */
-    size_t begin;                 /* where its answer begins */
+    size_t begin;                 /* offset of the current line's answer in the writer */
     struct proto_writer writer;   /* answers that are not yet in the stream */
     struct server_relay *relay;   /* NULL: the request is not answered yet */
-    bool is_whole;                /* all lines are answered in the stream */
+    bool is_whole;                /* true: all lines are answered in the stream */
     bool is_refused;              /* the line is late */
 };
 
@@ -108,7 +109,8 @@ static bool line_read(struct batch *batch, struct proto_problem *problem)
     return ok;
 }
 
-/* Checks deadline, drain and client of the batch. */
+/* Checks the deadline of the batch, the drain of the daemon, and whether the client is still
+ * connected. */
 static enum gd_status batch_check(const struct batch *batch)
 {
     const struct server_body *body = &batch->exchange->body;
@@ -167,7 +169,7 @@ static void line_end_late(struct batch *batch)
 
 /* --- the stream ------------------------------------------------------------------------------- */
 
-/* Returns the bytes of answered lines that are not sent. */
+/* Returns the number of bytes of answers that are not yet sent. */
 static size_t batch_ready(const struct batch *batch)
 {
     return batch->query ? batch->begin : batch->writer.size;
@@ -198,8 +200,9 @@ static void on_refuse(struct server_job *job, enum server_refusal why)
     job->run(job);
 }
 
-/* Starts the stream. True: the request is answered, and the batch belongs to the detached exchange,
- * perhaps to another thread. False (out of memory): the batch continues to collect. */
+/* Starts the stream. Returns true if the request is answered; the batch then belongs to the
+ * detached exchange, perhaps in another thread. Returns false if out of memory; the batch then
+ * continues to collect answers. */
 static bool stream_start(struct batch *batch)
 {
     static const struct server_transport transport = {
@@ -218,7 +221,7 @@ static bool stream_start(struct batch *batch)
     return true;
 }
 
-/* Passes answers to the stream. True: the exchange is answered (`is_done`) or parked. */
+/* Passes answers to the stream. Returns true if the exchange is answered (`is_done`) or parked. */
 static bool stream_pass(struct batch *batch, bool *is_done)
 {
     size_t ready = batch_ready(batch);

@@ -1,5 +1,5 @@
 /* Batches: create, list, describe and remove them, and read their answers (jobs/batch_runner.h).
- * All steps run on workers, since they read the queue's database. */
+ * All steps run on workers, because they read the queue's database. */
 #include "server/query/handlers.h"
 
 #include <stdlib.h>
@@ -14,7 +14,7 @@
 #include "server/query/request.h"
 #include "server/store/kind.h"
 
-#define BATCHES_MOST 1000 /* most batches of a tenant */
+#define BATCHES_MOST 1000 /* limit on the batches of a tenant */
 
 _Static_assert(SERVER_BATCH_ID == SERVER_JOB_ID, "batches have ids of jobs");
 
@@ -105,7 +105,7 @@ static bool fix_version(struct server_exchange *exchange, const struct proto_man
     return false;
 }
 
-/* Checks the number of batches. Too many are a conflict, because waiting does not make room; only a
+/* Checks the number of batches. Too many batches are a conflict: waiting makes no room, only a
  * DELETE does. */
 static bool check_room(struct server_exchange *exchange, struct server_store_sql *sql)
 {
@@ -168,7 +168,8 @@ static struct server_batch_wait wait_begin(const struct server_exchange *exchang
                                       .until_ns = server_request_wait_end(exchange, wait_s)};
 }
 
-/* Parks the exchange until the queue may have changed. False: it must be answered now. */
+/* Parks the exchange until the queue may have changed. Returns false if the exchange must be
+ * answered now. */
 static bool wait_for_news(struct server_exchange *exchange, struct server_batch_wait *wait,
                           const struct server_batch *batch)
 {
@@ -206,7 +207,7 @@ void server_handle_list_batches(struct server_exchange *exchange)
     if (server_reply_accepts_json(exchange)) server_exchange_defer(exchange, list_batches, NULL);
 }
 
-/* Describes the batch. False: the exchange is parked until the batch or the wait ends. */
+/* Describes the batch. Returns false if the exchange is parked until the batch or the wait ends. */
 static bool describe_batch(struct server_exchange *exchange)
 {
     struct server_batch batch;
@@ -249,11 +250,11 @@ void server_handle_delete_batch(struct server_exchange *exchange)
 struct answers {
     struct proto_many many;
     struct proto_many_page page;
-    struct server_batch batch; /* its state when the reading of answers began */
+    struct server_batch batch; /* the batch's state when the reading of answers began */
     struct proto_writer writer;
     struct server_batch_place place; /* place of the last answer shown */
     uint32_t count;
-    bool is_cut;   /* more answers exist than fit on the page */
+    bool is_cut;   /* true: more answers exist than fit on the page */
     uint32_t seen; /* rows of one read */
 };
 
@@ -271,7 +272,8 @@ static bool on_answer(void *user, const struct server_sql_value *row)
     return true;
 }
 
-/* In the order of answers there is a next page as long as more answers may follow. */
+/* Replies with a page. In the order of answers there is a next page as long as more answers may
+ * follow. */
 static void reply_answers(struct server_exchange *exchange, struct server_store_sql *sql,
                           struct answers *answers)
 {
@@ -305,8 +307,8 @@ static bool read_batch(struct server_exchange *exchange, struct server_store_sql
     return server_reply_check(exchange, is_read, &problem);
 }
 
-/* Lists answers. False: the exchange is parked until there are answers, or until the batch or the
- * wait ends. */
+/* Lists answers. Returns false if the exchange is parked until there are answers, or until the
+ * batch or the wait ends. */
 static bool list_answers(struct server_exchange *exchange)
 {
     struct answers answers = {.count = 0};

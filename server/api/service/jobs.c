@@ -14,10 +14,11 @@
 #include "server/query/request.h"
 
 #define EVENT_STREAM "text/event-stream"
-/* bytes of an answer from which it is lent; shorter answers are copied */
+/* answers of at least this many bytes are lent; shorter answers are copied */
 #define LENT_FROM 65536
 
-/* Returns the job that the path names, for the caller to release; NULL: a problem is replied. */
+/* Returns the job in the path, which the caller releases; or replies with a problem and returns
+ * NULL. */
 static struct server_deferred_job *find_job(struct server_exchange *exchange)
 {
     const struct proto_capture *id = &exchange->match.captures[0];
@@ -38,7 +39,8 @@ static void release_job(void *user)
     server_deferred_job_release(user);
 }
 
-/* Lends a large answer to the response, which holds a reference of the job meanwhile. */
+/* Lends a large answer to the response. Until the response is sent, it holds a reference of the
+ * job. */
 static struct server_lent lend_answer(struct server_deferred_job *job,
                                       const struct proto_job_answer *answer, const char *tail)
 {
@@ -153,7 +155,7 @@ static void reply_page(struct server_exchange *exchange, uint32_t limit,
     server_reply_json(exchange, 200, &writer);
 }
 
-/* Replies with a page of jobs. Returns false if it is too long for an HTTP thread. */
+/* Replies with a page of jobs. Returns false if the page is too long for an HTTP thread. */
 static bool list_jobs(struct server_exchange *exchange)
 {
     uint32_t most = exchange->work ? PROTO_PAGE_MOST : SERVER_REQUEST_SHORT_LIST;
@@ -184,7 +186,8 @@ void server_handle_async(struct server_exchange *exchange)
     struct server_deferred_job *job = server_job_table_start(table, exchange, &problem);
     if (!server_reply_check(exchange, job, &problem)) return;
     const struct proto_job state = server_deferred_job_describe(job);
-    if (state.answer && state.answer->status == 503) { /* refused at once: no job for the client */
+    /* the request was refused at once: the client gets no job */
+    if (state.answer && state.answer->status == 503) {
         reply_answer(exchange, job, state.answer);
         server_job_table_cancel(table, job);
     } else {
@@ -256,7 +259,7 @@ void server_handle_get_job_events(struct server_exchange *exchange)
     struct server_deferred_job *job = find_job(exchange);
     if (!job) return;
     if (last && strcmp(last, PROTO_JOB_LAST_EVENT) == 0)
-        /* 204 stops a browser from reconnecting after the last event */
+        /* after the last event, 204 stops a browser from reconnecting */
         server_reply_empty(exchange, 204);
     else
         reply_events(exchange, job);

@@ -45,7 +45,7 @@ void server_handle_get_livez(struct server_exchange *exchange)
     if (server_request_is_plain(exchange)) reply_health(exchange, 200, PROTO_HEALTH_OK, NULL);
 }
 
-/* Reports readiness. A daemon with a read-only store is ready, since it still answers queries. A
+/* Reports readiness. A daemon with a read-only store is ready, because it still answers queries. A
  * daemon whose shared store can't be reached is ready, too, because other daemons are in the same
  * state, and surfaces in memory can still be queried. */
 void server_handle_get_readyz(struct server_exchange *exchange)
@@ -64,8 +64,8 @@ void server_handle_get_readyz(struct server_exchange *exchange)
     }
 }
 
-/* Replies with metrics. Only an operator's key gets the metrics of all tenants. The client's
- * address is no proof, because behind a proxy every client has a local address. */
+/* Replies with metrics. Only an operator's key gets the metrics of all tenants. A local address
+ * does not identify an operator, because behind a proxy every client has one. */
 void server_handle_get_metrics(struct server_exchange *exchange)
 {
     const struct server_api *api = exchange->host->api;

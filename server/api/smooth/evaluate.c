@@ -1,6 +1,6 @@
-/* Evaluate and nearest on smooth surfaces: position and derivatives at many points, and the surface
- * point nearest to a point of space. NURBS and subdivision surfaces share the order of the steps.
- * Each has its own steps. */
+/* Answers the queries evaluate and nearest on smooth surfaces: position and derivatives at many
+ * points, and the surface point nearest to a point in space. NURBS and subdivision surfaces have
+ * the same order of steps, but their own step functions. */
 #include "server/api/smooth/smooth.h"
 
 #include <math.h>
@@ -51,7 +51,7 @@ struct evaluator {
 };
 
 struct evaluation {
-    struct server_query query; /* first */
+    struct server_query query; /* must be the first member */
     union {
         struct proto_uvs nurbs;
         struct proto_limit_places limit;
@@ -242,10 +242,11 @@ const struct server_query_kind server_query_subdivision_evaluate = {
     .release = limit_release,
     EVALUATION_STEPS};
 
-/* --- nearest: the place nearest to {"xyz": …} ------------------------------------------------- */
+/* --- nearest: the place nearest to a point {"xyz": …}
+ * ------------------------------------------------- */
 
 struct nearest {
-    struct server_query query; /* first */
+    struct server_query query; /* must be the first member */
     struct proto_point wanted; /* a point of space */
     union {
         struct gd_parametric_closest nurbs;

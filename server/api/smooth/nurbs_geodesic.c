@@ -1,5 +1,5 @@
-/* Shortest paths on NURBS surfaces between two points, a point and a curve, or two curves. They run
- * on a worker. */
+/* Answers queries for shortest paths on NURBS surfaces between two points, a point and a curve, or
+ * two curves. The queries run on a worker. */
 #include "server/query/handlers.h"
 
 #include "proto/queries/geodesic_like.h"
@@ -7,7 +7,7 @@
 #include "server/surfaces/kinds.h"
 
 #define SEARCH_BYTES ((size_t)1 << 20)
-/* bytes for each class of winding numbers: the paths from which its search begins */
+/* bytes for the initial paths of each class of winding numbers */
 #define BYTES_PER_CLASS ((size_t)128 << 10)
 /* bytes for each face of the tessellation: two fields, and the traced paths */
 #define BYTES_PER_FACE 1024
@@ -21,7 +21,7 @@ struct path_arrays {
 };
 
 struct search {
-    struct server_query query; /* first */
+    struct server_query query; /* must be the first member */
     struct proto_geodesic wanted;
     struct gd_domain_curve *ends[2], *initial; /* initial: NULL if the request has none */
     struct gd_geodesics found;
@@ -67,8 +67,8 @@ static size_t found_bytes(const struct gd_geodesics *found)
     return bytes;
 }
 
-/* Lays a curve of the request on the surface. Checks the control afterwards: a long curve takes
- * tens of milliseconds. */
+/* Makes a curve of the request on the surface. Checks the control afterwards, because a long curve
+ * takes tens of milliseconds. */
 static bool search_locate_curve(struct search *search, const struct proto_domain_curve *curve,
                                 const struct gd_control *control, struct gd_domain_curve **out)
 {
@@ -138,8 +138,8 @@ static enum server_query_turn search_solve(struct server_query *query)
 
 /* --- arrays ----------------------------------------------------------------------------------- */
 
-/* Returns whether the answer lists path i: the shortest path, and with all_minima the other
- * minima. */
+/* Returns true if the answer lists path i. It lists the shortest path, and with all_minima the
+ * other minima. */
 static bool search_lists(const struct search *search, uint32_t i)
 {
     return i == 0 || (search->wanted.options.all_minima && search->found.items[i].is_minimum);

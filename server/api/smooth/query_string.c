@@ -1,10 +1,10 @@
-/* Query strings as bodies: queries by GET take the parameters that POST takes as members. */
+/* Query strings as bodies: the parameters of a query by GET are the members of the body of POST. */
 #include <string.h>
 
 #include "proto/json/number.h"
 #include "server/api/smooth/smooth.h"
 
-/* Reads u,v. False: the text is of another form. */
+/* Parses u,v. Returns false if the text has another form. */
 static bool uv_read(const char *text, double uv[2])
 {
     size_t length = proto_number_parse(text, &uv[0]);
@@ -58,7 +58,7 @@ static bool is_option(const char *name)
     return false;
 }
 
-/* Turns the place of a problem in the body into the name of the parameter. */
+/* Replaces the place of a problem in the body by the name of the parameter. */
 static void name_parameter(struct proto_problem *problem)
 {
     if (!problem->has_pointer || !problem->pointer[0]) return;

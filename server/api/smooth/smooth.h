@@ -6,25 +6,26 @@
 
 #include "server/query/query.h"
 
-/* As server_query_fail, with the engine's detail in the problem. Coinciding control points leave a
- * surface without a normal somewhere: this is the client's invalid_mesh, not an internal error.
+/* As server_query_fail, with the engine's detail in the problem. Where control points coincide, a
+ * surface may have no normal. This is the client's error invalid_mesh, not an internal error.
  * Returns FAILED. */
 enum server_query_turn server_smooth_fail(const struct server_query *query, enum gd_status status,
                                           const struct gd_detail *detail, const char *what);
 
 /* The form of the parameters `from` and `to`. */
 struct server_smooth_ends {
-    /* Makes the value that a body has, or NULL without memory. False: another form. */
+    /* Sets *out to the value for the body, or to NULL if out of memory. Returns false if the text
+       has another form. */
     bool (*read)(const char *text, json_t **out);
-    const char *form; /* for a problem: "two numbers" */
+    const char *form; /* name of the form in a problem, such as "two numbers" */
 };
 
-/* Read u,v and f:FACE:u,v or f:FACE:CORNER:u,v. */
+/* Parse u,v and f:FACE:u,v or f:FACE:CORNER:u,v. */
 bool server_smooth_uv(const char *text, json_t **out);
 bool server_smooth_place(const char *text, json_t **out);
 
 /* Parses a query string. Makes a body whose members are the parameters, except those that all
- * queries share, and decodes it. A problem names the parameter. */
+ * queries share. Decodes this body. A problem names the parameter. */
 bool server_smooth_parse(struct server_query *query, const struct proto_parameters *parameters,
                          const struct server_smooth_ends *ends);
 

@@ -13,18 +13,20 @@
 #include "server/surfaces/kinds.h"
 
 #define SEARCH_BYTES   ((size_t)4 << 20) /* includes the traces that straighten the path */
-#define BYTES_PER_EDGE 224               /* as for a search on any mesh (query.c) */
+#define BYTES_PER_EDGE 224               /* the same as for a search on any mesh (query.c) */
 #define TRACE_BYTES    ((size_t)1 << 20) /* bytes of one trace on the smooth surface */
-#define SEGMENT_BYTES  40                /* a segment of a path that stops where it meets itself */
-#define BUILD_SHARE    0.3               /* share of the work, if there is no discretization yet */
+/* bytes of a segment of a path that stops where it meets itself */
+#define SEGMENT_BYTES 40
+/* fraction of the progress for building a discretization */
+#define BUILD_SHARE 0.3
 
 static const struct gd_subdivision *subdivision_of(const struct server_query *query)
 {
     return server_subdivision_of(query->surface)->surface;
 }
 
-/* Returns the mesh or the grid of a level, which the caller releases. A build is the first
- * BUILD_SHARE of the query's work. */
+/* Returns the mesh or the grid of a level, which the caller releases. A build counts as the first
+ * BUILD_SHARE of the query's progress. */
 static enum gd_status discretization_get(const struct server_query *query, uint32_t level,
                                          bool wants_grid, struct server_discretization **out,
                                          struct gd_detail *detail)
@@ -44,7 +46,7 @@ static enum gd_status discretization_get(const struct server_query *query, uint3
 /* --- distance, path --------------------------------------------------------------------------- */
 
 struct pair {
-    struct server_query query; /* first */
+    struct server_query query; /* must be the first member */
     struct proto_limit_pair wanted;
     struct server_discretization *discretization;
     struct gd_limit_shortest found;
@@ -137,7 +139,7 @@ const struct server_query_kind server_query_subdivision_path = {
 /* --- trace ------------------------------------------------------------------------------------ */
 
 struct trace {
-    struct server_query query; /* first */
+    struct server_query query; /* must be the first member */
     struct proto_limit_trace wanted;
     struct gd_trace_options options;
     struct gd_limit_jet jet; /* jet at the start */
@@ -145,14 +147,15 @@ struct trace {
     /* On the triangles of a level: */
     struct server_discretization *grid, *discretization; /* discretization: the mesh; or NULL */
     struct gd_point start;
-    uint32_t lanes; /* number of paths that are traced at once */
+    uint32_t lanes; /* number of paths traced together */
     /* On the grid or on the smooth surface, for the current path: */
     struct gd_vec3 direction;
     struct gd_limit_path path;
     /* For an answer as arrays: */
     struct gd_vec3 *points; /* points of all paths */
-    size_t room;            /* capacity in points */
-    uint32_t kept, *first;  /* kept: paths so far; first (count + 1): where each begins */
+    size_t room;            /* capacity of `points` */
+    /* kept: number of paths so far; first (count + 1 entries): index where each path begins */
+    uint32_t kept, *first;
     double *lengths;
 };
 
@@ -165,8 +168,8 @@ static void trace_release(struct server_query *query)
     free(trace->points);
 }
 
-/* Appends a path for an answer as arrays, and returns its points, which the caller fills in. NULL:
- * too little memory, which callers report as GD_BUDGET. */
+/* Appends a path for an answer as arrays. Returns its points, which the caller fills in. Returns
+ * NULL if memory is short; callers then report GD_BUDGET. */
 static struct gd_vec3 *trace_keep(struct trace *trace, double length, uint32_t count)
 {
     uint64_t begin = trace->first[trace->kept], end = begin + count;
@@ -235,8 +238,8 @@ static enum gd_status trace_evaluate(struct trace *trace, const struct gd_limit_
     return gd_limit_evaluate(subdivision_of(&trace->query), place, out, &trace->detail);
 }
 
-/* Returns the memory of a path: twice its size, because a path is copied as it grows, and the
- * tables in which a path finds its earlier segments. */
+/* Returns the memory that a path needs. This is twice the path's size, because a growing path is
+ * copied, and the size of the tables of its earlier segments. */
 static size_t mesh_path_bytes(const struct trace *trace)
 {
     size_t steps = trace->options.step_limit, bytes = 2 * steps * sizeof(struct gd_point);
@@ -246,8 +249,8 @@ static size_t mesh_path_bytes(const struct trace *trace)
     return bytes + 2 * steps * SEGMENT_BYTES + mesh->faces * sizeof(uint32_t) + mesh->vertices;
 }
 
-/* Takes memory for one path; or for several paths at once, which is faster, if the budget has spare
- * bytes. */
+/* Takes memory for one path, or for several paths if the budget has spare bytes, because tracing
+ * several together is faster. */
 static enum gd_status mesh_reserve(struct trace *trace)
 {
     struct server_budget *budget = trace->query.exchange->host->budget;
@@ -271,7 +274,7 @@ static enum gd_status mesh_prepare(struct trace *trace)
     return status ? status : mesh_reserve(trace);
 }
 
-/* Writes the path of a direction that leads over the boundary: it ends where it starts. */
+/* Writes the path of a direction that leads over the boundary. Such a path ends at its start. */
 static enum gd_status mesh_stay(struct trace *trace, struct gd_vec3 direction,
                                 const struct gd_control *control, struct gd_trace *out)
 {

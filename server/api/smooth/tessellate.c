@@ -1,7 +1,7 @@
-/* Tessellate and discretize: a smooth surface becomes a mesh resource whose attachment holds the
- * place of each vertex on the surface. A worker makes the mesh; the registry's writer thread stores
- * it. GET …/parameters (of NURBS), GET …/places (of subdivision surfaces) and GET …/origins (of
- * edited meshes) read the attachment. */
+/* Tessellate and discretize: make a mesh resource from a smooth surface. The attachment of the mesh
+ * contains the place of each vertex on the surface. A worker makes the mesh; the registry's writer
+ * thread stores it. GET …/parameters (of NURBS), GET …/places (of subdivision surfaces) and GET
+ * …/origins (of edited meshes) read the attachment. */
 #include "server/api/smooth/smooth.h"
 
 #include <assert.h>
@@ -25,7 +25,8 @@ enum { NUMBERS_MOST = 4, VERTICES_PER_CHECK = 65536 };
 
 /* --- the attachment --------------------------------------------------------------------------- */
 
-/* Precedes the places, one for each vertex, in the byte order of this machine. */
+/* The head of an attachment. The places follow, one for each vertex. All numbers are in the byte
+ * order of this machine. */
 struct head {
     char word[8]; /* without a NUL */
     char surface[PROTO_MESH_NAME + 8], etag[SERVER_ETAG + 7];
@@ -36,7 +37,7 @@ struct head {
 struct format {
     char word[8];
     size_t head, item; /* bytes of the head, and of one vertex */
-    uint32_t numbers;  /* numbers of one vertex */
+    uint32_t numbers;  /* how many numbers a vertex has */
     void (*read)(const void *item, double *out);
     const char *maker, *noun;
 };
@@ -100,7 +101,7 @@ static void *attachment_items(const struct format *format, const struct head *he
 /* --- the mesh --------------------------------------------------------------------------------- */
 
 struct meshing {
-    struct server_query query; /* first */
+    struct server_query query; /* must be the first member */
     struct proto_tessellation tessellate;
     struct proto_discretization discretize;
     struct gd_tessellation *tessellation;
@@ -126,7 +127,8 @@ static void meshing_release(struct server_query *query)
     gd_discretization_free(&meshing->discretization);
 }
 
-/* Adds the mesh. The attachment is then in memory twice, because derived meshes keep a copy. */
+/* Adds the mesh. The attachment is then in memory twice, because the list of derived meshes stores
+ * a copy. */
 static bool meshing_add(struct meshing *meshing, const struct mesher *mesher)
 {
     struct proto_problem *problem = meshing->query.problem;

@@ -1,4 +1,4 @@
-/* Derive: edits of a mesh, whose result becomes a mesh resource, several of them, or a file. */
+/* Derive: edits a mesh. The result becomes one mesh resource, several of them, or a file. */
 #include "server/query/handlers.h"
 
 #include <stdlib.h>
@@ -10,11 +10,11 @@
 #include "server/query/request.h"
 
 struct derivation {
-    struct server_query query; /* first */
+    struct server_query query; /* must be the first member */
     struct proto_derive wanted;
     struct server_edits edits;
     struct server_derived_meshes meshes;
-    char *file; /* the answer, if no mesh is stored */
+    char *file; /* the answer as a file, if no mesh is stored */
     size_t file_size;
 };
 

@@ -1,4 +1,5 @@
-/* Meshes: their file and boundaries, in addition to the operations of all surfaces (surfaces.c). */
+/* Meshes: replies with the file and the boundaries of a mesh. surfaces.c has the operations that
+ * all surfaces share. */
 #include "server/query/handlers.h"
 
 #include <stdlib.h>
@@ -25,7 +26,8 @@ static bool content_read_format(struct server_exchange *exchange, enum gd_format
     return server_reply_check(exchange, is_good, &problem);
 }
 
-/* Bounds the bytes of polygons and text: a double has at most 25 characters, an index 11. */
+/* Returns an upper bound of the bytes of polygons and text: a double has at most 25 characters, an
+ * index 11. */
 static size_t content_cost(const struct gd_mesh *mesh)
 {
     const struct gd_mesh_summary *summary = gd_mesh_summary(mesh);
@@ -58,7 +60,7 @@ static void packed_release(void *file)
     server_packed_file_release(file);
 }
 
-/* Replies with the packed file, whose reference it takes over. */
+/* Replies with the packed file, and takes over the caller's reference to it. */
 static void packed_send(struct server_exchange *exchange, const struct server_record *record,
                         enum gd_format format, struct server_packed_file *file)
 {
@@ -105,7 +107,7 @@ static bool content_send(struct server_exchange *exchange)
     bool is_written = server_request_take(exchange, "the file", cost, &problem) &&
                       content_write(surface->mesh, format, &bytes, &size, &problem);
     if (!server_reply_check(exchange, is_written, &problem)) return true;
-    /* the polygons are free; their share of the cost covers the packed text */
+    /* the polygons have been freed, and their part of the grant covers the packed text */
     server_etag_write(tag, surface->record->etag, gd_format_name(format));
     struct server_packed_file *file = content_pack(exchange, tag, bytes, size);
     if (file) {
@@ -120,8 +122,8 @@ static bool content_send(struct server_exchange *exchange)
     return true;
 }
 
-/* Replies without loading the mesh if the client has the file, or if the file is cached in the form
- * that the client accepts. Returns whether the request is answered. */
+/* Replies without loading the mesh if the client already has the file, or if the file is cached in
+ * the form that the client accepts. Returns true if the request is answered. */
 static bool content_is_ready(struct server_exchange *exchange, enum gd_format format)
 {
     char tag[SERVER_ETAG_TEXT];

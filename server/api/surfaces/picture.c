@@ -1,4 +1,5 @@
-/* Picture: a mesh, a field on it and a path, as a PNG or SVG file. Always runs on a worker. */
+/* Picture: renders a mesh, a field on it and a path as a PNG or SVG file. Always runs on a
+ * worker. */
 #include "server/query/handlers.h"
 
 #include <math.h>
@@ -12,21 +13,21 @@
 /* bytes that most pictures need */
 #define PICTURE_BYTES   ((size_t)8 << 20)
 #define BYTES_PER_FACE  100
-#define BYTES_PER_EDGE  32 /* while an isoline is traced */
+#define BYTES_PER_EDGE  32 /* bytes needed for each edge while an isoline is traced */
 #define BYTES_PER_PIXEL 32
 
 #define PATH_SHARE 0.3 /* share of the work */
 
 struct format {
-    struct server_query_kind kind; /* first */
+    struct server_query_kind kind; /* must be the first member */
     const char *media_type;
-    const char *policy; /* Content-Security-Policy; NULL: the policy of data */
+    const char *policy; /* Content-Security-Policy; NULL: the default policy for data */
     enum gd_status (*render)(const struct gd_picture *picture, const struct gd_control *control,
                              void **bytes, size_t *size);
 };
 
 struct picture {
-    struct server_query query; /* first */
+    struct server_query query; /* must be the first member */
     struct proto_picture wanted;
     struct gd_pair_answer route;
     void *file; /* NULL: not rendered yet, or already replied */
@@ -53,7 +54,7 @@ static bool picture_parse(struct server_query *query, const struct proto_paramet
                                    server_field_query_of_set(query, &set, 0));
 }
 
-/* Computes the path through the stops. */
+/* Computes the path through the points of the route. */
 static bool picture_find_route(struct picture *picture, const struct server_monitor *whole)
 {
     struct server_query *query = &picture->query;
@@ -143,7 +144,7 @@ void server_handle_picture_png(struct server_exchange *exchange)
 
 void server_handle_picture_svg(struct server_exchange *exchange)
 {
-    /* when opened as a page, the file may show only the image that it embeds */
+    /* a browser that opens the file as a page may load only the image embedded in it */
     static const struct format svg = {
         .kind = {.name = "picture.svg", .reply_form = "svg", PICTURE_STEPS},
         .media_type = "image/svg+xml",

@@ -1,4 +1,4 @@
-/* GET …/preview: a thinned mesh as a file, or the progress of making it. */
+/* GET …/preview: replies with a simplified mesh as a file, or with the progress of making it. */
 #include "server/query/handlers.h"
 
 #include <stdlib.h>
@@ -13,7 +13,7 @@
 
 struct preview_request {
     struct server_surface *surface;
-    struct server_preview *preview; /* NULL: the mesh is small enough */
+    struct server_preview *preview; /* NULL: the mesh is small and needs no simplification */
     uint32_t faces;
     enum gd_format format;
 };
@@ -26,7 +26,7 @@ static void request_free(void *state)
     free(request);
 }
 
-/* Chooses the format by Accept, GLB at a tie. */
+/* Chooses the format by Accept; in a tie, GLB. */
 static bool negotiate(const char *accept, enum gd_format *out, struct proto_problem *problem)
 {
     unsigned glb = proto_accept_quality(accept, gd_format_media_type(GD_FORMAT_GLB));
@@ -129,7 +129,7 @@ static void progress_reply(struct server_exchange *exchange, double progress)
     server_reply_json(exchange, 202, &writer);
 }
 
-/* Finds the preview. Returns false if a problem or the progress is replied. */
+/* Finds the preview. Returns false after replying with a problem or with the progress. */
 static bool find(struct server_exchange *exchange, struct preview_request *request)
 {
     struct server_previews *previews = exchange->host->api->previews;

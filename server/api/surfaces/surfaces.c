@@ -1,4 +1,5 @@
-/* Surfaces of any kind: list, describe, change, remove. The route names the kind (request.h). */
+/* Surfaces of any kind: lists, describes, changes and removes them. The route names the kind
+ * (request.h). */
 #include "server/query/handlers.h"
 
 #include <stdio.h>
@@ -13,7 +14,7 @@
 
 /* --- list ------------------------------------------------------------------------------------- */
 
-/* Replies with a page, which ends at `limit` surfaces or at PROTO_PAGE_BYTES. */
+/* Replies with a page of at most `limit` surfaces and about PROTO_PAGE_BYTES. */
 static void reply_page(struct server_exchange *exchange, uint32_t limit,
                        struct server_listed *listed, uint32_t count)
 {
@@ -27,7 +28,7 @@ static void reply_page(struct server_exchange *exchange, uint32_t limit,
     server_reply_json(exchange, 200, &writer);
 }
 
-/* Replies with a page of surfaces. Returns false if it is too long for an HTTP thread. */
+/* Replies with a page of surfaces. Returns false if the page is too long for an HTTP thread. */
 static bool list_surfaces(struct server_exchange *exchange)
 {
     uint32_t most = exchange->work ? PROTO_PAGE_MOST : SERVER_REQUEST_SHORT_LIST;

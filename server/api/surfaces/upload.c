@@ -17,17 +17,17 @@
 
 #define GENERATED_NAME 32 /* hexadecimal digits of a SHA-256 */
 
-/* share of an upload with edits; the rest builds the edited mesh */
+/* fraction of the progress before the edits; the rest is for building the edited mesh */
 #define BUILD_SHARE 0.2
 #define EDIT_SHARE  0.6
 
 struct upload {
-    char name[PROTO_MESH_NAME + 1]; /* empty: generated from the bytes and the edits */
+    char name[PROTO_MESH_NAME + 1]; /* empty: the name is generated from the bytes and the edits */
     bool has_caption;
     char caption[SERVER_CAPTION];
-    struct proto_edits edits; /* of a mesh; may be empty */
+    struct proto_edits edits; /* edits of a mesh; may be empty */
     struct server_record *record;
-    bool is_known;                       /* the record is already in the registry */
+    bool is_known;                       /* true: the record is already in the registry */
     struct server_surface *surface;      /* NULL: not built yet */
     struct server_derived_meshes edited; /* with edits: the surface and its file */
 };
@@ -69,7 +69,7 @@ static bool generate_name(struct upload *upload, const char *sha256)
     return is_written;
 }
 
-/* Makes the record of the body, also of an upload that starts over (upload_confirm). */
+/* Makes the record of the body; also called when an upload starts over (upload_confirm). */
 static bool upload_identify(struct server_exchange *exchange, struct upload *upload)
 {
     const struct server_body *body = &exchange->body;
@@ -98,8 +98,8 @@ static bool upload_identify(struct server_exchange *exchange, struct upload *upl
     return upload->record != NULL;
 }
 
-/* Checks the precondition. If the name holds the same surface already, the upload takes over its
- * record, and the surface if that is in memory. */
+/* Checks the precondition. If the same surface is already stored under this name, the upload takes
+ * over its record, and also the surface if that is in memory. */
 static bool upload_compare(struct server_exchange *exchange, struct upload *upload)
 {
     const struct server_precondition precondition = server_precondition_read(exchange);
@@ -132,7 +132,7 @@ static bool upload_reply(struct server_exchange *exchange, enum server_outcome o
     return true;
 }
 
-/* Copies the caption of the current record of that name, if the upload has none. */
+/* If the upload has no caption, copies that of the current record with the same name. */
 static bool upload_caption(struct server_exchange *exchange, struct upload *upload)
 {
     const struct server_key key = server_record_key(upload->record);
@@ -161,8 +161,8 @@ static bool upload_store(struct server_exchange *exchange)
 
 static bool upload_build(struct server_exchange *exchange);
 
-/* Runs on the registry's writer thread, for a record that the registry had: confirms the stored
- * file. If the name holds another record by now, the upload starts over. */
+/* Confirms the stored file of a record that is already in the registry. Runs on the registry's
+ * writer thread. If the name has another record by now, the upload starts over. */
 static bool upload_confirm(struct server_exchange *exchange)
 {
     static const struct server_precondition none;
@@ -186,7 +186,7 @@ static bool upload_confirm(struct server_exchange *exchange)
 
 /* --- building --------------------------------------------------------------------------------- */
 
-/* Replaces the mesh of the file by the edited mesh. False with the problem. */
+/* Replaces the mesh of the file by the edited mesh. On failure returns false with the problem. */
 static bool upload_edit(struct server_exchange *exchange, struct upload *upload,
                         struct proto_problem *problem)
 {

@@ -400,7 +400,7 @@ enum server_outcome server_database_copy(struct server_database *database, const
 /* --- the batches (sql.h) ---------------------------------------------------------------------- */
 
 struct batches {
-    struct server_store_sql sql; /* first */
+    struct server_store_sql sql; /* must be the first member */
     pthread_mutex_t lock;
     sqlite3 *connection; /* NULL: damaged, and no new one could be made yet */
     char path[SERVER_DISK_PATH];

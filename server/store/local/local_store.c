@@ -34,7 +34,7 @@ struct finding { /* a finding of the recovery */
 };
 
 struct local {
-    struct server_store store; /* first */
+    struct server_store store; /* must be the first member */
     struct server_files files;
     struct server_database *database; /* NULL: unusable, and the store is read-only */
     pthread_mutex_t lock;             /* protects `quarantine` and `turn` */

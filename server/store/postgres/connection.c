@@ -45,7 +45,7 @@ struct server_pg {
 };
 
 struct server_pg_pool {
-    struct server_store_sql sql; /* first */
+    struct server_store_sql sql; /* must be the first member */
     pthread_mutex_t lock;
     pthread_cond_t change;
     struct server_pg *idle; /* under the lock */

@@ -19,7 +19,7 @@
     "it is back"
 
 struct shared {
-    struct server_store store; /* first */
+    struct server_store store; /* must be the first member */
     struct server_pg_pool *pool;
     uint64_t seen; /* last version that was visited; under the follower's lock */
     /* of the thread that calls await: */
