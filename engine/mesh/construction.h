@@ -47,7 +47,8 @@ struct gd__construction {
     double progress, progress_end;
 };
 
-/* Allocates a zeroed array owned by the mesh and adds its size to mesh->bytes. NULL: no memory. */
+/* Allocates a zeroed array owned by the mesh and adds its size to mesh->bytes. Returns NULL if out
+ * of memory. */
 void *gd__mesh_array(struct gd_mesh *mesh, size_t count, size_t size);
 
 /* As gd__mesh_array, for sides: aligned to cache lines, not zeroed. */

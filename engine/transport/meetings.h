@@ -13,7 +13,7 @@ GD_MUST_USE enum gd_status gd__meetings_create(const struct gd_mesh *mesh,
                                                const struct gd_point *start,
                                                const struct gd_control *control,
                                                struct gd__meetings **out);
-void gd__meetings_destroy(struct gd__meetings *meetings); /* NULL is harmless */
+void gd__meetings_destroy(struct gd__meetings *meetings); /* NULL is allowed */
 
 /* Adds the line's next segment, in a face. Sets *part to the fraction, in (0, 1], at which the
  * segment first meets an earlier one; 2 if it meets none. The common point with the previous

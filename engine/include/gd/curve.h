@@ -25,7 +25,7 @@ struct gd_curve {
     bool closed;
 };
 
-void gd_curve_free(struct gd_curve *curve); /* frees the points and zeroes; NULL is harmless */
+void gd_curve_free(struct gd_curve *curve); /* frees the points and zeroes; NULL is allowed */
 
 /* Returns the sum of the lengths of the curve's segments, in the mesh's unit. O(points).
  * Thread-safe. */

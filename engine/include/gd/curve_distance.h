@@ -36,7 +36,7 @@ struct gd_curve_distance {
     struct gd_path path; /* from a to b */
 };
 
-/* Frees the path. NULL is harmless. */
+/* Frees the path. NULL is allowed. */
 void gd_curve_distance_free(struct gd_curve_distance *distance);
 
 /* Computes the least distance between a point of `a` and a point of `b`. `field` must have the

@@ -50,7 +50,7 @@ struct gd_cut {
     size_t bytes;         /* size of all arrays above */
 };
 
-void gd_cut_free(struct gd_cut *cut); /* frees the pieces and zeroes; NULL is harmless */
+void gd_cut_free(struct gd_cut *cut); /* frees the pieces and zeroes; NULL is allowed */
 
 /* Cuts `mesh` along a curve.
  *

@@ -32,7 +32,7 @@ struct gd_edited {
     size_t bytes; /* total size of the arrays */
 };
 
-void gd_edited_free(struct gd_edited *edited); /* frees and zeroes; NULL is harmless */
+void gd_edited_free(struct gd_edited *edited); /* frees and zeroes; NULL is allowed */
 
 /* Computes the largest sampled distance between two surfaces: from the vertices of `mesh` to
  * `edited`, and from the midpoints of faces and edges of `edited` to `mesh`, in the mesh's unit.
@@ -187,7 +187,7 @@ struct gd_edited_parts {
     size_t bytes; /* total size of all items */
 };
 
-void gd_edited_parts_free(struct gd_edited_parts *parts); /* frees and zeroes; NULL is harmless */
+void gd_edited_parts_free(struct gd_edited_parts *parts); /* frees and zeroes; NULL is allowed */
 
 /* Splits an edited mesh into its components. The caller frees `*out` by gd_edited_parts_free.
  * Errors: GD_TOO_LARGE (more than `most` components), GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE.

@@ -89,7 +89,7 @@ GD_MUST_USE enum gd_status gd_field_within(const struct gd_field *field, double 
                                            struct gd_field **out);
 
 struct gd_field *gd_field_retain(const struct gd_field *field);
-void gd_field_release(const struct gd_field *field); /* NULL is harmless */
+void gd_field_release(const struct gd_field *field); /* NULL is allowed */
 size_t gd_field_memsize(const struct gd_field *field);
 const struct gd_mesh *gd_field_mesh(const struct gd_field *field);
 

@@ -27,7 +27,7 @@ struct gd_flat_strip {
     uint32_t point_count;
 };
 
-/* Frees the arrays and zeroes the struct. NULL is harmless. */
+/* Frees the arrays and zeroes the struct. NULL is allowed. */
 void gd_flat_strip_free(struct gd_flat_strip *strip);
 
 /* Unfolds the faces of a path whose consecutive points have a common face. `control` may be NULL.

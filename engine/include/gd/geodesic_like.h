@@ -111,7 +111,7 @@ struct gd_geodesics {
     struct gd_geodesic *items;
 };
 
-void gd_geodesics_free(struct gd_geodesics *geodesics); /* NULL is harmless */
+void gd_geodesics_free(struct gd_geodesics *geodesics); /* NULL is allowed */
 
 /* Computes the shortest path between two points or curves of the tessellation's surface. With
  * `all_minima` the function also computes longer local minima, sorted by length. These are paths

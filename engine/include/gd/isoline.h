@@ -82,7 +82,7 @@ struct gd_isoline_index;
 GD_MUST_USE enum gd_status gd_isoline_index_create(const struct gd_field *field,
                                                    const struct gd_control *control,
                                                    struct gd_isoline_index **out);
-void gd_isoline_index_destroy(struct gd_isoline_index *index); /* NULL is harmless */
+void gd_isoline_index_destroy(struct gd_isoline_index *index); /* NULL is allowed */
 size_t gd_isoline_index_bytes(const struct gd_mesh *mesh);
 
 /* Traces an isoline with the index of a field. Isoline and errors are those of gd_isoline_trace. */
@@ -90,7 +90,7 @@ GD_MUST_USE enum gd_status gd_isoline_trace_indexed(const struct gd_isoline_inde
                                                     double level, const struct gd_control *control,
                                                     struct gd_isoline *out);
 
-/* Frees the arrays and zeroes the struct. NULL is harmless. */
+/* Frees the arrays and zeroes the struct. NULL is allowed. */
 void gd_isoline_free(struct gd_isoline *isoline);
 
 /* Computes the unit vectors of the arc's frame: the point at angle a of a circular arc is centre +

@@ -37,7 +37,7 @@ GD_MUST_USE enum gd_status gd_limit_grid_build(const struct gd_subdivision *surf
                                                const struct gd_control *control,
                                                struct gd_limit_grid **out,
                                                struct gd_detail *detail);
-void gd_limit_grid_free(struct gd_limit_grid *grid); /* NULL is harmless */
+void gd_limit_grid_free(struct gd_limit_grid *grid); /* NULL is allowed */
 size_t gd_limit_grid_memsize(const struct gd_limit_grid *grid);
 uint32_t gd_limit_grid_level(const struct gd_limit_grid *grid);
 

@@ -54,7 +54,7 @@ GD_MUST_USE enum gd_status gd_limit_mesh_build(const struct gd_subdivision *surf
                                                const struct gd_control *control,
                                                struct gd_limit_mesh **out,
                                                struct gd_detail *detail);
-void gd_limit_mesh_free(struct gd_limit_mesh *fine); /* NULL is harmless */
+void gd_limit_mesh_free(struct gd_limit_mesh *fine); /* NULL is allowed */
 size_t gd_limit_mesh_memsize(const struct gd_limit_mesh *fine);
 
 /* The results of the following functions are borrowed, valid as long as the limit mesh. */

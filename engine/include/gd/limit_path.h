@@ -33,7 +33,7 @@ struct gd_limit_path {
     enum gd_limit_end end;
 };
 
-/* Frees the steps and zeroes the struct. NULL is harmless. */
+/* Frees the steps and zeroes the struct. NULL is allowed. */
 void gd_limit_path_free(struct gd_limit_path *path);
 
 struct gd_limit_trace_request {

@@ -19,7 +19,7 @@ struct gd_limit_shortest {
     uint32_t step_count;
 };
 
-/* Frees the steps and zeroes the struct. NULL is harmless. */
+/* Frees the steps and zeroes the struct. NULL is allowed. */
 void gd_limit_shortest_free(struct gd_limit_shortest *shortest);
 
 /* Computes the shortest path from ends[0] to ends[1]: the exact path on the mesh, relaxed to a

@@ -87,7 +87,7 @@ GD_MUST_USE enum gd_status gd_mesh_build(const struct gd_polygons *polygons,
 size_t gd_mesh_build_cost(uint64_t faces, uint64_t vertices);
 
 struct gd_mesh *gd_mesh_retain(const struct gd_mesh *mesh);
-void gd_mesh_release(const struct gd_mesh *mesh); /* NULL is harmless */
+void gd_mesh_release(const struct gd_mesh *mesh); /* NULL is allowed */
 size_t gd_mesh_memsize(const struct gd_mesh *mesh);
 
 struct gd_mesh_summary {

@@ -69,7 +69,7 @@ GD_MUST_USE enum gd_status gd_parametric_create(const struct gd_evaluator *evalu
                                                 struct gd_detail *detail);
 
 struct gd_parametric *gd_parametric_retain(const struct gd_parametric *surface);
-void gd_parametric_release(const struct gd_parametric *surface); /* NULL is harmless */
+void gd_parametric_release(const struct gd_parametric *surface); /* NULL is allowed */
 size_t gd_parametric_memsize(const struct gd_parametric *surface);
 
 /* Return the directions of the domain, borrowed and valid as long as the surface. */

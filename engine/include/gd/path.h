@@ -14,7 +14,7 @@ struct gd_path {
     struct gd_point *points; /* from the start to the end of the path */
 };
 
-void gd_path_free(struct gd_path *path); /* frees the points and zeroes; NULL is harmless */
+void gd_path_free(struct gd_path *path); /* frees the points and zeroes; NULL is allowed */
 
 GD_EXTERN_C_END
 

@@ -19,7 +19,7 @@ struct gd_resampling {
     uint32_t count;
 };
 
-void gd_resampling_free(struct gd_resampling *resampling); /* NULL is harmless */
+void gd_resampling_free(struct gd_resampling *resampling); /* NULL is allowed */
 
 /* Computes request->count points of the curve at equal arc lengths, and straightens the pieces
  * between them to geodesics. The points of an open curve include its ends; those of a closed curve

@@ -37,7 +37,7 @@ struct gd_shortening {
     bool is_geodesic; /* true: `turn` is less than 1e-9 */
 };
 
-void gd_shortening_free(struct gd_shortening *shortening); /* NULL is harmless */
+void gd_shortening_free(struct gd_shortening *shortening); /* NULL is allowed */
 
 /* Shortens the curve in `rounds` rounds. Each round divides it into `pieces` and straightens them;
  * every other round shifts the divisions by half a piece. The ends of an open curve stay. With

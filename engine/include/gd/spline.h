@@ -106,7 +106,7 @@ struct gd_spline {
     struct gd_spline_knot *knots;
 };
 
-void gd_spline_free(struct gd_spline *spline); /* frees the arrays and zeroes; NULL is harmless */
+void gd_spline_free(struct gd_spline *spline); /* frees the arrays and zeroes; NULL is allowed */
 
 /* Builds the spline of a request. The caller frees `*out` by gd_spline_free. `control` and `detail`
  * may be NULL. If one point causes an error, detail->elements[0][0] is its number and detail->count
@@ -165,7 +165,7 @@ struct gd_spline_line {
     double step; /* with `even` and `spacing`: arc length between two places; otherwise 0 */
 };
 
-void gd_spline_line_free(struct gd_spline_line *line); /* NULL is harmless */
+void gd_spline_line_free(struct gd_spline_line *line); /* NULL is allowed */
 
 /* Samples a spline as a polyline through the sampled places. The caller frees `*out` by
  * gd_spline_line_free. Errors: GD_INVALID_ARGUMENT (not exactly one kind of parameters is set, or a

@@ -61,7 +61,7 @@ GD_MUST_USE enum gd_status gd_subdivision_create(const struct gd_control_mesh *c
 
 /* Add and drop a reference; thread-safe. */
 struct gd_subdivision *gd_subdivision_retain(const struct gd_subdivision *surface);
-void gd_subdivision_release(const struct gd_subdivision *surface); /* NULL is harmless */
+void gd_subdivision_release(const struct gd_subdivision *surface); /* NULL is allowed */
 
 /* Returns the size of the surface in bytes. */
 size_t gd_subdivision_memsize(const struct gd_subdivision *surface);

@@ -74,7 +74,7 @@ struct gd_trace {
     enum gd_trace_end end;
 };
 
-void gd_trace_free(struct gd_trace *trace); /* frees the path and zeroes; NULL is harmless */
+void gd_trace_free(struct gd_trace *trace); /* frees the path and zeroes; NULL is allowed */
 
 /* Traces the line of the request; `count` is ignored. `control` and `detail` may be NULL. Lengths
  * are compensated sums: even a long line has the requested length to the last bits. The caller

@@ -36,7 +36,7 @@ struct gd_log {
     uint32_t count; /* number of segments; 0 if q equals p */
 };
 
-void gd_log_free(struct gd_log *log); /* NULL is harmless */
+void gd_log_free(struct gd_log *log); /* NULL is allowed */
 
 /* Computes the vectors of a shortest path (from gd/query.h or gd/field.h), from its first point to
  * its last. The path between two bends is unfolded, so that a direction is as accurate as the whole

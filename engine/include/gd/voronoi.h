@@ -70,7 +70,7 @@ GD_MUST_USE enum gd_status gd_voronoi_trace(const struct gd_field *field,
                                             const struct gd_control *control,
                                             struct gd_voronoi *out);
 
-/* Frees the arrays and zeroes the struct. NULL is harmless. */
+/* Frees the arrays and zeroes the struct. NULL is allowed. */
 void gd_voronoi_free(struct gd_voronoi *voronoi);
 
 GD_EXTERN_C_END

@@ -17,7 +17,7 @@ struct gd_workspace;
 
 /* Creates an empty workspace. Returns NULL if memory is exhausted. */
 struct gd_workspace *gd_workspace_create(void);
-void gd_workspace_destroy(struct gd_workspace *workspace); /* NULL is harmless */
+void gd_workspace_destroy(struct gd_workspace *workspace); /* NULL is allowed */
 
 /* Returns the number of bytes that the workspace holds between calls. */
 size_t gd_workspace_bytes(const struct gd_workspace *workspace);
