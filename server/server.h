@@ -32,15 +32,15 @@ struct server {
 };
 
 /* Starts everything, and listens last on the socket (server_address_bind), which becomes the
- * server's own. NULL with a sentence in `error`. */
+ * server's own. On failure, returns NULL with a sentence in `error`. */
 struct server *server_start(const struct server_config *config, int listening,
                             char error[SERVER_ERROR]);
 
 /* Sets settings, callbacks and references to the server in `host` and `api`. Creates nothing. */
 void server_connect(struct server *server);
 
-/* After server_connect: creates the table of jobs and starts the threads. False: no memory or
- * thread. */
+/* After server_connect: creates the table of jobs and starts the threads. Returns false if there is
+ * no memory or no thread. */
 bool server_start_jobs(struct server *server);
 
 /* Destroys registry, caches of surfaces and their threads, after the workers were cancelled. */

@@ -23,7 +23,7 @@ struct server_grant {
 
 /* Reads the keys of the file. Returns NULL with a sentence in `error` on failure. */
 struct server_access *server_access_create(const char *path, char error[SERVER_ERROR]);
-void server_access_destroy(struct server_access *access); /* NULL is harmless */
+void server_access_destroy(struct server_access *access); /* NULL is allowed */
 
 /* Reads the file again. On failure returns false with a sentence in `error`; the old keys stay in
  * use. Thread-safe. */

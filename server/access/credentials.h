@@ -51,10 +51,10 @@ struct server_quota {
     atomic_uint_least64_t forbidden;   /* requests refused because of the role */
 };
 
-/* Creates a quota with one reference; NULL: out of memory. */
+/* Creates a quota with one reference. Returns NULL if out of memory. */
 struct server_quota *server_quota_create(void);
 struct server_quota *server_quota_retain(struct server_quota *quota);
-void server_quota_release(struct server_quota *quota); /* NULL is harmless */
+void server_quota_release(struct server_quota *quota); /* NULL is allowed */
 
 /* Counts a request at `now_ns`. The caller ends an admitted request by server_quota_leave. If the
  * request is refused, sets `*wait_ns` to the time to wait, or to 0 if that is unknown.
@@ -90,7 +90,7 @@ struct server_credentials *server_credentials_load(const char *path,
                                                    const struct server_credentials *before,
                                                    char error[SERVER_ERROR]);
 struct server_credentials *server_credentials_retain(struct server_credentials *keys);
-void server_credentials_release(struct server_credentials *keys); /* NULL is harmless */
+void server_credentials_release(struct server_credentials *keys); /* NULL is allowed */
 
 /* Returns the set's key with that text, or NULL, in a time that does not depend on the text. */
 const struct server_credential *server_credentials_find(const struct server_credentials *keys,

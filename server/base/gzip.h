@@ -8,13 +8,13 @@
 
 #include "proto/json/writer.h"
 
-/* Compresses at the fastest level, up to the maximum of `out`. False: out of memory. */
+/* Compresses at the fastest level, up to the maximum of `out`. Returns false if out of memory. */
 bool server_gzip(const void *bytes, size_t size, struct proto_writer *out);
 
 /* Compresses a text in pieces. */
 struct server_packer;
 struct server_packer *server_packer_create(void);
-void server_packer_destroy(struct server_packer *packer); /* NULL is harmless */
+void server_packer_destroy(struct server_packer *packer); /* NULL is allowed */
 
 /* Compresses the next piece and flushes it, so that the client can decompress all text so far.
  * `is_last` ends the text. Sets out->failure on error. */
@@ -36,7 +36,7 @@ enum server_inflate_outcome {
 
 /* NULL: out of memory. */
 struct server_inflater *server_inflater_create(void);
-void server_inflater_destroy(struct server_inflater *inflater); /* NULL is harmless */
+void server_inflater_destroy(struct server_inflater *inflater); /* NULL is allowed */
 
 /* Decompresses `size` bytes and calls `take` with each piece, which returns false to stop. */
 enum server_inflate_outcome server_inflate(struct server_inflater *inflater, const void *bytes,

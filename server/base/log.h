@@ -32,7 +32,7 @@ struct server_log_line {
     char text[SERVER_LOG_LINE];
 };
 
-/* Lines below `level` are not logged. Call it before any thread starts. */
+/* Lines below `level` are not logged. Call this function before any thread starts. */
 void server_log_set_level(enum server_log_level level);
 
 /* Begins a line with time, level and event. False: the level is not logged; don't use the line. */
@@ -56,7 +56,8 @@ void server_log_message(enum server_log_level level, const char *event, const ch
 bool server_log_start(void);
 void server_log_stop(void);
 
-/* Delays a crash, at most 0.2 s, until earlier lines are written. Call it before threads start. */
+/* Delays a crash, at most 0.2 s, until earlier lines are written. Call this function before threads
+ * start. */
 void server_log_flush_at_crash(void);
 
 /* Returns the number of lines dropped since the start. Takes no lock. */

@@ -19,7 +19,7 @@ GD_MUST_USE enum gd_status server_sha256_within(const void *bytes, size_t size,
                                                 const struct gd_control *control,
                                                 char hex[SERVER_SHA256_HEX]);
 
-/* Hashes pieces, one after the other. NULL: out of memory. */
+/* Hashes pieces, one after the other. Returns NULL if out of memory. */
 struct server_sha256;
 struct server_sha256 *server_sha256_begin(void);
 void server_sha256_add(struct server_sha256 *sum, const void *bytes, size_t size);

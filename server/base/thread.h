@@ -41,7 +41,7 @@ static inline void server_rwlock_unlock(pthread_rwlock_t *const *lock)
 
 struct server_thread;
 
-/* Starts a thread that calls `run` once. NULL: no memory or thread. */
+/* Starts a thread that calls `run` once. Returns NULL if there is no memory or no thread. */
 struct server_thread *server_thread_start(void (*run)(void *user, struct server_thread *thread),
                                           void *user);
 
@@ -54,7 +54,7 @@ bool server_thread_sleep(struct server_thread *thread, uint64_t ns);
 /* Thread-safe. */
 void server_thread_wake(struct server_thread *thread);
 
-/* Makes pauses return false, waits until `run` returns, and frees. NULL is harmless. */
+/* Makes pauses return false, waits until `run` returns, and frees. NULL is allowed. */
 void server_thread_stop(struct server_thread *thread);
 
 /* As server_thread_stop, but waits at most `ns` nanoseconds. Returns false if `run` has not

@@ -8,7 +8,7 @@
 #include "server/exchange/relay.h"
 #include "server/exchange/reply.h"
 
-/* A thread of the pool, and the stream that it serves. */
+/* A thread of the pool, and the stream that the thread serves. */
 struct answer_stream {
     struct server_thread *thread;
     atomic_bool is_taken;
@@ -89,7 +89,7 @@ server_answer_streams_load(const struct server_answer_streams *streams)
 
 /* --- the start -------------------------------------------------------------------------------- */
 
-/* Takes a thread of the pool. NULL: all threads are in use, or memory is short. */
+/* Takes a thread of the pool. Returns NULL if all threads are in use or memory is short. */
 static struct answer_stream *stream_take(struct server_host *host, bool is_packed)
 {
     static const struct server_transport none = {0};
@@ -110,7 +110,8 @@ static struct answer_stream *stream_take(struct server_host *host, bool is_packe
     return NULL;
 }
 
-/* Moves the state to the stream and counts it as an answer. False: answers have no room for it. */
+/* Moves the state to the stream and counts it as an answer. Returns false if the budget of answers
+ * has no room for it. */
 static bool stream_take_state(struct answer_stream *stream, struct server_exchange *from,
                               size_t *held)
 {
@@ -129,7 +130,7 @@ static const char *encoder_media_type(const struct server_answer_encoder *encode
     return encoder->media_type ? encoder->media_type : "application/json";
 }
 
-/* Starts the stream. Returns false if it failed; the exchange then still owns the state. */
+/* Starts the stream. On failure returns false; the exchange then still owns the state. */
 static bool stream_start(struct server_exchange *exchange, unsigned status, size_t size,
                          const struct server_answer_encoder *encoder)
 {

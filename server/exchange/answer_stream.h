@@ -1,14 +1,14 @@
 /* Answer streams: large answers that are encoded while the clients read them.
  *
  * DESIGN. An answer is first encoded into a buffer of SERVER_ANSWER_STREAM_FROM bytes. If the text
- * is longer, the encoder runs to the end, and the text is only counted. This yields the size, and
- * an answer that is too large or too late is refused as a whole. Then a thread of the pool runs the
+ * is longer, the encoder runs to the end without storing the text. So the size is known, and an
+ * answer that is too large or too late is refused as a whole. Then a thread of the pool runs the
  * same encoder again, and blocks in a relay (relay.h) while the client is slow. Meanwhile the
  * budget counts the relay's buffer and the handler's state as an answer.
  *
- * Each of SERVER_ANSWER_STREAMS threads serves one stream. They start with the daemon, since the
- * sandbox forbids new threads. If all threads are in use, the whole text is held in memory. The
- * whole text is also held for jobs, HEAD and HTTP/1.0. */
+ * Each of SERVER_ANSWER_STREAMS threads serves one stream. They start with the daemon, because the
+ * sandbox forbids new threads. The whole text is stored in memory if all threads are in use, and
+ * for jobs, HEAD and HTTP/1.0. */
 #ifndef SERVER_EXCHANGE_ANSWER_STREAM_H
 #define SERVER_EXCHANGE_ANSWER_STREAM_H
 
@@ -19,15 +19,16 @@
 
 struct server_answer_streams;
 
-/* Starts the threads. NULL: no memory or thread. */
+/* Starts the threads. Returns NULL if there is no memory or no thread. */
 struct server_answer_streams *server_answer_streams_create(void);
 
-/* Call it when no stream is running. NULL is harmless. */
+/* Call this function when no stream is running. NULL is allowed. */
 void server_answer_streams_destroy(struct server_answer_streams *streams);
 
 struct server_answer_streams_load {
     uint32_t count; /* running streams */
-    size_t held;    /* bytes of SERVER_BUDGET_ANSWERS that their states hold, without the relays */
+    /* bytes of SERVER_BUDGET_ANSWERS that the states of all streams hold, without the relays */
+    size_t held;
 };
 
 /* Thread-safe. NULL: zeros. */
@@ -35,16 +36,19 @@ struct server_answer_streams_load
 server_answer_streams_load(const struct server_answer_streams *streams);
 
 struct server_answer_encoder {
-    /* Writes the text from the exchange's state. Called up to three times; must write the same text
-     * each time. In a stream the exchange has only the host and the state. */
+    /* Writes the text from the exchange's state. The function is called up to three times, and must
+       write the same text each time. In a stream the exchange has no members except the host and
+       the state. */
     void (*encode)(struct server_exchange *exchange, struct proto_writer *writer);
-    /* bytes of SERVER_BUDGET_FLIGHT that the state holds; set to 0 when a stream counts them */
+    /* bytes of SERVER_BUDGET_FLIGHT that the state holds; a stream counts them itself and sets this
+       to 0 */
     size_t *held;
-    const char *media_type; /* static; NULL: application/json */
+    const char *media_type; /* a static string; NULL: application/json */
 };
 
-/* Replies with the encoder's text, or with a problem. `writer` is a new one of server_reply_writer.
- * A stream takes over the exchange's state and frees it at its end. */
+/* Replies with the encoder's text, or with a problem. `writer` must be fresh from
+ * server_reply_writer. A stream takes over the exchange's state, and frees the state when the
+ * stream ends. */
 void server_answer_reply(struct server_exchange *exchange, unsigned status,
                          struct proto_writer *writer, const struct server_answer_encoder *encoder);
 

@@ -1,4 +1,4 @@
-/* See exchange.h: the body of a request. */
+/* The body of a request: see exchange.h. */
 #include "server/exchange/exchange.h"
 
 #include <stdlib.h>

@@ -21,7 +21,8 @@ struct tag {
     bool is_weak;
 };
 
-/* Reads the tag at the beginning of `*list` and advances past it; false where none can be read. */
+/* Reads the tag at the beginning of `*list` and advances past it. Returns false if there is no
+ * valid tag. */
 static bool tag_next(const char **list, struct tag *out)
 {
     const char *at = *list + strspn(*list, BLANKS ",");
@@ -58,8 +59,8 @@ static bool suffix_is_caption(const char *text, size_t size)
 }
 
 /* Compares `etag` with a tag that the client listed. With `with_all`, the tag of any representation
- * of the resource matches. If `etag` then ends with "-" or with the form of a description, tags of
- * other descriptions do not match. */
+ * of the resource matches. With `with_all`, if `etag` ends with "-" or with the form of a
+ * description, tags of other descriptions do not match. */
 static enum server_etag_form tag_compare(const struct tag *listed, const char *etag, bool with_all)
 {
     bool is_packed = text_ends_with(listed->text, listed->size, SERVER_ETAG_PACKED_SUFFIX);

@@ -3,13 +3,13 @@
  * A strong tag never names two different sequences of bytes, so each representation has its own:
  *     abc               the resource (a mesh, a NURBS surface, a page), and its description
  *     abc-d0123….1      its description with a client's own text, whose hash is 0123…
- *     abc-csv.1         an answer computed from it, in the form "csv" of format version 1
- *     abc-csv.1-gzip    the same answer, packed
+ *     abc-csv.1 an answer computed from the resource, in the form "csv" of format version 1
+ *     abc-csv.1-gzip the same answer, compressed
  * Base tags contain no "-". A change of the client's text changes the tag of the description only.
  * The conditions compare tags as follows:
- *     If-None-Match of GET and HEAD    weak, with the selected representation, packed or not
- *     If-Match                         strong, with the resource and all its representations
- *     If-None-Match of other methods   weak, with the resource and all its representations
+ *     If-None-Match of GET and HEAD weak, with the selected representation, compressed or not
+ *     If-Match strong, with the resource and all its representations If-None-Match of other methods
+ *     weak, with the resource and all its representations
  * If a request changes the resource, the tag of a description matches only if it is the current
  * one. Conditions on dates and ranges are ignored: no resource has a date, and no range is
  * served. */
@@ -18,7 +18,8 @@
 
 #include <stdbool.h>
 
-/* Part of the tags of computed answers. Increment it with every change of an answer's bytes. */
+/* Part of the tags of computed answers. Increment this number with every change of an answer's
+ * bytes. */
 #define SERVER_FORMAT_VERSION "1"
 
 #define SERVER_ETAG_PACKED_SUFFIX "-gzip"
@@ -46,16 +47,16 @@ const char *server_etag_caption(char out[SERVER_ETAG_CAPTION], const char *text)
 enum server_etag_form { SERVER_ETAG_NONE, SERVER_ETAG_PLAIN, SERVER_ETAG_PACKED };
 
 /* Writes the tag of the representation in the form `form` ("json": lower case letters and digits).
- * With a NULL form, writes the resource's own tag `etag`. Tags are without quotes here and
- * below. */
+ * With a NULL form, writes the resource's own tag `etag`. Here and below, tags are written without
+ * quotes. */
 void server_etag_write(char out[SERVER_ETAG_TEXT], const char *etag, const char *form);
 
-/* Returns whether there is no If-Match, or it lists a tag of the resource. `etag` is the resource's
- * tag or that of one of its representations; NULL: the resource does not exist. */
+/* Returns true if there is no If-Match, or if it lists a tag of the resource. `etag` is the
+ * resource's tag or that of one of its representations; NULL: the resource does not exist. */
 bool server_precondition_matches(const struct server_precondition *precondition, const char *etag);
 
-/* A representation has a plain tag, `etag`, and a packed tag. Returns which of the two
- * If-None-Match lists first. */
+/* A representation has a plain tag, `etag`, and a tag for its compressed form. Returns the one of
+ * the two that If-None-Match lists first. */
 enum server_etag_form server_precondition_known(const struct server_precondition *precondition,
                                                 const char *etag);
 

@@ -9,11 +9,14 @@
 #include "gd/control.h"
 #include "server/base/thread.h"
 
-#define PROGRESS_NS UINT64_C(100000000) /* between two messages of a stream, unless it is woken */
-/* longest silence: proxies and clients treat a longer one as a broken connection */
+/* time between two messages of a stream, unless the stream is woken */
+#define PROGRESS_NS UINT64_C(100000000)
+/* longest time without bytes: after a longer time, proxies and clients regard the connection as
+ * broken */
 #define HEARTBEAT_NS UINT64_C(15000000000)
-#define LOOK_NS      UINT64_C(1000000000) /* between two checks of the sockets of paused readers */
-#define MESSAGE_MOST 65536                /* bytes */
+/* time between two checks of the sockets of paused readers */
+#define LOOK_NS      UINT64_C(1000000000)
+#define MESSAGE_MOST 65536 /* bytes */
 
 static const char heartbeat[] = ":\n\n";
 
@@ -22,8 +25,8 @@ struct server_stream {
     LIST_ENTRY(server_stream) next;
     struct server_event_source source;
     struct server_stream_reader reader;
-    struct proto_writer message; /* being read by the client */
-    size_t read;                 /* bytes of the message that were read */
+    struct proto_writer message; /* the message that the client is reading */
+    size_t read;                 /* number of bytes of the message that the client has read */
     uint64_t sent_version, sent_ns;
     bool is_paused, is_woken;
     bool has_ended; /* the message is the last one */
@@ -97,13 +100,13 @@ static bool stream_is_due(const struct server_stream *stream, uint64_t now_ns)
 {
     const struct server_event_source *source = &stream->source;
     uint64_t silence = now_ns - stream->sent_ns;
-    if (source->read) return false; /* only server_events_wake resumes its reader */
+    if (source->read) return false; /* only server_events_wake resumes the stream's reader */
     if (stream->is_woken) return true;
     return silence >= HEARTBEAT_NS ||
            (silence >= PROGRESS_NS && source->version(source->user) != stream->sent_version);
 }
 
-/* Reads the version first: a change during the call is sent twice rather than never. */
+/* Reads the version first. So a change during the call may be sent twice, but is never lost. */
 static void stream_compose(struct server_stream *stream, uint64_t now_ns)
 {
     const struct server_event_source *source = &stream->source;

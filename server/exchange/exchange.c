@@ -9,9 +9,11 @@
 
 #include "server/exchange/events.h"
 
-#define TARGET_MOST 8192  /* bytes */
-#define HEAD_MOST   12288 /* bytes of the whole head; the library needs room for the answer */
-#define BLANKS      " \t"
+#define TARGET_MOST 8192 /* bytes */
+/* limit on the bytes of a request's head; the library needs the rest of its memory for the answer
+ * */
+#define HEAD_MOST 12288
+#define BLANKS    " \t"
 
 #define QUOTE_(number) #number
 #define QUOTE(number)  QUOTE_(number)
@@ -25,8 +27,8 @@ static int hex_digit(char c)
                                         : -1;
 }
 
-/* Decodes %XX in place. Keeps a plus sign, because numbers contain it ("1e+3"). False: a broken
- * escape or a NUL. */
+/* Decodes %XX in place. Keeps plus signs, because numbers contain them ("1e+3"). Returns false for
+ * a malformed escape or a NUL. */
 static bool percent_decode(char *text)
 {
     char *out = strchr(text, '%');
@@ -45,8 +47,8 @@ static bool percent_decode(char *text)
     return true;
 }
 
-/* Decodes the path. Returns why it is malformed, or NULL. Rejects an encoded slash, because the
- * decoded slash would split a segment. */
+/* Decodes the path. Returns NULL, or the reason why the path is malformed. Rejects an encoded
+ * slash, because the decoded slash would split a segment. */
 static const char *path_decode(char *path)
 {
     if (strchr(path, '%') && strcasestr(path, "%2f"))
@@ -235,7 +237,7 @@ static bool head_copy(struct server_exchange *to, const struct server_exchange *
     return true;
 }
 
-/* Moves the target, and all that points into it, to `to`. `from` keeps the copy `path`. */
+/* Moves the target, and everything that points into it, to `to`. `from` keeps the copy `path`. */
 static void target_pass(struct server_exchange *from, struct server_exchange *to, char *path)
 {
     to->target = from->target;
@@ -303,7 +305,8 @@ void server_exchange_add_header(struct server_exchange *exchange, const char *na
     if (strncasecmp(name, "If-", 3) == 0) exchange->has_conditions = true;
 }
 
-/* Compares names, ignoring case. Most differ in the first letter. */
+/* Compares names, ignoring case. Compares the first letters first, because most names differ
+ * there. */
 static inline bool name_equal(const char *a, const char *b)
 {
     return ((*a ^ *b) & ~('a' ^ 'A')) == 0 && strcasecmp(a, b) == 0;
@@ -386,7 +389,7 @@ const char *server_exchange_sent_name(const struct server_exchange *exchange, co
     const struct proto_deprecation *each = route ? route->deprecated_parameters : NULL;
     for (; each && each->name && exchange->deprecation; each++)
         for (uint32_t i = 0; i < exchange->parameters.count; i++)
-            /* the same pointer: server_exchange_rename set it */
+            /* comparing pointers suffices, because server_exchange_rename set this name */
             if (exchange->parameter_list[i].name == each->replacement &&
                 strcmp(parameter, each->replacement) == 0)
                 return each->name;
@@ -406,7 +409,7 @@ static const char *element_end(const char *text)
     return text;
 }
 
-/* Returns whether the element is the preference, with or without parameters. */
+/* Returns true if the element is this preference, with or without parameters. */
 static bool element_is_preference(const char *element, const char *preference)
 {
     size_t size = strlen(preference);
@@ -442,7 +445,7 @@ static const bool is_token_byte[256] = {
     ['^' ... 'z'] = true, ['|'] = true,          ['~'] = true,
 };
 
-/* Returns the size of a token; 0: the text is not one. */
+/* Returns the size of the token at `text`; 0: there is no token. */
 static size_t token_size(const char *text)
 {
     size_t size = 0;
@@ -494,7 +497,7 @@ static bool length_read(const char *text, uint64_t *out)
 }
 
 /* Reads the framing of the body. Refuses two Content-Length headers even if they are equal, because
- * HTTP implementations differ on that. */
+ * HTTP implementations treat them differently. */
 static const char *framing_read(struct server_exchange *exchange)
 {
     uint32_t lengths = server_exchange_count_headers(exchange, "Content-Length");

@@ -4,12 +4,12 @@
  * DESIGN. An exchange has one owner at a time. The first is the HTTP thread that reads it. If the
  * handler defers it, the next owners are the queue, a worker or a pending build of the cache. The
  * last is the HTTP thread again. The workers' lock hands it to a worker, and transport->finish
- * hands it back. A thread that has submitted, parked or finished an exchange does not touch it any
- * more. Its transport is a connection (http.c) or a job whose answer is stored (job_table.h);
- * handlers need not know which.
+ * hands it back. A thread that has submitted, parked or finished an exchange must not use it any
+ * more. The transport of an exchange is a connection (http.c) or a job whose answer is stored
+ * (job_table.h). Handlers do not depend on the kind of transport.
  *
- * States: reading -> ready -> answered, or deferred -> answered. Answered means response.status is
- * set (reply.h). A handler ends with a reply or with server_exchange_defer. */
+ * States: reading -> ready -> answered, or deferred -> answered. An exchange is answered when
+ * response.status is set (reply.h). A handler ends with a reply or with server_exchange_defer. */
 #ifndef SERVER_EXCHANGE_EXCHANGE_H
 #define SERVER_EXCHANGE_EXCHANGE_H
 
@@ -54,11 +54,13 @@ struct server_body {
     /* `capacity` bytes are taken from the budget (SERVER_BUDGET_FLIGHT) */
     size_t size, capacity;
     uint64_t declared;                /* Content-Length; 0: none; or SERVER_BODY_CHUNKED */
-    uint64_t limit;                   /* most bytes that the operation accepts */
+    uint64_t limit;                   /* largest number of bytes that the operation accepts */
     size_t refused;                   /* bytes that the budget refused */
     struct server_inflater *inflater; /* decompressor of a compressed body, or NULL */
-    const char *fault;                /* sentence why decompression failed, or NULL */
-    /* problem of the exceeded limit, sent at the end of the body; the rest is dropped */
+    /* NULL, or a sentence with the reason why decompression failed */
+    const char *fault;
+    /* problem of an exceeded limit; it is sent at the end of the body, and the remaining bytes are
+       dropped */
     enum proto_problem_code failure;
 };
 
@@ -72,10 +74,10 @@ bool server_body_unpack(struct server_body *body, struct proto_problem *problem)
 /* Appends bytes. If the limit or the budget is exceeded, sets `failure` and drops the rest. */
 void server_body_append(struct server_body *body, const void *bytes, size_t size);
 
-/* Called at the end of the body. False with the problem of `failure`. */
+/* Called at the end of the body. Returns false with the problem of `failure`, if there is one. */
 bool server_body_check(struct server_body *body, struct proto_problem *problem);
 
-/* Frees the bytes and gives them back to the budget. */
+/* Frees the bytes and returns them to the budget. */
 void server_body_drop(struct server_body *body);
 
 /* --- the exchange ----------------------------------------------------------------------------- */
@@ -90,11 +92,12 @@ struct server_response_header {
     char value[SERVER_HEADER_VALUE];
 };
 
-/* The middle of a body: bytes that the lender owns and counts until they are released. */
+/* The middle of a response's body. The lender owns these bytes, and counts them in the budget until
+ * they are released. */
 struct server_lent {
     const void *bytes; /* NULL: `body` is the whole body */
     size_t size;
-    const char *tail; /* static text after them; or "" */
+    const char *tail; /* static text after the lent bytes, or "" */
     void *lender;
     void (*release)(void *lender);
 };
@@ -104,12 +107,12 @@ struct server_response {
     const char *media_type;
     enum proto_problem_code problem; /* PROTO_PROBLEM_NONE: none */
     const void *body;
-    void *owned; /* equals `body` if that must be freed; NULL: `body` is static */
+    void *owned; /* equals `body` if the body must be freed; NULL: the body is static */
     struct server_lent lent;
     size_t size; /* bytes of the whole body, including the lent bytes */
     size_t held; /* bytes of SERVER_BUDGET_ANSWERS for the body, until it is freed */
-    struct server_stream *stream; /* instead of a body (events.h); NULL: none */
-    bool close;                   /* close the connection after this answer */
+    struct server_stream *stream; /* a stream (events.h) that replaces the body; NULL: none */
+    bool close;                   /* true: the connection is closed after this answer */
     const char *policy;           /* Content-Security-Policy of a page; NULL: the answer is data */
     uint32_t header_count;
     struct server_response_header headers[SERVER_RESPONSE_HEADERS];
@@ -117,16 +120,16 @@ struct server_response {
 
 /* The carrier of an exchange: a connection, a job, or an item of a batch. */
 struct server_transport {
-    /* A deferred exchange is answered, and belongs to the transport again. */
+    /* Called when a deferred exchange is answered. The exchange belongs to the transport again. */
     void (*finish)(struct server_exchange *exchange);
-    /* Returns whether a deferred exchange's client has gone (closed its connection). Any thread
-     * calls it, each millisecond. */
+    /* Returns true if the client of a deferred exchange has closed its connection. Any thread may
+       call this function; it is called every millisecond. */
     bool (*is_gone)(struct server_exchange *exchange);
     /* Called when a worker starts or resumes a deferred exchange. May be NULL. */
     void (*begin)(struct server_exchange *exchange);
-    /* Progress in [0,1], by any thread. May be NULL. */
+    /* Receives the progress in [0,1], on any thread. May be NULL. */
     void (*report)(struct server_exchange *exchange, double part);
-    bool can_stream; /* the answer may be a stream (server_reply_stream) */
+    bool can_stream; /* true: the answer may be a stream (server_reply_stream) */
 };
 
 /* The parts and settings that all requests share. The parts outlive the exchanges. */
@@ -140,13 +143,15 @@ struct server_host {
     uint64_t timeout_ms, slow_ms, queue_length;
     bool has_cors_origins;
     char frame_ancestors[256]; /* origins that may frame pages; empty: none */
-    /* Sets the deadline and calls the handler of the exchange's route. Returns with a reply, or
-     * with `work` set: then the caller submits the exchange. */
+    /* Sets the deadline and calls the handler of the exchange's route. On return the exchange has a
+       reply, or its `work` is set. In the second case the caller submits the exchange. */
     void (*dispatch)(struct server_exchange *exchange);
-    /* Starts to watch deadlines: when the first exchange is deferred or a stream is opened. */
+    /* Starts to watch deadlines. Called when the first exchange is deferred or a stream is
+       opened. */
     void (*watch)(void *user);
     void *watcher;
-    atomic_uint deferred; /* exchanges that connections and jobs have submitted */
+    /* number of exchanges that connections and jobs have submitted and that are not yet answered */
+    atomic_uint deferred;
     atomic_bool is_draining;
     struct server_api *api; /* the parts that only handlers use (query/api.h) */
 };
@@ -158,17 +163,17 @@ struct server_exchange {
 
     const char *method; /* as in the request line, for example "GET" */
     bool is_http10;
-    bool is_local;       /* the connection comes from this host, perhaps from a proxy */
-    bool has_body;       /* the headers announce one, even if it is empty */
-    bool has_conditions; /* a header If-Match, If-None-Match or another If-… exists */
+    bool is_local;       /* true: the connection comes from this host, perhaps through a proxy */
+    bool has_body;       /* true: the headers announce a body, which may be empty */
+    bool has_conditions; /* true: there is a header If-Match, If-None-Match or another If-… */
     char *target;        /* storage of path and parameters, which are decoded in place */
     size_t target_size;
     const char *path;                   /* never NULL */
     struct proto_parameters parameters; /* the decoded query string, in `parameter_list` */
     uint32_t header_count;
     char *copies;      /* copies of method and headers; NULL: the transport owns them */
-    const char *fault; /* sentence why the request is malformed; NULL: it is well-formed */
-    struct proto_route_match match; /* route NULL: none found */
+    const char *fault; /* NULL, or a sentence with the reason why the request is malformed */
+    struct proto_route_match match; /* the route; NULL: no route matches */
     /* the former name that the request uses (server_exchange_rename); NULL: none */
     const struct proto_deprecation *deprecation;
     char request_id[SERVER_REQUEST_ID];
@@ -181,11 +186,12 @@ struct server_exchange {
     uint64_t started_ns;
     bool (*work)(struct server_exchange *exchange); /* NULL: not deferred */
     bool (*join)(struct server_exchange *exchange);
-    struct server_surface *surface; /* a reference; loaded for this exchange, or NULL */
+    /* a reference to the surface that was loaded for this exchange, or NULL */
+    struct server_surface *surface;
     void (*release_surface)(struct server_surface *surface); /* set with `surface` */
-    size_t held;   /* bytes of SERVER_BUDGET_FLIGHT until the exchange ends */
+    size_t held;   /* bytes of SERVER_BUDGET_FLIGHT that the exchange holds until it ends */
     size_t parsed; /* part of `held` for the document being decoded (request.h) */
-    void *state;   /* the handler's own, until the exchange is answered */
+    void *state;   /* the handler's data; freed when the exchange is answered */
     void (*free_state)(void *state);
 
     struct server_response response;
@@ -199,19 +205,19 @@ struct server_exchange {
 
 /* --- for the transport (http.c) and the router ------------------------------------------------ */
 
-/* Begins an exchange of a raw target ("/v1/meshes?limit=3") in memory that may be used again when
- * it has ended. False: out of memory. A malformed target sets `fault`. */
+/* Begins an exchange for a raw target ("/v1/meshes?limit=3"), in memory that the caller may reuse
+ * after the exchange has ended. Returns false if out of memory. A malformed target sets `fault`. */
 bool server_exchange_begin(struct server_exchange *exchange, struct server_host *host,
                            const struct server_transport *transport, const char *target);
 void server_exchange_end(struct server_exchange *exchange);
 
-/* Allocates and begins an exchange. NULL: out of memory. */
+/* Allocates and begins an exchange. Returns NULL if out of memory. */
 struct server_exchange *server_exchange_create(struct server_host *host,
                                                const struct server_transport *transport,
                                                const char *target);
-void server_exchange_destroy(struct server_exchange *exchange); /* NULL is harmless */
+void server_exchange_destroy(struct server_exchange *exchange); /* NULL is allowed */
 
-/* Free the handler's state, or the answer's body; lent bytes return to their lender. */
+/* Free the handler's state or the answer's body, and release lent bytes. */
 void server_exchange_drop_state(struct server_exchange *exchange);
 void server_exchange_drop_body(struct server_exchange *exchange);
 
@@ -223,24 +229,25 @@ void server_exchange_add_header(struct server_exchange *exchange, const char *na
  * different requests (request smuggling). So these functions refuse heads that HTTP implementations
  * are known to parse differently: RFC 9112, 3.2, 5.1, 6 and 11.2; RFC 9110, 5.5 and 5.6.2;
  * server/doc/019-http-library.md. The first function checks the target. The second one checks
- * method, version and headers, and sets is_http10, has_body and body.declared. They return why the
- * head is refused, a static sentence; or NULL. O(bytes). */
+ * method, version and headers, and sets is_http10, has_body and body.declared. Both return NULL, or
+ * a static sentence with the reason for the refusal. O(bytes). */
 const char *server_exchange_check_target(const char *target);
 const char *server_exchange_read_head(struct server_exchange *exchange, const char *version);
 
-/* Moves the request to a new exchange of a transport that outlives this one's: moves body and
- * target, and copies the rest. `exchange` can still be answered. NULL: out of memory. */
+/* Moves the request to a new exchange, whose transport outlives that of `exchange`. Moves body and
+ * target, and copies the rest. `exchange` can still be answered. Returns NULL if out of memory. */
 struct server_exchange *server_exchange_detach(struct server_exchange *exchange,
                                                const struct server_transport *transport);
 
-/* For transports without a connection. run dispatches the exchange, which ends in the transport's
- * `finish`, possibly before run returns. is_unwanted is the `is_gone` of such a transport. */
+/* For transports without a connection. server_exchange_run dispatches the exchange. The transport's
+ * `finish` is called at the end, possibly before server_exchange_run returns.
+ * server_exchange_is_unwanted is the `is_gone` of such a transport. */
 void server_exchange_run(struct server_exchange *exchange);
 bool server_exchange_is_unwanted(struct server_exchange *exchange);
 
-/* Hands a deferred exchange to the workers (reply.c); the caller does not touch it any more. If the
- * queue is full, replies with the problem `overloaded`. count_deferred counts one more deferred
- * exchange. */
+/* server_exchange_submit passes a deferred exchange to the workers (reply.c). The caller must not
+ * use the exchange any more. If the queue is full, the reply is the problem `overloaded`.
+ * server_exchange_count_deferred counts one more deferred exchange. */
 void server_exchange_submit(struct server_exchange *exchange);
 void server_exchange_count_deferred(struct server_host *host);
 void server_exchange_job_run(struct server_job *job);
@@ -248,7 +255,8 @@ void server_exchange_job_refuse(struct server_job *job, enum server_refusal why)
 
 /* Renames parameters that have former names in the contract, so that handlers see only the new
  * names. The answer to a former path or name has a header Deprecation (RFC 9745; reply.c adds it).
- * False with invalid_request: a former name is sent twice, or together with its replacement. */
+ * Returns false with invalid_request if a former name is sent twice or together with its
+ * replacement. */
 bool server_exchange_rename(struct server_exchange *exchange, struct proto_problem *problem);
 
 /* Returns the name under which the client sent a parameter. */
@@ -257,30 +265,31 @@ const char *server_exchange_sent_name(const struct server_exchange *exchange,
 
 /* --- for handlers ----------------------------------------------------------------------------- */
 
-/* Returns the value of the first header of that name, in any case; NULL: there is none. */
+/* Returns the value of the first header of that name, ignoring case; NULL: there is none. */
 const char *server_exchange_header(const struct server_exchange *exchange, const char *name);
 uint32_t server_exchange_count_headers(const struct server_exchange *exchange, const char *name);
 
-/* Returns whether a Prefer header (RFC 7240) lists `preference`, in any case, without a value. */
+/* Returns true if a Prefer header (RFC 7240) lists `preference`, without a value and ignoring
+ * case. */
 bool server_exchange_prefers(const struct server_exchange *exchange, const char *preference);
 
-/* Adds the members that all log lines about answered exchanges have. */
+/* Adds the members that all log lines about answered exchanges contain. */
 void server_exchange_log(const struct server_exchange *exchange, struct server_log_line *line,
                          uint64_t nanoseconds);
 
 bool server_exchange_is(const struct server_exchange *exchange, const char *method);
 
-/* Shortens the deadline to `timeout_ms` after the start of the work; 0: leaves it. */
+/* Shortens the deadline to `timeout_ms` after the start of the work; 0: does not change it. */
 void server_exchange_shorten(struct server_exchange *exchange, uint64_t timeout_ms);
 
 /* Sets the handler's state. It is freed with the exchange, or when a deferred one is answered. */
 void server_exchange_keep(struct server_exchange *exchange, void *state,
                           void (*free_state)(void *state));
 
-/* Makes a worker call `work`; this is the handler's last act. `work` returns true after it has
- * replied or deferred again. It returns false after it has parked the exchange at a pending build,
- * whose end calls `work` again. `join` (may be NULL) is called first, without a worker; it returns
- * true if it has parked the exchange at a pending build. */
+/* Makes a worker call `work`. The handler must return after this call. `work` returns true after it
+ * has replied or deferred the exchange again. It returns false after it has parked the exchange at
+ * a pending build; when the build ends, `work` is called again. `join` (may be NULL) is called
+ * first, without a worker; it returns true if it has parked the exchange at a pending build. */
 void server_exchange_defer(struct server_exchange *exchange,
                            bool (*work)(struct server_exchange *exchange),
                            bool (*join)(struct server_exchange *exchange));
@@ -289,15 +298,15 @@ void server_exchange_defer(struct server_exchange *exchange,
 struct server_exchange *server_exchange_of(struct server_job *job);
 
 /* Control of a long call for the exchange. The call ends at the exchange's deadline, when the
- * workers are cancelled, or when the client has gone and no other job waits for `build`. Each
- * thread that works for the exchange has its own monitor. */
+ * workers are cancelled, or when the client has closed the connection and no other job waits for
+ * `build`. Each thread that works for the exchange has its own monitor. */
 struct server_monitor {
     struct server_exchange *exchange;
-    struct server_pending_build *build; /* the call builds its field; NULL: none */
+    struct server_pending_build *build; /* the build whose field the call computes; NULL: none */
     bool (*is_awaited)(struct server_pending_build *build); /* set with `build` */
-    /* the call does the part [begun, begun + share] of the work; share 0: all of it */
+    /* the call is the part [begun, begun + share] of the exchange's progress; share 0: all of it */
     double begun, share;
-    uint64_t limit_ns; /* the call's own deadline, if it is earlier than the request's; 0: none */
+    uint64_t limit_ns; /* an own deadline of the call, before that of the request; 0: none */
 };
 struct gd_control server_exchange_control(struct server_monitor *monitor);
 

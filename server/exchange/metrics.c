@@ -14,7 +14,8 @@
 #define SHARDS     16
 #define CACHE_LINE 64
 
-/* Upper bounds in seconds of the latency histogram; one more bucket is for the rest. */
+/* Upper bounds, in seconds, of the buckets of the latency histogram. One more bucket counts longer
+ * times. */
 static const double bounds[] = {0.0001, 0.00025, 0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025, 0.05,
                                 0.1,    0.25,    0.5,    1,     2.5,    5,     10,   30};
 static const unsigned statuses[] = {200, 201, 202, 204, 304, 400, 401, 403, 404, 405, 406, 409,
@@ -22,7 +23,7 @@ static const unsigned statuses[] = {200, 201, 202, 204, 304, 400, 401, 403, 404,
 
 /* The counters of one route in one shard. */
 enum {
-    STATUSES = sizeof statuses / sizeof *statuses + 1, /* the last one is for any other */
+    STATUSES = sizeof statuses / sizeof *statuses + 1, /* the last one counts all other statuses */
     FIRST_BUCKET = STATUSES,
     BUCKETS = sizeof bounds / sizeof *bounds + 1,
     NANOSECONDS = FIRST_BUCKET + BUCKETS,
@@ -68,7 +69,7 @@ void server_metrics_destroy(struct server_metrics *metrics)
 
 /* --- counting --------------------------------------------------------------------------------- */
 
-/* Returns the thread's shard, which is assigned when the thread first counts. */
+/* Returns the shard of the calling thread. A thread gets its shard at its first count. */
 static unsigned own_shard(void)
 {
     static atomic_uint next;

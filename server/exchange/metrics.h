@@ -1,7 +1,7 @@
 /* Metrics: counters of requests and of the engine's work, and text for Prometheus.
  *
  * Counters are sharded: each thread counts in its own shard with relaxed atomics, so that HTTP
- * threads share no cache line; reading adds the shards up. Thread-safe. */
+ * threads share no cache line. Readers sum the shards. Thread-safe. */
 #ifndef SERVER_EXCHANGE_METRICS_H
 #define SERVER_EXCHANGE_METRICS_H
 
@@ -14,17 +14,17 @@
 
 struct server_metrics;
 
-/* Creates metrics for the generated route table. NULL: out of memory. */
+/* Creates metrics for the generated route table. Returns NULL if out of memory. */
 struct server_metrics *server_metrics_create(const struct proto_route *routes, size_t route_count);
-void server_metrics_destroy(struct server_metrics *metrics); /* NULL is harmless */
+void server_metrics_destroy(struct server_metrics *metrics); /* NULL is allowed */
 
 /* Counts an answered request, and its problem (PROTO_PROBLEM_NONE: none). `route`: a row of the
  * table; NULL: none was found. */
 void server_metrics_count(struct server_metrics *metrics, const struct proto_route *route,
                           unsigned status, enum proto_problem_code problem, uint64_t nanoseconds);
 
-/* If the status is a failed self-check or work that exceeded every bound, counts it and returns
- * true. */
+/* If the status is a failed self-check (GD_INTERNAL) or a runaway computation, counts it and
+ * returns true. */
 bool server_metrics_count_status(struct server_metrics *metrics, enum gd_status status);
 
 /* Count the windows of a built field (intervals of edges, the engine's unit of work), and a search

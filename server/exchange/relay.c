@@ -12,7 +12,7 @@
 #include "server/base/thread.h"
 #include "server/exchange/exchange.h"
 
-/* most bytes that gzip makes of a block */
+/* upper bound of the bytes of a compressed block */
 #define PACKED_MOST (SERVER_RELAY_BLOCK + SERVER_RELAY_BLOCK / 4)
 
 #define LOOK_NS 100000000 /* period in which a blocked writer checks whether the daemon ends */
@@ -21,10 +21,10 @@ struct server_relay {
     struct server_host *host;
     atomic_uint references;
     pthread_mutex_t lock;
-    pthread_cond_t room; /* signalled for a writer that blocks */
+    pthread_cond_t room; /* signalled when a blocked writer has room */
     struct proto_writer waiting;
     size_t taken;                 /* bytes at the front of `waiting` that the client has read */
-    bool is_parked;               /* the writer's job is parked at the relay */
+    bool is_parked;               /* true: the writer's job is parked at the relay */
     struct server_packer *packer; /* used by the writer; NULL: no compression */
     struct proto_writer packed;   /* used by the writer: compressed text */
     bool is_ended, is_whole;      /* set by the writer */
@@ -129,7 +129,7 @@ static void relay_append(struct server_relay *relay, const char *text, size_t si
     if (waiting->failure) atomic_store(&relay->is_over, true);
 }
 
-/* Compresses without the lock, so that the client's thread does not wait. */
+/* Compresses the text without the lock, so that the client's thread does not wait. */
 static void text_write(struct server_relay *relay, const char *text, size_t size, bool is_last)
 {
     struct proto_writer *packed = &relay->packed;
@@ -165,7 +165,8 @@ bool server_relay_block(struct server_relay *relay)
     return !server_relay_is_over(relay);
 }
 
-/* Before this function returns, the job may already run and the writer's reference be released. */
+/* Before this function returns, the job may already run again and release the writer's
+ * reference. */
 bool server_relay_wait(struct server_relay *relay, struct server_job *job)
 {
     atomic_fetch_add(&relay->references, 1);
@@ -173,7 +174,7 @@ bool server_relay_wait(struct server_relay *relay, struct server_job *job)
     bool is_ahead = unread_bytes(relay) >= SERVER_RELAY_MOST && !atomic_load(&relay->is_over);
     if (is_ahead) {
         is_ahead = relay->is_parked = server_workers_park(relay->host->workers, job, relay, 0);
-        /* the daemon ends, and the client does not read */
+        /* the daemon is stopping, and the client does not read */
         if (!is_ahead) atomic_store(&relay->is_over, true);
     }
     pthread_mutex_unlock(&relay->lock);

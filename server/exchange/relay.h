@@ -1,18 +1,16 @@
 /* Relay: a bounded buffer between the worker that writes an answer's text and its client.
  *
  *     relay = server_relay_create(host, is_packed);
- *     stream = server_relay_open(relay);               for server_reply_stream
- *     server_relay_write(relay, text, size);           the writer, again and again
- *     if (server_relay_wait(relay, job)) return;       a worker parks its job when much is unread,
- *     if (!server_relay_block(relay)) stop;            a thread of its own blocks
- *     server_relay_end(relay, true);                   when all is written
- *     server_relay_release(relay);
+ *     stream = server_relay_open(relay); passed to server_reply_stream server_relay_write(relay,
+ *     text, size); by the writer, repeatedly if (server_relay_wait(relay, job)) return; a worker
+ *     parks its job while much is unread, if (!server_relay_block(relay)) stop; another thread
+ *     blocks server_relay_end(relay, true); when all is written server_relay_release(relay);
  *
  * DESIGN. The worker writes into a buffer, and the stream's reader takes from its front. When
  * SERVER_RELAY_MOST bytes are unread, the writer parks its job (workers.h) or blocks until half of
  * them are read. So memory is bounded for answers of any length. The budget counts the buffer as an
- * answer from the beginning. When the client leaves, the stream is closed. Order of locks: events,
- * relay, workers. */
+ * answer from the beginning. When the client disconnects, the stream is closed. Order of locks:
+ * events, relay, workers. */
 #ifndef SERVER_EXCHANGE_RELAY_H
 #define SERVER_EXCHANGE_RELAY_H
 
@@ -21,7 +19,7 @@
 
 #include "server/work/workers.h"
 
-/* most unread bytes, not counting the last write */
+/* limit on unread bytes, not counting the last write */
 #define SERVER_RELAY_MOST ((size_t)256 << 10)
 
 /* A write of at most this size never lacks memory, because server_relay_create reserves that
@@ -32,27 +30,29 @@ struct server_host;
 struct server_relay;
 struct server_stream;
 
-/* Creates a relay with one reference. `is_packed`: compress the text. NULL: no memory. */
+/* Creates a relay with one reference. `is_packed`: compress the text. Returns NULL if out of
+ * memory. */
 struct server_relay *server_relay_create(struct server_host *host, bool is_packed);
-void server_relay_release(struct server_relay *relay); /* NULL is harmless */
+void server_relay_release(struct server_relay *relay); /* NULL is allowed */
 
-/* Opens the client's end; call it once. NULL: out of memory. */
+/* Opens the client's end; call it once. Returns NULL if out of memory. */
 struct server_stream *server_relay_open(struct server_relay *relay);
 
-/* Appends text. Without memory the answer is cut. */
+/* Appends text. If memory is short, the answer is cut. */
 void server_relay_write(struct server_relay *relay, const char *text, size_t size);
 
-/* Parks the job if too much is unread. True: it is parked, and the caller does not touch it any
- * more. False: there is room, or the client has gone. */
+/* Parks the job if too much is unread. Returns true if the job is parked; the caller must not use
+ * it any more. Returns false if there is room or the client has disconnected. */
 bool server_relay_wait(struct server_relay *relay, struct server_job *job);
 
-/* Blocks while too much is unread. False: the client has gone, or the answer or daemon ends. */
+/* Blocks while too much is unread. Returns false if the client has disconnected, the answer was
+ * cut, or the daemon is stopping. */
 bool server_relay_block(struct server_relay *relay);
 
 /* Ends the text. `is_whole` false: the client sees that the answer was cut. */
 void server_relay_end(struct server_relay *relay, bool is_whole);
 
-/* Returns whether the client has gone or the answer was cut. */
+/* Returns true if the client has disconnected or the answer was cut. */
 bool server_relay_is_over(struct server_relay *relay);
 
 #endif

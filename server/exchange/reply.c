@@ -10,17 +10,19 @@
 #include "server/exchange/etag.h"
 #include "server/base/gzip.h"
 
-#define GZIP_FROM    1025  /* bytes: smaller answers fit into one packet */
-#define PROBLEM_MOST 65536 /* bytes of a problem's text, far more than any has */
+/* answers of fewer bytes are not compressed, because they fit into one packet */
+#define GZIP_FROM    1025
+#define PROBLEM_MOST 65536 /* limit on the bytes of a problem's text, far above any real one */
 #define JSON         "application/json"
 #define PROBLEM_JSON "application/problem+json"
 #define EXPOSED_HEADERS                                                                            \
     "Allow, Content-Encoding, Deprecation, ETag, Geodesic-Faces, Geodesic-Largest-Distance, "      \
     "Link, Location, Preference-Applied, Retry-After, WWW-Authenticate, X-Request-Id"
-/* a browser that shows data as a document must load nothing for it */
+/* a browser that shows data as a document must not load anything for this document */
 #define DATA_POLICY "default-src 'none'; frame-ancestors 'none'"
 
-/* Answers with bytes that outlive the answer. Returns the response, to set `owned`. */
+/* Answers with bytes that outlive the answer. Returns the response, so that the caller can set
+ * `owned`. */
 static struct server_response *response_set(struct server_exchange *exchange, unsigned status,
                                             const char *media_type, const void *body, size_t size)
 {
@@ -70,7 +72,7 @@ void server_reply_writer(struct server_exchange *exchange, struct proto_writer *
     writer->account = &budget->answers;
 }
 
-/* Counts a body of that size as SERVER_BUDGET_ANSWERS instead of SERVER_BUDGET_FLIGHT. */
+/* Moves the count of a body of that size from SERVER_BUDGET_FLIGHT to SERVER_BUDGET_ANSWERS. */
 static bool answer_hold(struct server_exchange *exchange, size_t size,
                         struct proto_problem *problem)
 {
@@ -112,7 +114,7 @@ void server_reply_empty(struct server_exchange *exchange, unsigned status)
     response_set(exchange, status, NULL, NULL, 0);
 }
 
-/* Answers with the text of a writer that has not failed. The text of a writer without an account is
+/* Answers with the text of a writer that has not failed. If the writer has no account, its text is
  * counted even beyond the limit. */
 static void text_set(struct server_exchange *exchange, unsigned status, const char *media_type,
                      struct proto_writer *writer)
@@ -157,7 +159,7 @@ void server_reply_json(struct server_exchange *exchange, unsigned status,
     server_reply_text(exchange, status, JSON, writer);
 }
 
-/* Replies with a problem, or with the status alone if memory is too short for the text. */
+/* Replies with a problem; or without a body if there is no memory for the problem's text. */
 void server_reply_problem(struct server_exchange *exchange, const struct proto_problem *problem)
 {
     struct proto_writer writer;
@@ -207,7 +209,7 @@ bool server_reply_accepts_json(struct server_exchange *exchange)
     return false;
 }
 
-/* Returns whether Accept-Encoding lists gzip without a quality of zero. */
+/* Returns true if Accept-Encoding lists gzip with a quality above zero. */
 static bool client_lists_gzip(const struct server_exchange *exchange)
 {
     const char *list = server_exchange_header(exchange, "Accept-Encoding");
@@ -219,8 +221,8 @@ static bool client_lists_gzip(const struct server_exchange *exchange)
            strspn(quality + 3, ".0") < strcspn(quality + 3, ", ;");
 }
 
-/* Returns whether the client is a browser on this host. A browser always accepts gzip, but within a
- * host compression takes longer than it saves. */
+/* Returns true if the client is a browser on this host. Such a browser accepts gzip, but within a
+ * host compression takes more time than it saves. */
 static bool client_is_near_browser(const struct server_exchange *exchange)
 {
     static const char *const proxied[] = {"Forwarded", "Via", "X-Forwarded-For", "X-Real-IP"};
@@ -272,7 +274,7 @@ static void tag_name_packed(struct server_response_header *tag)
     tag->size += sizeof end - 2;
 }
 
-/* Makes the answer a 304, which carries no metadata of the body (RFC 9110, 15.4.5). */
+/* Makes the answer a 304 without headers that describe the body (RFC 9110, 15.4.5). */
 static void not_modified_set(struct server_exchange *exchange)
 {
     struct server_response *response = &exchange->response;
@@ -310,7 +312,7 @@ static void conditions_apply(struct server_exchange *exchange)
     }
 }
 
-/* Returns whether compression pays. PNG is compressed already. */
+/* Returns true if compression saves enough. PNG is compressed already. */
 static bool response_is_packable(const struct server_response *response)
 {
     return response->owned && !response->lent.bytes && response->size >= GZIP_FROM &&
@@ -325,7 +327,7 @@ static void body_compress(struct server_exchange *exchange)
     server_reply_writer(exchange, &packed);
     packed.maximum = response->size - 1;
     if (!server_gzip(response->body, response->size, &packed)) {
-        proto_writer_free(&packed); /* the body is sent uncompressed */
+        proto_writer_free(&packed); /* compression failed: the body is sent uncompressed */
         return;
     }
     server_exchange_drop_body(exchange);
@@ -389,7 +391,7 @@ void server_reply_seal(struct server_exchange *exchange)
 static void exchange_finish(struct server_exchange *exchange)
 {
     struct server_host *host = exchange->host;
-    /* freed now, because other requests may wait for its resources */
+    /* freed now, because other requests may wait for the resources of the state */
     server_exchange_drop_state(exchange);
     exchange->transport->finish(exchange);
     atomic_fetch_sub(&host->deferred, 1);

@@ -7,10 +7,12 @@
 #include "proto/json/writer.h"
 #include "server/exchange/exchange.h"
 
-/* Begins the text of an answer: at most --max-answer bytes, which the memory budget counts. */
+/* Begins the text of an answer. The text has at most --max-answer bytes, which the memory budget
+ * counts. */
 void server_reply_writer(struct server_exchange *exchange, struct proto_writer *writer);
 
-/* Adds a response header, cut to SERVER_HEADER_VALUE. `name` is static. */
+/* Adds a response header. Its value is truncated to SERVER_HEADER_VALUE bytes. `name` must be
+ * static. */
 void server_reply_header(struct server_exchange *exchange, const char *name, const char *format,
                          ...) __attribute__((format(printf, 3, 4)));
 
@@ -26,7 +28,7 @@ void server_reply_text(struct server_exchange *exchange, unsigned status, const 
                        struct proto_writer *writer);
 
 /* Replies with bytes from malloc and takes them over. The answer takes over the budget bytes that
- * the exchange holds, and takes the missing ones. If there are too many bytes, frees them and
+ * the exchange holds, and takes more if needed. If the budget has too few, frees the bytes and
  * replies with a problem. */
 void server_reply_bytes(struct server_exchange *exchange, unsigned status, const char *media_type,
                         void *bytes, size_t size);
@@ -39,7 +41,7 @@ void server_reply_stream(struct server_exchange *exchange, unsigned status, cons
 bool server_reply_takes_gzip(const struct server_exchange *exchange);
 void server_reply_coding(struct server_exchange *exchange, bool is_packed);
 
-/* Replies with a static file, compressed if the client accepts that. */
+/* Replies with a static file, compressed if the client accepts compression. */
 void server_reply_asset(struct server_exchange *exchange, const struct proto_asset *asset);
 
 /* Replies with the text of the writer, then the lent bytes, neither copied nor compressed. */
@@ -49,19 +51,20 @@ void server_reply_lent(struct server_exchange *exchange, unsigned status, const 
 void server_reply_empty(struct server_exchange *exchange, unsigned status);
 void server_reply_problem(struct server_exchange *exchange, const struct proto_problem *problem);
 
-/* Replies with the problem unless `is_well`. Returns `is_well`. */
+/* Replies with the problem if `is_well` is false. Returns `is_well`. */
 bool server_reply_check(struct server_exchange *exchange, bool is_well,
                         const struct proto_problem *problem);
 
-/* Replies with a problem whose sentence is formatted here. */
+/* Formats a sentence and replies with a problem that contains it. */
 void server_reply_refusal(struct server_exchange *exchange, enum proto_problem_code code,
                           const char *format, ...) __attribute__((format(printf, 3, 4)));
 
 /* Returns whether the client accepts JSON. If not, replies with not_acceptable. */
 bool server_reply_accepts_json(struct server_exchange *exchange);
 
-/* Finishes the answer: makes it a 304 for a known tag, compresses it, and adds the headers of all
- * answers. Called once, after the reply, by a transport that sends the answer immediately. */
+/* Finishes the answer: makes it a 304 if the client knows the tag, compresses the body, and adds
+ * the headers that all answers have. Called once, after the reply, by a transport that sends the
+ * answer immediately. */
 void server_reply_seal(struct server_exchange *exchange);
 
 #endif

@@ -8,13 +8,14 @@
 #include "server/base/thread.h"
 #include "server/fields/hot_points.h"
 
-#define BUCKETS        4096
-#define SAMPLE         64                   /* size of the sample from which one entry is evicted */
-#define FAILURE_NS     UINT64_C(1000000000) /* time before a failed build is repeated */
+#define BUCKETS 4096
+/* number of entries in the sample from which one entry is evicted */
+#define SAMPLE         64
+#define FAILURE_NS     UINT64_C(1000000000) /* time after a failed build before it is repeated */
 #define MOST_DOUBLINGS 16
 
-/* The seeds of a field, compared in order and bit by bit, and its reach. Of two fields with equal
- * seeds, the one of larger reach can answer all requests for the other. */
+/* The seeds and the reach of a field. Seeds are compared in order and bit by bit. Of two fields
+ * with equal seeds, the field of larger reach can answer all requests for the other field. */
 struct field_key {
     uint64_t hash; /* hash of the seeds */
     double radius; /* 0: no limit */
@@ -23,15 +24,16 @@ struct field_key {
 };
 
 struct entry {
-    struct server_cached cached; /* first: a pin is a pointer to it */
-    atomic_uint references;      /* references of the mesh cache and of the pins */
+    /* must be the first member: a pin is a pointer to it, and is cast to the entry */
+    struct server_cached cached;
+    atomic_uint references; /* references of the mesh cache and of the pins */
     struct server_mesh_cache *fields;
     struct field_key key; /* owned */
     size_t bytes;
     uint64_t uses;
     double priority; /* see cache.h */
     LIST_ENTRY(entry) in_bucket;
-    LIST_ENTRY(entry) next; /* in the mesh cache, later in the list of removed entries */
+    LIST_ENTRY(entry) next; /* link in the mesh cache's list, or in a list of removed entries */
 };
 
 LIST_HEAD(entries, entry);
@@ -55,7 +57,8 @@ struct server_mesh_cache {
     struct entries entries;
     uint32_t count;
     struct server_hot_points hot_points; /* queried points without a field */
-    /* how often SERVER_CACHE_SEARCHES is doubled: builds that failed since the last field */
+    /* number of builds that failed since the last field: SERVER_CACHE_SEARCHES is doubled so
+       often */
     uint32_t doublings;
     struct failure failure; /* the last failure */
 };
@@ -146,7 +149,7 @@ static bool key_is_point(const struct field_key *key)
            key->radius == 0;
 }
 
-/* Returns whether `a` reaches at least as far as `b`; both have equal seeds. */
+/* Returns true if `a`, which has the same seeds as `b`, reaches at least as far. */
 static bool key_covers(const struct field_key *a, const struct field_key *b)
 {
     return a->radius == 0 || (b->radius != 0 && a->radius >= b->radius);
@@ -227,7 +230,7 @@ static struct entry *table_find_covering(const struct server_mesh_cache *fields,
     return entry && key_covers(&entry->key, key) ? entry : NULL;
 }
 
-/* Removes an entry into `removed`, for the caller to release without the lock. */
+/* Moves an entry to the list `removed`. The caller releases it without the lock. */
 static void entry_withdraw(struct entry *entry, struct entries *removed)
 {
     LIST_REMOVE(entry, in_bucket);
@@ -243,8 +246,9 @@ static void entry_rate(struct entry *entry)
         entry->fields->cache->age + entry->cached.cost * (double)entry->uses / (double)entry->bytes;
 }
 
-/* Adds an entry (NULL is harmless), with one more reference, unless the mesh cache is closed or has
- * a field of these seeds that reaches as far. Withdraws the entry that it replaces. */
+/* Adds an entry, with one more reference. Does nothing if the entry is NULL, if the mesh cache is
+ * closed, or if the cache has a field of these seeds that reaches as far. Withdraws an entry that
+ * the new one replaces. */
 static void entry_put(struct entry *entry, struct entries *removed)
 {
     if (!entry || entry->fields->is_closed || table_find_covering(entry->fields, &entry->key))
@@ -263,7 +267,7 @@ static void entry_put(struct entry *entry, struct entries *removed)
     entry_rate(entry);
 }
 
-/* Pins the entry (NULL is harmless) for a caller. */
+/* Pins the entry, which may be NULL, for a caller. */
 static const struct server_cached *entry_pin(struct entry *entry)
 {
     if (!entry) return NULL;
@@ -431,7 +435,8 @@ void server_cache_note(struct server_mesh_cache *fields, const struct gd_point *
     server_hot_points_note(&fields->hot_points, key.hash);
 }
 
-/* Under the lock: returns the farthest build of these seeds that is not beyond `key`, or NULL. */
+/* Under the lock: returns, of the builds of these seeds that reach at most as far as `key`, the one
+ * with the largest reach; or NULL. */
 static struct server_pending_build *pending_find(const struct server_mesh_cache *fields,
                                                  const struct field_key *key)
 {
@@ -519,7 +524,7 @@ bool server_cache_is_awaited(struct server_pending_build *build)
 
 /* --- ending a build --------------------------------------------------------------------------- */
 
-/* Under the lock: removes a build. Only a whole field resets the count of queries. */
+/* Under the lock: removes a build. The count of queries is reset only after a complete field. */
 static void pending_remove(struct server_pending_build *build, bool resets_count)
 {
     LIST_REMOVE(build, next);

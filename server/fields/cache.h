@@ -2,24 +2,23 @@
  * at the same time share one build.
  *
  *     hit = server_cache_find(fields, &source);             HTTP thread: a pinned field, or NULL
- *     if (!hit) server_cache_note(fields, &source);         counts the miss
- *     switch (server_cache_enter(fields, &source, job, &build)) {      a worker
- *     case SERVER_CACHE_SEARCH: too rare for a field: answer without one
- *     case SERVER_CACHE_BUILD:  build; hit = server_cache_publish(build, field); ...
- *     case SERVER_CACHE_WAIT:   the job is parked: return; it will be resumed
- *     case SERVER_CACHE_AGAIN:  the field exists by now: call find again
- *     }
+ *     if (!hit) server_cache_note(fields, &source); count the miss switch
+ *     (server_cache_enter(fields, &source, job, &build)) { a worker case SERVER_CACHE_SEARCH:
+ *     queried too rarely for a field: answer without a field case SERVER_CACHE_BUILD: build; hit =
+ *     server_cache_publish(build, field); ... case SERVER_CACHE_WAIT: the job is parked and will be
+ *     resumed: return case SERVER_CACHE_AGAIN: the field exists now: call find again }
  *     server_cache_unpin(hit);
  *
  * DESIGN. A surface owns a *mesh cache*. The *seeds* of a field are its sources. Its *reach* is the
  * distance up to which it is computed. Of fields with equal seeds the mesh cache keeps the one of
  * the largest reach. A build of larger reach resumes that field and replaces it. A *pending build*
- * has one builder. Other jobs are parked at it (workers.h) until it ends, and then look the field
- * up again. A request of smaller reach does not wait, since its own field may take much less time.
+ * has one builder. Other jobs are parked at the build (workers.h) until it ends, and then look up
+ * the field again. A request of smaller reach does not wait, because its own field may take much
+ * less time.
  *
- * A field is built if a request claims it. For queries of pairs, the field of a point is built
+ * A field is built when a request claims it. For queries of pairs, the field of a point is built
  * after SERVER_CACHE_SEARCHES queries of that point (hot_points.h). A field costs as much as 10 to
- * 100 searches for pairs. So a client whose sources are all different does not fill the cache.
+ * 100 searches for pairs. So a client that never repeats a source does not fill the cache.
  *
  * Fields without pins can be evicted, by GreedyDual-Size-Frequency (Cherkasova, "Improving WWW
  * proxies performance with GreedyDual-Size-Frequency caching policy", 1998). At each use a field's
@@ -27,9 +26,9 @@
  * field of the lowest priority in a sample is evicted. The budget counts a field until its last pin
  * is released. A field that is published to a closed mesh cache lives as long as its pins.
  *
- * One mutex guards everything; the workers' lock is acquired after it. Fields are freed without it.
- * The budget's reclaimer locks it, so nothing is taken from the budget while it is held. All
- * functions are thread-safe. */
+ * One mutex guards the whole cache; the workers' lock is acquired after this mutex. Fields are
+ * freed without the mutex. The budget's reclaimer locks the mutex, so a thread that holds it must
+ * not take memory from the budget. All functions are thread-safe. */
 #ifndef SERVER_FIELDS_CACHE_H
 #define SERVER_FIELDS_CACHE_H
 
@@ -44,24 +43,27 @@ struct server_pending_build;
 /* A pinned field: valid until server_cache_unpin. */
 struct server_cached {
     struct gd_field *field;
-    double cost; /* private: nanoseconds of a rebuild */
+    double cost; /* private: time of a rebuild in nanoseconds */
 };
 
-/* Becomes a reclaimer of `budget`; parks jobs with `workers`. Borrows both. NULL: out of memory. */
+/* Creates a cache, which registers as a reclaimer of `budget` and parks jobs with `workers`.
+ * Borrows both. Returns NULL if out of memory. */
 struct server_cache *server_cache_create(struct server_budget *budget,
                                          struct server_workers *workers);
 
-/* Call it when all mesh caches are closed and all fields unpinned. NULL is harmless. */
+/* Call this function when all mesh caches are closed and all fields are unpinned. NULL is
+ * allowed. */
 void server_cache_destroy(struct server_cache *cache);
 
-/* Creates an empty mesh cache with one reference, the caller's. NULL: out of memory. */
+/* Creates an empty mesh cache with one reference, the caller's. Returns NULL if out of memory. */
 struct server_mesh_cache *server_mesh_cache_open(struct server_cache *cache);
 
-/* Removes all fields and rejects later ones; pins stay valid. May be called again. */
+/* Removes all fields and rejects later fields. Pins stay valid. May be called again. */
 void server_mesh_cache_close(struct server_mesh_cache *fields);
 void server_mesh_cache_release(struct server_mesh_cache *fields);
 
-/* Pins the whole fields of single points, in an array for free(); NULL if there are none. */
+/* Pins the complete fields of single points. Returns them in an array, which the caller frees by
+ * free(); NULL if there are none. */
 const struct server_cached **server_mesh_cache_pin_points(struct server_mesh_cache *fields,
                                                           uint32_t *count);
 
@@ -71,21 +73,22 @@ uint32_t server_mesh_cache_count(struct server_mesh_cache *fields);
  * the reference and gd_field_memsize bytes of SERVER_BUDGET_FLIGHT in any case. */
 void server_cache_restore(struct server_mesh_cache *fields, struct gd_field *field);
 
-/* Returns a field of the seeds of this request, of its reach or a larger one (gd_field_within
- * limits it); or the whole field of this point. The request has no target. The field is pinned and
- * counted as used. NULL: there is none. O(seeds), tens of nanoseconds for one. */
+/* server_cache_find_field returns a field with the seeds of the request and at least its reach;
+ * gd_field_within limits a larger reach. The request must have no target. server_cache_find returns
+ * the complete field of a point. Both pin the field and count a use. NULL: there is no such field.
+ * O(seeds); tens of nanoseconds for one seed. */
 const struct server_cached *server_cache_find_field(struct server_mesh_cache *fields,
                                                     const struct gd_field_request *request);
 const struct server_cached *server_cache_find(struct server_mesh_cache *fields,
                                               const struct gd_point *source);
-void server_cache_unpin(const struct server_cached *cached); /* NULL is harmless */
+void server_cache_unpin(const struct server_cached *cached); /* NULL is allowed */
 
-/* Removes the field of this request if it has exactly this reach; pins stay valid. */
+/* Removes the field of this request if the field has exactly this reach. Pins stay valid. */
 void server_cache_drop(struct server_mesh_cache *fields, const struct gd_field_request *request);
 
-/* Queries of a point before its field is built: an average search takes about 1/16 of the time of a
- * whole field (server/doc/003). After a failed or abandoned build a surface needs twice as many,
- * until a field is built there. */
+/* Number of queries of a point before its field is built. An average search takes about 1/16 of the
+ * time of a complete field (server/doc/003). After a failed or abandoned build on a surface, the
+ * number is doubled for this surface until a build succeeds. */
 #define SERVER_CACHE_SEARCHES 16
 
 /* Counts a query of a point without a field. */
@@ -102,30 +105,32 @@ enum server_cache_turn server_cache_enter(struct server_mesh_cache *fields,
                                           const struct gd_point *source, struct server_job *job,
                                           struct server_pending_build **build);
 
-/* As server_cache_enter, for a request, without target, that needs the field. Instead of returning
- * SEARCH it sets `*why`: GD_NO_MEMORY, GD_CANCELLED, or the error of a build of this field less
- * than a second ago. */
+/* As server_cache_enter, for a request that needs the field and has no target. Together with SEARCH
+ * it sets `*why`: GD_NO_MEMORY, GD_CANCELLED, or the error of a build of this field less than a
+ * second ago. */
 enum server_cache_turn server_cache_claim(struct server_mesh_cache *fields,
                                           const struct gd_field_request *request,
                                           struct server_job *job,
                                           struct server_pending_build **build, enum gd_status *why);
 
-/* Returns a field from which this build can be resumed, pinned; NULL: there is none. */
+/* Pins and returns a field from which this build can be resumed; NULL: there is none. */
 const struct server_cached *server_cache_find_nearer(struct server_pending_build *build);
 
-/* Returns whether jobs are parked at the build. Then it continues even if its client has gone. */
+/* Returns true if jobs are parked at the build. The build must then continue even if its client has
+ * disconnected. */
 bool server_cache_is_awaited(struct server_pending_build *build);
 
 /* publish and fail end and free a build, and resume the parked jobs. publish takes over the field's
- * reference and gd_field_memsize bytes of SERVER_BUDGET_FLIGHT, and returns the field pinned; NULL:
- * out of memory, and the field is released. After fail with GD_DEADLINE or GD_CANCELLED a parked
- * job may become the builder. server_cache_claim returns any other error for one second. */
+ * reference and gd_field_memsize bytes of SERVER_BUDGET_FLIGHT, and returns the field pinned. If
+ * out of memory, it releases the field and returns NULL. After fail with GD_DEADLINE or
+ * GD_CANCELLED a parked job may become the builder. server_cache_claim returns any other error for
+ * one second. */
 const struct server_cached *server_cache_publish(struct server_pending_build *build,
                                                  struct gd_field *field);
 void server_cache_fail(struct server_pending_build *build, enum gd_status status);
 
 /* Ends and frees a build that takes much longer than the searches that it would replace. Resumes
- * the parked jobs, which then search. */
+ * the parked jobs, which then search instead. */
 void server_cache_abandon(struct server_pending_build *build);
 
 struct server_cache_statistics {

@@ -6,7 +6,7 @@
 #include "server/base/thread.h"
 #include "server/work/budgeted_call.h"
 
-#define LOOK_NS 5000000 /* between two checks of a waiting request's deadline */
+#define LOOK_NS 5000000 /* time between two checks of a waiting request's deadline */
 
 struct server_discretizations {
     struct server_lru lru; /* must be the first member */
@@ -23,8 +23,8 @@ static void discretization_free(struct server_lru_item *item)
     free(discretization);
 }
 
-/* Builds a level. The cost may exceed the budget, because the engine refuses a mesh of too many
- * faces before it takes memory. */
+/* Builds a level. The cost may exceed the whole budget. That is harmless, because the engine
+ * refuses a mesh of too many faces before it allocates memory. */
 static enum gd_status level_build(struct server_discretizations *owner,
                                   const struct server_discretization_request *request,
                                   struct server_lru_item **out)
@@ -67,7 +67,8 @@ static uint32_t place_of(const struct server_discretization_request *request)
     return request->level + (request->wants_grid ? GD_LIMIT_LEVEL_MOST + 1 : 0);
 }
 
-/* Finds the level, or claims its build (NULL). False: another request still builds it. */
+/* Finds the level, or claims its build and sets *out to NULL. Returns false while another request
+ * builds the level. */
 static bool level_find_or_claim(struct server_discretizations *owner,
                                 const struct server_discretization_request *request,
                                 struct server_lru_item **out)

@@ -1,5 +1,5 @@
-/* Discretizations: cached grids and meshes of subdivision surfaces, one of each for each level, for
- * traces and paths.
+/* Discretizations: cached grids and meshes of subdivision surfaces, for traces and paths. Each
+ * level has at most one grid and one mesh.
  *
  *     status = server_discretizations_get(discretizations, &wanted, &fine);
  *     ... fine->mesh ...
@@ -7,9 +7,9 @@
  *
  * DESIGN. A surface has a *slot* with two places for each level. The first request that finds a
  * level missing builds it. Other requests wait in their workers and check their deadlines every few
- * milliseconds. If the builder fails, one of them becomes the builder. The built grids and meshes
- * are kept in a list (lru.h), and evicted before any mesh of a client, because a rebuild takes less
- * than a second. All functions are thread-safe. */
+ * milliseconds. If the builder fails, a waiting request becomes the builder. The built grids and
+ * meshes are kept in a list (lru.h), and evicted before any mesh of a client, because a rebuild
+ * takes less than a second. All functions are thread-safe. */
 #ifndef SERVER_FIELDS_DISCRETIZATIONS_H
 #define SERVER_FIELDS_DISCRETIZATIONS_H
 
@@ -30,35 +30,36 @@ struct server_discretization {
 
 struct server_discretization_slot {                 /* slot of one surface; all zero: empty */
     _Atomic(struct server_discretizations *) owner; /* NULL: never used by a request */
-    /* under the owner's lock: */
+    /* guarded by the owner's lock: */
     struct server_lru_item *levels[SERVER_DISCRETIZATION_PLACES]; /* NULL: not kept */
     bool is_building[SERVER_DISCRETIZATION_PLACES];
 };
 
-/* Meshes have at most `max_faces`. Becomes a reclaimer of the budget. NULL: out of memory. */
+/* Creates a cache of meshes with at most `max_faces` faces. The cache registers as a reclaimer of
+ * the budget. Returns NULL if out of memory. */
 struct server_discretizations *server_discretizations_create(struct server_workspaces *workspaces,
                                                              uint32_t max_faces);
 
-/* Call it when all slots are closed. NULL is harmless. */
+/* Call this function when all slots are closed. NULL is allowed. */
 void server_discretizations_destroy(struct server_discretizations *discretizations);
 
 struct server_discretization_request {       /* all borrowed for the call */
     struct server_discretization_slot *slot; /* slot of the surface */
     const struct gd_subdivision *surface;
     uint32_t level;            /* <= GD_LIMIT_LEVEL_MOST */
-    bool wants_grid;           /* a grid, not a mesh */
-    struct gd_control control; /* without budget and workspace */
+    bool wants_grid;           /* true: a grid; false: a mesh */
+    struct gd_control control; /* its budget and its workspace must be unset */
     struct gd_detail *detail;
 };
 
-/* Finds or builds a discretization, which the caller releases. Call it on a worker: it may take a
- * second. Errors: those of gd_limit_mesh_build or gd_limit_grid_build; GD_BUDGET: all available
- * memory was too little. */
+/* Finds or builds a discretization, which the caller releases. Call this function on a worker,
+ * because it may take a second. Errors: those of gd_limit_mesh_build or gd_limit_grid_build;
+ * GD_BUDGET (all available memory is too little). */
 GD_MUST_USE enum gd_status
 server_discretizations_get(struct server_discretizations *discretizations,
                            const struct server_discretization_request *request,
                            struct server_discretization **out);
-/* NULL is harmless. */
+/* NULL is allowed. */
 void server_discretization_release(struct server_discretization *discretization);
 
 /* Empties the slot of a surface that no request uses any more. */

@@ -17,7 +17,8 @@ struct server_hot_points { /* all zero is empty */
     uint32_t count[SERVER_HOT_POINTS]; /* 0: free */
 };
 
-/* Returns the point's counter, else a free counter, which is 0, else NULL. */
+/* Returns the point's counter. If there is none, returns a free counter, which is 0. If there is
+ * none either, returns NULL. */
 static inline uint32_t *server_hot_points_counter(struct server_hot_points *points, uint64_t hash)
 {
     uint32_t *vacant = NULL;
@@ -30,7 +31,7 @@ static inline uint32_t *server_hot_points_counter(struct server_hot_points *poin
     return vacant;
 }
 
-/* Counts a query of the point. Takes tens of nanoseconds. */
+/* Counts a query of the point. Cost: tens of nanoseconds. */
 static inline void server_hot_points_note(struct server_hot_points *points, uint64_t hash)
 {
     uint32_t *counter = server_hot_points_counter(points, hash);

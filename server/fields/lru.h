@@ -1,11 +1,12 @@
-/* LRU: results that can be computed again, kept while memory lasts; the least recently used are
- * evicted first.
+/* LRU: a list of results that can be computed again. They stay in memory while the budget has room;
+ * the least recently used are evicted first.
  *
- * DESIGN. An item is the first member of a result's own struct. It is reference-counted, and the
- * budget counts it in the list's class until the last release. A *place* is the owner's pointer to
- * an item in the list; its eviction empties the place. One mutex guards the list and the places.
- * The owner may guard other data with it. Items are freed without it. Reclaiming locks it, so
- * nothing is taken from the budget while it is held. */
+ * DESIGN. An item is the first member of a result's own struct. An item is reference-counted, and
+ * the budget counts it in the list's class until the last release. A *place* is the owner's pointer
+ * to an item in the list. When the item is evicted, its place is set to NULL. One mutex guards the
+ * list and the places. The owner may guard other data with this mutex too. Items are freed without
+ * it. The budget's reclaimer locks it, so a thread that holds it must not take memory from the
+ * budget. */
 #ifndef SERVER_FIELDS_LRU_H
 #define SERVER_FIELDS_LRU_H
 
@@ -20,17 +21,17 @@ struct server_lru_item {
     atomic_uint references;
     struct server_lru *lru;
     size_t bytes;
-    /* under the lock, while it is in the list: */
+    /* guarded by the lock, used while the item is in the list: */
     struct server_lru_item **place;
     TAILQ_ENTRY(server_lru_item) by_use;
 };
 
-struct server_lru { /* the first members are set by the owner */
+struct server_lru { /* the owner sets the first members */
     struct server_budget *budget;
     enum server_budget_class class;
     enum server_reclaim_turn turn;
     void (*free)(struct server_lru_item *item);
-    /* called under the lock after an eviction; or NULL */
+    /* called under the lock after an eviction; may be NULL */
     void (*evicted)(struct server_lru *lru, struct server_lru_item **place);
     pthread_mutex_t lock;
     TAILQ_HEAD(, server_lru_item) by_use; /* the least recently used first */
@@ -38,7 +39,8 @@ struct server_lru { /* the first members are set by the owner */
     atomic_uint pressures;                /* how often memory was short */
 };
 
-/* begin makes the list a reclaimer of the budget. end ends that; all places must be empty then. */
+/* begin registers the list as a reclaimer of the budget. end unregisters it; all places must be
+ * empty before. */
 void server_lru_begin(struct server_lru *lru);
 void server_lru_end(struct server_lru *lru);
 
@@ -47,11 +49,11 @@ void server_lru_trim(struct server_lru *lru, size_t most);
 
 /* Begins an item with one reference; moves its bytes from SERVER_BUDGET_FLIGHT to the class. */
 void server_lru_adopt(struct server_lru *lru, struct server_lru_item *item, size_t bytes);
-void server_lru_release(struct server_lru_item *item); /* NULL is harmless */
+void server_lru_release(struct server_lru_item *item); /* NULL is allowed */
 
-/* Under the lock. put moves the caller's reference to an empty place. get returns a reference of
- * the item, which counts as used; take empties the place and returns its reference, to be released
- * without the lock. NULL: the place is empty. */
+/* Call these functions under the lock. put moves the caller's reference to an empty place. get
+ * counts a use and returns a new reference of the item. take empties the place and returns its
+ * reference, which the caller releases without the lock. NULL: the place is empty. */
 void server_lru_put(struct server_lru_item **place, struct server_lru_item *item);
 struct server_lru_item *server_lru_get(struct server_lru_item **place);
 struct server_lru_item *server_lru_take(struct server_lru_item **place);

@@ -36,14 +36,14 @@ struct server_connections_statistics {
 };
 
 /* Starts the thread. While `budget` (NULL: none) has no room for answers, the thread shuts down one
- * connection a second: the slowest that acknowledged nothing for 10 s. NULL: no memory or
- * thread. */
+ * connection a second: the slowest that acknowledged nothing for 10 s. Returns NULL if there is no
+ * memory or no thread. */
 struct server_connections *server_connections_create(const struct server_budget *budget);
 
 /* Sets the most open connections, before the first is opened. 0, the default: any number. */
 void server_connections_limit(struct server_connections *connections, uint32_t most);
 
-/* Call it when no connection is open. NULL is harmless. */
+/* Call this function when no connection is open. NULL is allowed. */
 void server_connections_destroy(struct server_connections *connections);
 
 /* Shuts down connections whose deadline is before `now_ns`. Also shuts down the receiving side of

@@ -24,14 +24,16 @@ struct server_http_parts {
     void (*end)(struct server_exchange *exchange);
 };
 
-/* Serves the listening socket and takes it over. NULL with a sentence in `error`. */
+/* Serves the listening socket and takes it over. On failure, returns NULL with a sentence in
+ * `error`. */
 struct server_http *server_http_start(const struct server_http_parts *parts, int listening,
                                       char error[SERVER_ERROR]);
 
 /* Accepts no new connections from now on. Open connections continue. */
 void server_http_quiesce(struct server_http *http);
 
-/* Closes all connections and frees. Call it when no exchange is deferred. NULL is harmless. */
+/* Closes all connections and frees. Call this function when no exchange is deferred. NULL is
+ * allowed. */
 void server_http_stop(struct server_http *http);
 
 #endif

@@ -26,10 +26,11 @@ struct server_batch_runner *server_batch_runner_create(struct server_host *host,
 /* Starts no more items and returns running ones to the queue. */
 void server_batch_runner_drain(struct server_batch_runner *runner);
 
-/* Call it when no item is running. NULL is harmless. */
+/* Call this function when no item is running. NULL is allowed. */
 void server_batch_runner_destroy(struct server_batch_runner *runner);
 
-/* Returns the queue's database. NULL with a sentence if it can't be opened. Call it on a worker. */
+/* Returns the queue's database. NULL with a sentence if it can't be opened. Call this function on a
+ * worker. */
 struct server_store_sql *server_batch_runner_sql(struct server_batch_runner *runner,
                                                  char error[SERVER_ERROR]);
 

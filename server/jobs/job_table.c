@@ -135,8 +135,8 @@ static void job_notify(struct server_deferred_job *job)
     server_events_wake(job->table->host->events, job);
 }
 
-/* Call it without the lock, after the state has changed under the lock. No waiting request is
- * missed, because a request checks the state and parks under the same lock. */
+/* Call this function without the lock, after the state has changed under the lock. No waiting
+ * request is missed, because a request checks the state and parks under the same lock. */
 static void job_notify_end(struct server_deferred_job *job)
 {
     job_notify(job);
@@ -408,7 +408,7 @@ static void job_on_finish(struct server_exchange *exchange)
 
 /* --- the start of a job ----------------------------------------------------------------------- */
 
-/* Creates a job with one reference, not yet in the table. NULL: out of memory. */
+/* Creates a job with one reference, not yet in the table. Returns NULL if out of memory. */
 static struct server_deferred_job *job_create(struct server_job_table *table,
                                               struct server_exchange *exchange)
 {

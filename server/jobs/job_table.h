@@ -43,11 +43,11 @@ struct server_job_limits {
     bool are_tenanted; /* the daemon has keys: tenants share the table */
 };
 
-/* Borrows the host. NULL: out of memory. */
+/* Borrows the host. Returns NULL if out of memory. */
 struct server_job_table *server_job_table_create(struct server_host *host,
                                                  const struct server_job_limits *limits);
 
-/* Call it when no exchange is deferred. NULL is harmless. */
+/* Call this function when no exchange is deferred. NULL is allowed. */
 void server_job_table_destroy(struct server_job_table *table);
 
 /* Creates and starts a job for a request whose body is read; the caller gets a reference. The
@@ -86,7 +86,7 @@ struct server_job_statistics server_job_table_statistics(struct server_job_table
                                                          const char *tenant);
 
 struct server_deferred_job *server_deferred_job_retain(struct server_deferred_job *job);
-void server_deferred_job_release(struct server_deferred_job *job); /* NULL is harmless */
+void server_deferred_job_release(struct server_deferred_job *job); /* NULL is allowed */
 
 /* Returns the current state. Its pointers live as long as the caller's reference. */
 struct proto_job server_deferred_job_describe(struct server_deferred_job *job);

@@ -20,16 +20,19 @@ struct server_edits {
     size_t held;                  /* bytes of SERVER_BUDGET_FLIGHT */
 };
 
-/* Runs the edits on a worker, as `part` of the exchange's work. False with the problem. */
+/* Runs the edits on a worker, as `part` of the exchange's work. On failure, returns false with the
+ * problem. */
 bool server_edits_run(struct server_edits *edits, struct server_monitor *part,
                       struct proto_problem *problem);
 
-/* Adds a mesh to be stored under that name: the result or a part of it. False with the problem. */
+/* Adds a mesh to be stored under that name: the result or a part of it. On failure, returns false
+ * with the problem. */
 bool server_edits_add(const struct server_edits *edits, const struct gd_edited *edited,
                       struct server_derived_meshes *meshes, const char *name,
                       struct proto_problem *problem);
 
-/* Adds a mesh for each component of the result, named NAME-1, NAME-2, …. False with the problem. */
+/* Adds a mesh for each component of the result, named NAME-1, NAME-2, …. On failure, returns false
+ * with the problem. */
 bool server_edits_add_parts(struct server_edits *edits, struct server_monitor *part,
                             struct server_derived_meshes *meshes, const char *name,
                             struct proto_problem *problem);

@@ -126,18 +126,19 @@ struct server_query_kind {
     /* Writes the answer in the query's form; the exchange's `held` counts it. */
     bool (*write)(const struct server_query *query, struct server_answer_file *out);
     /* Lists the arrays of an answer that is DONE, for the forms of arrays.h; they live as long as
-     * the query. False with the problem. NULL: the answer has no such forms. */
+     * the query. On failure, returns false with the problem. NULL: the answer has no such forms. */
     bool (*list_arrays)(struct server_query *query);
     void (*release)(struct server_query *query);
     /* Returns the answer's status and adds headers; NULL: 200. */
     unsigned (*status)(struct server_query *query);
 };
 
-/* Creates a query, for all of the exchange's work; it retains the surface. NULL: out of memory. */
+/* Creates a query, for all of the exchange's work; it retains the surface. Returns NULL if out of
+ * memory. */
 struct server_query *server_query_create(const struct server_query_kind *kind,
                                          struct server_exchange *exchange,
                                          struct server_surface *surface);
-void server_query_destroy(struct server_query *query); /* NULL is harmless */
+void server_query_destroy(struct server_query *query); /* NULL is allowed */
 
 /* Runs the steps up to try_inline. Returns DONE, FAILED or AGAIN. */
 enum server_query_turn server_query_try_inline(struct server_query *query);
@@ -172,7 +173,7 @@ enum server_query_turn server_query_end_draft(struct server_query *query, enum g
                                               const char *what);
 
 /* Returns GD_BUDGET when the draft is full, else the result of the control's (NULL: none) check of
- * deadline and cancellation. Call it from time to time during long work. */
+ * deadline and cancellation. Call this function from time to time during long work. */
 GD_MUST_USE enum gd_status server_query_pause(const struct server_query *query,
                                               const struct gd_control *control, double fraction);
 
@@ -183,7 +184,8 @@ bool server_query_can_flush(const struct server_query *query);
 /* Returns the answer's form of arrays, or SERVER_ARRAYS_NONE. */
 enum server_arrays_form server_query_arrays_form(const struct server_query *query);
 
-/* Adds `count` borrowed paths, `stride` bytes apart, to the arrays. False with the problem. */
+/* Adds `count` borrowed paths, `stride` bytes apart, to the arrays. On failure, returns false with
+ * the problem. */
 bool server_query_list_lines(struct server_query *query, const struct gd_path *paths, size_t stride,
                              uint32_t count);
 
@@ -195,7 +197,8 @@ bool server_query_list_line(struct server_query *query, const struct gd_point *p
 GD_MUST_USE enum gd_status server_query_take(struct server_query *query, size_t bytes);
 void server_query_give(struct server_query *query, size_t bytes);
 
-/* Locates points of the request as query->points, and frees `points`. False with the problem. */
+/* Locates points of the request as query->points, and frees `points`. On failure, returns false
+ * with the problem. */
 bool server_query_locate(struct server_query *query, struct proto_points *points);
 
 /* Returns an array of zeros that the query holds until it ends. NULL: report GD_BUDGET. */

@@ -18,18 +18,19 @@ bool server_request_key(struct server_exchange *exchange, struct server_key *key
 /* For operations without parameters. False: the request has parameters; a problem is replied. */
 bool server_request_is_plain(struct server_exchange *exchange);
 
-/* Reads the seconds that the request may wait. False: a problem is replied. */
+/* Reads the seconds that the request may wait. Returns false after replying with a problem. */
 bool server_request_wait(struct server_exchange *exchange, uint64_t *wait_s);
 
 /* Returns the time of gd_now_ns at which a wait of `wait_s` ends, or earlier at the deadline. */
 uint64_t server_request_wait_end(const struct server_exchange *exchange, uint64_t wait_s);
 
 /* Reads which page of a list the client wants. The second function also reads `prefix`, which
- * selects names. False: a problem is replied. */
+ * selects names. Returns false after replying with a problem. */
 bool server_request_page(struct server_exchange *exchange, struct proto_page *page);
 bool server_request_page_of_names(struct server_exchange *exchange, struct proto_page *page);
 
-/* Finds the record of the surface that the path names, retained. False: a problem is replied. */
+/* Finds the record of the surface that the path names, retained. Returns false after replying with
+ * a problem. */
 bool server_request_record(struct server_exchange *exchange, struct server_listed *out);
 
 /* Returns the surface that the path names, in memory, retained. Checks the preconditions of a POST;
@@ -41,8 +42,9 @@ struct server_surface *server_request_surface(struct server_exchange *exchange);
  * worker applies the changes of other daemons before it calls the handler. */
 bool server_request_follows_first(struct server_exchange *exchange);
 
-/* Runs `work`, which stores something, on the registry's writer thread. Call it last in a worker's
- * step. Always returns false, so that the step can end with `return server_request_write(…)`. */
+/* Runs `work`, which stores something, on the registry's writer thread. Call this function last in
+ * a worker's step. Always returns false, so that the step can end with `return
+ * server_request_write(…)`. */
 bool server_request_write(struct server_exchange *exchange,
                           bool (*work)(struct server_exchange *exchange));
 

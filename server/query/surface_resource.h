@@ -10,7 +10,8 @@
 
 /* Builds the surface of a record from the bytes of its file, as `part` of the exchange's work, and
  * stores the description in the record. `attachment` (NULL: none) is malloc'ed and counted as
- * SERVER_BUDGET_FLIGHT; the call owns it, even when it fails. NULL with the problem. */
+ * SERVER_BUDGET_FLIGHT; the call owns it, even when it fails. On failure, returns NULL with the
+ * problem. */
 struct server_surface *server_surface_resource_build(struct server_monitor *part,
                                                      struct server_record *record,
                                                      const void *bytes, void *attachment,

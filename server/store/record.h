@@ -89,7 +89,7 @@ struct server_origin {
 };
 
 /* Creates a record with one reference and the current time. The caller sets memory and description.
- * NULL: out of memory. */
+ * Returns NULL if out of memory. */
 struct server_record *server_record_create(const struct server_origin *origin);
 
 /* Count the record as SERVER_BUDGET_RECORDS until it is freed. Call one of them once, before the
@@ -99,12 +99,14 @@ bool server_record_take(struct server_record *record, struct server_budget *budg
 void server_record_count(struct server_record *record, struct server_budget *budget);
 
 struct server_record *server_record_retain(struct server_record *record);
-void server_record_release(struct server_record *record); /* NULL is harmless */
+void server_record_release(struct server_record *record); /* NULL is allowed */
 
-/* Returns a copy with that caption, one reference and nothing attached. NULL: out of memory. */
+/* Returns a copy with that caption, one reference and nothing attached. Returns NULL if out of
+ * memory. */
 struct server_record *server_record_copy(const struct server_record *record, const char *caption);
 
-/* Sets the caption. Call it before the record is counted and shared. False: out of memory. */
+/* Sets the caption. Call this function before the record is counted and shared. Returns false if
+ * out of memory. */
 bool server_record_set_caption(struct server_record *record, const char *caption);
 
 /* Writes the caption, one line of UTF-8; "": there is none. */
@@ -127,7 +129,7 @@ struct server_key server_record_key(const struct server_record *record);
 /* Returns whether both have the same key, objects and options. */
 bool server_record_equal(const struct server_record *a, const struct server_record *b);
 
-/* Returns the record's text, NUL-terminated, malloc'ed; NULL: out of memory. */
+/* Returns the record's text, NUL-terminated, malloc'ed. Returns NULL if out of memory. */
 char *server_record_write(const struct server_record *record, size_t *size);
 
 enum server_record_reading {

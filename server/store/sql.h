@@ -115,7 +115,8 @@ struct server_store_sql {
 struct server_store_sql *server_store_sql_local_open(const char *path, const char *const *steps,
                                                      char error[SERVER_ERROR]);
 
-/* Opens the database of a PostgreSQL store, which has made the tables. NULL: out of memory. */
+/* Opens the database of a PostgreSQL store, which has made the tables. Returns NULL if out of
+ * memory. */
 struct server_store_sql *server_store_sql_postgres_open(const char *url);
 
 #endif

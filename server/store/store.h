@@ -94,17 +94,17 @@ struct server_store {
     void (*close)(struct server_store *store); /* frees it */
 };
 
-/* Creates a store that stores nothing. NULL: out of memory. */
+/* Creates a store that stores nothing. Returns NULL if out of memory. */
 struct server_store *server_store_memory_create(void);
 
-/* Opens the store in a folder, creates it if need be, and locks it. Repairs and logs damage. NULL
- * with a sentence in `error`: another process uses the folder, the folder is unusable, or a later
- * version wrote it. */
+/* Opens the store in a folder, creates it if need be, and locks it. Repairs and logs damage.
+ * Returns NULL with a sentence in `error` in these cases: another process uses the folder, the
+ * folder is unusable, or a later version wrote it. */
 struct server_store *server_store_local_open(const char *folder, char error[SERVER_ERROR]);
 
-/* Opens the store in a PostgreSQL database ("postgresql://…") and makes or updates its tables. NULL
- * with a sentence in `error`: no answer within ten seconds, a refusal, or tables of a later
- * version. */
+/* Opens the store in a PostgreSQL database ("postgresql://…") and makes or updates its tables.
+ * Returns NULL with a sentence in `error` in these cases: no answer within ten seconds, a refusal,
+ * or tables of a later version. */
 struct server_store *server_store_postgres_open(const char *url, char error[SERVER_ERROR]);
 
 /* For the sandbox. Visits each port that the address of a database or the environment names, or
@@ -128,11 +128,13 @@ bool server_store_check(const char *folder, FILE *out);
 bool server_store_check_postgres(const char *url, FILE *out);
 
 /* Copies the data folder `folder`, which may be in use, as of one moment, to the new folder `copy`.
- * Makes hard links of objects where possible, and verifies each. False with a sentence on `out`. */
+ * Makes hard links of objects where possible, and verifies each. On failure, returns false and
+ * prints a sentence to `out`. */
 bool server_store_backup(const char *folder, const char *copy, FILE *out);
 
 /* Makes the new data folder `folder` from a backup and verifies every file. Copies objects, so that
- * a bad block of one folder does not damage the other. False with a sentence on `out`. */
+ * a bad block of one folder does not damage the other. On failure, returns false and prints a
+ * sentence to `out`. */
 bool server_store_restore(const char *folder, const char *backup, FILE *out);
 
 #endif

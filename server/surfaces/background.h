@@ -46,7 +46,7 @@ struct server_background { /* the first members are set by the owner */
     struct server_background_slot *building;
 };
 
-/* Starts the thread. False: no memory or thread. */
+/* Starts the thread. Returns false if there is no memory or no thread. */
 bool server_background_start(struct server_background *background);
 void server_background_stop(struct server_background *background);
 void server_background_end(struct server_background *background); /* stops it first */

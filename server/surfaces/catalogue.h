@@ -40,22 +40,24 @@ struct server_resource {
 struct server_resource *server_resource_create(const char *id, struct proto_located_set *set,
                                                const struct proto_field_description *description,
                                                struct server_budget *budget);
-void server_resource_release(struct server_resource *resource); /* NULL is harmless */
+void server_resource_release(struct server_resource *resource); /* NULL is allowed */
 
 /* Returns the request that the field answers, borrowed from the resource. */
 struct gd_field_request server_resource_request(const struct server_resource *resource);
 
-/* Writes the id of a field: of this set, on the mesh of that ETag. False: out of memory. */
+/* Writes the id of a field: of this set, on the mesh of that ETag. Returns false if out of
+ * memory. */
 bool server_resource_name(const char *etag, const struct proto_located_set *set,
                           double max_distance, char id[PROTO_FIELD_ID + 1]);
 
 struct server_catalogue;
 
-/* Creates an empty catalogue that is not attached to a record; NULL: out of memory. */
+/* Creates an empty catalogue that is not attached to a record. Returns NULL if out of memory. */
 struct server_catalogue *server_catalogue_create(void);
-void server_catalogue_destroy(struct server_catalogue *catalogue); /* NULL is harmless */
+void server_catalogue_destroy(struct server_catalogue *catalogue); /* NULL is allowed */
 
-/* Returns the catalogue of a record, its owner; the first call creates it. NULL: out of memory. */
+/* Returns the catalogue of a record, its owner; the first call creates it. Returns NULL if out of
+ * memory. */
 struct server_catalogue *server_record_catalogue(struct server_record *record);
 
 enum server_catalogue_finding {

@@ -23,7 +23,7 @@ struct server_field_store;
 /* Opens the folder `fields` in a local store's folder; borrows both. NULL: it can't be made. */
 struct server_field_store *server_field_store_open(const char *folder,
                                                    struct server_budget *budget);
-void server_field_store_close(struct server_field_store *store); /* NULL is harmless */
+void server_field_store_close(struct server_field_store *store); /* NULL is allowed */
 
 /* Deletes the files of surfaces outside the registry, now and whenever a surface leaves it. */
 void server_field_store_follow(struct server_field_store *store, struct server_registry *registry);

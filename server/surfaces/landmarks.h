@@ -21,19 +21,20 @@ struct server_landmark_set {
     struct gd_landmarks *landmarks;
 };
 
-/* Starts the thread, for `count` landmarks of a mesh. NULL: no memory or thread. */
+/* Starts the thread, for `count` landmarks of a mesh. Returns NULL if there is no memory or no
+ * thread. */
 struct server_landmarks *server_landmarks_create(const struct server_background_parts *parts,
                                                  struct server_metrics *metrics, uint32_t count);
 
-/* Stops the thread, after the last search. NULL is harmless. */
+/* Stops the thread, after the last search. NULL is allowed. */
 void server_landmarks_stop(struct server_landmarks *landmarks);
-void server_landmarks_destroy(struct server_landmarks *landmarks); /* NULL is harmless */
+void server_landmarks_destroy(struct server_landmarks *landmarks); /* NULL is allowed */
 
 /* Returns the surface's set, to be released; or NULL, and queues a build unless the mesh is small
  * or memory is short. Also NULL if `landmarks` is NULL. Takes tens of nanoseconds. */
 struct server_landmark_set *server_landmarks_find(struct server_landmarks *landmarks,
                                                   struct server_surface *surface);
-void server_landmark_set_release(struct server_landmark_set *set); /* NULL is harmless */
+void server_landmark_set_release(struct server_landmark_set *set); /* NULL is allowed */
 
 struct server_landmarks_statistics {
     uint64_t built, loaded, dropped; /* sets */

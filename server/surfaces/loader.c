@@ -111,8 +111,8 @@ static enum server_loader_outcome load_build(struct load *load, struct server_su
     return SERVER_LOADER_LOADED;
 }
 
-/* Under the lock: parks a job (NULL is harmless) if the record is being loaded. False: it is not,
- * or the workers were cancelled. */
+/* Under the lock: parks a job (NULL is allowed) if the record is being loaded. False: it is not, or
+ * the workers were cancelled. */
 static bool load_park(struct server_loader *loader, const struct server_record *record,
                       struct server_job *job)
 {

@@ -19,15 +19,15 @@ struct server_loader_parts { /* all borrowed */
     uint32_t max_faces;
 };
 
-/* Creates a loader without its thread. NULL: out of memory. */
+/* Creates a loader without its thread. Returns NULL if out of memory. */
 struct server_loader *server_loader_create(const struct server_loader_parts *parts);
 
-/* Starts the thread; false: no memory or thread. */
+/* Starts the thread. Returns false if there is no memory or no thread. */
 bool server_loader_preload(struct server_loader *loader);
 
 /* Stops the thread, after the workers were cancelled. */
 void server_loader_stop(struct server_loader *loader);
-void server_loader_destroy(struct server_loader *loader); /* stops it; NULL is harmless */
+void server_loader_destroy(struct server_loader *loader); /* stops it; NULL is allowed */
 
 enum server_loader_outcome {
     SERVER_LOADER_LOADED,  /* the caller has a reference of `*out` */

@@ -28,9 +28,9 @@ struct server_packed_file {
 
 struct server_packed_files;
 
-/* Becomes a reclaimer of the budget. NULL: no memory. */
+/* Becomes a reclaimer of the budget. Returns NULL if out of memory. */
 struct server_packed_files *server_packed_files_create(struct server_budget *budget);
-void server_packed_files_destroy(struct server_packed_files *files); /* NULL is harmless */
+void server_packed_files_destroy(struct server_packed_files *files); /* NULL is allowed */
 
 /* Returns the file with that tag, which the caller releases; NULL: it is not cached. */
 struct server_packed_file *server_packed_files_find(struct server_packed_files *files,
@@ -41,6 +41,6 @@ struct server_packed_file *server_packed_files_find(struct server_packed_files *
 struct server_packed_file *server_packed_files_add(struct server_packed_files *files,
                                                    const char *tag, char *bytes, size_t size);
 
-void server_packed_file_release(struct server_packed_file *file); /* NULL is harmless */
+void server_packed_file_release(struct server_packed_file *file); /* NULL is allowed */
 
 #endif

@@ -24,12 +24,12 @@ struct server_preview {
     struct gd_polygons polygons;
 };
 
-/* Starts the thread. NULL: no memory or thread. */
+/* Starts the thread. Returns NULL if there is no memory or no thread. */
 struct server_previews *server_previews_create(const struct server_background_parts *parts);
 
-/* Stops the thread, after the last request. NULL is harmless. */
+/* Stops the thread, after the last request. NULL is allowed. */
 void server_previews_stop(struct server_previews *previews);
-void server_previews_destroy(struct server_previews *previews); /* NULL is harmless */
+void server_previews_destroy(struct server_previews *previews); /* NULL is allowed */
 
 /* Finds the preview with that number of faces. Returns GD_OK with the preview, which the caller
  * releases. If there is none yet, queues its build if need be, and returns GD_OK with NULL and the
@@ -37,7 +37,7 @@ void server_previews_destroy(struct server_previews *previews); /* NULL is harml
 GD_MUST_USE enum gd_status server_previews_find(struct server_previews *previews,
                                                 struct server_surface *surface, uint32_t faces,
                                                 struct server_preview **out, double *progress);
-void server_preview_release(struct server_preview *preview); /* NULL is harmless */
+void server_preview_release(struct server_preview *preview); /* NULL is allowed */
 
 /* Called after an upload: queues the preview of a large mesh. */
 void server_previews_expect(struct server_previews *previews, struct server_surface *surface);

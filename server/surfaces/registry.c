@@ -50,7 +50,7 @@ static void slot_touch(struct server_registry *registry, struct server_slot *slo
     atomic_store_explicit(&slot->last, time(NULL), memory_order_relaxed);
 }
 
-/* Destroys a removed slot with its surface, and calls the watcher. NULL is harmless. */
+/* Destroys a removed slot with its surface, and calls the watcher. NULL is allowed. */
 static void slot_leave(struct server_registry *registry, struct server_slot *slot)
 {
     if (!slot) return;
@@ -274,7 +274,8 @@ void server_registry_note_uses(struct server_registry *registry)
 
 /* --- following a shared store ----------------------------------------------------------------- */
 
-/* Applies a change of another daemon. `*left`: the replaced or removed slot. False: no memory. */
+/* Applies a change of another daemon. `*left`: the replaced or removed slot. Returns false if out
+ * of memory. */
 static bool change_follow(struct server_registry *registry, const struct server_key *key,
                           const struct server_stored *change, struct server_slot **left)
 {

@@ -27,10 +27,10 @@ struct server_registry;
  * and becomes its reclaimer. NULL: no memory or thread; the store is closed then. */
 struct server_registry *server_registry_create(struct server_store *store,
                                                struct server_budget *budget);
-void server_registry_destroy(struct server_registry *registry); /* NULL is harmless */
+void server_registry_destroy(struct server_registry *registry); /* NULL is allowed */
 
 /* Registers `gone`, which is called without a lock when a record has left the registry and no other
- * record has its ETag. Call it before the first change. */
+ * record has its ETag. Call this function before the first change. */
 void server_registry_watch(struct server_registry *registry,
                            void (*gone)(void *user, const struct server_record *record),
                            void *user);

@@ -23,10 +23,10 @@ struct server_slot {
     atomic_bool was_tried;      /* set by server_registry_hottest */
 };
 
-/* Creates a slot of record and surface (or NULL), both retained. NULL: out of memory. */
+/* Creates a slot of record and surface (or NULL), both retained. Returns NULL if out of memory. */
 struct server_slot *server_slot_create(struct server_record *record,
                                        struct server_surface *surface);
-void server_slot_free(struct server_slot *slot); /* NULL is harmless */
+void server_slot_free(struct server_slot *slot); /* NULL is allowed */
 
 /* Compares a slot with a struct server_key, as strcmp. */
 int server_slot_compare(const void *item, const void *key);

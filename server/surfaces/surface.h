@@ -65,15 +65,15 @@ struct server_surface *server_surface_create(struct server_record *record, void 
                                              size_t bytes, struct server_budget *budget,
                                              struct server_cache *cache);
 
-/* Takes over the record's attachment, malloc'ed, and its bytes of SERVER_BUDGET_FLIGHT. Call it
- * before the surface is shared. */
+/* Takes over the record's attachment, malloc'ed, and its bytes of SERVER_BUDGET_FLIGHT. Call this
+ * function before the surface is shared. */
 void server_surface_attach(struct server_surface *surface, void *attachment);
 
 struct server_surface *server_surface_retain(struct server_surface *surface);
-void server_surface_release(struct server_surface *surface); /* NULL is harmless */
+void server_surface_release(struct server_surface *surface); /* NULL is allowed */
 
-/* Retains a surface whose references may have ended; false: it is being freed. Call it before
- * server_background_slot_close returns. */
+/* Retains a surface whose references may have ended; false: it is being freed. Call this function
+ * before server_background_slot_close returns. */
 bool server_surface_retain_alive(struct server_surface *surface);
 
 /* Drops the surface's fields and landmarks permanently, when it leaves the registry. */

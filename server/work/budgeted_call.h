@@ -27,13 +27,13 @@
 struct server_workspaces;
 
 /* Keeps at most `most` idle workspaces. Borrows `budget`, which must outlive them, and registers a
- * reclaimer there. NULL: out of memory. */
+ * reclaimer there. Returns NULL if out of memory. */
 struct server_workspaces *server_workspaces_create(struct server_budget *budget, uint32_t most);
 
 /* Returns the budget that the workspaces were created with. */
 struct server_budget *server_workspaces_budget(const struct server_workspaces *workspaces);
 
-/* Call it when no call runs. NULL is harmless. */
+/* Call this function when no call runs. NULL is allowed. */
 void server_workspaces_destroy(struct server_workspaces *workspaces);
 
 struct server_space {               /* private: a borrowed workspace */

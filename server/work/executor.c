@@ -44,7 +44,7 @@ static void executor_release(struct executor *executor)
     free(executor);
 }
 
-/* Call it with the lock held. */
+/* The caller holds the lock. */
 static void executor_signal(struct executor *executor)
 {
     atomic_fetch_add(&executor->change_count, 1);

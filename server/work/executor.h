@@ -24,7 +24,7 @@
 const struct gd_executor *server_executor_start(struct server_workers *workers, uint32_t width,
                                                 uint64_t deadline_ns);
 
-/* Frees it. NULL is harmless. */
+/* Frees it. NULL is allowed. */
 void server_executor_stop(const struct gd_executor *executor);
 
 #endif

@@ -45,7 +45,7 @@ bool server_job_is_late(const struct server_job *job, uint64_t now_ns);
 /* Removes the late jobs from a list and returns them as a list. */
 struct server_job *server_jobs_expire(struct server_job **list, uint64_t now_ns);
 
-/* Refuses each job of a list. Call it without a lock: `refuse` may take any. */
+/* Refuses each job of a list. Call this function without a lock: `refuse` may take any. */
 void server_jobs_refuse(struct server_job *list, enum server_refusal why);
 
 enum server_lane_kind { SERVER_LANE_URGENT, SERVER_LANE_PATIENT, SERVER_LANE_KINDS };

@@ -17,15 +17,15 @@
 
 struct server_workers;
 
-/* Starts `count` threads. Up to `queue_length` urgent jobs and as many patient ones can wait. NULL:
- * no memory or thread. */
+/* Starts `count` threads. Up to `queue_length` urgent jobs and as many patient ones can wait.
+ * Returns NULL if there is no memory or no thread. */
 struct server_workers *server_workers_create(uint32_t count, uint32_t queue_length);
 
 /* Starts as many spare threads (lanes.h) as there are workers, before the first job. Returns false
  * if a thread can't be started. */
 bool server_workers_add_spare(struct server_workers *workers);
 
-/* Lets tenants share the queue (lanes.h). Call it before the first job. */
+/* Lets tenants share the queue (lanes.h). Call this function before the first job. */
 void server_workers_share(struct server_workers *workers);
 
 /* Queues a job. False: the queue is full, and the caller still owns the job. After a cancel the job
@@ -77,7 +77,7 @@ void server_workers_end_guest(struct server_workers *workers);
 /* Returns whether a worker that is not spare runs a job, or a guest computes. Takes no lock. */
 bool server_workers_are_busy(const struct server_workers *workers);
 
-/* Cancels, waits for the running jobs, and frees. NULL is harmless. */
+/* Cancels, waits for the running jobs, and frees. NULL is allowed. */
 void server_workers_destroy(struct server_workers *workers);
 
 #endif

@@ -160,7 +160,7 @@ void server_handle_create_batch(struct server_exchange *exchange)
 
 /* --- wait ------------------------------------------------------------------------------------- */
 
-/* Begins a wait of `wait_s` seconds. Call it before the queue is read. */
+/* Begins a wait of `wait_s` seconds. Call this function before the queue is read. */
 static struct server_batch_wait wait_begin(const struct server_exchange *exchange, uint64_t wait_s)
 {
     return (struct server_batch_wait){.news =

@@ -145,7 +145,7 @@ static bool search_lists(const struct search *search, uint32_t i)
     return i == 0 || (search->wanted.options.all_minima && search->found.items[i].is_minimum);
 }
 
-/* Allocates the arrays, with the first rows filled in. NULL: out of memory. */
+/* Allocates the arrays, with the first rows filled in. Returns NULL if out of memory. */
 static struct path_arrays *path_arrays_reserve(struct search *search)
 {
     struct server_query *query = &search->query;

@@ -39,8 +39,8 @@ bool server_smooth_place(const char *text, json_t **out)
     return true;
 }
 
-/* Returns a number, a boolean, or the text itself, which the decoder then rejects. NULL: no
- * memory. */
+/* Returns a number, a boolean, or the text itself, which the decoder then rejects. Returns NULL if
+ * out of memory. */
 static json_t *scalar_of(const char *text)
 {
     double number = 0;

@@ -323,7 +323,8 @@ static void recovery_note(struct recovery *recovery, enum server_record_reading 
     recovery->no_memory |= reading == SERVER_RECORD_NO_MEMORY;
 }
 
-/* Compares a row (without a record: there is none) with its manifest. False: out of memory. */
+/* Compares a row (without a record: there is none) with its manifest. Returns false if out of
+ * memory. */
 static bool finding_add(void *user, const struct server_sql_value *row)
 {
     struct recovery *recovery = user;
@@ -462,7 +463,8 @@ static void collect_objects(const struct local *local)
     server_names_free(&used);
 }
 
-/* Finds all surfaces of the folder and repairs manifests and rows. False with a sentence. */
+/* Finds all surfaces of the folder and repairs manifests and rows. On failure, returns false with a
+ * sentence. */
 static bool recovery_run(struct local *local, char error[SERVER_ERROR])
 {
     struct recovery recovery = {.local = local};

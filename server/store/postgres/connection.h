@@ -29,9 +29,10 @@
 struct server_pg_pool;
 struct server_pg;
 
-/* Copies the address ("postgresql://user@host/database?…"). Connects later. NULL: out of memory. */
+/* Copies the address ("postgresql://user@host/database?…"). Connects later. Returns NULL if out of
+ * memory. */
 struct server_pg_pool *server_pg_pool_create(const char *url);
-/* Call it after all connections were given back. NULL is harmless. */
+/* Call this function after all connections were given back. NULL is allowed. */
 void server_pg_pool_destroy(struct server_pg_pool *pool);
 
 /* Takes an idle connection or opens one, even if the database is away. Errors have a message. */

@@ -367,7 +367,8 @@ static void shared_close(struct server_store *store)
     free(own);
 }
 
-/* Connects and makes the tables; retries for START_NS unless refused. False with a sentence. */
+/* Connects and makes the tables; retries for START_NS unless refused. On failure, returns false
+ * with a sentence. */
 static bool postgres_prepare(struct server_pg_pool *pool, char error[SERVER_ERROR])
 {
     struct server_pg *pg;
