@@ -15,7 +15,7 @@
 #define FILE_MODE   0600
 #define WRITE_MOST  ((size_t)1 << 30)
 
-/* Returns the outcome that errno means, for an operation that changed nothing. */
+/* Returns the outcome for errno, after an operation that changed nothing. */
 static enum server_outcome errno_outcome(void)
 {
     if (errno == ENOENT) return SERVER_STORE_ABSENT;
@@ -43,7 +43,8 @@ static int folder_open(const char *folder)
     return open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
 }
 
-/* Opens the folder of a file. Callers do that first, so that nothing has changed if it fails. */
+/* Opens the folder of a file. Callers call this function first, so that nothing has changed if it
+ * fails. */
 static int parent_open(const char *path)
 {
     char text[SERVER_DISK_PATH];
@@ -51,7 +52,7 @@ static int parent_open(const char *path)
     return folder_open(dirname(text));
 }
 
-/* Closes the folder. Makes the change in it durable first, if `outcome` is DONE. */
+/* Closes the folder. If `outcome` is DONE, first makes the change in the folder durable. */
 static enum server_outcome parent_close(int parent, enum server_outcome outcome)
 {
     if (!outcome) return sync_and_close(parent);
@@ -219,8 +220,8 @@ enum server_outcome server_disk_scan(const char *path,
     char *piece = malloc(PIECE);
     enum server_outcome outcome = piece ? SERVER_STORE_DONE : SERVER_STORE_NO_MEMORY;
     for (off_t at = 0; piece;) {
-        /* The page cache hides damage of the disk: drops the pages that were read, and at first all
-         * pages of the file. */
+        /* The page cache hides damage of the disk. So this call drops the pages that were read; the
+           first call drops all pages of the file. */
         (void)posix_fadvise(file, 0, at, POSIX_FADV_DONTNEED);
         ssize_t got = read(file, piece, PIECE);
         if (got < 0 && errno == EINTR) continue;

@@ -14,26 +14,28 @@
  * server/store. */
 enum server_outcome {
     SERVER_STORE_DONE,
-    SERVER_STORE_CREATED,      /* only from the registry: done; the name was free */
-    SERVER_STORE_REPLACED,     /* only from the registry: done; the name had a surface */
+    SERVER_STORE_CREATED,      /* done; the name was free (only returned by the registry) */
+    SERVER_STORE_REPLACED,     /* done; the name had a surface (only returned by the registry) */
     SERVER_STORE_ABSENT,       /* there is no such file or surface */
     SERVER_STORE_PRECONDITION, /* the precondition does not hold; nothing changed */
     SERVER_STORE_NO_MEMORY,    /* nothing changed */
-    SERVER_STORE_FULL,         /* no room, or over quota; nothing changed */
-    SERVER_STORE_REFUSED,      /* rights, descriptors, no folder, see errno; nothing changed */
-    SERVER_STORE_READ_ONLY,    /* this or an earlier write is not durable: all writes are refused */
-    SERVER_STORE_DAMAGED,      /* the stored bytes have changed */
-    SERVER_STORE_STALE,        /* another daemon has changed the surface; nothing changed */
-    SERVER_STORE_UNAVAILABLE   /* the store can't be reached; a change may have been made */
+    SERVER_STORE_FULL,         /* no room on the disk, or over quota; nothing changed */
+    /* missing rights, descriptors or folder, see errno; nothing changed */
+    SERVER_STORE_REFUSED,
+    /* this or an earlier write is not durable, so all writes are refused */
+    SERVER_STORE_READ_ONLY,
+    SERVER_STORE_DAMAGED,    /* the stored bytes have changed */
+    SERVER_STORE_STALE,      /* another daemon has changed the surface; nothing changed */
+    SERVER_STORE_UNAVAILABLE /* the store can't be reached; a change may have been made */
 };
 
 #define SERVER_DISK_PATH 4096
 
-/* Returns whether a file or folder has that path. */
+/* Returns true if a file or folder has that path. */
 bool server_disk_exists(const char *path);
 
 /* Creates the folder, with a durable name, unless it exists. Does not make the name of an existing
- * folder durable, even if the process that created it was killed. */
+ * folder durable, even if the process that created the folder was killed. */
 enum server_outcome server_disk_make_folder(const char *path);
 
 /* Writes a file as `temporary` and renames it to `path`, on the same file system, durably. */
@@ -79,11 +81,11 @@ enum server_outcome server_disk_sync_folder(const char *folder);
 /* Copies a file. The bytes are durable; the caller makes the name durable. */
 typedef enum server_outcome server_disk_copier(const char *path, const char *copy);
 server_disk_copier server_disk_copy;
-/* Makes a hard link, or a copy where links are impossible. */
+/* Makes a hard link, or a copy if links are impossible. */
 server_disk_copier server_disk_link;
 
-#define SERVER_DISK_ASIDE        ".damaged" /* part of the names of damaged files set aside */
-#define SERVER_DISK_ASIDE_SUFFIX 64         /* most bytes added to a name */
+#define SERVER_DISK_ASIDE        ".damaged" /* part of the names of renamed damaged files */
+#define SERVER_DISK_ASIDE_SUFFIX 64         /* largest number of bytes added to a name */
 
 /* Appends the unique `suffix` to a damaged file, and to the -wal and -shm files of a database. */
 void server_disk_set_aside(const char *path, char suffix[SERVER_DISK_ASIDE_SUFFIX]);

@@ -1,4 +1,4 @@
-/* Error: why something failed, a sentence for the operator or the client. */
+/* Error: a sentence for the operator or the client with the reason for a failure. */
 #ifndef SERVER_BASE_ERROR_H
 #define SERVER_BASE_ERROR_H
 

@@ -8,7 +8,7 @@
 #define GZIP_WINDOW 31 /* the largest window, with a gzip header */
 #define GZIP_MEMORY 8
 #define PIECE       16384
-#define FREE_BYTES  (UINT64_C(1) << 20) /* output bytes before the ratio is checked */
+#define FREE_BYTES  (UINT64_C(1) << 20) /* the ratio is checked after this many bytes of output */
 
 static bool deflate_begin(z_stream *stream)
 {
@@ -46,10 +46,10 @@ void server_packer_write(struct server_packer *packer, const char *text, size_t 
         stream->avail_in = size < UINT_MAX ? (uInt)size : UINT_MAX;
         text += stream->avail_in;
         size -= stream->avail_in;
-        do { /* until the block is not full, which means that deflate has no more output */
+        do { /* repeat until the block is not full, because deflate then has no more output */
             stream->next_out = block;
             stream->avail_out = sizeof block;
-            /* can fail only for wrong arguments, or without input */
+            /* fails only for wrong arguments, or without input */
             (void)deflate(stream, size ? Z_NO_FLUSH : is_last ? Z_FINISH : Z_SYNC_FLUSH);
             proto_append(out, (const char *)block, sizeof block - stream->avail_out);
         } while (stream->avail_out == 0 && !out->failure);
@@ -74,7 +74,7 @@ uint32_t server_crc32(uint32_t sum, const void *bytes, size_t size)
 
 struct server_inflater {
     z_stream stream;
-    bool is_whole; /* between two members */
+    bool is_whole; /* true: the input ends between two members */
     uint64_t in, out;
 };
 
@@ -125,7 +125,8 @@ enum server_inflate_outcome server_inflate(struct server_inflater *inflater, con
     inflater->stream.next_in = (Bytef *)bytes;
     inflater->stream.avail_in = (uInt)size;
     while (inflater->stream.avail_in ||
-           (unpacked == PIECE && !inflater->is_whole)) { /* a full piece: more output may follow */
+           /* the piece is full, so more output may follow */
+           (unpacked == PIECE && !inflater->is_whole)) {
         enum server_inflate_outcome outcome = inflater_step(inflater, piece, &unpacked);
         if (outcome != SERVER_INFLATE_OK) return outcome;
         if (unpacked && !take(user, piece, unpacked)) return SERVER_INFLATE_STOPPED;

@@ -16,8 +16,8 @@ struct server_packer;
 struct server_packer *server_packer_create(void);
 void server_packer_destroy(struct server_packer *packer); /* NULL is allowed */
 
-/* Compresses the next piece and flushes it, so that the client can decompress all text so far.
- * `is_last` ends the text. Sets out->failure on error. */
+/* Compresses the next piece and flushes the output, so that the client can decompress all text sent
+ * so far. `is_last` ends the text. Sets out->failure on error. */
 void server_packer_write(struct server_packer *packer, const char *text, size_t size, bool is_last,
                          struct proto_writer *out);
 
@@ -25,7 +25,8 @@ void server_packer_write(struct server_packer *packer, const char *text, size_t 
 struct server_inflater;
 
 #define SERVER_INFLATE_BYTES ((size_t)48 << 10) /* memory of an inflater */
-#define SERVER_INFLATE_RATIO 100 /* most bytes out for each byte in, past the first mebibyte */
+/* largest ratio of output to input, beyond the first mebibyte of output */
+#define SERVER_INFLATE_RATIO 100
 
 enum server_inflate_outcome {
     SERVER_INFLATE_OK,
@@ -38,13 +39,13 @@ enum server_inflate_outcome {
 struct server_inflater *server_inflater_create(void);
 void server_inflater_destroy(struct server_inflater *inflater); /* NULL is allowed */
 
-/* Decompresses `size` bytes and calls `take` with each piece, which returns false to stop. */
+/* Decompresses `size` bytes and calls `take` with each piece. `take` returns false to stop. */
 enum server_inflate_outcome server_inflate(struct server_inflater *inflater, const void *bytes,
                                            size_t size,
                                            bool (*take)(void *user, const void *bytes, size_t size),
                                            void *user);
 
-/* Returns whether the input ended with a complete member. */
+/* Returns true if the input ended with a complete member. */
 bool server_inflater_is_whole(const struct server_inflater *inflater);
 
 /* Returns the CRC-32 of the bytes, continued from `sum` (0: from the beginning). */

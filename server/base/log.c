@@ -15,13 +15,17 @@
 #include "proto/json/number.h"
 #include "server/base/thread.h"
 
-#define LINE_ROOM     (SERVER_LOG_LINE - 2) /* a brace and a newline end the line */
-#define TEXT_LIMIT    512                   /* most bytes of a text member */
-#define GATHER_NS     10000000              /* longest time that a line waits for others */
-#define GATHERED_MOST (1 << 20)             /* bytes of one of the two buffers */
-#define GATHERED_DUE  (32 << 10)            /* bytes that wake the thread: they fit in a cache */
-#define NOTE_ROOM     256                   /* room kept for the line `log_dropped` */
-#define DIRECT_MS     100                   /* longest wait of a caller that writes its own line */
+/* leaves room for the brace and the newline at the line's end */
+#define LINE_ROOM  (SERVER_LOG_LINE - 2)
+#define TEXT_LIMIT 512 /* largest number of bytes of a text member */
+/* longest time that a line waits in the buffer for further lines */
+#define GATHER_NS     10000000
+#define GATHERED_MOST (1 << 20) /* bytes of one of the two buffers */
+/* with this many bytes the thread is woken, while they still fit in a cache */
+#define GATHERED_DUE (32 << 10)
+#define NOTE_ROOM    256 /* room reserved for the line `log_dropped` */
+/* longest time that a caller waits to write its own line */
+#define DIRECT_MS     100
 #define LAST_LINES_NS UINT64_C(1000000000)
 #define CRASH_MS      200
 
@@ -131,13 +135,15 @@ struct text {
 
 static struct {
     pthread_mutex_t lock;
-    struct server_thread *thread; /* NULL: not started, or stopping */
-    bool is_gathering;            /* lines are buffered for the thread, or for the stop */
-    bool is_urgent;               /* `gathering` is to be written at once */
-    bool is_full;                 /* `gathering` is full: later lines are dropped and counted */
+    struct server_thread *thread; /* NULL: the thread is not started, or is stopping */
+    /* true: lines are buffered, and written by the thread or at its stop */
+    bool is_gathering;
+    bool is_urgent; /* true: `gathering` must be written at once */
+    /* true: `gathering` is full, and later lines are dropped and counted */
+    bool is_full;
     struct text *gathering, *other;
-    uint64_t noted;        /* dropped lines that the log has reported */
-    atomic_bool is_behind; /* a line is not written yet */
+    uint64_t noted;        /* number of dropped lines that the log has reported */
+    atomic_bool is_behind; /* true: some line is not written yet */
     atomic_uint_least64_t dropped;
     struct text texts[2];
 } output = {
@@ -148,7 +154,8 @@ uint64_t server_log_dropped(void)
     return atomic_load_explicit(&output.dropped, memory_order_relaxed);
 }
 
-/* Waits until standard error has room; a negative time: without limit. False: timeout or error. */
+/* Waits until standard error has room. A negative time means no limit. Returns false at a timeout
+ * or an error. */
 static bool stderr_wait(int milliseconds)
 {
     struct pollfd state = {.fd = STDERR_FILENO, .events = POLLOUT};
@@ -167,7 +174,7 @@ static void stderr_write(const char *bytes, size_t size, size_t most, int patien
             bytes += written;
             size -= (size_t)written;
         } else if (errno != EINTR && (errno != EAGAIN || !stderr_wait(patience_ms))) {
-            break; /* EAGAIN: another process made it non-blocking */
+            break; /* EAGAIN: another process made standard error non-blocking */
         }
     }
     for (const char *end; (end = memchr(bytes, '\n', size)); bytes = end + 1) {
@@ -202,7 +209,7 @@ static struct text *texts_swap(void)
         server_log_text(&note, "message", "standard error was not read fast enough");
         line_close(&note);
         output.noted = dropped;
-        (void)text_add(full, &note, GATHERED_MOST); /* NOTE_ROOM was kept for it */
+        (void)text_add(full, &note, GATHERED_MOST); /* NOTE_ROOM was reserved for this line */
     }
     output.gathering = output.other;
     output.other = full;
@@ -301,10 +308,11 @@ void server_log_stop(void)
     struct server_thread *thread = output.thread;
     output.thread = NULL;
     pthread_mutex_unlock(&output.lock);
-    /* after a timeout the thread, blocked on a reader, is abandoned, and later lines are lost */
+    /* after a timeout the thread is blocked on a slow reader: it is abandoned, and later lines are
+       lost */
     if (!thread || !server_thread_stop_within(thread, LAST_LINES_NS)) return;
     pthread_mutex_lock(&output.lock);
-    struct text *text = texts_swap(); /* lines since the thread's last write */
+    struct text *text = texts_swap(); /* lines logged since the thread's last write */
     stderr_write(text->bytes, text->size, PIPE_BUF, DIRECT_MS);
     text->size = 0;
     output.is_gathering = false;
@@ -316,7 +324,7 @@ void server_log_stop(void)
 static const int crashes[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
 static struct sigaction earlier[sizeof crashes / sizeof *crashes];
 
-/* Waits a moment for the thread, then restores the action that ends the process.
+/* Waits a moment for the thread, then restores the default action, which ends the process.
  * Async-signal-safe. */
 static void on_crash(int number, siginfo_t *info, void *context)
 {

@@ -6,8 +6,8 @@
  *         server_log_end(&line);
  *     }
  *
- * A line is built in the caller's frame and written whole: lines of different threads don't mix.
- * Text is escaped and truncated so that each line is valid JSON. Thread-safe.
+ * A line is built on the caller's stack and written as a whole, so that lines of different threads
+ * don't mix. Text is escaped and truncated so that each line is valid JSON. Thread-safe.
  *
  * DESIGN. Once started, the log never blocks and never fails a caller. Lines are copied, in order,
  * into a bounded buffer, and a thread writes them. If standard error is read too slowly, lines are
@@ -35,7 +35,8 @@ struct server_log_line {
 /* Lines below `level` are not logged. Call this function before any thread starts. */
 void server_log_set_level(enum server_log_level level);
 
-/* Begins a line with time, level and event. False: the level is not logged; don't use the line. */
+/* Begins a line with time, level and event. Returns false if the level is not logged; the caller
+ * must then not use the line. */
 bool server_log_begin(struct server_log_line *line, enum server_log_level level, const char *event);
 
 /* Append a member, unless the line is full or `value` is NULL. */
@@ -51,8 +52,9 @@ void server_log_end_soon(struct server_log_line *line);
 void server_log_message(enum server_log_level level, const char *event, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* Start and stop the writing thread; false: it can't be started. Without the thread, each caller
- * writes its own lines and waits at most 0.1 s. Stopping waits at most 1 s for the last lines. */
+/* Start and stop the writing thread. server_log_start returns false if the thread can't be started.
+ * Without the thread, each caller writes its own lines and waits at most 0.1 s. Stopping waits at
+ * most 1 s for the last lines. */
 bool server_log_start(void);
 void server_log_stop(void);
 

@@ -1,4 +1,4 @@
-/* See sha256.h. The only file that includes GnuTLS' cryptography. */
+/* See sha256.h. Only this file includes GnuTLS' cryptography. */
 #include "server/base/sha256.h"
 
 #include <gnutls/crypto.h>
@@ -7,7 +7,7 @@
 
 #define DIGITS      "0123456789abcdef"
 #define DIGEST      32
-#define PIECE_BYTES ((size_t)1 << 20) /* hashed between two checks of the control */
+#define PIECE_BYTES ((size_t)1 << 20) /* number of bytes hashed between two checks of the control */
 
 /* Prints the digest. The hash function fails only if the library lacks SHA-256. */
 static void digest_print(int failed, const unsigned char digest[DIGEST],
@@ -32,7 +32,7 @@ bool server_sha256_check(const char *text)
     return strspn(text, DIGITS) == 2 * DIGEST;
 }
 
-/* struct server_sha256 is the library's state under another name. */
+/* A struct server_sha256 is the library's state under another name. */
 struct server_sha256 *server_sha256_begin(void)
 {
     gnutls_hash_hd_t state;

@@ -7,10 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-struct server_sorted { /* empty: all zero but `compare` */
+struct server_sorted { /* an empty array is all zero, except for `compare` */
     void **items;      /* freed by free() */
     uint32_t count, capacity;
-    int (*compare)(const void *item, const void *key); /* result as of strcmp */
+    int (*compare)(const void *item, const void *key); /* the result is like that of strcmp */
 };
 
 /* Returns the index of the first item whose key is not below `key`. O(log n). */
@@ -41,7 +41,7 @@ static inline uint32_t server_sorted_after(const struct server_sorted *sorted, c
     return server_sorted_index(sorted, key) + (server_sorted_find(sorted, key) != NULL);
 }
 
-/* Makes room for one more item; false: out of memory. */
+/* Makes room for one more item. Returns false if out of memory. */
 static inline bool server_sorted_reserve(struct server_sorted *sorted)
 {
     if (sorted->count < sorted->capacity) return true;

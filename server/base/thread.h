@@ -1,4 +1,4 @@
-/* Thread: a background thread that works periodically until it is stopped; and locks.
+/* Thread: background threads that work periodically until they are stopped; and locks.
  *
  *     static void run(void *user, struct server_thread *thread)
  *     {
@@ -15,7 +15,7 @@
 
 #define SERVER_THREAD_FOREVER UINT64_MAX
 
-/* Lock until the end of the block:
+/* Locks a mutex until the end of the block:
  *
  *     SERVER_LOCK(&table->lock);
  *     return table->count; */
@@ -45,16 +45,17 @@ struct server_thread;
 struct server_thread *server_thread_start(void (*run)(void *user, struct server_thread *thread),
                                           void *user);
 
-/* For `run`: waits until the thread is woken or `ns` are over. False: `run` must end. */
+/* For `run`: waits until the thread is woken or `ns` nanoseconds have passed. Returns false if
+ * `run` must end. */
 bool server_thread_pause(struct server_thread *thread, uint64_t ns);
 
-/* As server_thread_pause, but a wake does not end the wait: it ends the next pause instead. */
+/* As server_thread_pause, but a wake does not end this wait; it ends the next pause instead. */
 bool server_thread_sleep(struct server_thread *thread, uint64_t ns);
 
 /* Thread-safe. */
 void server_thread_wake(struct server_thread *thread);
 
-/* Makes pauses return false, waits until `run` returns, and frees. NULL is allowed. */
+/* Makes pauses return false, waits until `run` returns, and frees the thread. NULL is allowed. */
 void server_thread_stop(struct server_thread *thread);
 
 /* As server_thread_stop, but waits at most `ns` nanoseconds. Returns false if `run` has not
@@ -64,7 +65,8 @@ bool server_thread_stop_within(struct server_thread *thread, uint64_t ns);
 /* Blocks the calling thread for that time. */
 void server_pause(uint64_t ns);
 
-/* Waits for a signal, under the lock, until a time of gd_now_ns, or forever. False: timeout. */
+/* Waits for a signal, under the lock, until a time on the clock of gd_now_ns, or forever. Returns
+ * false at a timeout. */
 bool server_condition_wait(pthread_cond_t *condition, pthread_mutex_t *lock, uint64_t until_ns);
 
 #endif

@@ -89,7 +89,8 @@ void server_address_format(const struct server_address *address, char text[SERVE
     snprintf(text, SERVER_ADDRESS_TEXT, strchr(host, ':') ? "[%s]:%s" : "%s:%s", host, port);
 }
 
-/* Removes a unix socket that a dead process left. Anything else stays and makes bind fail. */
+/* Removes a unix socket that a dead process left. Any other file is not removed, and makes bind
+ * fail. */
 static void stale_socket_remove(const struct server_address *address)
 {
     const char *path = ((const struct sockaddr_un *)&address->socket)->sun_path;
@@ -129,7 +130,8 @@ int server_address_bind(struct server_address *address, char error[SERVER_ERROR]
     return -1;
 }
 
-/* Also sets the mode of a unix socket, because the daemon's umask would make it private. */
+/* Also sets the mode of a unix socket, because the daemon's umask would restrict it to the daemon's
+ * user. */
 bool server_address_listen(int descriptor, const struct server_address *address,
                            char error[SERVER_ERROR])
 {

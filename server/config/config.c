@@ -11,8 +11,8 @@
 #include "server/base/disk.h"
 #include "server/base/version.h"
 
-#define NAME_LIMIT 32  /* most bytes of an option's name */
-#define TEXT_LIMIT 512 /* most bytes of a value's origin or of a list */
+#define NAME_LIMIT 32  /* largest number of bytes of an option's name */
+#define TEXT_LIMIT 512 /* largest number of bytes of a value's origin or of a list */
 
 /* --- the table of options --------------------------------------------------------------------- */
 
@@ -22,7 +22,7 @@ enum option_kind {
     ADDRESS,
     HOST,
     ORIGIN,
-    ANCESTOR, /* an origin that may frame pages */
+    ANCESTOR, /* the origin of a page that may frame the viewer */
     CHOICE,
     PATH,
     STORE,
@@ -34,10 +34,11 @@ enum option_kind {
 struct option {
     const char *name, *argument;
     enum option_kind kind;
-    size_t offset;            /* offset of the member in struct server_config */
-    uint64_t least, most;     /* COUNT, BYTES */
-    const char *standard;     /* the default, as it is typed; NULL: none, or found at run time */
-    const char *const *words; /* CHOICE, NULL-terminated; the member is an index into them */
+    size_t offset;        /* offset of the member in struct server_config */
+    uint64_t least, most; /* COUNT, BYTES */
+    /* the default, as an operator would type it; NULL: none, or determined at run time */
+    const char *standard;
+    const char *const *words; /* of a CHOICE, NULL-terminated; the value is an index into them */
     const char *help;
 };
 
@@ -299,7 +300,8 @@ static bool path_set(const struct loader *loader, const char *value, char *membe
     return true;
 }
 
-/* Sets the store. Messages do not repeat the value, which may be an address with a password. */
+/* Sets the store. Messages do not repeat the value, because it may be an address with a
+ * password. */
 static bool store_set(const struct loader *loader, const char *value)
 {
     struct server_config *config = loader->config;
@@ -402,7 +404,8 @@ static bool load_file(struct loader *loader, const char *path)
     return ok;
 }
 
-/* Returns the value and in `name` the name of the option's variable (GEODESICD_MAX_BODY). */
+/* Returns the value of the option's variable, and writes the variable's name (such as
+ * GEODESICD_MAX_BODY) to `name`. */
 static const char *environment_get(const struct option *option, char name[TEXT_LIMIT])
 {
     snprintf(name, TEXT_LIMIT, "GEODESICD_%s", option->name);
@@ -424,7 +427,8 @@ struct flag {
     const char *value; /* NULL of switches */
 };
 
-/* Reads argv[*at], and argv[*at + 1] if that is the value, and advances `*at`. NULL ends `argv`. */
+/* Reads the flag argv[*at], and its value if that is argv[*at + 1]. Advances `*at`. `argv` ends
+ * with NULL. */
 static bool flag_read(struct loader *loader, char *const argv[], int *at, struct flag *out)
 {
     const char *text = argv[(*at)++];
@@ -465,7 +469,8 @@ static void print_help(FILE *out)
                  "flags win over the environment, the environment over the file.\n");
 }
 
-/* Sets the values of the flags. With `file`: only runs --help or --version and finds --config. */
+/* Sets the values of the flags. With `file`, only handles --help and --version, and finds
+ * --config. */
 static enum server_config_outcome load_flags(struct loader *loader, char *const argv[], FILE *out,
                                              const char **file)
 {
@@ -486,7 +491,7 @@ static enum server_config_outcome load_flags(struct loader *loader, char *const 
 
 /* --- the result ------------------------------------------------------------------------------- */
 
-/* Sets the default data folder: the system's for root, else the user's. */
+/* Sets the default data folder: that of the system for root, otherwise that of the user. */
 static bool find_data_dir(struct server_config *config)
 {
     const char *data_home = getenv("XDG_DATA_HOME"), *home = getenv("HOME");

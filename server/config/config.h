@@ -31,7 +31,7 @@ struct server_config_list {
     uint32_t count;
 };
 
-/* Strings are empty where nothing is set. */
+/* Strings that are not set are empty. */
 struct server_config {
     struct server_address listen;
     struct server_config_list allowed_hosts;   /* in addition to localhost and loopback addresses */
@@ -40,19 +40,21 @@ struct server_config {
     char keys[SERVER_CONFIG_PATH];             /* see credentials.h */
     char tls_cert[SERVER_CONFIG_PATH], tls_key[SERVER_CONFIG_PATH]; /* both or none */
     uint64_t max_connections;                                       /* open at once */
-    uint64_t max_address_connections; /* most connections from one address; 0: no limit */
-    uint64_t workers, http_threads;   /* threads */
-    uint64_t queue_length;            /* requests waiting for a worker */
-    unsigned cpu;                     /* index in server_config_cpus */
-    uint64_t memory_budget;           /* bytes */
-    uint64_t landmarks;               /* landmarks of a mesh; 0: none */
-    uint64_t max_body, max_answer;    /* bytes */
-    uint64_t max_faces;               /* triangles */
-    uint64_t timeout_ms;              /* of a request */
-    uint64_t drain_ms;                /* time for running requests at a shutdown */
-    uint64_t drain_delay_ms;          /* time before a shutdown drains; /readyz answers 503 */
-    uint64_t job_ttl_s;               /* how long an ended job is kept */
-    uint64_t max_jobs;                /* ended ones included */
+    /* largest number of connections from one address; 0: no limit */
+    uint64_t max_address_connections;
+    uint64_t workers, http_threads; /* threads */
+    uint64_t queue_length;          /* limit on the requests that wait for a worker */
+    unsigned cpu;                   /* index in server_config_cpus */
+    uint64_t memory_budget;         /* bytes */
+    uint64_t landmarks;             /* number of landmarks of a mesh; 0: none */
+    uint64_t max_body, max_answer;  /* bytes */
+    uint64_t max_faces;             /* triangles */
+    uint64_t timeout_ms;            /* of a request */
+    uint64_t drain_ms;              /* time for running requests at a shutdown */
+    /* time before a shutdown begins to drain; /readyz already answers 503 */
+    uint64_t drain_delay_ms;
+    uint64_t job_ttl_s; /* time for which an ended job is kept */
+    uint64_t max_jobs;  /* limit on jobs, including ended ones */
     enum server_log_level log_level;
     enum server_store_kind store;
     /* address of PostgreSQL; may contain a password: never printed */
@@ -63,7 +65,7 @@ struct server_config {
     char backup[SERVER_CONFIG_PATH], restore[SERVER_CONFIG_PATH]; /* copy and exit */
     uint64_t scrub_s;    /* period of scrubs of the store; 0: none */
     uint64_t scrub_rate; /* bytes a second */
-    uint64_t slow_ms;    /* shortest time of a slow request; 0: none is slow */
+    uint64_t slow_ms;    /* requests that take longer are logged as slow; 0: none */
     enum server_sandbox_mode sandbox;
 };
 
@@ -74,9 +76,9 @@ enum server_config_outcome {
 };
 
 /* Fills `*config` from the defaults, the file of --config or GEODESICD_CONFIG, the variables
- * GEODESICD_* and the flags (`argv`, NULL-terminated, after the program's name). A later source
- * replaces the value of an earlier one, but extends a list (--allowed-host, --cors-origin).
- * Validates the result. */
+ * GEODESICD_* and the flags (`argv`, NULL-terminated, after the program's name). A value of a later
+ * source replaces that of an earlier source. A list (--allowed-host, --cors-origin) is extended
+ * instead. Validates the result. */
 enum server_config_outcome server_config_load(struct server_config *config, char *const argv[],
                                               FILE *out, FILE *error);
 

@@ -3,13 +3,13 @@
  * A strong tag never names two different sequences of bytes, so each representation has its own:
  *     abc               the resource (a mesh, a NURBS surface, a page), and its description
  *     abc-d0123….1      its description with a client's own text, whose hash is 0123…
- *     abc-csv.1 an answer computed from the resource, in the form "csv" of format version 1
- *     abc-csv.1-gzip the same answer, compressed
+ *     abc-csv.1         an answer computed from abc, in the form "csv" of format version 1
+ *     abc-csv.1-gzip    the same answer, compressed
  * Base tags contain no "-". A change of the client's text changes the tag of the description only.
  * The conditions compare tags as follows:
- *     If-None-Match of GET and HEAD weak, with the selected representation, compressed or not
- *     If-Match strong, with the resource and all its representations If-None-Match of other methods
- *     weak, with the resource and all its representations
+ *     If-None-Match of GET and HEAD    weak, with the selected representation, compressed or not
+ *     If-Match                         strong, with the resource and all its representations
+ *     If-None-Match of other methods   weak, with the resource and all its representations
  * If a request changes the resource, the tag of a description matches only if it is the current
  * one. Conditions on dates and ranges are ignored: no resource has a date, and no range is
  * served. */

@@ -1,11 +1,11 @@
 /* Events: streams of answers that are sent in pieces over time, each to one client. A stream is a
  * sequence of server-sent events, or the text of an answer (relay.h). For example:
  *
- *     stream = server_stream_open(events, &source); by a handler, into exchange->response.stream
- *     server_stream_attach(stream, reader); by the transport, when it begins to send read =
- *     server_stream_read(stream, bytes, size); by the transport, whenever it can write
- *     server_events_wake(events, source.user); when the source has changed
- *     server_stream_close(stream); with the exchange
+ *     stream = server_stream_open(events, &source);      a handler sets response.stream
+ *     server_stream_attach(stream, reader);              the transport begins to send
+ *     read = server_stream_read(stream, bytes, size);    the transport can write
+ *     server_events_wake(events, source.user);           the source has changed
+ *     server_stream_close(stream);                       the exchange ends
  *
  * DESIGN. A source is read only when its client can receive more. So slow clients miss intermediate
  * events, and no queue grows. A reader without data is paused until the source changes, a heartbeat

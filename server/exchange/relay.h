@@ -1,10 +1,12 @@
 /* Relay: a bounded buffer between the worker that writes an answer's text and its client.
  *
  *     relay = server_relay_create(host, is_packed);
- *     stream = server_relay_open(relay); passed to server_reply_stream server_relay_write(relay,
- *     text, size); by the writer, repeatedly if (server_relay_wait(relay, job)) return; a worker
- *     parks its job while much is unread, if (!server_relay_block(relay)) stop; another thread
- *     blocks server_relay_end(relay, true); when all is written server_relay_release(relay);
+ *     stream = server_relay_open(relay);               passed to server_reply_stream
+ *     server_relay_write(relay, text, size);           by the writer, repeatedly
+ *     if (server_relay_wait(relay, job)) return;       a worker parks its job at the relay;
+ *     if (!server_relay_block(relay)) stop;            any other thread blocks
+ *     server_relay_end(relay, true);                   when all is written
+ *     server_relay_release(relay);
  *
  * DESIGN. The worker writes into a buffer, and the stream's reader takes from its front. When
  * SERVER_RELAY_MOST bytes are unread, the writer parks its job (workers.h) or blocks until half of

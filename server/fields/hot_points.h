@@ -1,9 +1,9 @@
 /* Hot points: the points that were queried most often recently, in fixed memory.
  *
- * The counters of Misra and Gries (1982, "Finding repeated elements"). A point without a counter
- * gets a free one. If no counter is free, every counter is decremented. So a point of more than
- * 1/SERVER_HOT_POINTS of the queries gets a counter. Points are identified by a hash; a collision
- * is harmless. Not thread-safe. */
+ * The method is that of Misra and Gries (1982, "Finding repeated elements"). A point without a
+ * counter gets a free counter. If no counter is free, every counter is decremented. So a point gets
+ * a counter if it has more than 1/SERVER_HOT_POINTS of the queries. Points are identified by a
+ * hash; a collision is harmless. Not thread-safe. */
 #ifndef SERVER_FIELDS_HOT_POINTS_H
 #define SERVER_FIELDS_HOT_POINTS_H
 

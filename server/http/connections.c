@@ -1,9 +1,10 @@
 /* See connections.h.
  *
  * DESIGN. One mutex guards the list, which is in the order of opening. A deadline is atomic; its
- * low bits name the phase. The connection's HTTP thread sets it. The thread of this file reads it,
- * and replaces it only if it is unchanged. A connection leaves the list before the library closes
- * its socket, so a descriptor that is shut down under the mutex belongs to no other connection. */
+ * low bits are the phase of the connection. The connection's HTTP thread sets the deadline. The
+ * thread of this file reads the deadline, and replaces it by compare-and-swap. A connection is
+ * removed from the list before the library closes its socket. So a descriptor that is shut down
+ * under the mutex does not belong to another connection. */
 #include "server/http/connections.h"
 
 #include <linux/tcp.h>
@@ -24,17 +25,18 @@
 #define PATIENCE_NS (30 * SECOND_NS)
 #define BODY_RATE   4096 /* bytes a second */
 #define ANSWER_RATE 16384
-#define LONG_ANSWER 65536 /* bytes: the kernel takes shorter ones at once */
+#define LONG_ANSWER 65536 /* bytes; the kernel's buffer takes shorter answers at once */
 /* Least bytes between two checks: half of the rate, because acknowledgements come in bursts. */
 #define ACKNOWLEDGED (PATIENCE_NS / SECOND_NS * ANSWER_RATE / 2)
 
 #define RESERVE_PART 8         /* 1/8 of all places */
-#define SCARCE_PART  2         /* 1/2 of the reserve */
+#define SCARCE_PART  2         /* fewer free places than 1/2 of the reserve are scarce */
 #define YOUNG_NS     SECOND_NS /* age of a head that has just begun */
-/* time limit of clients that don't read while answers lack memory */
+/* time limit of clients that don't read, while memory for answers is short */
 #define HASTE_NS     (10 * SECOND_NS)
-#define COMPLAINT_NS (60 * SECOND_NS) /* between two log lines about a shortage */
-#define ADDRESSES    1024             /* groups of addresses: by a hash */
+#define COMPLAINT_NS (60 * SECOND_NS) /* time between two log lines about a shortage */
+/* number of groups of addresses; a hash assigns addresses to groups */
+#define ADDRESSES 1024
 
 /* In the low bits of a deadline. */
 enum phase { PHASE_OTHER, PHASE_IDLE, PHASE_HEAD, PHASE_ANSWER };
@@ -47,21 +49,22 @@ struct server_connection {
     int descriptor;
     unsigned address; /* the group of the client's address */
     atomic_uint_least64_t deadline_ns;
-    /* of an answer: the latest time to which progress extends the deadline */
+    /* during an answer: the latest time to which progress can extend the deadline */
     atomic_uint_least64_t last_ns;
     atomic_bool is_active; /* see server_connections_active */
-    bool is_short;         /* the answer's deadline also covers the idle time */
-    bool is_leaving;       /* the connection was shut down; under the mutex */
+    bool is_short;         /* true: the answer's deadline also covers the idle time after it */
+    bool is_leaving;       /* true: the connection was shut down; guarded by the mutex */
     uint64_t body_started_ns, body_bytes;
-    uint64_t acknowledged; /* bytes, at the thread's last check */
-    uint64_t moved;        /* bytes that the client had acknowledged when it last read */
+    uint64_t acknowledged; /* bytes that the client had acknowledged at the thread's last check */
+    /* bytes that the client had acknowledged when the thread last saw it read */
+    uint64_t moved;
     atomic_uint_least64_t moved_ns;
 };
 
 struct candidate {
     struct server_connection *connection;
     uint64_t deadline_ns;
-    unsigned rank; /* 0 is shut down first */
+    unsigned rank; /* connections of rank 0 are shut down first */
 };
 
 struct server_connections {
@@ -86,7 +89,8 @@ static uint64_t deadline_earlier(uint64_t a, uint64_t b)
 
 /* --- deadlines -------------------------------------------------------------------------------- */
 
-/* Shuts down a connection, under the mutex. False: its thread has set another deadline. */
+/* Under the mutex: shuts down a connection. Returns false if the connection's thread has set
+ * another deadline. */
 static bool connection_shut(struct server_connection *connection, uint64_t deadline_ns)
 {
     struct server_connections *connections = connection->connections;
@@ -101,7 +105,7 @@ static bool connection_shut(struct server_connection *connection, uint64_t deadl
     return true;
 }
 
-/* Gets the state of TCP. False: it is a unix socket. */
+/* Gets the state of the TCP connection. Returns false for a unix socket. */
 static bool connection_inquire(const struct server_connection *connection, struct tcp_info *out)
 {
     socklen_t size = sizeof *out;
@@ -116,9 +120,9 @@ static bool is_read(const struct tcp_info *info)
 
 enum reading { READING_NOTHING, READING, READ_ALL };
 
-/* Returns how much the client has acknowledged: all bytes; or at least ACKNOWLEDGED bytes since the
- * last call; or fewer. The library's writes do not show that, because the kernel buffers megabytes.
- * Unix sockets rely on the library's timer. */
+/* Returns whether the client has acknowledged all bytes, at least ACKNOWLEDGED bytes since the last
+ * call, or fewer. The library's writes do not show this, because the kernel buffers megabytes. Unix
+ * sockets rely on the library's timer. */
 static enum reading connection_look(struct server_connection *connection)
 {
     struct tcp_info info;
@@ -136,14 +140,15 @@ static uint64_t connection_extend(struct server_connection *connection, enum pha
     uint64_t last_ns = atomic_load_explicit(&connection->last_ns, memory_order_relaxed);
     if (phase == PHASE_ANSWER && last_ns > now_ns && connection_look(connection) != READING_NOTHING)
         return deadline_earlier(now_ns + PATIENCE_NS, last_ns);
-    /* the kernel may still hold the end of an answer */
+    /* the kernel may not have sent the end of the last answer yet */
     return phase == PHASE_IDLE && connection_look(connection) == READING ? now_ns + PATIENCE_NS : 0;
 }
 
 static void connection_check(struct server_connection *connection, uint64_t now_ns)
 {
     uint64_t deadline_ns = atomic_load(&connection->deadline_ns);
-    char byte; /* result 0: the library has read all bytes, and the client has closed its side */
+    /* a result of 0 means that the library has read all bytes and the client has closed its side */
+    char byte;
     if (recv(connection->descriptor, &byte, 1, MSG_PEEK | MSG_DONTWAIT) == 0)
         shutdown(connection->descriptor, SHUT_RD); /* the answer can still be sent */
     if (deadline_ns > now_ns) return;
@@ -165,8 +170,8 @@ void server_connections_check(struct server_connections *connections, uint64_t n
 
 /* --- the reserve ------------------------------------------------------------------------------ */
 
-/* Returns how many more connections must be shut down for `free` free places. Connections that were
- * shut down already do not count as open. */
+/* Returns the number of connections that must be shut down so that `free` places are free.
+ * Connections that were already shut down do not count as open. */
 static uint32_t connections_excess(struct server_connections *connections, uint32_t free)
 {
     uint64_t open = atomic_load(&connections->open),
@@ -217,8 +222,8 @@ static void connections_complain(struct server_connections *connections, uint64_
         connections->reserve, connections->most);
 }
 
-/* Shuts down more connections than necessary, by half of the reserve. So the next new connection
- * does not need another sort. */
+/* Shuts down half a reserve more connections than necessary, so that the next new connection does
+ * not need another sort. */
 void server_connections_relieve(struct server_connections *connections, uint64_t now_ns)
 {
     uint32_t reserve = connections->reserve, scarce = reserve / SCARCE_PART, done = 0;
@@ -245,7 +250,8 @@ void server_connections_relieve(struct server_connections *connections, uint64_t
 
 /* --- the thread ------------------------------------------------------------------------------- */
 
-/* Records how much the client has read. Returns whether it left data unread for HASTE_NS. */
+/* Records how much the client has read. Returns true if the client has not read available data for
+ * HASTE_NS. */
 static bool connection_stalls(struct server_connection *connection, uint64_t now_ns)
 {
     struct tcp_info info;
@@ -257,7 +263,8 @@ static bool connection_stalls(struct server_connection *connection, uint64_t now
     return now_ns - atomic_load(&connection->moved_ns) >= HASTE_NS;
 }
 
-/* While answers lack memory, shuts down the client that has stalled for longest. */
+/* While memory for answers is short, shuts down the client that has not read for the longest
+ * time. */
 static void connections_hasten(struct server_connections *connections, uint64_t now_ns)
 {
     uint64_t refused = connections->budget ? atomic_load(&connections->budget->refused_answers) : 0;

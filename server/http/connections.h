@@ -1,10 +1,11 @@
-/* Connections: the deadlines of all open connections, and a thread that shuts down late sockets.
+/* Connections: the deadlines of all open connections, and a thread that shuts down connections
+ * after their deadlines.
  *
- * The HTTP library has only an idle timer, so a client that sends a byte now and then would keep
- * its connection for ever. So each phase of a connection has an absolute deadline:
+ * The HTTP library has only an idle timer, so a client that sends a byte now and then could keep
+ * its connection for ever. Therefore each phase of a connection has an absolute deadline:
  *     head    30 s from the opening of the connection, or from the request line of a later request
  *     body    30 s, and a second more for each 4 KiB received; at most 30 s without a byte
- *     work    none: jobs have deadlines of their own
+ *     work    no deadline: jobs have their own
  *     answer  30 s plus the time of its bytes at 16 KiB/s; the client must acknowledge 8 KiB/s
  *             in any 30 s
  *     idle    30 s
@@ -30,24 +31,26 @@ struct server_connections;
 struct server_connection;
 
 struct server_connections_statistics {
-    uint64_t open;     /* now */
-    uint64_t cut;      /* since the start: shut down during a head, a body or an answer */
-    uint64_t refusals; /* since the start: malformed requests */
+    uint64_t open; /* now */
+    /* connections shut down during a head, a body or an answer, since the start */
+    uint64_t cut;
+    uint64_t refusals; /* malformed requests since the start */
 };
 
 /* Starts the thread. While `budget` (NULL: none) has no room for answers, the thread shuts down one
- * connection a second: the slowest that acknowledged nothing for 10 s. Returns NULL if there is no
- * memory or no thread. */
+ * connection a second. It chooses the connection that has acknowledged nothing for the longest
+ * time, if that is at least 10 s. Returns NULL if there is no memory or no thread. */
 struct server_connections *server_connections_create(const struct server_budget *budget);
 
-/* Sets the most open connections, before the first is opened. 0, the default: any number. */
+/* Sets the limit on open connections. Call this function before the first connection is opened. 0,
+ * the default, means no limit. */
 void server_connections_limit(struct server_connections *connections, uint32_t most);
 
 /* Call this function when no connection is open. NULL is allowed. */
 void server_connections_destroy(struct server_connections *connections);
 
 /* Shuts down connections whose deadline is before `now_ns`. Also shuts down the receiving side of
- * connections that the client has half-closed, because the library does not notice an end of file
+ * connections that the client has half-closed, because the library does not detect an end of file
  * that arrives with the last bytes. The thread calls it every second. Thread-safe. */
 void server_connections_check(struct server_connections *connections, uint64_t now_ns);
 
@@ -55,8 +58,8 @@ void server_connections_check(struct server_connections *connections, uint64_t n
  * thread when a connection is opened while the reserve is in use. Thread-safe. */
 void server_connections_relieve(struct server_connections *connections, uint64_t now_ns);
 
-/* Returns the number of connections with a request: its line was read, and its answer is not sent
- * completely. Thread-safe. */
+/* Returns the number of connections with a current request, from its request line to the last byte
+ * of its answer. Thread-safe. */
 uint32_t server_connections_active(struct server_connections *connections);
 
 /* Thread-safe. NULL: zeros. */
@@ -72,9 +75,9 @@ struct server_connection *server_connection_open(struct server_connections *conn
 /* Frees the record, before the socket is closed. */
 void server_connection_close(struct server_connection *connection);
 
-/* The events of a request, in the order of the functions. The request line was read. The headers
- * were read. `size` bytes of the body were read. The whole body was read. The answer is queued. The
- * request has ended. */
+/* Record the events of a request. In the order of the functions: the request line was read; the
+ * headers were read; `size` bytes of the body were read; the whole body was read; the answer is
+ * queued; the request has ended. */
 void server_connection_ask(struct server_connection *connection, uint64_t now_ns);
 void server_connection_head(struct server_connection *connection, bool has_body, uint64_t now_ns);
 void server_connection_body(struct server_connection *connection, size_t size, uint64_t now_ns);

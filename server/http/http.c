@@ -1,22 +1,22 @@
-/* See http.h. The only file that includes microhttpd.h.
+/* See http.h. Only this file includes microhttpd.h.
  *
  * DESIGN. A client is one connection with one request at a time. A request begins with its request
  * line and ends when the library reports its end:
  *     HEAD      the library reads the headers; then the request is checked and begins
  *     BODY      the body arrives in pieces; then the request ends
- *     PARKED    the connection is suspended while a worker has the exchange; the exchange's end
- *               (client_finish) resumes the connection, and the answer is queued
- *     ANSWERED  the answer is with the library
+ *     PARKED    the connection is suspended while a worker has the exchange; at the end of the
+ *               exchange (client_finish) it is resumed, and the answer is queued
+ *     ANSWERED  the library sends the answer
  *
  * The library reads a part of a streamed answer each time it can write. While there is nothing to
  * read, the connection is suspended (events.h).
  *
  * libmicrohttpd 0.9.75 detects neither hang-ups nor timeouts of suspended connections, and must not
- * be stopped while one is suspended. So server.c and connections.h enforce the deadlines, is_gone
- * detects hang-ups, and the server waits for all deferred exchanges before it stops.
+ * be stopped while a connection is suspended. So server.c and connections.h enforce the deadlines,
+ * is_gone detects hang-ups, and the server waits for all deferred exchanges before it stops.
  *
- * The library can answer before the body only in the first call for a request. Errors that are
- * found later are answered after the body. */
+ * The library can answer before the body only during its first call for a request. Errors that are
+ * detected later are answered after the body. */
 #include "server/http/http.h"
 
 #include <microhttpd.h>
@@ -40,13 +40,13 @@
 #include "server/http/tls.h"
 #include "server/work/thread_priority.h"
 
-/* Bytes that the library has for a connection: for the head, and as a buffer of the body. The
+/* Bytes that the library uses for a connection, for the head and as a buffer of the body. The
  * library clears them at each request. */
 #define CONNECTION_MEMORY  (16 * 1024)
 #define SILENCE_SECONDS    30u /* idle timer of unix sockets (see connections.c) */
 #define SPARE_DESCRIPTORS  64u /* descriptors of the store, the log and the process */
 #define THREAD_DESCRIPTORS 4u  /* descriptors of an HTTP thread or a worker */
-#define GONE_INTERVAL_NS   UINT64_C(20000000) /* between two checks of a client's socket */
+#define GONE_INTERVAL_NS   UINT64_C(20000000) /* time between two checks of a client's socket */
 #define STREAM_BLOCK       1024               /* bytes that are read from a stream at a time */
 #define LARGE_ANSWER       ((size_t)1 << 20)
 #define PEER_TEXT          64
@@ -69,7 +69,7 @@ struct client {
     const struct server_http *http;
     struct MHD_Connection *connection;
     struct server_connection *deadlines;
-    const char *fault;               /* why the request line is malformed, or NULL */
+    const char *fault;               /* NULL, or the reason why the request line is malformed */
     enum phase phase;                /* written by the connection's HTTP thread only */
     atomic_uint_least64_t looked_ns; /* when is_gone last checked the socket */
 };
@@ -77,7 +77,7 @@ struct client {
 struct server_http {
     struct server_http_parts parts;
     struct MHD_Daemon *daemon;
-    int listening; /* the library's own; see server_http_quiesce */
+    int listening; /* the library's descriptor; see server_http_quiesce */
     int silent[2]; /* a pair of sockets without traffic */
 };
 
@@ -119,8 +119,8 @@ static bool peer_is_local(const struct sockaddr *peer)
            ntohl(((const struct sockaddr_in *)peer)->sin_addr.s_addr) >> 24 == IN_LOOPBACKNET;
 }
 
-/* Returns whether the client has closed its side, which means that it does not wait for the
- * answer. */
+/* Returns true if the client has closed its side. The daemon then assumes that the client does not
+ * wait for the answer. */
 static bool client_has_hung_up(void *user)
 {
     const struct client *client = user;
@@ -188,7 +188,7 @@ static void *on_target(void *user, const char *target, struct MHD_Connection *co
     return client;
 }
 
-/* Leaves escapes undecoded: the exchange has decoded its own copy of the target. */
+/* Leaves escapes undecoded, because the exchange has decoded its own copy of the target. */
 static size_t on_escapes(void *user, struct MHD_Connection *connection, char *text)
 {
     (void)user, (void)connection;
@@ -203,7 +203,7 @@ static void on_completed(void *user, struct MHD_Connection *connection, void **c
     if (!client) return;
     bool is_answered = client->phase == PHASE_PARKED || client->phase == PHASE_ANSWERED;
     if (!is_answered && code == MHD_REQUEST_TERMINATED_COMPLETED_OK) {
-        /* the library has answered by itself */
+        /* the library has answered the request by itself */
         server_connection_refuse(client->deadlines);
         server_log_message(SERVER_LOG_INFO, "malformed", "the %s of a request of %s is malformed",
                            client->phase == PHASE_HEAD ? "head" : "body", client->exchange.path);
@@ -231,8 +231,8 @@ static const char *print_peer(const struct sockaddr *peer, char text[PEER_TEXT])
     return getnameinfo(peer, size, text, PEER_TEXT, NULL, 0, NI_NUMERICHOST) == 0 ? text : NULL;
 }
 
-/* Logs an answered exchange with the name of its key. Logs the client's address only if the request
- * was refused. */
+/* Logs an answered exchange with the name of the client's key. Logs the client's address only if
+ * the request was refused. */
 static void client_log(const struct client *client, uint64_t nanoseconds)
 {
     const struct server_exchange *exchange = &client->exchange;
@@ -425,7 +425,7 @@ static unsigned connection_limit(const struct server_config *config)
 {
     struct rlimit limit;
     unsigned wanted = (unsigned)config->max_connections;
-    /* as many spare workers (work/workers.h) as workers */
+    /* there are as many spare workers (work/workers.h) as workers */
     unsigned threads = (unsigned)(config->http_threads + 2 * config->workers);
     unsigned own = SPARE_DESCRIPTORS + threads * THREAD_DESCRIPTORS;
     if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= wanted + own) return wanted;
@@ -467,7 +467,8 @@ static struct MHD_Daemon *http_start_library(struct server_http *http)
     unsigned flags = MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ITC |
                      MHD_USE_ERROR_LOG | (http->parts.tls ? MHD_USE_TLS : 0);
     unsigned most = connection_limit(config), threads = (unsigned)config->http_threads;
-    /* at most three quarters of all for one address, so that others find a place; 0: no limit */
+    /* at most three quarters of all connections for one address, so that others find a place; 0: no
+       limit */
     unsigned own = (unsigned)config->max_address_connections, all_but_some = most - most / 4;
     unsigned silence = config->listen.socket.ss_family == AF_UNIX ? SILENCE_SECONDS : 0;
     server_connections_limit(http->parts.connections, most);
@@ -505,7 +506,7 @@ struct server_http *server_http_start(const struct server_http_parts *parts, int
 /* Does not use MHD_quiesce_daemon, because it removes the listening socket from the epoll set of
  * each thread. A thread that wakes at that moment also removes it, and the second removal aborts
  * the program (version 0.9.75, one stop in three thousand). Instead dup2 replaces the socket, under
- * the same number, by a socket that nobody connects to. The kernel removes the closed socket from
+ * the same descriptor number, by a socket without a peer. The kernel removes the closed socket from
  * each epoll set. */
 void server_http_quiesce(struct server_http *http)
 {

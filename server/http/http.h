@@ -1,4 +1,5 @@
-/* HTTP: the boundary to libmicrohttpd. Turns requests into exchanges. Knows no routes. */
+/* HTTP: the interface to libmicrohttpd. Converts requests to exchanges; does not depend on the
+ * routes. */
 #ifndef SERVER_HTTP_HTTP_H
 #define SERVER_HTTP_HTTP_H
 
@@ -17,22 +18,22 @@ struct server_http_parts {
     struct server_host *host; /* shared by all exchanges */
     struct server_connections *connections;
     struct server_tls *tls; /* NULL: HTTP without TLS */
-    /* Called after the headers. Replies, or leaves that to `end`. A reply with response.close is
-     * sent at once, and the body is not read. */
+    /* Called after the headers. Replies, or leaves the reply to `end`. A reply with response.close
+       is sent at once, without reading the body. */
     void (*begin)(struct server_exchange *exchange);
     /* Called after the body. Replies or defers. */
     void (*end)(struct server_exchange *exchange);
 };
 
-/* Serves the listening socket and takes it over. On failure, returns NULL with a sentence in
- * `error`. */
+/* Serves requests on the listening socket, and takes over this socket. On failure, returns NULL
+ * with a sentence in `error`. */
 struct server_http *server_http_start(const struct server_http_parts *parts, int listening,
                                       char error[SERVER_ERROR]);
 
 /* Accepts no new connections from now on. Open connections continue. */
 void server_http_quiesce(struct server_http *http);
 
-/* Closes all connections and frees. Call this function when no exchange is deferred. NULL is
+/* Closes all connections and frees `http`. Call this function when no exchange is deferred. NULL is
  * allowed. */
 void server_http_stop(struct server_http *http);
 

@@ -1,8 +1,9 @@
 /* See tls.h.
  *
  * DESIGN. An identity is a certificate with its private key. A handshake borrows the identity that
- * is in use when the handshake begins. A reload replaces and retires that identity. A later reload
- * frees it, once no handshake can still use it (connections.h bounds their time). */
+ * is in use when the handshake begins. A reload replaces this identity and marks it as retired. A
+ * later reload frees a retired identity when no handshake can still use it (connections.h limits
+ * the time of handshakes). */
 #include "server/http/tls.h"
 
 #include <gnutls/abstract.h>
@@ -25,7 +26,7 @@ struct identity {
     unsigned count;
     gnutls_privkey_t key;
     uint64_t retired_ns;
-    struct identity *next; /* retired before this one */
+    struct identity *next; /* the identity that was retired before this one */
 };
 
 struct server_tls {

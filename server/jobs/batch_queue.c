@@ -37,7 +37,7 @@ static void column_copy(char *to, size_t size, const struct server_sql_value *va
 
 /* --- batches ---------------------------------------------------------------------------------- */
 
-/* Adds the items first: without the batch's row no daemon claims them. */
+/* Adds the items before the batch's row: without that row no daemon claims them. */
 enum server_outcome server_batch_queue_add(struct server_store_sql *sql,
                                            const struct server_batch_order *order)
 {
@@ -168,8 +168,8 @@ enum server_outcome server_batch_queue_cancel(struct server_store_sql *sql, cons
                                     SERVER_VALUES(server_sql_text(id))));
 }
 
-/* Removes the batch's row last, so that after a failure the batch is found and can be removed
- * again. Cancels the batch first, so that it counts as ended without its items. */
+/* Removes the batch's row last, so that after a failure the client can find the batch and remove it
+ * again. Cancels the batch first, so that the batch counts as ended even without its items. */
 enum server_outcome server_batch_queue_remove(struct server_store_sql *sql, const char *id)
 {
     static const char *const steps[] = {
@@ -274,8 +274,8 @@ enum server_outcome server_batch_queue_return_all(struct server_store_sql *sql)
     return sql->run(sql, SERVER_SQL("UPDATE items SET lease = 0 WHERE status = 0 AND lease > 0"));
 }
 
-/* Writes the answer. The unique index rejects a number that another daemon has just written; then
- * the statement runs again. So a number is visible only after all smaller ones. */
+/* Writes the answer. If another daemon has just written the same number, the unique index rejects
+ * the statement, which then runs again. So a number is visible only after all smaller numbers. */
 enum server_outcome server_batch_queue_answer(struct server_store_sql *sql,
                                               const struct server_batch_claim *claim,
                                               unsigned status, const void *answer, size_t size)

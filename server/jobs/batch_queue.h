@@ -4,16 +4,17 @@
  *     batches  id, tenant, document, etag, items, created, cancelled
  *     items    batch, item, lease, node, attempts, status, answer, number
  *
- * DESIGN. Each item is worked on at least once. A daemon holds a claimed item for
- * SERVER_BATCH_LEASE, and renews the lease while it works. When the lease of a dead daemon ends,
- * another daemon claims the item. The first answer is kept. So every statement can be repeated, and
- * a slow or isolated daemon does no harm. Leases use the daemons' own clocks: if those differ by
- * more than a lease, an item is worked on twice. After SERVER_BATCH_TRIES attempts an item fails.
+ * DESIGN. Each item is computed at least once. A daemon claims an item for the time
+ * SERVER_BATCH_LEASE, and renews this lease while it works. When the lease of a dead daemon ends,
+ * another daemon claims the item. The first answer of an item is kept, later ones are ignored. So
+ * every statement can be repeated, and a slow or isolated daemon does no harm. Leases use the
+ * daemons' own clocks: if these differ by more than a lease, an item may be computed twice. After
+ * SERVER_BATCH_TRIES attempts an item fails.
  *
  * The answers of a batch have the numbers 1, 2, … in the order in which they are written. Number n
- * is visible only after all smaller ones, so a reader that continues after n skips none.
+ * is visible only after all smaller numbers, so a reader that continues after n skips no answer.
  *
- * Thread-safe. Outcomes as in sql.h. */
+ * Thread-safe. Outcomes are those of sql.h. */
 #ifndef SERVER_JOBS_BATCH_QUEUE_H
 #define SERVER_JOBS_BATCH_QUEUE_H
 
@@ -24,10 +25,10 @@
 #define SERVER_BATCH_ID      25    /* with the NUL */
 #define SERVER_BATCH_LEASE   15000 /* ms */
 #define SERVER_BATCH_TRIES   5
-#define SERVER_BATCH_ANSWERS 16 /* answers read at once; they may be large */
+#define SERVER_BATCH_ANSWERS 16 /* number of answers read at once; answers may be large */
 
-/* The steps that create the tables in SQLite, NULL-terminated (PostgreSQL's:
- * store/postgres/schema.c). New steps are appended; old ones never change. */
+/* The steps that create the tables in SQLite, NULL-terminated (for PostgreSQL:
+ * store/postgres/schema.c). New steps are appended; old steps never change. */
 extern const char *const server_batch_queue_tables[];
 
 struct server_batch {
@@ -43,7 +44,7 @@ struct server_batch_order {
     const char *tenant;
     const void *document; /* as the client sent it */
     size_t size;
-    const char *etag; /* of the mesh that all items use; "": items use several */
+    const char *etag; /* ETag of the mesh that all items use; "": items use several meshes */
 };
 
 /* Adds a batch. Has no effect if the batch exists. */
@@ -74,8 +75,8 @@ enum server_outcome server_batch_queue_document(struct server_store_sql *sql, co
 /* A position in the answers of a batch. */
 struct server_batch_place {
     const char *id;
-    int64_t after;     /* an item, or an answer's number; -1: before the first */
-    bool is_by_number; /* sorted by number, not by item */
+    int64_t after;     /* number of an item or of an answer; -1: before the first one */
+    bool is_by_number; /* true: answers are sorted by number, false: by item */
 };
 
 /* Visits the next SERVER_BATCH_ANSWERS answers, sorted: item, status, answer, item or number. */
@@ -92,18 +93,21 @@ struct server_batch_claim {
     int64_t item, attempts;
 };
 
-/* Claims the next item for the daemon `node`. Tenants take turns: chooses the next tenant after
- * `after`, in cyclic order, that has an item to do, and claims an item of that tenant's oldest
- * batch. `after` is the tenant of the item that was claimed last. ABSENT: no item for now. */
+/* Claims the next item for the daemon `node`. Tenants take turns: the function chooses the next
+ * tenant after `after`, in cyclic order, that has an unclaimed item, and claims an item of this
+ * tenant's oldest batch. `after` is the tenant of the item that was claimed last. ABSENT: there is
+ * no item at the moment. */
 enum server_outcome server_batch_queue_claim(struct server_store_sql *sql, const char *node,
                                              const char *after, struct server_batch_claim *out);
 
-/* Renews the lease of an item. ABSENT: claimed elsewhere, answered or cancelled. */
+/* Renews the lease of an item. ABSENT: another daemon has claimed the item, or it is answered or
+ * cancelled. */
 enum server_outcome server_batch_queue_renew(struct server_store_sql *sql,
                                              const struct server_batch_claim *claim,
                                              const char *node);
 
-/* Returns an item to the queue, to be claimed after `pause_ms`. `was_tried`: the attempt counts. */
+/* Returns an item to the queue. Daemons may claim it after `pause_ms`. `was_tried`: the attempt
+ * counts. */
 enum server_outcome server_batch_queue_return(struct server_store_sql *sql,
                                               const struct server_batch_claim *claim,
                                               const char *node, bool was_tried, int64_t pause_ms);

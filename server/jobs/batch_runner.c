@@ -17,20 +17,21 @@
 #define RENEW_NS     UINT64_C(4000000000) /* about a quarter of a lease */
 #define PAUSE_MS     500                  /* time until a returned item is claimed again */
 #define BODY_MOST    ((size_t)4 << 20)
-#define PROBLEM_MOST 65536 /* bytes of a problem's text */
+#define PROBLEM_MOST 65536 /* limit on the bytes of a problem's text */
 #define PLACES       16
 
 struct item {
-    struct server_transport transport; /* first: a pointer to it also points to the item */
+    /* must be the first member: a pointer to it is cast to the item */
+    struct server_transport transport;
     struct server_batch_runner *runner;
     struct server_batch_claim claim;
     char tag[SERVER_ETAG + 2]; /* If-Match, quoted */
-    /* Under the runner's lock: */
+    /* guarded by the runner's lock: */
     struct item *next;
     struct server_exchange *exchange; /* NULL: answered */
     unsigned status;                  /* 0: not answered */
-    /* Used by the thread, once answered: */
-    char *answer; /* NULL: none, or no memory for it */
+    /* used by the thread after the item is answered: */
+    char *answer; /* NULL: there is no answer, or there was no memory for it */
     size_t size;
     size_t held; /* bytes of SERVER_BUDGET_ANSWERS */
 };
@@ -42,11 +43,13 @@ struct server_batch_runner {
     pthread_mutex_t lock;
     _Atomic(struct server_store_sql *) sql; /* set once, under the lock; NULL: not opened yet */
     char path[SERVER_DISK_PATH];            /* path of the queue's file; unused with PostgreSQL */
-    struct item *items;                     /* under the lock; only the thread removes items */
+    struct item *items;                     /* guarded by the lock; only the thread removes items */
     uint64_t news;                          /* under the lock */
-    unsigned due;                           /* places with news, a bit each; under the lock */
-    char places[PLACES];                    /* addresses at which jobs are parked: see place_of */
-    atomic_bool cant_open;                  /* the last attempt failed */
+    /* a bit for each place whose batches have changed; guarded by the lock */
+    unsigned due;
+    /* the addresses at which jobs are parked: see place_of */
+    char places[PLACES];
+    atomic_bool cant_open; /* true: the last attempt to open the queue failed */
     atomic_bool is_draining;
     atomic_uint running;
     atomic_uint_least64_t answered, returned;
@@ -54,7 +57,7 @@ struct server_batch_runner {
     char node[SERVER_JOB_ID]; /* its name in leases */
     uint64_t renewed_ns, looked_ns;
     char last_tenant[SERVER_TENANT + 1]; /* tenant of the last claimed item */
-    char read_id[SERVER_BATCH_ID];       /* the batch that `many` is read from */
+    char read_id[SERVER_BATCH_ID];       /* id of the batch from which `many` was read */
     struct proto_many many;
 };
 
@@ -70,8 +73,8 @@ static void runner_open(struct server_batch_runner *runner, char error[SERVER_ER
     }
     struct server_store_sql *sql =
         server_store_sql_local_open(runner->path, server_batch_queue_tables, error);
-    if (sql)
-        (void)server_batch_queue_return_all(sql); /* items of an earlier daemon */
+    if (sql) /* returns items that an earlier daemon had claimed */
+        (void)server_batch_queue_return_all(sql);
     else if (!atomic_load(&runner->cant_open))
         server_log_message(SERVER_LOG_ERROR, "batches_unavailable", "%s", error);
     atomic_store(&runner->cant_open, !sql);
@@ -86,7 +89,7 @@ struct server_store_sql *server_batch_runner_sql(struct server_batch_runner *run
     return runner->sql;
 }
 
-/* Opens the queue if there is one: a folder that never had a batch has no database. */
+/* Opens the queue if there is one. A folder that never had a batch has no database. */
 static bool runner_has_queue(struct server_batch_runner *runner)
 {
     char error[SERVER_ERROR];
@@ -99,7 +102,7 @@ static bool runner_has_queue(struct server_batch_runner *runner)
 
 /* --- an item's exchange ----------------------------------------------------------------------- */
 
-/* Takes over the answer; copies a static body. Without memory the item has no answer. */
+/* Takes over the answer; copies a static body. If memory is short, the item gets no answer. */
 static void item_take_answer(struct item *item, struct server_response *response)
 {
     item->size = response->body ? response->size : 0;
@@ -185,7 +188,7 @@ static struct item *item_create(struct server_batch_runner *runner,
     return NULL;
 }
 
-/* Under the lock: answers the item as cancelled, unless it is answered. */
+/* Under the lock: answers the item as cancelled, unless it already has an answer. */
 static void item_cancel(struct item *item)
 {
     if (item->exchange) atomic_store(&item->exchange->job.is_unwanted, true);
@@ -193,9 +196,9 @@ static void item_cancel(struct item *item)
 
 /* --- answers ---------------------------------------------------------------------------------- */
 
-/* Writes the answer, or returns the item to the queue. 503 or no answer: this daemon could not
- * start it, which does not count as an attempt. 504 and 507: another daemon or a later attempt may
- * have more time or memory; this counts as an attempt. */
+/* Writes the answer, or returns the item to the queue. After 503 or without an answer, this daemon
+ * could not start the item, which does not count as an attempt. After 504 and 507, another daemon
+ * or a later attempt may have more time or memory; this counts as an attempt. */
 static void item_settle(struct server_batch_runner *runner, const struct item *item)
 {
     const struct server_batch_claim *claim = &item->claim;
@@ -212,13 +215,14 @@ static void item_settle(struct server_batch_runner *runner, const struct item *i
     }
 }
 
-/* Returns the place at which jobs wait for news of that batch: the last digit of its id. */
+/* Returns the place at which jobs wait for changes of that batch: the last digit of the batch's
+ * id. */
 static unsigned place_of(const char *id)
 {
     return (unsigned)strtoul(id + SERVER_BATCH_ID - 2, NULL, 16) % PLACES;
 }
 
-/* Records a change of a batch; NULL: of all batches. */
+/* Records that a batch has changed. `id` NULL: all batches have changed. */
 static void runner_note(struct server_batch_runner *runner, const char *id)
 {
     SERVER_LOCK(&runner->lock);
@@ -226,9 +230,9 @@ static void runner_note(struct server_batch_runner *runner, const char *id)
     runner->due |= id ? 1U << place_of(id) : UINT_MAX;
 }
 
-/* Wakes the jobs whose batch has changed, or all jobs if other daemons share the queue. Called
- * after new items were started, because the woken jobs are queued, and no item starts while jobs of
- * requests are queued. */
+/* Wakes the jobs whose batch has changed, or all jobs if other daemons share the queue. This
+ * function is called after new items were started: the woken jobs enter the workers' queue, and no
+ * item starts while jobs of requests are queued. */
 static void runner_wake_jobs(struct server_batch_runner *runner)
 {
     uint64_t now_ns = gd_now_ns();
@@ -352,7 +356,7 @@ static void runner_start(struct server_batch_runner *runner, const struct server
     server_exchange_run(item->exchange);
 }
 
-/* Returns whether an item may start: no request may wait, and one worker must stay free. */
+/* Returns true if an item may start. No request may be waiting, and one worker must stay free. */
 static bool runner_has_time(const struct server_batch_runner *runner)
 {
     struct server_workers_load load = server_workers_load(runner->host->workers);
@@ -393,7 +397,7 @@ struct server_batch_runner *server_batch_runner_create(struct server_host *host,
     if (config->store == SERVER_STORE_KIND_MEMORY) strcpy(runner->path, ":memory:");
     (void)server_job_id_create(runner->node);
     pthread_mutex_init(&runner->lock, NULL);
-    (void)runner_has_queue(runner); /* finds damage before the first batch */
+    (void)runner_has_queue(runner); /* detects damage of the database before the first batch */
     runner->thread = server_thread_start(runner_work, runner);
     if (runner->thread) return runner;
     server_batch_runner_destroy(runner);

@@ -18,29 +18,32 @@
 
 struct server_batch_runner;
 
-/* Borrows host and configuration. Returns NULL without memory or thread, with a sentence. */
+/* Borrows host and configuration. If there is no memory or no thread, returns NULL with a sentence
+ * in `error`. */
 struct server_batch_runner *server_batch_runner_create(struct server_host *host,
                                                        const struct server_config *config,
                                                        char error[SERVER_ERROR]);
 
-/* Starts no more items and returns running ones to the queue. */
+/* Stops starting items, and returns running items to the queue. */
 void server_batch_runner_drain(struct server_batch_runner *runner);
 
 /* Call this function when no item is running. NULL is allowed. */
 void server_batch_runner_destroy(struct server_batch_runner *runner);
 
-/* Returns the queue's database. NULL with a sentence if it can't be opened. Call this function on a
- * worker. */
+/* Returns the queue's database. If it can't be opened, returns NULL with a sentence. Call this
+ * function on a worker. */
 struct server_store_sql *server_batch_runner_sql(struct server_batch_runner *runner,
                                                  char error[SERVER_ERROR]);
 
-/* Returns NULL, or a sentence why batches are not available. Thread-safe; `runner` may be NULL. */
+/* Returns NULL, or a sentence with the reason why batches are not available. Thread-safe; `runner`
+ * may be NULL. */
 const char *server_batch_runner_health(struct server_batch_runner *runner);
 
 /* Signals that the queue has a new batch. */
 void server_batch_runner_wake(struct server_batch_runner *runner);
 
-/* Cancels this daemon's items of a batch (NULL: of all) and wakes the jobs that wait for it. */
+/* Cancels this daemon's items of a batch (`id` NULL: of all batches), and wakes the jobs that wait
+ * for the batch. */
 void server_batch_runner_cancel(struct server_batch_runner *runner, const char *id);
 
 /* Returns the number of answers and changes that this daemon has written. */
@@ -48,16 +51,17 @@ uint64_t server_batch_runner_news(struct server_batch_runner *runner);
 
 struct server_batch_wait {
     const char *id;    /* id of the batch */
-    uint64_t news;     /* value of server_batch_runner_news before the queue was read */
+    uint64_t news;     /* the value of server_batch_runner_news before the queue was read */
     uint64_t until_ns; /* end of the wait */
 };
 
-/* Parks a worker's job until the batch may have changed: last act of `run`. False: not parked. */
+/* Parks a worker's job until the batch may have changed. This must be the last call of `run`.
+ * Returns false if the job was not parked. */
 bool server_batch_runner_wait(struct server_batch_runner *runner, struct server_job *job,
                               const struct server_batch_wait *wait);
 
 struct server_batch_statistics {
-    uint64_t answered, returned; /* items, since the start */
+    uint64_t answered, returned; /* numbers of items since the start */
     uint32_t running;
 };
 /* `runner` NULL: all zero. */

@@ -18,7 +18,7 @@
 #define EXPIRE_NS      UINT64_C(1000000000)
 #define PROGRESS_STEPS 1000000
 
-enum unit { UNIT_JOBS, UNIT_BYTES, UNITS }; /* UNIT_BYTES: of answers */
+enum unit { UNIT_JOBS, UNIT_BYTES, UNITS }; /* UNIT_BYTES counts the bytes of answers */
 
 /* A key's share of the table. When the table is full, jobs of the largest user are dropped. Tenants
  * are compared first, then the keys of a tenant, so that a tenant gains nothing by many keys. */
@@ -26,7 +26,7 @@ struct usage {
     struct usage *next;                                               /* sorted by tenant */
     char tenant[SERVER_CREDENTIAL_NAME], key[SERVER_CREDENTIAL_NAME]; /* "" without keys */
     uint64_t amounts[UNITS];
-    uint64_t active; /* jobs that have not ended */
+    uint64_t active; /* number of jobs that have not ended */
 };
 
 struct server_job_table {
@@ -42,17 +42,18 @@ struct server_job_table {
 };
 
 struct server_deferred_job {
-    struct server_transport transport; /* first: exchange_job casts it to the job */
+    /* must be the first member: exchange_job casts it to the job */
+    struct server_transport transport;
     struct server_job_table *table;
     atomic_uint references;
     char id[SERVER_JOB_ID], tenant[SERVER_TENANT + 1], key[SERVER_CREDENTIAL_NAME];
     char *request; /* "POST /v1/…" */
     int64_t created;
-    atomic_uint progress; /* in PROGRESS_STEPS; never falls */
+    atomic_uint progress; /* in PROGRESS_STEPS; never decreases */
     size_t own;           /* bytes of SERVER_BUDGET_RECORDS that are counted for this struct */
-    /* Under the table's lock: */
+    /* guarded by the table's lock: */
     enum proto_job_state state;
-    struct server_exchange *exchange; /* NULL: it is answered */
+    struct server_exchange *exchange; /* NULL: the exchange is answered */
     uint64_t ended_ns;
     struct usage *usage; /* NULL: the job is not in the table */
     size_t held;         /* bytes of SERVER_BUDGET_JOBS that are counted for the job */
@@ -135,8 +136,8 @@ static void job_notify(struct server_deferred_job *job)
     server_events_wake(job->table->host->events, job);
 }
 
-/* Call this function without the lock, after the state has changed under the lock. No waiting
- * request is missed, because a request checks the state and parks under the same lock. */
+/* Call this function without the lock, after the state has changed under the lock. It wakes every
+ * waiting request, because a request checks the state and parks under the same lock. */
 static void job_notify_end(struct server_deferred_job *job)
 {
     job_notify(job);
@@ -159,7 +160,8 @@ static int job_compare(const void *job, const void *id)
     return strcmp(((const struct server_deferred_job *)job)->id, id);
 }
 
-/* Returns the usage of a key, added to the list if it is new; NULL without memory. */
+/* Returns the usage of a key, and adds it to the list if it is new. Returns NULL if out of
+ * memory. */
 static struct usage *usage_of(struct usage **list, const char *tenant, const char *key)
 {
     int order;
@@ -174,7 +176,7 @@ static struct usage *usage_of(struct usage **list, const char *tenant, const cha
     return usage;
 }
 
-/* Counts one job less, and frees a usage without jobs. */
+/* Subtracts one job, and frees the usage if it has no more jobs. */
 static void usage_drop_job(struct usage **list, struct usage *usage)
 {
     if (--usage->amounts[UNIT_JOBS]) return;
@@ -184,15 +186,15 @@ static void usage_drop_job(struct usage **list, struct usage *usage)
 }
 
 /* The key `newcomer` needs room for `more` jobs or bytes, which already count as its own. Returns
- * the largest key of the largest tenant, which must drop an ended job. Ignores keys that have
- * nothing to drop, except the newcomer. */
+ * the largest key of the largest tenant, which must drop an ended job. Ignores keys without ended
+ * jobs, except the newcomer. */
 static struct usage *usage_largest(struct usage *list, enum unit unit, const struct usage *newcomer,
                                    uint64_t more)
 {
     struct usage *largest = NULL;
     uint64_t largest_total = 0;
     for (struct usage *at = list, *first = list; at; first = at) {
-        struct usage *best = NULL; /* largest key of this tenant */
+        struct usage *best = NULL; /* the largest key of this tenant */
         uint64_t best_amount = 0, total = 0;
         for (; at && strcmp(at->tenant, first->tenant) == 0; at = at->next) {
             uint64_t amount = at->amounts[unit] + (at == newcomer ? more : 0);
@@ -219,8 +221,8 @@ static void table_drop(struct server_job_table *table, struct server_deferred_jo
     server_deferred_job_release(job);
 }
 
-/* Drops the oldest ended job of the largest user. The newcomer counts with `more` added, and may be
- * the largest itself. Returns false if the largest user has no ended job. */
+/* Drops the oldest ended job of the largest user. `more` is added to the newcomer's usage, so the
+ * newcomer itself may be the largest user. Returns false if the largest user has no ended job. */
 static bool table_evict(struct server_job_table *table, enum unit unit,
                         const struct usage *newcomer, uint64_t more)
 {
@@ -242,8 +244,8 @@ static bool job_is_expired(const struct server_deferred_job *job, uint64_t now_n
            now_ns >= job->ended_ns + ttl_ns; /* a job may end after `now_ns` was read */
 }
 
-/* Makes room for one more job, which the usage already counts. The problem does not reveal numbers
- * of other tenants. */
+/* Makes room for one more job, which the usage already counts. The problem contains no numbers of
+ * other tenants. */
 static bool table_admit(struct server_job_table *table, const struct usage *usage,
                         struct proto_problem *problem)
 {
@@ -292,7 +294,8 @@ static void answer_count(struct server_deferred_job *job, size_t bytes)
     job->held = bytes;
 }
 
-/* Drops ended jobs until the bytes of the job's answer fit, and counts them. False: no room. */
+/* Drops ended jobs until the bytes of the job's answer fit, and counts these bytes. Returns false
+ * if there is no room. */
 static bool answer_reserve(struct server_deferred_job *job, size_t bytes)
 {
     struct server_job_table *table = job->table;
@@ -313,8 +316,8 @@ static bool answer_reserve(struct server_deferred_job *job, size_t bytes)
     return false;
 }
 
-/* Moves body and headers from the response to the job. If there is no memory, returns false and
- * moves nothing. Cannot fail if the response has no headers. */
+/* Moves body and headers from the response to the job. If memory is short, returns false and moves
+ * nothing. The call cannot fail if the response has no headers. */
 static bool answer_take(struct server_deferred_job *job, struct server_response *response)
 {
     size_t size = 0;
@@ -329,7 +332,7 @@ static bool answer_take(struct server_deferred_job *job, struct server_response 
                                             .headers = job->headers};
     for (uint32_t i = 0; i < count; i++) {
         const struct server_response_header *header = &response->headers[i];
-        if (strcmp(header->name, "Vary") == 0) continue; /* a saved answer has one form */
+        if (strcmp(header->name, "Vary") == 0) continue; /* a saved answer has only one form */
         job->headers[job->answer.header_count++] = (struct proto_job_header){header->name, at};
         at = stpcpy(at, header->value) + 1;
     }
@@ -349,7 +352,7 @@ static void answer_save(struct server_deferred_job *job, struct server_exchange 
                          "moment; request less of it, send the request without Prefer: "
                          "respond-async, or raise --memory-budget",
                          bytes);
-    (void)answer_take(job, response); /* a refusal has no headers */
+    (void)answer_take(job, response); /* the call cannot fail, because a refusal has no headers */
 }
 
 /* --- the transport ---------------------------------------------------------------------------- */
@@ -453,7 +456,7 @@ struct server_deferred_job *server_job_table_start(struct server_job_table *tabl
         server_deferred_job_release(job);
         return NULL;
     }
-    server_deferred_job_retain(job); /* the exchange's reference */
+    server_deferred_job_retain(job); /* this reference belongs to the exchange */
     server_exchange_run(job->exchange);
     table->host->watch(table->host->watcher);
     return job;
@@ -461,7 +464,7 @@ struct server_deferred_job *server_job_table_start(struct server_job_table *tabl
 
 /* --- finding and ending jobs ------------------------------------------------------------------ */
 
-/* Under the lock: returns whether the tenant may see the job. */
+/* Under the lock: returns true if the tenant may see the job. */
 static bool job_is_visible(const struct server_deferred_job *job, const char *tenant,
                            uint64_t now_ns)
 {

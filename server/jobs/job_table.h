@@ -1,26 +1,25 @@
-/* Job table: requests that were accepted to be answered later (202), and their answers.
+/* Job table: requests that were accepted with 202, and their later answers.
  *
  *     job = server_job_table_start(table, exchange, &problem);
  *     state = server_deferred_job_describe(job);
  *     server_deferred_job_release(job);
  *
- * DESIGN. A deferred job is a transport (exchange.h): like a connection, it carries its own
- * exchange through dispatch, handler and workers; then it saves the answer. Handlers don't know of
- * jobs.
+ * DESIGN. A deferred job is a transport (exchange.h): like a connection, it passes its own exchange
+ * through dispatch, handler and workers. Then it saves the answer. Handlers do not depend on jobs.
  *
- * States: queued -> running -> done | failed, and cancelled from the first two. A cancelled job
- * shows its state at once. Its exchange ends later: it is refused if it waits for a worker, and
- * stopped by its control if it runs.
+ * States: queued -> running -> done | failed. A queued or running job can become cancelled. This
+ * state is visible at once. The exchange of a cancelled job ends later: it is refused if it waits
+ * for a worker, and stopped by its control if it runs.
  *
  * Bounds: an ended job is dropped when its time to live is over. If the table or the memory for
  * answers (SERVER_BUDGET_JOBS) is full earlier, the oldest ended job of the largest user (key) is
  * dropped. Jobs that have not ended are never dropped. If the daemon has keys, a tenant with n
- * unfinished jobs gets another one only while more than n places have no unfinished job. Ids grow,
- * so the table is sorted by both id and age.
+ * unfinished jobs may start another job only while more than n places of the table have no
+ * unfinished job. Ids increase with time, so the order by id is also the order by age.
  *
- * A job is reference-counted; table, exchange and each holder have a reference. One mutex guards
- * the table and the states. Under it only the workers' lock is taken. All functions are
- * thread-safe. */
+ * A job is reference-counted; the table, the exchange and each caller that uses the job have a
+ * reference. One mutex guards the table and the states. A thread that holds it may take only the
+ * workers' lock. All functions are thread-safe. */
 #ifndef SERVER_JOBS_JOB_TABLE_H
 #define SERVER_JOBS_JOB_TABLE_H
 
@@ -32,15 +31,16 @@
 struct server_deferred_job;
 struct server_job_table;
 
-/* Writes an id for a job or a batch: 12 hexadecimal digits that grow with time and 12 random ones,
- * above all earlier ids of this process. Returns the time, in seconds since 1970. Thread-safe. */
+/* Writes an id for a job or a batch: 12 hexadecimal digits that increase with time, and 12 random
+ * digits. The id is greater than all earlier ids of this process. Returns the time, in seconds
+ * since 1970. Thread-safe. */
 int64_t server_job_id_create(char id[SERVER_JOB_ID]);
 
 struct server_job_limits {
     uint32_t jobs;
     size_t answer_bytes;
-    uint64_t ttl_s;    /* how long an ended job is kept */
-    bool are_tenanted; /* the daemon has keys: tenants share the table */
+    uint64_t ttl_s;    /* time for which an ended job is kept */
+    bool are_tenanted; /* true: the daemon has keys, and tenants share the table */
 };
 
 /* Borrows the host. Returns NULL if out of memory. */
@@ -50,9 +50,9 @@ struct server_job_table *server_job_table_create(struct server_host *host,
 /* Call this function when no exchange is deferred. NULL is allowed. */
 void server_job_table_destroy(struct server_job_table *table);
 
-/* Creates and starts a job for a request whose body is read; the caller gets a reference. The
- * exchange can still be answered, but its body now belongs to the job. Returns NULL with
- * overloaded, draining or insufficient_memory. */
+/* Creates and starts a job for a request whose body was read. Returns a reference of the job. The
+ * exchange can still be answered, but its body now belongs to the job. On failure, returns NULL
+ * with the problem overloaded, draining or insufficient_memory. */
 struct server_deferred_job *server_job_table_start(struct server_job_table *table,
                                                    struct server_exchange *exchange,
                                                    struct proto_problem *problem);
@@ -61,7 +61,8 @@ struct server_deferred_job *server_job_table_start(struct server_job_table *tabl
 struct server_deferred_job *server_job_table_find(struct server_job_table *table,
                                                   const char *tenant, const char *id, size_t size);
 
-/* Lists up to `most` of the tenant's jobs with ids above `after` (or NULL), each retained. */
+/* Lists up to `most` of the tenant's jobs with ids above `after` (NULL: all ids). Each job is
+ * retained. */
 uint32_t server_job_table_list(struct server_job_table *table, const char *tenant,
                                const char *after, uint32_t most, struct server_deferred_job **out);
 
@@ -77,11 +78,12 @@ void server_job_table_expire(struct server_job_table *table, uint64_t now_ns);
 void server_job_table_drain(struct server_job_table *table);
 
 struct server_job_statistics {
-    uint64_t now[PROTO_JOB_STATE_COUNT];   /* jobs in the table */
-    uint64_t ended[PROTO_JOB_STATE_COUNT]; /* since the start; the last three states */
+    uint64_t now[PROTO_JOB_STATE_COUNT]; /* jobs in the table */
+    /* number of jobs that ended since the start, for each of the last three states */
+    uint64_t ended[PROTO_JOB_STATE_COUNT];
 };
 
-/* Returns statistics of one tenant, without `ended`; NULL: of all tenants. */
+/* Returns the statistics of one tenant, without `ended`; `tenant` NULL: of all tenants. */
 struct server_job_statistics server_job_table_statistics(struct server_job_table *table,
                                                          const char *tenant);
 
@@ -92,7 +94,7 @@ void server_deferred_job_release(struct server_deferred_job *job); /* NULL is al
 struct proto_job server_deferred_job_describe(struct server_deferred_job *job);
 
 /* Parks a worker's job until the deferred job has ended, the daemon drains, or `until_ns`. Returns
- * false if it was not parked because one of these holds already. */
+ * false, without parking the job, if one of these conditions already holds. */
 bool server_deferred_job_wait(struct server_deferred_job *job, struct server_job *waiting,
                               uint64_t until_ns);
 

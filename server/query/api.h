@@ -1,5 +1,5 @@
-/* API: the daemon's parts that handlers use in addition to those of every request (struct
- * server_host). server.c fills it in. All parts outlive the exchanges. */
+/* API: the parts of the daemon that only handlers use. The parts that every request uses are in
+ * struct server_host. server.c fills it in. All parts outlive the exchanges. */
 #ifndef SERVER_QUERY_API_H
 #define SERVER_QUERY_API_H
 
@@ -22,8 +22,8 @@ struct server_api {
     const struct server_config *config;
     struct server_access *access; /* NULL: the daemon has no keys */
     struct server_registry *registry;
-    struct server_workers *writer; /* one thread: work that waits for the store's disk */
-    struct server_workers *lister; /* one thread: long lists */
+    struct server_workers *writer; /* one thread, for work that waits for the store's disk */
+    struct server_workers *lister; /* one thread, for long lists */
     struct server_cache *cache;
     struct server_loader *loader;
     struct server_landmarks *landmarks; /* NULL: disabled */
@@ -32,7 +32,7 @@ struct server_api {
     struct server_discretizations *discretizations;
     struct server_job_table *jobs;
     struct server_batch_runner *batches;
-    /* Appends the metrics of the tenant; NULL: of the whole daemon. */
+    /* Appends the metrics of the tenant; `tenant` NULL: of the whole daemon. */
     void (*write_metrics)(void *source, const char *tenant, struct proto_writer *writer);
     void *metrics_source;
 };

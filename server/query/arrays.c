@@ -275,7 +275,7 @@ static void container_write(const struct server_arrays *arrays, enum server_arra
 
 /* --- npy and npz ------------------------------------------------------------------------------ */
 
-#define NPY_HEAD 128 /* bytes; a multiple of 64 into which the longest shape fits */
+#define NPY_HEAD 128 /* bytes of the head: a multiple of 64 in which the longest shape has room */
 
 /* Writes format 1.0 of NumPy's `numpy.lib.format`. */
 static void npy_write(const struct server_array *array, struct crc_writer *out)
@@ -337,7 +337,7 @@ static void zip_write_entry(struct zip_entry *entry, const struct server_array *
     snprintf(entry->name, sizeof entry->name, "%s.npy", array->name);
     entry->size = NPY_HEAD + (uint32_t)array_bytes(array, SERVER_ARRAYS_NPZ);
     put32(&at, ZIP_LOCAL);
-    /* streaming readers find the sizes here and the sum in the descriptor */
+    /* readers of a stream find the sizes in this head, and the checksum in the descriptor */
     zip_put_facts(&at, entry, ZIP_SUMS_BEHIND);
     zip_append(writer, head, at);
     proto_append(writer, entry->name, strlen(entry->name));

@@ -2,8 +2,8 @@
  *
  * DESIGN. A kind of query lists its arrays once (server_query_kind.list_arrays). The arrays are
  * written piece by piece without a copy, so an answer of any size can be streamed
- * (answer_stream.h). The forms are: the container, with numbers as float64 or float32; the first
- * array as .npy; all arrays as .npz. The container, version 1, is little-endian:
+ * (answer_stream.h). There are three forms: the container, with numbers as float64 or float32; the
+ * first array as .npy; all arrays as .npz. The container, version 1, is little-endian:
  *
  *     0   "GDARRAYS"
  *     8   uint32 version, 1; uint32 count
@@ -32,13 +32,14 @@ enum server_array_type { SERVER_ARRAY_NUMBERS = 1, SERVER_ARRAY_FLOATS, SERVER_A
 
 struct server_array {
     const char *name;
-    enum server_array_type type; /* of an array to write: NUMBERS or INDICES */
+    enum server_array_type type; /* an array to be written has NUMBERS or INDICES */
     uint32_t columns;            /* 0: the array has one dimension */
     uint64_t rows;
-    /* Copies rows as double or uint32_t; NULL: `source` is such an array. */
+    /* Copies rows as double or uint32_t. NULL: `source` is already an array of this type. */
     void (*read)(const void *source, uint64_t first, uint64_t count, void *out);
     const void *source; /* borrowed */
-    size_t stride;      /* without `read`: bytes from one row to the next; 0: contiguous */
+    /* if `read` is NULL: bytes from one row to the next; 0: the rows are contiguous */
+    size_t stride;
 };
 
 struct server_arrays { /* all zero: empty */
@@ -73,7 +74,8 @@ struct server_lines {
 /* Fills in `first`. Returns false if there are more points than an index can count. */
 bool server_lines_count(struct server_lines *lines);
 
-/* Adds "points", x y z for each point, and "first", each line's first point, then the total. */
+/* Adds the array "points" with x y z of each point, and the array "first" with the index of each
+ * line's first point and, at the end, the total number of points. */
 void server_arrays_add_lines(struct server_arrays *arrays, const struct server_lines *lines);
 
 /* --- an answer -------------------------------------------------------------------------------- */
@@ -93,8 +95,9 @@ void server_arrays_write(const struct server_arrays *arrays, enum server_arrays_
 
 /* --- a request -------------------------------------------------------------------------------- */
 
-/* Reads the container, with arrays of all three types, borrowed from `bytes`, which is aligned for
- * doubles. Names must be among `known` (NULL-terminated, static). False: invalid_request. */
+/* Reads the container, which may have arrays of all three types. The arrays are borrowed from
+ * `bytes`, which must be aligned for doubles. Names must be among `known` (NULL-terminated,
+ * static). On failure, returns false with invalid_request. */
 bool server_arrays_read(const void *bytes, size_t size, const char *const *known,
                         struct server_arrays *out, struct proto_problem *problem);
 

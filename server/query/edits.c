@@ -28,7 +28,7 @@ bool server_edits_run(struct server_edits *edits, struct server_monitor *part,
                                         .held = &edits->held};
     edits->budget = host->budget;
     while (server_budgeted_call_next(&call)) {
-        detail.text[0] = '\0'; /* the text of an earlier attempt, which had less memory */
+        detail.text[0] = '\0'; /* removes the text of an earlier attempt that had less memory */
         call.status = gd_edit_apply(mesh, &steps, &call.control, &edits->edited, &detail);
         if (!call.status) call.kept = edits->edited.bytes;
     }
@@ -98,7 +98,7 @@ bool server_edits_add(const struct server_edits *edits, const struct gd_edited *
     return is_added;
 }
 
-/* Splits the result into its components, in memory that `held` then counts. */
+/* Splits the result into its components. `held` then counts their memory. */
 static bool split(struct server_edits *edits, struct server_monitor *part,
                   struct gd_edited_parts *out, struct proto_problem *problem)
 {

@@ -13,15 +13,15 @@
 
 struct server_edits {
     const struct server_surface *surface; /* borrowed */
-    bool is_upload; /* the surface comes from an uploaded file and has no name */
+    bool is_upload; /* true: the surface comes from an uploaded file and has no name */
     struct proto_edits edits;
     struct gd_edited edited;      /* the result */
     struct server_budget *budget; /* server_edits_run sets this member and the next */
     size_t held;                  /* bytes of SERVER_BUDGET_FLIGHT */
 };
 
-/* Runs the edits on a worker, as `part` of the exchange's work. On failure, returns false with the
- * problem. */
+/* Runs the edits on a worker. `part` is the part of the exchange's progress for the edits. On
+ * failure, returns false with the problem. */
 bool server_edits_run(struct server_edits *edits, struct server_monitor *part,
                       struct proto_problem *problem);
 

@@ -8,12 +8,13 @@
 #include "server/query/api.h"
 
 #define WHAT        "the field"
-#define SET_SHARE   0.2 /* share of the work, if the set takes time to locate */
-#define BUILD_SHARE 0.9 /* share of the work, if the field is not cached */
+#define SET_SHARE   0.2 /* fraction of the progress for locating the set, if that takes time */
+#define BUILD_SHARE 0.9 /* fraction of the progress for building the field, if it is not cached */
 
-#define BYTES_A_CALL      ((size_t)1 << 20) /* further bytes on a mesh of any size */
-#define BYTES_AN_EDGE     1024 /* while two threads build; a finished field has 50 to 400 */
-#define SET_BYTES_AN_EDGE 224  /* as for a search (query.c) */
+#define BYTES_A_CALL ((size_t)1 << 20) /* additional bytes, independent of the mesh's size */
+/* bytes for each edge while two threads build; a finished field has 50 to 400 */
+#define BYTES_AN_EDGE     1024
+#define SET_BYTES_AN_EDGE 224 /* the same as for a search (query.c) */
 
 /* --- locating the set ------------------------------------------------------------------------- */
 
@@ -129,8 +130,8 @@ size_t server_field_build_grant(const struct gd_mesh *mesh)
     return BYTES_A_CALL + (size_t)gd_mesh_summary(mesh)->edges * BYTES_AN_EDGE;
 }
 
-/* Builds the field, or resumes `nearer` (NULL: none). Counts the propagated windows; for a resumed
- * field only the additional ones. */
+/* Builds the field, or resumes `nearer` if that is not NULL. Counts the propagated windows; for a
+ * resumed field, only the additional windows. */
 static enum gd_status field_make(struct server_query *query, struct server_monitor *part,
                                  const struct gd_field *nearer, struct gd_field **out)
 {
@@ -183,8 +184,8 @@ enum gd_status server_query_build_field(struct server_query *query, struct serve
 
 /* --- the steps -------------------------------------------------------------------------------- */
 
-/* Answers from a field and unpins it. The field may reach farther than the query allows; the answer
- * must not show that. `begun`: the part of the query's work that is done. */
+/* Answers from a field and unpins the field. The field may reach farther than the query allows; the
+ * answer must not show that. `begun` is the completed fraction of the query's progress. */
 static enum server_query_turn field_answer(struct server_query *query,
                                            const struct server_cached *cached, double begun)
 {
@@ -237,8 +238,8 @@ enum server_query_turn server_field_query_try_inline(struct server_query *query)
                : SERVER_QUERY_AGAIN;
 }
 
-/* Begins a pending build before its builder is queued, so that later queries for the same field
- * take no place in the queue. */
+/* Begins a pending build before its builder is queued, so that later queries for the same field are
+ * parked and take no place in the queue. */
 bool server_field_query_join(struct server_query *query)
 {
     enum gd_status why;

@@ -18,7 +18,8 @@
 #define JSON  "application/json"
 #define BYTES "application/octet-stream"
 
-/* bytes of a search: the arrays of a workspace and the windows of a distant pair; see doc/003 */
+/* bytes for each edge in a search: the arrays of a workspace and the windows of a distant pair; see
+ * doc/003 */
 #define BYTES_AN_EDGE  224
 #define BYTES_A_SEARCH ((size_t)1 << 20) /* further bytes on a mesh of any size */
 
@@ -174,7 +175,7 @@ const struct gd_executor *server_query_executor(const struct server_query *query
 
 /* --- pairs ------------------------------------------------------------------------------------ */
 
-/* Holds no bytes for the result: a path is small and soon freed. */
+/* The budget does not count the result, because a path is small and soon freed. */
 enum gd_status server_pair_search(struct server_monitor *part, struct server_surface *surface,
                                   const struct server_pair *pair, struct gd_pair_answer *out)
 {
@@ -215,7 +216,7 @@ enum gd_status server_pair_solve(struct server_monitor *part, struct server_surf
     return status;
 }
 
-/* Appends the leg without its first point, which is the route's last one. */
+/* Appends the leg without its first point, because that is the route's last point. */
 static enum gd_status path_append(struct gd_path *route, const struct gd_path *leg)
 {
     uint32_t more = leg->count - 1;
@@ -321,7 +322,7 @@ static const struct server_form *form_at(const struct server_query_kind *kind, u
     return form < arrays ? &kind->forms[form - SERVER_FORM_FIRST] : &array_forms[form - arrays];
 }
 
-/* Chooses the form by ?format= if given, else by Accept, where JSON wins a tie. */
+/* Chooses the form by ?format= if that is given, otherwise by Accept. In a tie the form is JSON. */
 static bool form_choose(const struct server_query_kind *kind, struct server_exchange *exchange,
                         unsigned *out, struct proto_problem *problem)
 {
@@ -349,7 +350,7 @@ static bool form_choose(const struct server_query_kind *kind, struct server_exch
                              JSON, has_files(kind) ? ", or a file: see format" : "");
 }
 
-/* Reads ?mesh=, which only forms with a mesh accept. */
+/* Reads ?mesh=, which is allowed only for forms with a mesh. */
 static bool form_read_mesh(struct server_query *query, const struct proto_parameters *parameters)
 {
     if (!proto_parameters_flag(parameters, "mesh", &query->with_mesh, query->problem)) return false;
@@ -400,7 +401,7 @@ static void query_encode_arrays(struct server_exchange *exchange, struct proto_w
     server_arrays_write(&query->arrays, server_query_arrays_form(query), writer);
 }
 
-/* Replies with the answer. Afterwards a stream may own the query. */
+/* Replies with the answer. After the call a stream may own the query. */
 static void query_reply_arrays(struct server_query *query)
 {
     const struct server_form *form = form_at(query->kind, query->form);
@@ -431,11 +432,11 @@ static void query_reply_form(struct server_query *query)
 static void query_encode(struct server_exchange *exchange, struct proto_writer *writer)
 {
     struct server_query *query = exchange->state;
-    query->exchange = exchange; /* a stream has another exchange */
+    query->exchange = exchange; /* in a stream the query has another exchange */
     query->kind->encode(query, writer);
 }
 
-/* Replies with the answer. Afterwards a stream may own the query. */
+/* Replies with the answer. After the call a stream may own the query. */
 static void query_reply_json(struct server_query *query, unsigned status)
 {
     const struct server_answer_encoder encoder = {.encode = query_encode, .held = &query->held};
@@ -477,7 +478,8 @@ static void query_reply(struct server_query *query)
         query_reply_form(query);
 }
 
-/* Processes a turn. False: another thread has the exchange. After AGAIN the worker calls again. */
+/* Processes a turn. Returns false if another thread has the exchange. After AGAIN the worker calls
+ * the step again. */
 static bool query_take_turn(struct server_query *query, enum server_query_turn turn)
 {
     if (turn == SERVER_QUERY_DONE) query_reply(query);
@@ -496,7 +498,8 @@ static void query_free(void *query)
 }
 
 /* Answers the request with a stream, and moves the query to an exchange that outlives the request.
- * Without memory for that, the draft is kept. The transport bounds how long the client reads. */
+ * If memory is short, the draft is kept instead. The transport limits the time in which the client
+ * reads. */
 static void query_start_stream(struct server_query *query)
 {
     static const struct server_transport transport = {.finish = server_exchange_destroy,
@@ -513,7 +516,8 @@ static void query_start_stream(struct server_query *query)
     server_request_go_on(rest);
 }
 
-/* Sends the draft. False: the query is parked until the client has read some of the answer. */
+/* Sends the draft. Returns false if the query is parked until the client has read some of the
+ * answer. */
 static bool query_flush(struct server_query *query)
 {
     struct server_exchange *exchange = query->exchange;
@@ -582,7 +586,7 @@ static bool query_read(struct server_query *query)
     return ok;
 }
 
-/* Replies 304 if the client has the answer, so that nothing is computed. */
+/* If the client already has the answer, replies 304 without computing anything. */
 static bool query_is_known(struct server_query *query)
 {
     struct server_exchange *exchange = query->exchange;

@@ -1,23 +1,25 @@
 /* Query: a question about a surface. Single requests and lines of a batch run the same steps.
  *
  * DESIGN. A kind of query is a table of steps. A kind's own struct begins with a struct
- * server_query and starts as zeros. try_inline and solve return a *turn*, which names the next
- * action. The steps, in their order:
+ * server_query. It is initialised with zeros. try_inline and solve return a *turn*, which names the
+ * next action. The steps, in their order:
  * - decode or parse reads the question and locates its points.
- * - try_inline runs once, perhaps on an HTTP thread. It answers if that takes no time. A kind that
- *   only decodes needs no try_inline and no solve.
+ * - try_inline runs once, perhaps on an HTTP thread. It answers if that takes microseconds. A kind
+ *   whose decoding does all the work needs no try_inline and no solve.
  * - solve runs on a worker. It runs again after the turn AGAIN. After PARKED it runs again when the
  *   exchange is resumed.
- * - encode, bytes, write or reply writes the answer when the turn is DONE. A kind without them has
- *   written its answer to the draft, the text of an answer that solve writes step by step.
+ * - encode, bytes, write or reply writes the answer when the turn is DONE. If a kind has none of
+ *   them, solve has already written the answer to the *draft*, a text that grows from step to step.
  * - release frees the members of the kind's own struct. It is called after the last step, also when
  *   a step fails.
  *
  * A kind with the step `answer` is answered from the field of a set. Its decoding ends with a
- * server_field_query_of_… function, which names the set. The field is found in the cache, built, or
- * waited for (field_query.c); then `answer` runs. Such a kind needs no try_inline, join and solve.
+ * server_field_query_of_… function, which names the set. field_query.c finds the field in the
+ * cache, builds it, or waits for another request that builds it. Then `answer` runs. Such a kind
+ * needs no try_inline, join and solve.
  *
- * A query belongs to the thread that has its exchange. After PARKED the caller touches neither. */
+ * A query belongs to the thread that has its exchange. After PARKED the caller must not use the
+ * query or the exchange. */
 #ifndef SERVER_QUERY_QUERY_H
 #define SERVER_QUERY_QUERY_H
 
@@ -39,14 +41,15 @@
 enum server_query_turn {
     SERVER_QUERY_DONE,   /* the answer can be written */
     SERVER_QUERY_FAILED, /* the problem is filled in */
-    SERVER_QUERY_AGAIN,  /* call solve, perhaps again */
+    SERVER_QUERY_AGAIN,  /* call solve, even if it was called before */
     SERVER_QUERY_FLUSH,  /* send the draft to the client, then call solve again */
     SERVER_QUERY_PARKED  /* the exchange waits for an event; solve is called afterwards */
 };
 
 /* A form of an answer other than JSON: a file, selected by ?format= or Accept. */
 struct server_form {
-    const char *name; /* in ?format= and the entity tag, and the file's suffix; NULL ends a list */
+    /* name in ?format= and in the entity tag, and the file's suffix; NULL ends a list */
+    const char *name;
     const char *media_type;
     bool has_mesh; /* ?mesh=true adds the mesh */
 };
@@ -59,17 +62,18 @@ struct server_answer_file {
 /* SERVER_FORM_FIRST + i: forms[i]; then those of arrays, if the kind lists arrays */
 enum { SERVER_FORM_JSON, SERVER_FORM_BYTES, SERVER_FORM_FIRST };
 
-/* The field that answers a query; all zero: none is named. */
+/* The field from which a query is answered; all zero: no field is named. */
 struct server_field_query {
     const struct proto_located_set *set; /* NULL: a worker has to locate it */
     struct gd_field_request request;     /* request for the field of the set */
-    bool is_quick;                       /* an answer from a cached field takes no time */
-    struct proto_set pending;            /* set to be located */
-    double max_distance;                 /* of `pending` */
-    struct proto_located_set *own_set;   /* `set`, or NULL */
-    struct server_resource *resource;    /* a reference to the owner of `set`, or NULL */
-    const struct server_cached *pin;     /* the field if it was found but not yet used, or NULL */
-    struct server_pending_build *build;  /* the build that this query must do, or NULL */
+    /* true: an answer from a cached field takes microseconds */
+    bool is_quick;
+    struct proto_set pending;           /* set to be located */
+    double max_distance;                /* of `pending` */
+    struct proto_located_set *own_set;  /* `set`, or NULL */
+    struct server_resource *resource;   /* a reference to the owner of `set`, or NULL */
+    const struct server_cached *pin;    /* the field if it was found but not yet used, or NULL */
+    struct server_pending_build *build; /* the build that this query must do, or NULL */
 };
 
 struct server_query {
@@ -77,23 +81,28 @@ struct server_query {
     struct server_exchange *exchange;
     struct server_surface *surface; /* a reference */
     struct proto_problem
-        *problem; /* receives the problem of a step that fails; set by its caller */
+        /* receives the problem of a step that fails; the step's caller sets this pointer */
+        *problem;
     struct proto_options options;
-    unsigned form;       /* form of the answer: enum above */
-    bool with_mesh;      /* the form includes the mesh */
-    double begun, share; /* part of the exchange's work, see struct server_monitor */
+    unsigned form;  /* form of the answer, see the enum above */
+    bool with_mesh; /* true: the answer includes the mesh */
+    /* the query's part of the exchange's progress, see struct server_monitor */
+    double begun, share;
     struct proto_writer draft;
-    size_t held;                        /* bytes of SERVER_BUDGET_FLIGHT, without the draft's */
+    /* bytes of SERVER_BUDGET_FLIGHT, without those of the draft */
+    size_t held;
     void *blocks;                       /* allocations of server_query_allocate */
     struct proto_located_points points; /* points of server_query_locate */
     struct server_field_query field;
-    struct server_monitor whole;           /* monitor of a call that does all of the work */
+    /* monitor of a call that is all of the query's progress */
+    struct server_monitor whole;
     struct server_landmark_set *landmarks; /* result of server_query_landmarks */
-    struct server_arrays arrays;           /* arrays of the answer, if its form is one of arrays */
-    struct server_lines lines;             /* lines of server_query_list_lines */
-    struct gd_path line;                   /* line of server_query_list_line */
+    /* arrays of the answer, if its form is a form of arrays */
+    struct server_arrays arrays;
+    struct server_lines lines;  /* lines of server_query_list_lines */
+    struct gd_path line;        /* line of server_query_list_line */
     struct server_relay *relay; /* relay of an answer that is sent while it is computed, or NULL */
-    bool is_whole;              /* the relay has the whole answer */
+    bool is_whole;              /* true: the whole answer was written to the relay */
 };
 
 struct server_query_kind {
@@ -111,30 +120,32 @@ struct server_query_kind {
     enum server_query_turn (*try_inline)(struct server_query *query);
     bool (*join)(struct server_query *query); /* see server_exchange_defer; may be NULL */
     enum server_query_turn (*solve)(struct server_query *query);
-    /* Runs on a worker: names a set that takes time to locate; NULL: locates the pending set. */
+    /* Runs on a worker. Names a set that takes time to locate. NULL: locates the pending set. */
     bool (*prepare)(struct server_query *query);
-    /* Runs when the pending set is located; may be NULL. */
+    /* Runs after the pending set is located. May be NULL. */
     bool (*located)(struct server_query *query);
-    /* Answers from the field; `part` is for long calls. AGAIN: the step has named another field,
-     * and is called again with that field. */
+    /* Answers from the field; `part` is the monitor for long calls. After AGAIN, when the step has
+       named another field, the step is called again with that field. */
     enum server_query_turn (*answer)(struct server_query *query, const struct gd_field *field,
                                      struct server_monitor *part);
     void (*encode)(const struct server_query *query, struct proto_writer *writer);
     void (*reply)(struct server_query *query); /* for answers in a form other than JSON */
-    const char *reply_form;                    /* form in the entity tag of such an answer: "png" */
-    bool has_bytes; /* application/octet-stream is the first array without a head */
+    /* form in the entity tag of such an answer, such as "png" */
+    const char *reply_form;
+    bool has_bytes; /* true: application/octet-stream selects the first array without a head */
     /* Writes the answer in the query's form; the exchange's `held` counts it. */
     bool (*write)(const struct server_query *query, struct server_answer_file *out);
-    /* Lists the arrays of an answer that is DONE, for the forms of arrays.h; they live as long as
-     * the query. On failure, returns false with the problem. NULL: the answer has no such forms. */
+    /* Lists the arrays of an answer that is DONE, for the forms of arrays.h. The arrays must stay
+       valid as long as the query. On failure, returns false with the problem. NULL: the answer has
+       no such forms. */
     bool (*list_arrays)(struct server_query *query);
     void (*release)(struct server_query *query);
     /* Returns the answer's status and adds headers; NULL: 200. */
     unsigned (*status)(struct server_query *query);
 };
 
-/* Creates a query, for all of the exchange's work; it retains the surface. Returns NULL if out of
- * memory. */
+/* Creates a query that is all of the exchange's progress. The query retains the surface. Returns
+ * NULL if out of memory. */
 struct server_query *server_query_create(const struct server_query_kind *kind,
                                          struct server_exchange *exchange,
                                          struct server_surface *surface);
@@ -153,14 +164,14 @@ void server_query_handle(struct server_exchange *exchange, const struct server_q
 
 /* --- for the steps ---------------------------------------------------------------------------- */
 
-/* Returns the monitor of a long call that does the part [begun, begun + share] of the query's work,
- * or of the work that another monitor watches. */
+/* Return the monitor of a long call, which is the part [begun, begun + share] of the query's
+ * progress, or of the progress of another monitor. */
 struct server_monitor server_query_monitor(const struct server_query *query, double begun,
                                            double share);
 struct server_monitor server_monitor_portion(const struct server_monitor *whole, double begun,
                                              double share);
 
-/* Sets the problem of an engine failure; `what` names the work ("the search"). FAILED. */
+/* Sets the problem of an engine failure. `what` names the work ("the search"). Returns FAILED. */
 enum server_query_turn server_query_fail(const struct server_query *query, enum gd_status status,
                                          const char *what);
 
@@ -172,13 +183,13 @@ bool server_query_refuse(const struct server_query *query, enum gd_status status
 enum server_query_turn server_query_end_draft(struct server_query *query, enum gd_status status,
                                               const char *what);
 
-/* Returns GD_BUDGET when the draft is full, else the result of the control's (NULL: none) check of
- * deadline and cancellation. Call this function from time to time during long work. */
+/* Returns GD_BUDGET if the draft is full. Otherwise checks deadline and cancellation of the control
+ * (NULL: none), and returns the result. Call this function from time to time during long work. */
 GD_MUST_USE enum gd_status server_query_pause(const struct server_query *query,
                                               const struct gd_control *control, double fraction);
 
-/* Returns whether FLUSH is useful: the client already reads the answer while it is computed, or the
- * draft is long enough to begin that. A failure after the first FLUSH cuts the answer. */
+/* Returns true if FLUSH is useful: the client already reads the answer while it is computed, or the
+ * draft is long enough to begin a stream. A failure after the first FLUSH truncates the answer. */
 bool server_query_can_flush(const struct server_query *query);
 
 /* Returns the answer's form of arrays, or SERVER_ARRAYS_NONE. */
@@ -193,7 +204,8 @@ bool server_query_list_lines(struct server_query *query, const struct gd_path *p
 bool server_query_list_line(struct server_query *query, const struct gd_point *points,
                             uint32_t count);
 
-/* Takes bytes of the budget, which the query holds until give or its end. Error: GD_BUDGET. */
+/* Takes bytes from the budget. The query holds them until server_query_give or until its end.
+ * Error: GD_BUDGET. */
 GD_MUST_USE enum gd_status server_query_take(struct server_query *query, size_t bytes);
 void server_query_give(struct server_query *query, size_t bytes);
 
@@ -201,18 +213,20 @@ void server_query_give(struct server_query *query, size_t bytes);
  * with the problem. */
 bool server_query_locate(struct server_query *query, struct proto_points *points);
 
-/* Returns an array of zeros that the query holds until it ends. NULL: report GD_BUDGET. */
+/* Returns an array of zeros, which the query holds until it ends. If the result is NULL, the caller
+ * reports GD_BUDGET. */
 void *server_query_allocate(struct server_query *query, size_t count, size_t size);
 
-/* Begins one long call of the engine (budgeted_call.h) for a part of the query's work; NULL: for
- * all of it. The query holds the bytes of its result. */
+/* Begins one long call of the engine (budgeted_call.h). `part` is its part of the query's progress;
+ * NULL: all of it. The query holds the bytes of the call's result. */
 struct server_budgeted_call server_query_begin_call(struct server_query *query,
                                                     struct server_monitor *part, size_t grant);
 
 /* Returns the landmarks of the mesh, valid as long as the query; NULL: there are none. */
 const struct gd_landmarks *server_query_landmarks(struct server_query *query);
 
-/* Returns an executor of two threads, to end by server_executor_stop. NULL: no second thread. */
+/* Returns an executor of two threads, which the caller ends by server_executor_stop. NULL: there is
+ * no second thread. */
 const struct gd_executor *server_query_executor(const struct server_query *query);
 
 /* --- pairs of points -------------------------------------------------------------------------- */
@@ -229,19 +243,19 @@ GD_MUST_USE enum gd_status server_pair_search(struct server_monitor *part,
                                               const struct server_pair *pair,
                                               struct gd_pair_answer *out);
 
-/* Returns the cached field of either point, pinned, or NULL. */
+/* Pins and returns the cached field of one of the two points, or returns NULL. */
 const struct server_cached *server_pair_find_field(struct server_surface *surface,
                                                    const struct server_pair *pair);
 
-/* Answers from the cached field of either point, else by a search. */
+/* Answers from the cached field of one of the two points if there is one, otherwise by a search. */
 GD_MUST_USE enum gd_status server_pair_solve(struct server_monitor *part,
                                              struct server_surface *surface,
                                              const struct server_pair *pair,
                                              struct gd_pair_answer *out);
 
 /* Appends a leg to a route (all zero at first): adds distances and lengths, and joins the
- * polylines. The leg begins where the route ends, and is freed. A leg without a path (INFINITY)
- * makes the route one without a path. Error: GD_NO_MEMORY. O(points of the leg). */
+ * polylines. The leg must begin where the route ends. The function frees the leg. If the leg has no
+ * path (INFINITY), the route then has no path. Error: GD_NO_MEMORY. O(points of the leg). */
 GD_MUST_USE enum gd_status server_pair_append(struct gd_pair_answer *route,
                                               struct gd_pair_answer *leg);
 
@@ -256,8 +270,9 @@ bool server_field_query_of_set(struct server_query *query, struct proto_set *set
 void server_field_query_of_located(struct server_query *query, const struct proto_located_set *set,
                                    double max_distance);
 
-/* As server_field_query_of_set, for a field resource: the one of the request's path, or the one of
- * an id. Problems of the id refer to the parameter `field`. False: not_found or field_evicted. */
+/* As server_field_query_of_set, for a field resource: that of the request's path, or that of an id.
+ * Problems of the id refer to the parameter `field`. On failure, returns false with not_found or
+ * field_evicted. */
 bool server_field_query_of_resource(struct server_query *query);
 bool server_field_query_of_id(struct server_query *query, const char *id);
 
@@ -267,22 +282,24 @@ bool server_field_query_join(struct server_query *query);
 enum server_query_turn server_field_query_solve(struct server_query *query);
 void server_field_query_release(struct server_query *query);
 
-/* Returns the resource of the path, retained; NULL: not_found or field_evicted. */
+/* Retains and returns the resource of the path. On failure, returns NULL with not_found or
+ * field_evicted. */
 struct server_resource *server_find_resource(const struct server_exchange *exchange,
                                              struct server_record *record,
                                              struct proto_problem *problem);
 
-/* Locates a set on a worker: curves need searches. The query holds its bytes; free() frees it. */
+/* Locates a set on a worker, because curves need searches. The query holds the bytes of the result,
+ * which the caller frees by free(). */
 bool server_query_locate_set(struct server_query *query, struct server_monitor *part,
                              const struct proto_set *set, struct proto_located_set **out);
 
-/* Returns the bytes that building a field takes on most meshes. */
+/* Returns the bytes that building a field needs on most meshes. */
 size_t server_field_build_grant(const struct gd_mesh *mesh);
 
-/* Builds the field of query->field.request and publishes it as query->field.build, which ends in
- * any case. If the cache has a field of these seeds with a smaller reach, the build resumes that
- * field. `*out` is pinned. Errors: gd_field_build's; GD_BUDGET: memory was too little, or the time
- * limit of `part` was reached. */
+/* Builds the field of query->field.request, and publishes it as the result of query->field.build.
+ * The pending build ends in any case. If the cache has a field of these seeds with a smaller reach,
+ * that field is resumed. `*out` is pinned. Errors: those of gd_field_build; GD_BUDGET (memory is
+ * short, or the time limit of `part` was reached). */
 GD_MUST_USE enum gd_status server_query_build_field(struct server_query *query,
                                                     struct server_monitor part,
                                                     const struct server_cached **out);

@@ -12,10 +12,11 @@
 #include "server/exchange/reply.h"
 #include "server/query/api.h"
 
-#define KIND_SEGMENT     1                    /* index of the path's segment */
-#define WAIT_MARGIN_NS   UINT64_C(1000000000) /* between the end of a wait and the deadline */
-#define PARSED_UNCOUNTED ((size_t)16 << 10)   /* the document of a shorter text is not counted */
-/* bytes of a document after which malloc_trim is called */
+#define KIND_SEGMENT   1                    /* index of the path's segment */
+#define WAIT_MARGIN_NS UINT64_C(1000000000) /* time between the end of a wait and the deadline */
+/* the budget does not count the document of a shorter text */
+#define PARSED_UNCOUNTED ((size_t)16 << 10)
+/* after a larger document, malloc_trim is called */
 #define PARSED_TRIMMED ((size_t)16 << 20)
 
 /* Returns the kind that the route's path "/v1/<plural>…" names, or NULL. */
@@ -88,7 +89,7 @@ static void reply_store_unavailable(struct server_exchange *exchange, const char
     server_reply_problem(exchange, &problem);
 }
 
-/* Replies not_found, with equal text for every name, so that it does not reveal names of other
+/* Replies not_found. The text is the same for every name, so that it does not reveal names of other
  * tenants. */
 static void reply_absent(struct server_exchange *exchange)
 {
@@ -140,7 +141,7 @@ bool server_request_follows_first(struct server_exchange *exchange)
     const struct proto_capture *capture = &exchange->match.captures[0];
     bool names_one = exchange->match.capture_count > 0;
     if (!server_registry_is_shared(registry) || !kind) return false;
-    /* not a valid name: the handler reports that */
+    /* the name is invalid, which the handler reports */
     if (names_one && capture->length > PROTO_MESH_NAME) return false;
     if (names_one)
         snprintf(exchange->name, sizeof exchange->name, "%.*s", (int)capture->length,
@@ -153,9 +154,9 @@ bool server_request_follows_first(struct server_exchange *exchange)
 
 /* --- a surface that is not in memory ---------------------------------------------------------- */
 
-/* Runs on a worker: loads the surface and runs the handler. If the name has another record by then,
- * looks it up again without a reply. Returns false if the exchange is parked; it runs again when
- * the load has ended. */
+/* Runs on a worker: loads the surface and runs the handler. If the name has another record after
+ * the load, looks up the name again without replying. Returns false if the exchange is parked; this
+ * function is called again when the load has ended. */
 static bool surface_bring(struct server_exchange *exchange)
 {
     struct server_listed listed;
@@ -192,7 +193,8 @@ static bool surface_join(struct server_exchange *exchange)
     return joined;
 }
 
-/* Returns the surface in memory, or NULL with the exchange deferred or a problem replied. */
+/* Returns the surface if it is in memory. Otherwise returns NULL after deferring the exchange or
+ * replying with a problem. */
 static struct server_surface *surface_find(struct server_exchange *exchange)
 {
     struct server_key key;
@@ -269,7 +271,8 @@ bool server_request_begin_parsing(struct server_exchange *exchange, const char *
     return true;
 }
 
-/* Trims the heap after a large document: the allocator keeps memory below the last used block. */
+/* Trims the heap after a large document, because the allocator does not return memory below the
+ * last used block. */
 void server_request_end_parsing(struct server_exchange *exchange)
 {
     size_t parsed = exchange->parsed;

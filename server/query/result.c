@@ -12,7 +12,7 @@
 #define STRIP_BYTES_A_POINT 512
 #define STRIP_BYTES_LEAST   ((size_t)1 << 20)
 
-/* Replaces `bytes` of the held bytes by `actual`, and returns whether there is no failure. */
+/* Replaces `bytes` of the held bytes by `actual`. Returns true if there was no failure. */
 static bool file_settle(const struct server_query *query, size_t bytes, size_t actual,
                         enum gd_status status)
 {

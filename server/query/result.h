@@ -1,5 +1,5 @@
-/* Result: an answer as a file of gd/result_file.h, within the budget. The functions return false
- * with the problem. */
+/* Result: an answer as a file of gd/result_file.h, within the budget. On failure the functions
+ * return false with the problem. */
 #ifndef SERVER_QUERY_RESULT_H
 #define SERVER_QUERY_RESULT_H
 
@@ -12,7 +12,7 @@
 bool server_result_write(const struct server_query *query, const struct gd_result *result,
                          enum gd_result_format format, struct server_answer_file *out);
 
-/* The forms of lines, which precede an answer's other forms. */
+/* The forms of an answer that consists of lines. They precede the answer's other forms. */
 #define SERVER_RESULT_LINE_FORMS                                                                   \
     {"obj", "model/obj", true}, {"glb", "model/gltf-binary", true},                                \
     {                                                                                              \
@@ -33,7 +33,8 @@ bool server_result_write_lines(const struct server_query *query,
                                const struct server_result_lines *lines,
                                struct server_answer_file *out);
 
-/* Writes a path and the faces that it crosses, laid flat and drawn (proto/values/flat_strip.h). */
+/* Writes a path, and the faces that it crosses, unfolded into the plane, as a drawing
+ * (proto/values/flat_strip.h). */
 bool server_result_write_strip(const struct server_query *query, const struct gd_path *path,
                                struct server_answer_file *out);
 

@@ -11,9 +11,11 @@
 #include "server/store/kind.h"
 
 #define FILE_OPTIONS "format=ply&triangulate=true" /* in the canonical form of the kind `mesh` */
-#define COPY_BYTES   ((size_t)4 << 20)             /* between two checks of the control */
+/* number of bytes copied between two checks of the control */
+#define COPY_BYTES ((size_t)4 << 20)
 
-/* Adds the description. Only a new record lacks one; a record of the registry is immutable. */
+/* Adds the description to a new record. Records in the registry already have a description, and are
+ * immutable. */
 static bool record_describe(struct server_surface *surface)
 {
     struct server_record *record = surface->record;
@@ -121,7 +123,8 @@ static bool name_check(const struct server_derived_meshes *meshes, const char *n
     return true;
 }
 
-/* Bounds the bytes of the file: doubles, and for each polygon its corners and their number. */
+/* Returns an upper bound of the bytes of the file: doubles, and for each polygon its corners and
+ * their number. */
 static size_t file_cost(const struct gd_polygons *polygons)
 {
     return polygons->position_count * 3 * sizeof(double) +
@@ -150,7 +153,8 @@ struct draft {
     const struct gd_control *control;
 };
 
-/* Returns the record of the file: the registry's, if the name holds the same mesh already. */
+/* Returns the record of the file. This is the registry's record if the name already has the same
+ * mesh. */
 static enum gd_status draft_record(const struct server_exchange *exchange,
                                    const struct draft *draft, struct server_record **out)
 {
@@ -244,8 +248,8 @@ bool server_derived_meshes_add(struct server_derived_meshes *meshes, const char 
     return surface != NULL;
 }
 
-/* Of the first `count` meshes, removes those that were created, unless other meshes have replaced
- * them. */
+/* Removes those of the first `count` meshes that were newly created, unless other meshes have
+ * replaced them. */
 static void meshes_undo(const struct server_derived_meshes *meshes, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) {

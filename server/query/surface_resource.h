@@ -1,5 +1,5 @@
-/* Surface resource: a surface as clients see it. Builds it from a file's bytes, describes it in an
- * answer, and stores meshes that the daemon makes. */
+/* Surface resource: a surface as clients see it. These functions build a surface from a file's
+ * bytes, describe it in an answer, and store meshes that the daemon makes. */
 #ifndef SERVER_QUERY_SURFACE_RESOURCE_H
 #define SERVER_QUERY_SURFACE_RESOURCE_H
 
@@ -8,16 +8,17 @@
 #include "server/exchange/exchange.h"
 #include "server/surfaces/registry.h"
 
-/* Builds the surface of a record from the bytes of its file, as `part` of the exchange's work, and
- * stores the description in the record. `attachment` (NULL: none) is malloc'ed and counted as
- * SERVER_BUDGET_FLIGHT; the call owns it, even when it fails. On failure, returns NULL with the
- * problem. */
+/* Builds the surface of a record from the bytes of its file, and stores the description in the
+ * record. `part` is the part of the exchange's progress. `attachment` (NULL: none) is malloc'ed and
+ * counted as SERVER_BUDGET_FLIGHT; the call owns it, even when it fails. On failure, returns NULL
+ * with the problem. */
 struct server_surface *server_surface_resource_build(struct server_monitor *part,
                                                      struct server_record *record,
                                                      const void *bytes, void *attachment,
                                                      struct proto_problem *problem);
 
-/* Writes the description: the current one of a surface in memory, else the one in its record. */
+/* Writes the description: the current one if the surface is in memory, otherwise that in the
+ * record. */
 void server_surface_resource_describe(struct proto_writer *writer,
                                       const struct server_listed *listed);
 
@@ -33,19 +34,19 @@ void server_surface_resource_reply_stored(struct server_exchange *exchange,
 /* --- derived meshes --------------------------------------------------------------------------- */
 
 /* Meshes that the daemon makes from another surface: the pieces of a cut, a tessellation, a
- * discretization. They are resources like uploads, and as durable.
+ * discretization. They are resources like uploaded meshes, and equally durable.
  *
  *     meshes.exchange = exchange;                                 a worker
- *     server_derived_meshes_add(&meshes, name, &polygons, …);     … for each mesh
+ *     server_derived_meshes_add(&meshes, name, &polygons, …);     the worker, for each mesh
  *     return server_request_write(exchange, store);
- *     server_derived_meshes_store(&meshes);                       `store`, by the registry's writer
- *     server_derived_meshes_free(&meshes);                        with the exchange's state
+ *     server_derived_meshes_store(&meshes);                       in `store`
+ *     server_derived_meshes_free(&meshes);                        when the state is freed
  *
  * A derived mesh is stored as binary PLY with doubles, so no coordinate is rounded. Vertices and
  * triangles keep the order of the polygons. */
 
 /* Bytes that the daemon stores with a mesh, in a format of the code that made the mesh. Loading the
- * mesh restores them as surface->attachment. They begin with a word that names the format. */
+ * mesh restores them as surface->attachment. The bytes begin with a word that names the format. */
 struct server_attachment {
     const void *bytes; /* borrowed */
     size_t size;       /* at least 1 */
@@ -54,10 +55,10 @@ struct server_attachment {
 struct server_derived_mesh {
     struct server_surface *surface;
     char *file;  /* record->size bytes */
-    bool is_new; /* set when the mesh is stored: the name was free */
+    bool is_new; /* set when the mesh is stored; true: the name was free */
 };
 
-#define SERVER_DERIVED_MESHES_MOST 64 /* most meshes of one request */
+#define SERVER_DERIVED_MESHES_MOST 64 /* largest number of meshes of one request */
 
 struct server_derived_meshes {        /* all zero at first */
     struct server_exchange *exchange; /* set by the caller; NULL: no mesh was added */
@@ -70,19 +71,19 @@ void server_derived_meshes_free(struct server_derived_meshes *meshes); /* accept
 
 /* Builds a mesh to be stored under that name of the exchange's tenant. Borrows polygons and
  * attachment (NULL: none). False with the problem: an invalid or repeated name, polygons that are
- * not a mesh or are too large, more than SERVER_DERIVED_MESHES_MOST, memory. */
+ * not a mesh or are too large, more than SERVER_DERIVED_MESHES_MOST meshes, and lack of memory. */
 bool server_derived_meshes_add(struct server_derived_meshes *meshes, const char *name,
                                const struct gd_polygons *polygons,
                                const struct server_attachment *attachment,
                                struct proto_problem *problem);
 
-/* Copies bytes; stops at a deadline or a cancel. */
+/* Copies bytes. Stops at the deadline or when cancelled. */
 GD_MUST_USE enum gd_status server_derived_mesh_copy(void *to, const void *from, size_t size,
                                                     const struct gd_control *control);
 
-/* Stores all meshes and replaces surfaces of the same names: CREATED (all names were free) or
- * REPLACED. Runs on the registry's writer thread. After an error, the outcome of
- * server_registry_put, it removes the meshes that it has created. */
+/* Stores all meshes, and replaces surfaces of the same names. Returns CREATED if all names were
+ * free, otherwise REPLACED. Runs on the registry's writer thread. If server_registry_put fails,
+ * returns its outcome and removes the meshes that were newly created. */
 enum server_outcome server_derived_meshes_store(struct server_derived_meshes *meshes);
 
 /* Replies with the descriptions of all meshes, 201 or 200, or with the problem of the outcome. */

@@ -54,7 +54,7 @@ static bool part_check(const char *text, size_t size, size_t most)
     return size <= most && proto_mesh_name_check(text, size, &problem);
 }
 
-/* Skips the part before `mark`, if there is one. False: it is malformed. */
+/* Skips the part before `mark`, if there is one. Returns false if the part is malformed. */
 static bool part_skip(const char **text, size_t *size, char mark, size_t most)
 {
     const char *end = memchr(*text, mark, *size);

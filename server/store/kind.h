@@ -13,7 +13,7 @@
 #include "proto/json/writer.h"
 #include "proto/values/mesh.h"
 
-#define SERVER_OPTIONS      256 /* bytes of a text of options, with the NUL */
+#define SERVER_OPTIONS      256 /* largest size of a text of options, with the NUL */
 #define SERVER_OPTIONS_MOST 8   /* pairs */
 
 struct server_builder;
@@ -24,7 +24,7 @@ struct server_surface;
 struct server_file {
     const void *bytes;
     size_t size;
-    const char *content_type; /* the header; NULL: the request had none */
+    const char *content_type; /* the header Content-Type; NULL: the request had none */
 };
 
 struct server_built { /* an object of a kind, and the bytes that it holds */
@@ -33,14 +33,15 @@ struct server_built { /* an object of a kind, and the bytes that it holds */
 };
 
 struct server_kind {
-    const char *word;   /* "mesh": in records and keys; lower-case letters, never changed */
-    const char *plural; /* "meshes": in paths, and the name of the list */
-    const char *noun;   /* "mesh": in sentences, after an article */
+    const char *word;   /* "mesh", used in records and keys; lower-case letters; never changes */
+    const char *plural; /* "meshes", used in paths and as the name of the list */
+    const char *noun;   /* "mesh", used in sentences after an article */
 
     /* Checks the parameters of an upload and writes them as one text in a canonical form. Record
-     * and ETag contain it: the same text and the same bytes are the same surface. An option that a
-     * later version adds is written only if it is set. `file` decides options that the parameters
-     * omit; NULL: the parameters are a text that this function wrote. */
+       and ETag contain this text: uploads with the same text and the same bytes are the same
+       surface. Options that later versions add are written only if they are set. `file` determines
+       options that the parameters omit. If `file` is NULL, the parameters are a text that this
+       function wrote earlier. */
     bool (*read_options)(const struct proto_parameters *parameters, const struct server_file *file,
                          char text[SERVER_OPTIONS], struct proto_problem *problem);
 
@@ -53,8 +54,8 @@ struct server_kind {
     /* Writes the answer of GET: one JSON object of at most SERVER_DESCRIPTION_MOST bytes. */
     void (*describe)(struct proto_writer *writer, const struct server_surface *surface);
 
-    /* Shortens a description that an earlier version stored; malloc'ed. Returns NULL if that is not
-     * necessary. The function may be NULL. */
+    /* Shortens a description that an earlier version stored. Returns the shorter text, allocated by
+       malloc, or NULL if the description is short enough. The pointer may be NULL. */
     char *(*shorten)(const char *description);
 };
 
@@ -85,13 +86,13 @@ bool server_options_split(const char *text, struct server_options *out);
  *
  *     bunny                        a mesh; the daemon has no tenants
  *     subdivision+cube             a surface of another kind
- *     acme@bunny                   of a tenant
+ *     acme@bunny                   a mesh of a tenant
  *     acme@subdivision+cube
  *
  * Tenants, words of kinds and names contain neither '@' nor '+'. */
 #define SERVER_TENANT   64 /* bytes at most, without the NUL */
 #define SERVER_KEY_WORD 16 /* bytes of a kind's word */
-/* of the text, with the NUL */
+/* bytes of the text, with the NUL */
 #define SERVER_KEY_TEXT (SERVER_TENANT + SERVER_KEY_WORD + PROTO_MESH_NAME + 3)
 
 struct server_key {     /* all strings are borrowed */
@@ -100,19 +101,20 @@ struct server_key {     /* all strings are borrowed */
     const char *name; /* passes proto_mesh_name_check */
 };
 
-/* Orders keys by tenant, kind and name, each in byte order; as strcmp. */
+/* Compares keys by tenant, kind and name, each in byte order. The result is like that of strcmp. */
 int server_key_compare(const struct server_key *a, const struct server_key *b);
 
 /* Writes the text of a valid key. */
 void server_key_write(const struct server_key *key, char text[SERVER_KEY_TEXT]);
 
-/* Returns whether `size` bytes have the form of a key; the kind need not exist. */
+/* Returns true if the `size` bytes have the form of a key. The kind need not exist. */
 bool server_key_check(const char *text, size_t size);
 
-/* Parses a text in place; `*out` points into it. False: not a key, or an unknown kind. */
+/* Parses a text in place; `*out` then points into the text. Returns false if the text is not a key
+ * or the kind is unknown. */
 bool server_key_read(char text[SERVER_KEY_TEXT], struct server_key *out);
 
-/* Returns whether this is a valid tenant: 1 to SERVER_TENANT characters of names. */
+/* Returns true if the tenant is valid: 1 to SERVER_TENANT characters that are allowed in names. */
 bool server_tenant_check(const char *tenant);
 
 #endif

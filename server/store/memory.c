@@ -1,4 +1,4 @@
-/* See store.h: the store that keeps nothing. */
+/* The store that stores nothing: see store.h. */
 #include <stdlib.h>
 
 #include "server/store/store.h"

@@ -12,9 +12,9 @@
 #define TITLE          "geodesicd record "
 #define VERSION        "3"
 #define SECOND_VERSION "2" /* has no caption */
-#define FIRST_VERSION  "1" /* has no kind, tenant and attachment either */
+#define FIRST_VERSION  "1" /* this version also has no kind, tenant and attachment */
 #define CHECKSUM_LINE  (sizeof "checksum \n" - 1 + SERVER_SHA256_HEX - 1)
-#define SLOT_BYTES     128 /* bytes of the registry for each record */
+#define SLOT_BYTES     128 /* bytes that the registry needs for each record */
 
 /* --- life ------------------------------------------------------------------------------------- */
 
@@ -226,7 +226,8 @@ static bool has_checksum(const char *text, size_t size)
     return memcmp(text + size - CHECKSUM_LINE, line, CHECKSUM_LINE) == 0;
 }
 
-/* Splits the next line off `*rest`. Returns its value; NULL: the line has another name. */
+/* Splits the next line off `*rest`. Returns the value of the line; NULL: the line has another
+ * name. */
 static char *line_take(char **rest, const char *name)
 {
     char *line = strsep(rest, "\n");
@@ -258,7 +259,7 @@ static bool attachment_read(struct server_record *record, char *text)
            number_read(text, &record->attachment_size);
 }
 
-/* Options are valid only in the form that their kind writes. */
+/* Reads the options. They are valid only in the form that their kind writes. */
 static bool options_read(struct server_record *record, const char *text)
 {
     struct server_options options;
@@ -268,7 +269,7 @@ static bool options_read(struct server_record *record, const char *text)
            strcmp(record->options, text) == 0;
 }
 
-/* Reads a caption. Empty ones are not stored. */
+/* Reads a caption. An empty caption is not stored. */
 static bool caption_read(struct server_record *record, const char *text)
 {
     struct proto_problem problem;

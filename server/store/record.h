@@ -1,12 +1,13 @@
-/* Record of a surface: its key, its objects and its description, but neither the surface nor its
- * bytes. As text it is the manifest of a local store and the row of a database:
+/* Record of a surface: its key, its description and the names of its objects. A record contains
+ * neither the surface nor the bytes of its objects. The text of a record is the manifest of a local
+ * store and the row of a database:
  *
  *     geodesicd record 3
  *     kind mesh                         word of the kind (kind.h)
  *     tenant                            empty: the daemon has no tenants
  *     name bunny
- *     sha256 4ffd…                      of the file
- *     size 2911433                      of the file
+ *     sha256 4ffd…                      SHA-256 of the file
+ *     size 2911433                      bytes of the file
  *     attachment 77c0… 575152           SHA-256 and size; empty: there is none
  *     created 1763730000                seconds since 1970
  *     memory 18402304                   bytes of the loaded surface
@@ -21,8 +22,9 @@
  *
  * A surface has up to two objects. The first is the file that a client uploaded or the daemon
  * wrote. A derived mesh also has an attachment, with data of the code that made the mesh. Objects
- * are named by their content. Surfaces of one tenant share them. Tenants share none, so that the
- * time of an upload does not reveal the files of other tenants. */
+ * are named by their content, and surfaces of one tenant with the same content share an object.
+ * Different tenants share no objects, so that the time of an upload does not reveal the files of
+ * other tenants. */
 #ifndef SERVER_STORE_RECORD_H
 #define SERVER_STORE_RECORD_H
 
@@ -38,12 +40,12 @@
 #define SERVER_ETAG   33                                      /* with the NUL */
 #define SERVER_OBJECT (SERVER_SHA256_HEX + SERVER_TENANT + 1) /* an object's id, with the NUL */
 
-#define SERVER_CAPTION          (4 * PROTO_CAPTION + 1) /* bytes, with the NUL */
+#define SERVER_CAPTION          (4 * PROTO_CAPTION + 1) /* bytes of a caption, with the NUL */
 #define SERVER_DESCRIPTION_MOST ((size_t)1 << 20)       /* bytes */
-/* A longer description is shortened when it is read, if the kind can do that. */
+/* A longer description is shortened when it is read, if the kind has a function for this. */
 #define SERVER_DESCRIPTION_USUAL ((size_t)16 << 10)
 
-/* First member of a struct that lives as long as its record. */
+/* The first member of a struct that lives as long as its record. */
 struct server_attached {
     size_t bytes; /* counted as SERVER_BUDGET_RECORDS */
     void (*destroy)(struct server_attached *attached);
@@ -52,7 +54,8 @@ struct server_attached {
 enum server_part { SERVER_PART_FILE, SERVER_PART_ATTACHMENT, SERVER_PARTS };
 
 struct server_object {
-    /* SHA-256 of the bytes, and for a tenant a dot and its name; empty: there is no object */
+    /* SHA-256 of the bytes, followed, for a tenant, by a dot and the tenant's name; empty: there is
+       no object */
     char id[SERVER_OBJECT];
     uint64_t size;
 };
@@ -92,17 +95,17 @@ struct server_origin {
  * Returns NULL if out of memory. */
 struct server_record *server_record_create(const struct server_origin *origin);
 
-/* Count the record as SERVER_BUDGET_RECORDS until it is freed. Call one of them once, before the
- * record is shared. take returns false if the budget is exhausted; count exceeds the limit if need
- * be. */
+/* Count the record as SERVER_BUDGET_RECORDS until it is freed. Call one of the two functions once,
+ * before the record is shared. take returns false if the budget is exhausted; count may exceed the
+ * limit. */
 bool server_record_take(struct server_record *record, struct server_budget *budget);
 void server_record_count(struct server_record *record, struct server_budget *budget);
 
 struct server_record *server_record_retain(struct server_record *record);
 void server_record_release(struct server_record *record); /* NULL is allowed */
 
-/* Returns a copy with that caption, one reference and nothing attached. Returns NULL if out of
- * memory. */
+/* Returns a copy with that caption and one reference. Nothing is attached to the copy. Returns NULL
+ * if out of memory. */
 struct server_record *server_record_copy(const struct server_record *record, const char *caption);
 
 /* Sets the caption. Call this function before the record is counted and shared. Returns false if
@@ -115,11 +118,12 @@ void server_record_caption(const struct server_record *record, char out[SERVER_C
 /* Exchanges the captions of two records. `to` may be shared. */
 void server_record_exchange_captions(struct server_record *to, struct server_record *from);
 
-/* Returns whether both records come from the same upload: they are equal and have the same time of
- * creation. */
+/* Returns true if both records come from the same upload, that is, if they are equal and have the
+ * same time of creation. */
 bool server_record_is_same_upload(const struct server_record *a, const struct server_record *b);
 
-/* Attaches `made`, or destroys it if another thread was first. Returns the attached struct. */
+/* Attaches `made`. If another thread has attached a struct before, destroys `made`. Returns the
+ * attached struct. */
 struct server_attached *server_record_attach(struct server_record *record,
                                              struct server_attached *made);
 
@@ -135,12 +139,13 @@ char *server_record_write(const struct server_record *record, size_t *size);
 enum server_record_reading {
     SERVER_RECORD_READ,
     SERVER_RECORD_DAMAGED,
-    SERVER_RECORD_NEWER,    /* a later version wrote it, or only a later one has its kind */
+    /* a later version of the daemon wrote the record, or only a later version has its kind */
+    SERVER_RECORD_NEWER,
     SERVER_RECORD_NO_MEMORY /* this process is out of memory */
 };
 
-/* Parses any bytes, however damaged. DAMAGED also if `key` is not NULL and the record has another
- * one. On READ the caller has one reference of `*out`. */
+/* Parses a text that may be damaged in any way. Also returns DAMAGED if `key` is not NULL and the
+ * record has another key. After READ the caller owns one reference of `*out`. */
 enum server_record_reading server_record_read(const char *key, const char *text, size_t size,
                                               struct server_record **out);
 

@@ -11,23 +11,23 @@
 
 enum server_sql_type { SERVER_SQL_NULL, SERVER_SQL_INTEGER, SERVER_SQL_TEXT, SERVER_SQL_BYTES };
 
-#define SERVER_SQL_VALUES 12 /* most values of a statement, and columns of a row */
+#define SERVER_SQL_VALUES 12 /* largest number of values of a statement, and of columns of a row */
 
-struct server_sql_value { /* borrowed; values of a row: until the visit returns */
+struct server_sql_value { /* Borrowed. Values of a row are valid until the visit returns. */
     enum server_sql_type type;
     int64_t integer;
     const char *bytes; /* TEXT ends with a NUL */
     size_t size;
 };
 
-/* Visits a row; false ends the visit. */
+/* Visits a row. Returns false to end the visit. */
 typedef bool server_sql_visit(void *user, const struct server_sql_value *row);
 
 struct server_statement {
-    const char *text; /* with the parameters $1, $2, … */
+    const char *text; /* SQL with the parameters $1, $2, … */
     const struct server_sql_value *values;
     int count;
-    server_sql_visit *visit; /* NULL: ignore the rows */
+    server_sql_visit *visit; /* NULL: the rows are ignored */
     void *user;
 };
 
@@ -63,7 +63,7 @@ struct server_sql_integers {
     int64_t at[2];
 };
 
-/* A visit for which `user` is a struct server_sql_integers. */
+/* A visitor for which `user` is a struct server_sql_integers. */
 static inline bool server_sql_on_integers(void *user, const struct server_sql_value *row)
 {
     struct server_sql_integers *integers = user;
@@ -80,7 +80,7 @@ struct server_sql_surface {
     char objects[SERVER_PARTS][SERVER_OBJECT]; /* ids; empty: none */
 };
 
-/* A visit of the columns version, file and attachment; `user` is a struct server_sql_surface. */
+/* A visitor of the columns version, file and attachment; `user` is a struct server_sql_surface. */
 static inline bool server_sql_on_surface(void *user, const struct server_sql_value *row)
 {
     struct server_sql_surface *surface = user;
@@ -96,27 +96,29 @@ static inline bool server_sql_on_surface(void *user, const struct server_sql_val
 
 #define SERVER_SQL_BATCHES "batches.db" /* the file of batches in a data folder */
 
-/* Thread-safe; calls may block for disk or network. Each statement is a transaction. It is repeated
- * after a lost connection, so repeating it must be harmless. */
+/* Thread-safe; calls may block for disk or network. Each statement is a transaction. After a lost
+ * connection the statement is repeated, so repetition must be harmless. */
 struct server_store_sql {
     /* Runs a statement. DONE, UNAVAILABLE, FULL, NO_MEMORY, REFUSED, READ_ONLY. */
     enum server_outcome (*run)(struct server_store_sql *sql,
                                const struct server_statement *statement);
-    bool is_shared; /* several daemons share the database */
-    /* The end of a statement that locks rows and skips rows locked elsewhere. SQLite needs none. */
+    bool is_shared; /* true: several daemons share the database */
+    /* The end of a statement that locks rows and skips rows that others have locked. Empty for
+       SQLite. */
     const char *skip_locked;
     void (*close)(struct server_store_sql *sql); /* frees it */
 };
 
-/* Opens a SQLite file and creates it if need be; ":memory:": no file. `steps`: NULL-terminated
- * statements that make the tables; static. The file's version is the number of its steps. If a file
- * turns out to be damaged, now or later, it is renamed and an empty one replaces it. NULL with a
- * sentence in `error`, also for a file of a later daemon, which is left unchanged. */
+/* Opens a SQLite file, and creates it if it is missing. The path ":memory:" opens a database in
+ * memory. `steps`: NULL-terminated statements that make the tables; static. The file's version is
+ * the number of its steps. If a file turns out to be damaged, now or later, it is renamed and an
+ * empty one replaces it. NULL with a sentence in `error`, also for a file of a later daemon, which
+ * is left unchanged. */
 struct server_store_sql *server_store_sql_local_open(const char *path, const char *const *steps,
                                                      char error[SERVER_ERROR]);
 
-/* Opens the database of a PostgreSQL store, which has made the tables. Returns NULL if out of
- * memory. */
+/* Opens the database of a PostgreSQL store. The store has already made the tables. Returns NULL if
+ * out of memory. */
 struct server_store_sql *server_store_sql_postgres_open(const char *url);
 
 #endif

@@ -1,11 +1,11 @@
 /* See store.h: --backup and --restore, which differ only in how they copy objects.
  *
- * Copies the database as of one moment, then the objects that its rows name. If one of them was
- * deleted meanwhile, starts again. Copies the batches first, so that the copy has the surfaces that
- * the batches query, unless those surfaces were removed since.
+ * The copy is made from the database at one moment, and then from the objects that its rows name.
+ * If an object was deleted meanwhile, the copy starts again. The batches are copied first, so that
+ * the copy has the surfaces that the batches query, unless these surfaces were removed later.
  *
  * The copy's folder has a marker until the last file is durable. No daemon starts on an interrupted
- * copy; the same command completes it. */
+ * copy. Running the same command again completes the copy. */
 #include <unistd.h>
 
 #include "server/store/local/local.h"
@@ -21,7 +21,8 @@ struct backup {
     unsigned long long bytes;
 };
 
-/* Ends the visit of rows. Does not print ABSENT, which leads to another attempt. */
+/* Ends the visit of rows. Does not print the outcome ABSENT, because it leads to another
+ * attempt. */
 static bool give_up(struct backup *backup, enum server_outcome outcome, const char *what,
                     const char *name)
 {
@@ -85,7 +86,7 @@ static enum server_outcome database_copy(const struct backup *backup, const char
     return outcome == SERVER_STORE_ABSENT ? SERVER_STORE_REFUSED : outcome;
 }
 
-/* Copies the store as of one moment. ABSENT: an object was deleted meanwhile. */
+/* Copies the state of the store at one moment. ABSENT: an object was deleted meanwhile. */
 static enum server_outcome moment_copy(struct backup *backup)
 {
     struct server_database *database;

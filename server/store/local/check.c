@@ -1,4 +1,5 @@
-/* --check-store of a data folder: manifests, rows, their objects, each once; then other files. */
+/* --check-store of a data folder: checks manifests, rows and their objects, each once; then other
+ * files. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -9,7 +10,8 @@ struct check {
     FILE *out;
     struct server_files files;
     struct server_database *database;
-    struct server_names named, sound; /* objects that a surface has; those that are sound */
+    /* `named`: objects of surfaces; `sound`: undamaged objects among them */
+    struct server_names named, sound;
     unsigned faults, rows, manifests, fields, unfinished, leftovers, aside;
     unsigned long long bytes;
 };
@@ -37,7 +39,7 @@ static struct server_listing check_folder(struct check *check, const char *folde
 
 /* --- files that are named by their checksum --------------------------------------------------- */
 
-/* Reads a file. False: its name does not begin with its SHA-256. */
+/* Reads a file. Returns false if the file's name does not begin with the SHA-256 of its bytes. */
 static bool file_is_sound(const struct server_listing *file)
 {
     char found[SERVER_SHA256_HEX];

@@ -15,7 +15,8 @@ static const char *const schema[] = {
     "CREATE TABLE surfaces (name TEXT PRIMARY KEY, sha256 TEXT NOT NULL, record TEXT NOT NULL,"
     "  uses INTEGER NOT NULL DEFAULT 0, used INTEGER NOT NULL DEFAULT 0) WITHOUT ROWID;"
     "CREATE INDEX surfaces_by_sha256 ON surfaces (sha256);",
-    /* kinds and attachments: a name becomes a key (kind.h), a hash an object's id (record.h) */
+    /* step for kinds and attachments: a name becomes a key (kind.h), and a hash becomes an object's
+       id (record.h) */
     "ALTER TABLE surfaces RENAME COLUMN name TO key;"
     "ALTER TABLE surfaces RENAME COLUMN sha256 TO file;"
     "ALTER TABLE surfaces ADD COLUMN attachment TEXT;"
@@ -26,8 +27,9 @@ static const char *const schema[] = {
 struct server_database {
     sqlite3 *connection;
     int log_pages;        /* pages in the log after the last commit */
-    bool cant_checkpoint; /* one failed: all writes are refused */
-    /* there was no log before the database was opened to read, so closing may checkpoint */
+    bool cant_checkpoint; /* true: a checkpoint failed, and all writes are refused */
+    /* true: there was no log before the database was opened for reading, so closing may make a
+       checkpoint */
     bool had_no_log;
 };
 
@@ -35,7 +37,7 @@ struct server_database {
 
 enum server_outcome server_sqlite_outcome(int code)
 {
-    /* the only I/O error that means a full disk */
+    /* only this I/O error means a full disk */
     if (code == SQLITE_IOERR_SHMSIZE) return SERVER_STORE_FULL;
     switch (code & 0xff) {
     case SQLITE_OK:
@@ -94,7 +96,7 @@ static struct server_sql_value column_read(sqlite3_stmt *statement, int column)
     }
 }
 
-/* Runs one statement, to its end even if the visitor ends the visit. */
+/* Runs one statement. The statement runs to its end even if the visitor ends the visit. */
 static int sqlite_run(sqlite3 *connection, const struct server_statement *what)
 {
     struct server_sql_value row[SERVER_SQL_VALUES] = {0};
@@ -119,7 +121,8 @@ static int sqlite_script(sqlite3 *connection, const char *text)
     return sqlite3_exec(connection, text, NULL, NULL, NULL);
 }
 
-/* Opens a connection, to write if the flags have SQLITE_OPEN_CREATE. The caller closes `*out`. */
+/* Opens a connection, for writing if the flags contain SQLITE_OPEN_CREATE. The caller closes
+ * `*out`. */
 static int sqlite_connect(const char *path, int flags, sqlite3 **out)
 {
     int code = sqlite3_open_v2(path, out, flags, NULL);
@@ -135,7 +138,8 @@ static int sqlite_connect(const char *path, int flags, sqlite3 **out)
 static int sqlite_check(sqlite3 *connection)
 {
     struct server_sql_integers faults = {0};
-    /* without an argument, which SQLite 3.46 takes for the name of a table */
+    /* the function has no argument here, because SQLite 3.46 regards an argument as the name of a
+       table */
     int code = sqlite_run(connection, SERVER_SQL("SELECT count(*) FROM pragma_integrity_check"
                                                  " WHERE integrity_check <> 'ok'",
                                                  NULL, 0, server_sql_on_integers, &faults));
@@ -151,7 +155,7 @@ static int read_version(sqlite3 *connection, int64_t *version)
     return code;
 }
 
-/* Copies to a new file, or to memory. The caller closes `*out` in any case. */
+/* Copies the database to a new file or to memory. The caller closes `*out` in any case. */
 static int sqlite_copy(sqlite3 *connection, const char *path, sqlite3 **out)
 {
     int code = sqlite3_open(path, out);
@@ -283,8 +287,8 @@ const char *server_database_error(struct server_database *database)
 
 /* --- statements ------------------------------------------------------------------------------- */
 
-/* Moves the log into the database. After a failure all later writes are refused. Earlier writes are
- * durable. */
+/* Moves the log into the database (a checkpoint). After a failure all later writes are refused;
+ * earlier writes are durable. */
 static void database_checkpoint(struct server_database *database, int mode)
 {
     enum server_outcome outcome = server_sqlite_outcome(
@@ -325,8 +329,8 @@ enum server_outcome server_database_put(struct server_database *database,
     return outcome;
 }
 
-/* Deletes the row and empties the log, because damage can truncate a log undetected. A lost insert
- * is repaired from the manifest, but a lost deletion would not be noticed. */
+/* Deletes the row and empties the log, because damage can truncate a log without being detected. A
+ * lost insertion is repaired from the manifest, but a lost deletion would not be detected. */
 enum server_outcome server_database_remove(struct server_database *database, const char *key)
 {
     enum server_outcome outcome =
@@ -402,7 +406,7 @@ enum server_outcome server_database_copy(struct server_database *database, const
 struct batches {
     struct server_store_sql sql; /* must be the first member */
     pthread_mutex_t lock;
-    sqlite3 *connection; /* NULL: damaged, and no new one could be made yet */
+    sqlite3 *connection; /* NULL: the database is damaged, and no new one could be made yet */
     char path[SERVER_DISK_PATH];
     const char *const *steps;
 };
@@ -416,7 +420,8 @@ static int batches_connect(struct batches *own)
     while (own->steps[count]) count++;
     if (!code) code = sqlite_check(own->connection);
     if (!code) code = read_version(own->connection, &version);
-    if (!code && version > count) code = SQLITE_CANTOPEN; /* the file is from a later daemon */
+    /* a later version of the daemon made the file */
+    if (!code && version > count) code = SQLITE_CANTOPEN;
     if (!code && version < count) code = run_steps(own->connection, own->steps, version, count);
     if (code) sqlite3_close(own->connection);
     if (code) own->connection = NULL;
@@ -443,7 +448,8 @@ static int batches_ensure(struct batches *own)
     return own->connection ? SQLITE_OK : batches_judge(own, batches_connect(own));
 }
 
-/* Does not repeat a statement that finds damage: its visitor may have seen rows. */
+/* Does not repeat a statement that finds damage, because its visitor may already have received
+ * rows. */
 static enum server_outcome batches_run(struct server_store_sql *sql,
                                        const struct server_statement *statement)
 {

@@ -12,7 +12,7 @@
 
 #define BALLAST_BYTES ((size_t)1 << 20)
 #define HASH          (SERVER_SHA256_HEX - 1)
-#define ASIDE         "temporary/aside" /* the manifest that is being replaced */
+#define ASIDE         "temporary/aside" /* name of the old manifest while it is being replaced */
 #define UNFINISHED    "unfinished"
 
 /* --- paths ------------------------------------------------------------------------------------ */
@@ -65,9 +65,8 @@ static bool files_refuse_path(struct server_files *files, const char *path)
     return server_refuse(files->error, "can't open '%s': %s", path, strerror(errno));
 }
 
-/* Makes the names in a folder durable. Skips a folder that the process can't write to, because the
- * process can't have created a name there. In the sandbox (sandbox.h) the folder may be
- * inaccessible. */
+/* Makes the names in a folder durable. Skips a folder without write permission, because the process
+ * can't have created a name in it. In the sandbox (sandbox.h) the folder may be inaccessible. */
 static enum server_outcome sync_names(const char *folder)
 {
     if (access(folder, W_OK) != 0) return SERVER_STORE_DONE;
@@ -75,8 +74,8 @@ static enum server_outcome sync_names(const char *folder)
     return outcome == SERVER_STORE_READ_ONLY && errno == EACCES ? SERVER_STORE_DONE : outcome;
 }
 
-/* Creates a folder and its parents. Makes the names of existing folders durable, too: a process
- * that was killed may have created them without that. */
+/* Creates a folder and its parents. Also makes the names of existing folders durable, because a
+ * process that created them may have been killed before it did so. */
 static enum server_outcome make_path(const char *folder)
 {
     char path[SERVER_STORE_FOLDER];
@@ -106,13 +105,13 @@ static bool make_layout(struct server_files *files)
 }
 
 /* Locks the folder, and the file `lock` for earlier versions and for NFS, where folders can't be
- * locked. A lock of the file alone is lost when the file is removed. */
+ * locked. A lock of the file alone would be lost when the file is removed. */
 static bool lock_take(struct server_files *files, int flags)
 {
     const struct server_path path = server_files_path(files, "lock");
     files->held = open(files->folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (files->held >= 0) files->lock = open(path.text, flags | O_CLOEXEC | O_NONBLOCK, 0600);
-    /* opened without O_CREAT, the file may be missing: some copies lack it */
+    /* without O_CREAT the file may be missing, because some copies of the folder lack it */
     bool is_open = files->held >= 0 && (files->lock >= 0 || errno == ENOENT);
     if (!is_open) (void)files_refuse_path(files, files->held < 0 ? files->folder : path.text);
     bool is_locked = is_open &&
@@ -143,7 +142,7 @@ bool server_files_open(struct server_files *files, const char *folder)
     if (!set_folder(files, folder) || server_files_is_unfinished(files) || !make_layout(files) ||
         !lock_take(files, O_RDWR | O_CREAT))
         return false;
-    /* earlier versions created databases with the rights of the umask */
+    /* earlier versions created databases with the permissions of the umask */
     struct server_listing listing = server_disk_list(folder);
     while (server_listing_next(&listing))
         if (lstat(listing.path, &facts) == 0 && S_ISREG(facts.st_mode) && (facts.st_mode & 077))
@@ -154,7 +153,7 @@ bool server_files_open(struct server_files *files, const char *folder)
 bool server_files_open_existing(struct server_files *files, const char *folder)
 {
     if (!set_folder(files, folder)) return false;
-    /* a slash after the name excludes files */
+    /* the slash after the name excludes files that are not folders */
     if (!server_disk_exists(server_files_path(files, "objects/").text) ||
         !server_disk_exists(server_files_path(files, "manifests/").text))
         return server_refuse(
@@ -200,8 +199,8 @@ static bool mark_unfinished(const struct server_files *files, const char *path)
     return !server_disk_sync_file(path) && !server_disk_sync_folder(files->folder);
 }
 
-/* Returns whether a folder holds data of a store. With `removes`, removes the files except objects,
- * because an earlier attempt may have copied another moment or another backup. */
+/* Returns true if a folder contains data of a store. With `removes`, also removes all files except
+ * objects, because an earlier attempt may have copied another moment or another backup. */
 static bool has_data(const struct server_files *files, bool removes)
 {
     static const struct {
@@ -358,7 +357,7 @@ enum server_outcome server_files_write_object(struct server_files *files,
 
 void server_files_remove_object(const struct server_files *files, const char *object)
 {
-    /* the next start removes it if this fails */
+    /* if this fails, the next start removes the file */
     (void)unlink(server_files_object_path(files, object).text);
 }
 

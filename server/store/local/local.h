@@ -1,7 +1,7 @@
 /* The parts of a local store: its files and its database. The data folder:
  *
  *     lock                          locked by the process that has the store, as is the folder
- *     unfinished                    marks a copy that --backup or --restore has not finished
+ *     unfinished                    exists while a copy by --backup or --restore is incomplete
  *     geodesicd.db, -wal, -shm      SQLite: the records as rows
  *     batches.db, -wal, -shm        SQLite: the batches; created for the first batch
  *     objects/ab/<object>           files and attachments, immutable, named by content (record.h)
@@ -24,9 +24,10 @@
 
 struct server_files {
     char folder[SERVER_STORE_FOLDER];
-    int held, lock;           /* locked descriptors: the folder, its file `lock`; -1: none */
+    /* locked descriptors of the folder and of its file `lock`; -1: none */
+    int held, lock;
     unsigned serial;          /* number of the next temporary file */
-    char error[SERVER_ERROR]; /* why it could not be opened, a sentence */
+    char error[SERVER_ERROR]; /* a sentence with the reason why the folder could not be opened */
 };
 
 struct server_path {
@@ -42,23 +43,25 @@ struct server_path server_files_manifest_path(const struct server_files *files, 
 /* Lists one of the store's folders. */
 struct server_listing server_files_list(const struct server_files *files, const char *folder);
 
-/* Parses the file name of a manifest. False: it has another form. */
+/* Parses the file name of a manifest. Returns false if the name has another form. */
 bool server_files_manifest_key(const char *file, char key[SERVER_KEY_TEXT]);
 
-/* Returns whether this has the form of an object's file name: a hash, and perhaps a tenant. */
+/* Returns true if the text has the form of an object's file name: a hash, and perhaps a tenant. */
 bool server_files_object_check(const char *file);
 
-/* Opens the folder and locks it; server_files_close unlocks it. Creates missing folders, durably,
- * and restricts the rights of its files. False with files->error, also for an unfinished copy. */
+/* Opens the folder and locks it; server_files_close unlocks it. Creates missing folders durably,
+ * and restricts the permissions of files. On failure, and for an unfinished copy, returns false and
+ * sets files->error. */
 bool server_files_open(struct server_files *files, const char *folder);
-/* As server_files_open, but creates nothing. False also if `objects` or `manifests` is missing. */
+/* As server_files_open, but creates nothing. Also returns false if `objects` or `manifests` is
+ * missing. */
 bool server_files_open_existing(struct server_files *files, const char *folder);
-/* As server_files_open, for a new copy or an unfinished one, whose objects are kept. The copy is
- * unfinished until server_files_finish. */
+/* As server_files_open, for a new or an unfinished copy. The objects of an unfinished copy are
+ * kept. The copy is unfinished until server_files_finish is called. */
 bool server_files_open_copy(struct server_files *files, const char *folder);
 enum server_outcome server_files_finish(const struct server_files *files);
 
-/* Returns whether the folder is an unfinished copy; if so, sets files->error. */
+/* Returns true and sets files->error if the folder is an unfinished copy. */
 bool server_files_is_unfinished(struct server_files *files);
 
 /* Returns false if the folder, a folder in it, or the database was removed or replaced. */
@@ -81,7 +84,7 @@ enum server_outcome server_files_copy_object(const struct server_files *files,
                                              const struct server_files *from,
                                              const struct server_object *object,
                                              server_disk_copier *copy);
-/* Verifies the object piece by piece, as the store's verify. */
+/* Verifies the object piece by piece, like the function `verify` of the store. */
 enum server_outcome server_files_verify_object(const struct server_files *files,
                                                const struct server_object *object,
                                                server_pace *pace, void *user);
@@ -89,7 +92,8 @@ void server_files_remove_object(const struct server_files *files, const char *ob
 
 /* --- manifests -------------------------------------------------------------------------------- */
 
-/* Reads a manifest, and its text's SHA-256. DAMAGED also if it is missing or has another key. */
+/* Reads a manifest, and computes the SHA-256 of its text. DAMAGED: the manifest is damaged, is
+ * missing or has another key. */
 enum server_record_reading server_files_read_manifest(const struct server_files *files,
                                                       const char *key, struct server_record **out,
                                                       char sha256[SERVER_SHA256_HEX]);
@@ -104,23 +108,26 @@ enum server_outcome server_files_remove_manifest(const struct server_files *file
 /* --- ballast ---------------------------------------------------------------------------------- */
 
 enum server_outcome server_files_load_ballast(struct server_files *files);
-bool server_files_drop_ballast(const struct server_files *files); /* true: it made room */
+/* returns true if there was a ballast */
+bool server_files_drop_ballast(const struct server_files *files);
 
 /* --- the database ----------------------------------------------------------------------------- */
-/* The records as rows of SQLite, a fast index. Each row can be made again from its manifest
- * (record.h).
+/* The records as rows of SQLite, which are a fast index. Each row can be made again from its
+ * manifest (record.h).
  *
- * Only one connection, used by one thread at a time, writes and makes checkpoints: with two, SQLite
- * 3.40 can reset its log wrongly. READ_ONLY means that SQLite failed to write or sync. */
+ * Only one connection, used by one thread at a time, writes and makes checkpoints: with two such
+ * connections, SQLite 3.40 can reset its log wrongly. READ_ONLY means that SQLite failed to write
+ * or sync. */
 
 struct sqlite3;
 struct server_database;
 
 enum server_database_use {
-    /* Creates the file if need be, checks all of it and migrates it to the current schema. */
+    /* Creates the file if it is missing, checks all of it, and migrates it to the current
+       schema. */
     SERVER_DATABASE_WRITE,
-    /* Reads for a short time, while another process may write. Creates nothing except the -shm of a
-     * log that a crash left. ABSENT: there is no file, or no table yet. */
+    /* Reads for a short time, while another process may write. Creates nothing except the -shm file
+       of a log that a crash left. ABSENT: there is no file, or the file has no table yet. */
     SERVER_DATABASE_READ,
     SERVER_DATABASE_COPY /* as READ, for a database with any tables, to check or copy it */
 };
@@ -129,7 +136,8 @@ enum server_database_use {
 enum server_outcome server_database_open(const char *path, enum server_database_use use,
                                          struct server_database **out);
 
-/* Closes the database (NULL: nothing). `is_sound`: a checkpoint may move the log into it. */
+/* Closes the database; NULL is allowed. If `is_sound`, a checkpoint may move the log into the
+ * database. */
 void server_database_close(struct server_database *database, bool is_sound);
 
 /* The columns of a row. The record is not checked yet. */
@@ -147,7 +155,7 @@ enum server_outcome server_database_remove(struct server_database *database, con
 enum server_outcome server_database_count(struct server_database *database, const char *object,
                                           int64_t *count);
 
-/* Finds the objects of a key; ABSENT. */
+/* Finds the objects of a key. ABSENT: there is no row with this key. */
 enum server_outcome server_database_find(struct server_database *database, const char *key,
                                          struct server_sql_surface *out);
 
@@ -155,10 +163,10 @@ enum server_outcome server_database_note_uses(struct server_database *database,
                                               const struct server_record *const *records,
                                               const struct server_store_uses *uses, uint32_t count);
 
-/* Copies the database, as of one moment, to a new file. */
+/* Copies the state of the database at one moment to a new file. */
 enum server_outcome server_database_copy(struct server_database *database, const char *path);
 
-/* Returns false after a failed checkpoint: then every write is refused. */
+/* Returns false after a failed checkpoint. Every write is then refused. */
 bool server_database_is_sound(const struct server_database *database);
 
 /* SQLite's message of the last failure. */
@@ -169,9 +177,9 @@ const char *server_database_error(struct server_database *database);
 /* Returns the outcome of a result code. */
 enum server_outcome server_sqlite_outcome(int code);
 
-/* Migrates a database from its user_version to `version` in one transaction. steps[i] makes version
- * i + 1 of version i; steps are added at the end and never changed. Copies a database that is not
- * new to `copy_path` first. DAMAGED: an impossible version, or a step fails. */
+/* Migrates a database from its user_version to `version` in one transaction. steps[i] migrates
+ * version i to version i + 1; steps are added at the end and never changed. A database that is not
+ * new is first copied to `copy_path`. DAMAGED: the version is impossible, or a step fails. */
 enum server_outcome server_sqlite_migrate(struct sqlite3 *connection, const char *const *steps,
                                           int version, const char *copy_path);
 

@@ -1,7 +1,7 @@
-/* See store.h: the store in a folder, with SQLite and files (local.h).
+/* The store in a folder, with SQLite and files (local.h): see store.h.
  *
- * DESIGN of the recovery when a store opens. A readable manifest is right: it was durable before
- * its row, and it is removed only after its row.
+ * DESIGN of the recovery when a store opens. A readable manifest is correct, because it became
+ * durable before its row, and is removed only after its row.
  *
  *     manifest     row                cause                             repair
  *     good         the same           none                              none
@@ -29,26 +29,27 @@
 
 struct finding { /* a finding of the recovery */
     char key[SERVER_KEY_TEXT];
-    struct server_stored stored; /* no record: the surface is lost */
+    struct server_stored stored; /* if it has no record, the surface is lost */
     enum { SOUND, LACKS_ROW, LACKS_MANIFEST } defect;
 };
 
 struct local {
     struct server_store store; /* must be the first member */
     struct server_files files;
-    struct server_database *database; /* NULL: unusable, and the store is read-only */
-    pthread_mutex_t lock;             /* protects `quarantine` and `turn` */
-    struct server_names quarantine;   /* ids of damaged objects */
-    uint64_t turn;                    /* rises when an object leaves the quarantine */
+    /* NULL: the database is unusable, and the store is read-only */
+    struct server_database *database;
+    pthread_mutex_t lock;           /* protects `quarantine` and `turn` */
+    struct server_names quarantine; /* ids of damaged objects */
+    uint64_t turn;                  /* increases when an object leaves the quarantine */
     /* freed after the first visit; findings with a row come first, sorted by key */
     struct finding *findings;
     uint32_t count, capacity;
     /* ids of the objects that the last change removed from a surface; empty: none */
     char left[SERVER_PARTS][SERVER_OBJECT];
-    bool lacks_rows; /* a repair failed: rows do not show all objects in use */
+    bool lacks_rows; /* true: a repair failed, so that the rows do not list all objects in use */
     atomic_bool is_read_only;
-    char reason[512];        /* why is_read_only is set; set before it, once */
-    atomic_bool was_missing; /* the folder was missing at the last check of health */
+    char reason[512];        /* the reason for is_read_only; set once, before is_read_only */
+    atomic_bool was_missing; /* true: the folder was missing at the last check of health */
 };
 
 /* --- health ----------------------------------------------------------------------------------- */
@@ -80,7 +81,7 @@ static const char *local_health(struct server_store *store)
     return is_missing ? missing : NULL;
 }
 
-/* Logs a failed write, and makes the store read-only if another write could do harm. */
+/* Logs a failed write. Makes the store read-only if another write could do harm. */
 static enum server_outcome local_judge(struct local *local, enum server_outcome outcome,
                                        const char *what)
 {
@@ -97,8 +98,8 @@ static enum server_outcome local_judge(struct local *local, enum server_outcome 
 
 /* --- quarantine ------------------------------------------------------------------------------- */
 
-/* Returns whether the object is in quarantine. A reader calls it before it reads the object, and
- * later passes `*turn` to quarantine_condemn. */
+/* Returns true if the object is in quarantine. A reader calls this function before reading the
+ * object, and later passes `*turn` to quarantine_condemn. */
 static bool quarantine_holds(struct local *local, const char *object, uint64_t *turn)
 {
     SERVER_LOCK(&local->lock);
@@ -106,8 +107,8 @@ static bool quarantine_holds(struct local *local, const char *object, uint64_t *
     return server_names_has(&local->quarantine, object);
 }
 
-/* Puts an object into quarantine. False: an object was rewritten since `turn`, perhaps this one, or
- * memory is short. Then the next reader of the object decides. */
+/* Puts an object into quarantine. Returns false if memory is short, or if any object, perhaps this
+ * one, was rewritten since `turn`. In this case the next reader of the object checks it again. */
 static bool quarantine_condemn(struct local *local, const char *object, uint64_t turn)
 {
     SERVER_LOCK(&local->lock);
@@ -146,7 +147,7 @@ static enum server_outcome local_write_objects(struct local *local,
     return local_judge(local, outcome, "a surface's file");
 }
 
-/* Removes the objects in local->left, unless a surface has them. */
+/* Removes the objects in local->left, unless a surface uses them. */
 static void local_drop_left(struct local *local)
 {
     bool knows_rows = !local->is_read_only && !local->lacks_rows;
@@ -162,7 +163,7 @@ static void local_drop_left(struct local *local)
     }
 }
 
-/* Removes unused objects first: the ballast may need their space. */
+/* Removes unused objects first, because the ballast may need their space. */
 static void local_tidy(struct server_store *store)
 {
     struct local *local = (struct local *)store;
@@ -233,7 +234,8 @@ static enum server_outcome local_remove(struct server_store *store,
     (void)version;
     if (local->is_read_only) return SERVER_STORE_READ_ONLY;
     enum server_outcome outcome = server_database_remove(local->database, record->key);
-    /* a delete makes the database's log grow: drops the ballast if the disk is full */
+    /* deleting a row needs space for the database's log, so the ballast is dropped if the disk is
+       full */
     if (outcome == SERVER_STORE_FULL && server_files_drop_ballast(&local->files))
         outcome = server_database_remove(local->database, record->key);
     outcome = local_judge(local, outcome, "a row of the database");
@@ -323,8 +325,8 @@ static void recovery_note(struct recovery *recovery, enum server_record_reading 
     recovery->no_memory |= reading == SERVER_RECORD_NO_MEMORY;
 }
 
-/* Compares a row (without a record: there is none) with its manifest. Returns false if out of
- * memory. */
+/* Compares a row with its manifest. A row without a record stands for a missing row. Returns false
+ * if out of memory. */
 static bool finding_add(void *user, const struct server_sql_value *row)
 {
     struct recovery *recovery = user;
@@ -490,7 +492,7 @@ static bool recovery_run(struct local *local, char error[SERVER_ERROR])
             repair_row(local, &local->findings[i]);
         else if (local->findings[i].defect == LACKS_MANIFEST)
             repair_manifest(&recovery, &local->findings[i]);
-    /* after damage, keep all objects: a person may repair the store */
+    /* after damage all objects are kept, because an operator may repair the store */
     if (recovery.is_damaged || local->is_read_only) return true;
     collect_objects(local);
     if (server_files_load_ballast(&local->files) == SERVER_STORE_READ_ONLY)

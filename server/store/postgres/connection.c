@@ -12,14 +12,16 @@
 #include "server/base/log.h"
 #include "server/base/thread.h"
 
-#define CONNECT_NS  UINT64_C(1500000000)
-#define CONNECTIONS 5                    /* most connections, including the listener's */
+#define CONNECT_NS UINT64_C(1500000000)
+/* largest number of connections, including that of the listener */
+#define CONNECTIONS 5
 #define TAKE_NS     UINT64_C(5000000000) /* longest wait for a connection */
-#define PATIENCE_NS UINT64_C(3000000000) /* longest time in which a transaction is retried */
-/* deadline of its statements; exceeds the server's lock_timeout */
+#define PATIENCE_NS UINT64_C(3000000000) /* longest time for which a transaction is retried */
+/* deadline of the statements of a transaction; longer than the server's lock_timeout */
 #define LONGEST_NS UINT64_C(8000000000)
-#define PAUSE_NS   UINT64_C(5000000)   /* first pause; each further pause is twice as long, … */
-#define PAUSE_MOST UINT64_C(200000000) /* … up to this */
+/* first pause between two attempts; each further pause is twice as long */
+#define PAUSE_NS   UINT64_C(5000000)
+#define PAUSE_MOST UINT64_C(200000000) /* longest pause */
 #define MS         UINT64_C(1000000)
 
 /* Fixed numbers of types: PostgreSQL's pg_type.dat. */
@@ -27,8 +29,8 @@
 #define OID_INTEGER 20
 #define OID_TEXT    25
 
-/* Settings of every session: the schema, durable commits, and a limit on how long a daemon that is
- * cut off during a change blocks the others. */
+/* Settings of every session: the schema, durable commits, and a limit on the time for which a
+ * daemon that loses its connection during a change blocks the others. */
 static const char settings[] =
     "SET search_path = geodesicd; SET client_min_messages = warning; SET lock_timeout = 5000;"
     " SET idle_in_transaction_session_timeout = 10000; SET tcp_keepalives_idle = 10;"
@@ -41,7 +43,7 @@ struct server_pg {
     bool is_lost;
     uint64_t longest_ns; /* deadline of a statement */
     struct server_pg *next;
-    char error[SERVER_PG_ERROR]; /* message of the last failure, one line */
+    char error[SERVER_PG_ERROR]; /* message of the last failure, in one line */
 };
 
 struct server_pg_pool {
@@ -49,7 +51,7 @@ struct server_pg_pool {
     pthread_mutex_t lock;
     pthread_cond_t change;
     struct server_pg *idle; /* under the lock */
-    unsigned used;          /* connections that are not idle; under the lock */
+    unsigned used;          /* number of connections that are not idle; guarded by the lock */
     atomic_bool is_away;
     char url[];
 };
@@ -100,7 +102,8 @@ static enum server_outcome error_outcome(struct server_pg *pg, const PGresult *r
 
 /* --- statements ------------------------------------------------------------------------------- */
 
-/* Waits until the socket is ready for one of the events; false: not in time. */
+/* Waits until the socket is ready for one of the events. Returns false if it is not ready in
+ * time. */
 static bool socket_wait(PGconn *link, short events, uint64_t until_ns)
 {
     for (;;) {
@@ -187,7 +190,7 @@ enum server_outcome server_pg_run(struct server_pg *pg, const struct server_stat
                                                      : OID_TEXT;
         formats[i] = 1;
         sizes[i] = is_integer ? (int)sizeof(uint64_t) : (int)value->size;
-        /* NULL stands for the SQL NULL */
+        /* a NULL pointer is the SQL value NULL */
         values[i] = is_integer ? (const char *)&integers[i] : value->bytes;
     }
     if (!PQsendQueryParams(pg->link, statement->text, statement->count, types, values, sizes,
@@ -221,7 +224,7 @@ static void on_notice(void *user, const PGresult *result)
 
 static PGconn *connect_begin(const char *url)
 {
-    /* the address is last, so that its values override the others */
+    /* the address is last, so that its values replace the others */
     enum { COUNT = 9 };
     const char *const parameters[COUNT][2] = {{"gssencmode", "disable"},
                                               {"application_name", "geodesicd"},
@@ -316,7 +319,7 @@ void server_pg_pool_has_answered(struct server_pg_pool *pool)
     atomic_store(&pool->is_away, false);
 }
 
-/* Returns a connection to the pool, or the place of a closed one (NULL). */
+/* Returns a connection to the pool. With NULL, returns the place of a closed connection. */
 static void pool_return(struct server_pg_pool *pool, struct server_pg *pg)
 {
     SERVER_LOCK(&pool->lock);
@@ -380,7 +383,7 @@ static enum server_outcome attempt_commit(struct server_pg_attempt *attempt)
 }
 
 /* Queries the status of a COMMIT that was not answered. DONE: committed; STALE: aborted;
- * UNAVAILABLE: unknown for now, or in progress. */
+ * UNAVAILABLE: not known yet, or in progress. */
 static enum server_outcome attempt_ask(struct server_pg_attempt *attempt)
 {
     struct server_sql_integers ended = {0};
@@ -396,7 +399,8 @@ static enum server_outcome attempt_ask(struct server_pg_attempt *attempt)
     return ended.at[0] ? SERVER_STORE_DONE : SERVER_STORE_STALE;
 }
 
-/* Waits before the next attempt, each time longer. False: there is no time for another one. */
+/* Waits before the next attempt, each time longer. Returns false if there is no time for another
+ * attempt. */
 static bool attempt_pause(struct server_pg_attempt *attempt)
 {
     if (gd_now_ns() + attempt->pause_ns >= attempt->until_ns) return false;
@@ -412,7 +416,7 @@ static void attempt_release(struct server_pg_attempt *attempt)
     attempt->pg = NULL;
 }
 
-/* Begins an attempt. False: the outcome is set already. */
+/* Begins an attempt. Returns false if the outcome is already set. */
 static bool attempt_begin(struct server_pg_attempt *attempt)
 {
     attempt->outcome = server_pg_pool_take(attempt->pool, &attempt->pg, attempt->error);
@@ -490,8 +494,8 @@ struct server_store_sql *server_store_sql_postgres_open(const char *url)
 #define STANDARD_PORT "5432"
 #define VALUE         4096
 
-/* Copies the value of a keyword that the address sets, else the one of the environment, else "".
- * False: the address is malformed. */
+/* Copies the value of a keyword from the address. If the address does not set it, copies the value
+ * of the environment, or "". Returns false if the address is malformed. */
 static bool address_value(const char *url, const char *keyword, char value[VALUE])
 {
     PQconninfoOption *given = PQconninfoParse(url, NULL),
@@ -510,7 +514,8 @@ static bool address_value(const char *url, const char *keyword, char value[VALUE
 bool server_postgres_each_port(const char *url, bool (*visit)(void *user, uint16_t port),
                                void *user)
 {
-    char list[VALUE], *rest = list; /* "5432,5433": one for each host, or for all */
+    /* such as "5432,5433": one port for each host, or one for all */
+    char list[VALUE], *rest = list;
     bool goes_on = address_value(url, "port", list);
     if (!*list) strcpy(list, STANDARD_PORT);
     for (char *port; goes_on && (port = strsep(&rest, ","));)
@@ -529,7 +534,7 @@ bool server_postgres_each_file(const char *url, void (*visit)(void *user, const 
         if (!address_value(url, keywords[i], value)) return false;
         if (*value) visit(user, value);
     }
-    bool has_home = !*value && home && *home; /* `value` is that of passfile */
+    bool has_home = !*value && home && *home; /* `value` is the value of passfile */
     if (has_home && snprintf(value, sizeof value, "%s/.pgpass", home) < (int)sizeof value)
         visit(user, value);
     return true;

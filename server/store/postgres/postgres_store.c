@@ -6,14 +6,15 @@
 #include "server/base/thread.h"
 #include "server/store/postgres/connection.h"
 
-#define CHANNEL    "geodesicd"           /* notified by each change */
-#define REMEMBERED "100000"              /* changes after which a removal is forgotten */
+#define CHANNEL "geodesicd" /* notified by each change */
+/* number of changes after which a removal is no longer listed */
+#define REMEMBERED "100000"
 #define PAGE       500                   /* rows of one statement */
 #define PAGE_TEXT  "500"                 /* PAGE as text in SQL */
 #define START_NS   UINT64_C(10000000000) /* time to reach the database at the start */
 #define LOAD_NS    UINT64_C(8000000000)  /* time to read an object, or all rows */
 #define FOLLOW_NS  UINT64_C(1000000000)
-#define SWEEP_NS   UINT64_C(3600000000000) /* between two removals of unused objects */
+#define SWEEP_NS   UINT64_C(3600000000000) /* time between two removals of unused objects */
 #define AWAY                                                                                       \
     "the database does not answer: surfaces in memory are served, and changes are refused until "  \
     "it is back"
@@ -21,8 +22,8 @@
 struct shared {
     struct server_store store; /* must be the first member */
     struct server_pg_pool *pool;
-    uint64_t seen; /* last version that was visited; under the follower's lock */
-    /* of the thread that calls await: */
+    uint64_t seen; /* last visited version; guarded by the follower's lock */
+    /* used by the thread that calls await: */
     struct server_pg *listener; /* NULL: none yet */
     bool was_away;
     uint64_t swept_ns; /* time of the last removal of unused objects */
@@ -52,7 +53,7 @@ struct change {
     struct server_sql_surface found; /* current row of the key; version 0: none */
 };
 
-/* Finds the key's row. PRECONDITION: it has another version than the registry knows. */
+/* Finds the key's row. PRECONDITION: the row's version differs from that in the registry. */
 static enum server_outcome pg_change_check(struct server_pg *pg, struct change *change)
 {
     change->found = (struct server_sql_surface){0};
@@ -99,7 +100,7 @@ static enum server_outcome pg_change_forget(struct server_pg *pg, const struct c
             SERVER_VALUES(server_sql_integer(version))));
 }
 
-/* Applies a change. Locks the clock, so that other daemons change nothing meanwhile. */
+/* Applies a change. Locks the clock's row, so that other daemons change nothing meanwhile. */
 static enum server_outcome pg_change_apply(struct server_pg *pg, struct change *change)
 {
     enum server_outcome outcome =
@@ -189,15 +190,15 @@ static enum server_outcome shared_verify(struct server_store *store,
 struct page {
     server_stored_visit *visit;
     void *user;
-    bool is_following;          /* removals are visited, too */
+    bool is_following;          /* true: removals are visited, too */
     uint64_t seen;              /* all changes up to this version are visited */
     char last[SERVER_KEY_TEXT]; /* the last surface's key */
     uint32_t rows;
-    bool is_over; /* the visitor has ended it, or memory is short */
+    bool is_over; /* true: the visitor has ended the visit, or memory is short */
     bool is_forgotten;
 };
 
-/* Parses row[2]. Logs a damaged record and returns NULL; also NULL: out of memory. */
+/* Parses row[2]. Returns NULL if out of memory, or after logging a damaged record. */
 static struct server_record *page_record(struct page *page, const struct server_sql_value *row)
 {
     struct server_record *record = NULL;
@@ -267,7 +268,7 @@ static enum server_outcome shared_follow(struct server_store *store, server_stor
     return !attempt.outcome && page.is_forgotten ? SERVER_STORE_STALE : attempt.outcome;
 }
 
-/* Visits all surfaces. The next follow visits changes that are made meanwhile. */
+/* Visits all surfaces. The next call of follow visits changes that are made meanwhile. */
 static enum server_outcome shared_each(struct server_store *store, server_stored_visit *visit,
                                        void *user)
 {
@@ -276,7 +277,8 @@ static enum server_outcome shared_each(struct server_store *store, server_stored
     struct server_sql_integers clock = {0};
     struct server_pg_attempt attempt = server_pg_reading(own->pool, LOAD_NS);
     while (server_pg_next(&attempt)) {
-        /* read once: a change made while rows are visited has a later version */
+        /* the clock is read only once, because a change made while rows are visited has a later
+           version */
         attempt.outcome = clock.rows ? SERVER_STORE_DONE : read_clock(attempt.pg, &clock);
         page.rows = PAGE;
         while (!attempt.outcome && page.rows == PAGE) {
@@ -319,8 +321,8 @@ static bool listen_again(struct shared *own)
     return true;
 }
 
-/* Deletes the objects of uploads that were interrupted more than a day ago. Locks the clock, so
- * that no change can refer to such an object meanwhile. */
+/* Deletes the objects of uploads that were interrupted more than a day ago. Locks the clock's row,
+ * so that no change can refer to such an object meanwhile. */
 static void objects_sweep(struct server_pg_pool *pool)
 {
     struct server_pg_attempt attempt = server_pg_transaction(pool);
@@ -336,7 +338,7 @@ static void objects_sweep(struct server_pg_pool *pool)
     }
 }
 
-/* Waits for a change. Also detects that the database is back. */
+/* Waits for a change. Also detects that the database is reachable again. */
 static void shared_await(struct server_store *store, uint64_t ns)
 {
     struct shared *own = (struct shared *)store;
@@ -396,8 +398,8 @@ struct server_store *server_store_postgres_open(const char *url, char error[SERV
     struct shared *own = calloc(1, sizeof *own);
     snprintf(error, SERVER_ERROR, "out of memory");
     if (!own) return NULL;
-    /* no keep, tidy and note_uses: stage repairs objects, each change deletes unused ones, and uses
-     * differ between daemons */
+    /* keep, tidy and note_uses are NULL: stage repairs objects, each change deletes unused objects,
+       and the numbers of uses differ between daemons */
     own->store = (struct server_store){.each = shared_each,
                                        .stage = shared_stage,
                                        .put = shared_put,

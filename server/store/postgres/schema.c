@@ -10,14 +10,14 @@
  *                 attachment, record
  *     batches, items                          see batch_queue.h
  *
- * A change locks the clock's row first, until it commits. So versions are committed in order: a
- * reader that has seen a version has seen all smaller versions. */
+ * A change first locks the clock's row, and holds this lock until it commits. So versions are
+ * committed in order: a reader that has seen a version has seen all smaller versions. */
 #include "server/store/postgres/connection.h"
 
 /* number of the advisory lock of migrations, chosen at random */
 #define MIGRATING "7307990571216692580"
 
-/* One statement each. Steps are added at the end and never changed. */
+/* Each step is one statement. New steps are added at the end; old steps never change. */
 static const char *const steps[] = {
     "CREATE TABLE clock (one boolean PRIMARY KEY DEFAULT true CHECK (one), version bigint NOT NULL,"
     " forgotten bigint NOT NULL)",
@@ -27,7 +27,7 @@ static const char *const steps[] = {
     "CREATE TABLE chunks (object text COLLATE \"C\" NOT NULL REFERENCES objects ON DELETE CASCADE,"
     " number bigint NOT NULL, digest text NOT NULL, bytes bytea NOT NULL,"
     " PRIMARY KEY (object, number))",
-    /* no compression: doubles don't compress */
+    /* without compression, because doubles hardly compress */
     "ALTER TABLE chunks ALTER COLUMN bytes SET STORAGE EXTERNAL",
     "CREATE TABLE surfaces (key text COLLATE \"C\" PRIMARY KEY, version bigint NOT NULL,"
     " file text COLLATE \"C\" REFERENCES objects, attachment text COLLATE \"C\" REFERENCES objects,"
@@ -53,7 +53,8 @@ static const char *const steps[] = {
 };
 #define STEPS ((int64_t)(sizeof steps / sizeof *steps))
 
-/* Creates the schema unless it exists. CREATE … IF NOT EXISTS always needs the right to create. */
+/* Creates the schema if it does not exist. Tests this first, because CREATE … IF NOT EXISTS always
+ * needs the right to create. */
 static enum server_outcome schema_make(struct server_pg *pg)
 {
     struct server_sql_integers is_there = {0};
