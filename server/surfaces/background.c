@@ -2,7 +2,7 @@
 
 #include "server/base/thread.h"
 
-#define REST_NS UINT64_C(10000000) /* pause after a step, which takes about a millisecond */
+#define REST_NS UINT64_C(10000000) /* pause after a step; a step takes about a millisecond */
 
 bool server_build_is_pressed(const struct server_build *build)
 {
@@ -29,7 +29,7 @@ struct server_budgeted_call server_build_begin_call(struct server_build *build, 
                                          .status = GD_BUDGET};
 }
 
-/* Takes the latest slot whose surface is not being freed. False: there is none. */
+/* Takes the latest slot whose surface is not being freed. Returns false if there is none. */
 static bool build_begin(struct server_background *background, struct server_build *build)
 {
     SERVER_LOCK(&background->lru.lock);
@@ -46,7 +46,7 @@ static bool build_begin(struct server_background *background, struct server_buil
     return false;
 }
 
-/* Puts the result (NULL: none) into the slot. */
+/* Stores the result, which may be NULL, in the slot. */
 static void build_end(struct server_build *build, struct server_lru_item *item)
 {
     struct server_background *background = build->background;

@@ -1,13 +1,13 @@
-/* Background: a thread that makes results for surfaces, such as landmarks or previews, one after
- * the other, in idle time and free memory.
+/* Background: a thread that computes results for surfaces, such as landmarks or previews. It
+ * computes one after the other, in idle time and in free memory.
  *
- * DESIGN. A surface has a *slot* for its result. A request that misses the result queues the slot;
- * the thread takes the latest one first, makes the result and puts it into the slot. Results are
- * items of a list (lru.h), whose mutex guards the slots, too. Queued slots hold no reference of
- * their surface; a closed slot stays empty.
+ * DESIGN. A surface has a *slot* for its result. A request that does not find the result queues the
+ * slot. The thread takes the latest slot first, computes the result and stores it in the slot.
+ * Results are items of a list (lru.h), whose mutex also guards the slots. A queued slot has no
+ * reference of its surface. A closed slot stays empty.
  *
- * Memory: when it is short, the current build ends, and results are evicted. Time: the thread has
- * the priority of a worker with a long job (thread_priority.h). While all workers are busy, it
+ * When memory is short, the current build ends, and results are evicted. The thread has the
+ * priority of a worker with a long job (thread_priority.h). While all workers are busy, the thread
  * sleeps ten times as long as it computes. */
 #ifndef SERVER_SURFACES_BACKGROUND_H
 #define SERVER_SURFACES_BACKGROUND_H
@@ -27,19 +27,19 @@ struct server_background_parts { /* all borrowed */
     struct server_field_store *field_store; /* NULL: results are not stored */
 };
 
-struct server_build { /* of the result for one slot */
+struct server_build { /* A build of the result for one slot. */
     struct server_background *background;
     struct server_background_slot *slot;
     struct server_surface *surface; /* a reference */
-    unsigned pressures;             /* `lru.pressures` at the start */
+    unsigned pressures;             /* value of `lru.pressures` at the start */
 };
 
-struct server_background { /* the first members are set by the owner */
-    struct server_lru lru; /* first; without budget */
+struct server_background { /* the owner sets the first members */
+    struct server_lru lru; /* must be the first member; its budget is unset */
     struct server_background_parts parts;
-    /* Makes the result, without the lock. NULL: it failed. */
+    /* Computes the result, without the lock. Returns NULL on failure. */
     struct server_lru_item *(*make)(struct server_build *build);
-    /* Called under the lock at the end of a build. `is_kept`: the slot has the result. */
+    /* Called under the lock at the end of a build. `is_kept`: the result is in the slot. */
     void (*ended)(const struct server_build *build, bool is_kept);
     struct server_thread *thread;
     LIST_HEAD(, server_background_slot) waiting;
@@ -51,18 +51,19 @@ bool server_background_start(struct server_background *background);
 void server_background_stop(struct server_background *background);
 void server_background_end(struct server_background *background); /* stops it first */
 
-/* Under the lock: queues a slot without a result. True: the caller wakes the thread. */
+/* Under the lock: queues a slot without a result. If it returns true, the caller must wake the
+ * thread. */
 bool server_background_queue(struct server_background *background,
                              struct server_background_slot *slot);
 
-/* Returns whether a result is being made, or a slot is queued. */
+/* Returns true while a result is computed or a slot is queued. */
 bool server_background_is_busy(struct server_background *background);
 
-/* Begins the call of the engine that makes a result, with `grant` bytes of free memory. It ends
- * when the result is not needed any more, or memory is short. */
+/* Begins the engine call that computes a result, with `grant` bytes of free memory. The call ends
+ * early if the result is not needed any more or memory is short. */
 struct server_budgeted_call server_build_begin_call(struct server_build *build, size_t grant);
 
-/* Returns whether memory became short during the build. */
+/* Returns true if memory became short during the build. */
 bool server_build_is_pressed(const struct server_build *build);
 
 #endif

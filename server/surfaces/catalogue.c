@@ -10,17 +10,18 @@
 #include "server/base/sorted.h"
 #include "server/base/thread.h"
 
-#define VERSION_CHARACTERS 8 /* characters of the ETag at the beginning of an id */
+#define VERSION_CHARACTERS 8 /* number of characters of the ETag at the beginning of an id */
 
 #define MEMSIZE                                                                                    \
     ((SERVER_CATALOGUE_RESOURCES + 1) * sizeof(void *) + sizeof(struct server_catalogue))
 
 struct server_catalogue {
-    struct server_attached attached; /* first; attached to a record */
+    struct server_attached attached; /* must be the first member; attached to a record */
     pthread_mutex_t lock;
     struct server_sorted resources; /* by id */
     uint64_t clock;
-    char forgotten[SERVER_CATALOGUE_FORGOTTEN][PROTO_FIELD_ID + 1]; /* a ring; empty: none */
+    /* a ring of ids; "": an unused entry */
+    char forgotten[SERVER_CATALOGUE_FORGOTTEN][PROTO_FIELD_ID + 1];
     uint32_t next_forgotten;
 };
 
@@ -86,7 +87,7 @@ static void text_append_seed(struct proto_writer *text, const struct gd_seed *se
 bool server_resource_name(const char *etag, const struct proto_located_set *set,
                           double max_distance, char id[PROTO_FIELD_ID + 1])
 {
-    struct proto_writer text; /* all data that distinguishes sets */
+    struct proto_writer text; /* contains all data that distinguishes sets */
     char hash[SERVER_SHA256_HEX];
     proto_writer_init(&text, SIZE_MAX);
     proto_append(&text, etag, strlen(etag));
@@ -112,7 +113,7 @@ static int resource_compare(const void *resource, const void *id)
     return strcmp(((const struct server_resource *)resource)->id, id);
 }
 
-/* Returns the place of that id in the ring of forgotten ids, or NULL. */
+/* Returns the entry of that id in the ring of forgotten ids, or NULL. */
 static char *forgotten_find(struct server_catalogue *catalogue, const char *id)
 {
     for (uint32_t i = 0; i < SERVER_CATALOGUE_FORGOTTEN; i++)
@@ -128,12 +129,12 @@ static void resource_forget(struct server_catalogue *catalogue, uint32_t at)
     server_resource_release(resource);
 }
 
-struct usage {              /* resources of a key */
+struct usage {              /* The resources of a key. */
     uint32_t count, oldest; /* oldest: index of the least recently used resource */
     size_t bytes;
 };
 
-/* Returns the usage of a key (NULL: of all keys). */
+/* Returns the usage of a key; `key` NULL: of all keys. */
 static struct usage key_usage(const struct server_catalogue *catalogue, const char *key)
 {
     struct usage usage = {0};
@@ -149,7 +150,7 @@ static struct usage key_usage(const struct server_catalogue *catalogue, const ch
     return usage;
 }
 
-/* Inserts a resource. Forgets another one if memory is short. */
+/* Inserts a resource. Forgets another resource if memory is short. */
 static void catalogue_insert(struct server_catalogue *catalogue, struct server_resource *resource)
 {
     struct server_sorted *resources = &catalogue->resources;

@@ -1,4 +1,4 @@
-/* Derived: the data that is stored with a derived mesh, which edits made from another mesh. */
+/* Derived: the data stored with a derived mesh, that is, a mesh made from another mesh by edits. */
 #ifndef SERVER_SURFACES_DERIVED_H
 #define SERVER_SURFACES_DERIVED_H
 
@@ -12,9 +12,10 @@
 struct server_derived {
     char word[8]; /* SERVER_DERIVED_WORD, without a NUL */
     char mesh[PROTO_MESH_NAME + 8],
-        etag[SERVER_ETAG + 7];         /* of the original; mesh is empty for an upload */
-    double largest_distance;           /* largest distance from the original */
-    char operations[PROTO_EDITS_TEXT]; /* as JSON; NUL-terminated */
+        /* name and ETag of the original mesh; the name is empty for an upload */
+        etag[SERVER_ETAG + 7];
+    double largest_distance;           /* largest distance from the original mesh */
+    char operations[PROTO_EDITS_TEXT]; /* the edits as JSON, NUL-terminated */
 };
 
 #define SERVER_DERIVED_WORD "derived1"

@@ -107,8 +107,8 @@ static bool image_read(struct server_field_store *store, const struct server_lis
     return false;
 }
 
-/* Writes an image as `<folder>/<checksum><suffix>`, unless that exists, and sets `file` to its
- * name. False: the disk is full, or the path too long. */
+/* Writes an image as `<folder>/<checksum><suffix>`, unless this file exists, and sets `file` to its
+ * name. Returns false if the disk is full or the path is too long. */
 static bool image_write(const struct image *image, const char *folder, const char *suffix,
                         char file[FILE_NAME])
 {
@@ -130,7 +130,7 @@ static bool image_write(const struct image *image, const char *folder, const cha
     return false;
 }
 
-/* Allocates an image from free memory; false: there is too little. */
+/* Allocates an image from free memory. Returns false if there is too little. */
 static bool image_create(struct server_field_store *store, size_t size, struct image *out)
 {
     if (!server_budget_take_spare(store->budget, SERVER_BUDGET_FLIGHT, size)) return false;
@@ -189,7 +189,7 @@ void server_field_store_follow(struct server_field_store *store, struct server_r
 
 /* --- restoring fields ------------------------------------------------------------------------- */
 
-/* Loads the field of a file into the surface's mesh cache. Returns whether that is done. */
+/* Loads the field of a file into the surface's mesh cache. Returns true on success. */
 static bool field_restore(struct server_field_store *store, struct server_surface *surface,
                           const struct server_listing *file)
 {
@@ -204,7 +204,7 @@ static bool field_restore(struct server_field_store *store, struct server_surfac
         image_free(store, &image);
         return false;
     }
-    if (isfinite(gd_field_reach(field))) { /* only whole fields are restored */
+    if (isfinite(gd_field_reach(field))) { /* only complete fields are restored */
         gd_field_release(field);
         server_budget_give(store->budget, SERVER_BUDGET_FLIGHT, image.size);
         return false;
@@ -236,7 +236,7 @@ struct saving {
     struct server_field_store *store;
     uint64_t until_ns;
     struct server_names kept; /* names of files */
-    bool is_over;             /* time or room has run out */
+    bool is_over;             /* true: the time is over, or the disk is full */
 };
 
 static void field_save(struct saving *saving, const char *folder, const struct gd_field *field)
@@ -329,7 +329,7 @@ void server_field_store_write_landmarks(struct server_field_store *store,
 
 /* --- previews --------------------------------------------------------------------------------- */
 
-/* In the byte order of this machine; positions and corners follow. */
+/* The head of a preview's file, in the byte order of this machine. Positions and corners follow. */
 struct preview_head {
     char word[8]; /* without a NUL */
     uint32_t wanted, positions, faces, zero;
@@ -343,7 +343,7 @@ static size_t preview_size(const struct preview_head *head)
     return head->positions * sizeof(double[3]) + head->faces * sizeof(uint32_t[3]);
 }
 
-/* Copies the polygons of an image. The caller has taken their bytes. */
+/* Copies the polygons of an image. The caller has taken their bytes from the budget. */
 static bool preview_copy(const struct preview_head *head, struct server_stored_preview *out)
 {
     size_t positions = head->positions * sizeof(double[3]);

@@ -1,6 +1,6 @@
-/* The kinds of surfaces: see kind.h. Each reads the file and then builds the object, in steps. A
- * step takes memory from the budget before it runs, and runs again with more if that was too
- * little. */
+/* The kinds of surfaces: see kind.h. Each kind reads the file and then builds the object, in steps.
+ * A step takes memory from the budget before it runs. If that was too little, the step runs again
+ * with more. */
 #include "server/surfaces/kinds.h"
 
 #include <stdio.h>
@@ -13,30 +13,30 @@
 #include "server/store/kind.h"
 #include "server/surfaces/derived.h"
 
-/* Weak, because a test replaces it by its own table. */
+/* A weak symbol, because a test replaces it by its own table. */
 __attribute__((weak)) const struct server_kind *const server_kinds[] = {
     &server_kind_mesh, &server_kind_nurbs, &server_kind_subdivision, NULL};
 
 /* --- steps of a build ------------------------------------------------------------------------- */
 
-#define GROWTH 4 /* factor by which a repeated step gets more memory */
+#define GROWTH 4 /* factor by which the memory grows when a step is repeated */
 
 struct build {
     const struct server_builder *builder;
-    bool is_refused; /* the problem is set */
+    bool is_refused; /* true: the problem is set */
     struct gd_detail detail;
     bool is_read;
-    double begun, share; /* this step is the part [begun, begun + share] of the work */
+    double begun, share; /* the current step is the part [begun, begun + share] of the progress */
     size_t held;         /* bytes of SERVER_BUDGET_FLIGHT */
     struct proto_mesh_options mesh_options;
-    struct gd_mended skipped; /* parts that the reader of a mesh skipped */
+    struct gd_mended skipped; /* elements of the file that the reader of a mesh skipped */
     struct proto_subdivision_options subdivision_options;
     struct gd_control_mesh file; /* contents of the file; for a mesh, its polygons */
     enum gd_scheme scheme;
     void *object; /* NULL: there is none yet */
 };
 
-/* Sets `*kept` to the bytes that the result holds. */
+/* A step. Sets `*kept` to the bytes that its result holds. */
 typedef enum gd_status step(struct build *build, const struct gd_control *control, size_t *kept);
 
 static bool build_progress(void *user, double fraction)
@@ -65,7 +65,8 @@ static enum gd_status step_run(struct build *build, step *run, size_t cost)
     return status;
 }
 
-/* Repeats a step with more memory while that was too little and more is available. */
+/* Runs a step, and repeats it with more memory while memory was too little and more is
+ * available. */
 static enum gd_status step_run_growing(struct build *build, step *run, size_t cost)
 {
     enum gd_status status = step_run(build, run, cost);
@@ -73,7 +74,7 @@ static enum gd_status step_run_growing(struct build *build, step *run, size_t co
     return status;
 }
 
-/* Runs the step that reads the file. `share`: its part of the time. */
+/* Runs the step that reads the file. `share` is its fraction of the progress. */
 static enum gd_status build_read(struct build *build, step *run, size_t cost, double share)
 {
     build->share = share;
@@ -103,7 +104,8 @@ static size_t file_size(const struct gd_control_mesh *file)
            file->crease_count * sizeof *file->creases + file->corner_count * sizeof *file->corners;
 }
 
-/* Ends a build: leaves the bytes of the object in SERVER_BUDGET_FLIGHT and gives back the rest. */
+/* Ends a build: leaves the bytes of the object in SERVER_BUDGET_FLIGHT and returns the rest to the
+ * budget. */
 static enum gd_status build_end(struct build *build, enum gd_status status,
                                 struct server_built *out)
 {
@@ -192,8 +194,8 @@ static enum gd_status mesh_connect(struct build *build, const struct gd_control 
 }
 
 /* Builds the mesh. A repair copies vertices: usually few, at most one for each corner. If memory is
- * too little, the mesh is built again with memory for the most copies, or with all available
- * memory. */
+ * too little, the mesh is built again, with memory for the largest number of copies or with all
+ * available memory. */
 static enum gd_status mesh_connect_growing(struct build *build)
 {
     const struct gd_polygons *polygons = &build->file.polygons;
@@ -208,7 +210,7 @@ static enum gd_status mesh_connect_growing(struct build *build)
     return most > cost ? step_run(build, mesh_connect, most) : status;
 }
 
-/* Appends the remedy, unless the engine named it. */
+/* Appends the remedy, unless the engine's sentence already contains it. */
 static void mesh_suggest_split(struct proto_problem *problem)
 {
     size_t length = strlen(problem->detail);
@@ -221,7 +223,8 @@ static enum gd_status mesh_build(const struct server_builder *builder, struct se
 {
     struct build build = {.builder = builder, .mesh_options.format = GD_FORMAT_ANY};
     struct server_options text;
-    (void)server_options_split(builder->record->options, &text); /* checked at the upload */
+    /* can't fail, because the options were checked at the upload */
+    (void)server_options_split(builder->record->options, &text);
     (void)proto_mesh_options_parse(&text.parameters, &build.mesh_options, builder->problem);
     build.mesh_options.build.lines_skipped = &build.skipped;
     size_t cost = read_cost(builder, build.mesh_options.format);
@@ -273,7 +276,7 @@ const struct server_kind server_kind_mesh = {
 
 /* --- NURBS ------------------------------------------------------------------------------------ */
 
-#define TESSELLATION_BYTES ((size_t)8 << 20) /* enough for most builds */
+#define TESSELLATION_BYTES ((size_t)8 << 20) /* suffices for most builds */
 #define TRIMS_BYTES        ((size_t)8 << 20) /* most bytes for checking trimming loops */
 
 static bool nurbs_read_options(const struct proto_parameters *parameters,
@@ -333,8 +336,9 @@ static void nurbs_release(void *object)
     free(nurbs);
 }
 
-/* Builds a NURBS surface. One that can't be tessellated (flat somewhere, or too large) is kept,
- * because it can be evaluated. Operations that need the tessellation report why there is none. */
+/* Builds a NURBS surface. A surface that can't be tessellated (because it is flat somewhere, or too
+ * large) is accepted, because it can be evaluated. Operations that need the tessellation report why
+ * there is none. */
 static enum gd_status nurbs_build(const struct server_builder *builder, struct server_built *out)
 {
     struct build build = {.builder = builder};
@@ -390,8 +394,8 @@ const struct server_kind server_kind_nurbs = {
 
 /* --- subdivision surfaces --------------------------------------------------------------------- */
 
-#define READ_FACTOR     33  /* most bytes for each byte of a file that is not JSON */
-#define BYTES_A_CORNER  400 /* enough for most builds */
+#define READ_FACTOR     33  /* upper bound of the memory for each byte of a file that is not JSON */
+#define BYTES_A_CORNER  400 /* suffices for most builds */
 #define BYTES_A_SURFACE ((size_t)1 << 20)
 
 static bool subdivision_read_options(const struct proto_parameters *parameters,
@@ -410,8 +414,8 @@ static bool subdivision_read_options(const struct proto_parameters *parameters,
     return true;
 }
 
-/* Returns the cost of reading. A glTF file may place a mesh many times, so its cost is not bounded
- * by its size. */
+/* Returns the memory that reading needs. A glTF file may place a mesh many times, so this cost is
+ * not bounded by the file's size. */
 static size_t subdivision_read_cost(const struct server_builder *builder, enum gd_format format)
 {
     size_t placed = read_cost(builder, format);

@@ -12,15 +12,17 @@
 struct server_nurbs {
     struct gd_parametric *surface;
     struct proto_nurbs_form form;
-    struct gd_tessellation *tessellation; /* NULL: none; `refusal` and `detail` say why */
+    /* NULL: there is none; `refusal` and `detail` give the reason */
+    struct gd_tessellation *tessellation;
     enum gd_status refusal;
     struct gd_detail detail;
 };
 
-/* A subdivision surface, and its kept discretizations. */
+/* A subdivision surface, and its cached discretizations. */
 struct server_subdivision {
     struct gd_subdivision *surface;
-    struct server_discretization_slot slot; /* has a lock of its own; the rest is immutable */
+    /* guarded by its own lock; all other members are immutable */
+    struct server_discretization_slot slot;
 };
 
 /* Return the object of a surface of that kind, borrowed. */

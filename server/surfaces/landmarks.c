@@ -6,12 +6,14 @@
 #include "server/exchange/metrics.h"
 #include "server/surfaces/field_store.h"
 
-#define LEAST_FACES    2000 /* searching a smaller mesh takes less than 0.1 ms */
-#define BYTES_AN_EDGE  256  /* bytes of a build for each edge; see server/doc/003 */
-#define BYTES_A_BUILD  ((size_t)1 << 20)
-#define BYTES_A_VERTEX (16 * sizeof(float) + sizeof(double)) /* landmarks, and to choose them */
-#define LARGEST_PART   4  /* a build may take 1/4 of the budget */
-#define PAUSE_FACTOR   10 /* pause before a rebuild, in costs of the last build */
+/* a search on a smaller mesh takes less than 0.1 ms without landmarks */
+#define LEAST_FACES   2000
+#define BYTES_AN_EDGE 256 /* bytes of a build for each edge; see server/doc/003 */
+#define BYTES_A_BUILD ((size_t)1 << 20)
+/* the landmarks, and the distances to choose them */
+#define BYTES_A_VERTEX (16 * sizeof(float) + sizeof(double))
+#define LARGEST_PART   4  /* a build may take at most 1/4 of the budget */
+#define PAUSE_FACTOR   10 /* pause before a rebuild, in multiples of the time of the last build */
 #define PAUSE_LEAST_NS UINT64_C(100000000)
 
 struct server_landmarks {
@@ -19,7 +21,7 @@ struct server_landmarks {
     struct server_metrics *metrics;
     uint32_t count;
     struct server_landmarks_statistics statistics; /* under the lock */
-    /* of the current build; used by the thread: */
+    /* used by the thread, for the current build: */
     uint64_t begun_ns;
     bool was_built, is_hopeless;
 };
@@ -50,7 +52,8 @@ void server_landmark_set_release(struct server_landmark_set *set)
 
 /* --- the thread ------------------------------------------------------------------------------- */
 
-/* Builds the landmarks, whose bytes are then in flight. NULL: it failed. */
+/* Builds the landmarks. Their bytes are then counted in SERVER_BUDGET_FLIGHT. Returns NULL on
+ * failure. */
 static struct gd_landmarks *landmarks_build(struct server_landmarks *landmarks,
                                             struct server_build *build)
 {

@@ -1,13 +1,13 @@
-/* Landmarks: the distances from a few vertices of a mesh, which make searches for pairs shorter.
+/* Landmarks: the distances from a few vertices of a mesh. They make searches for pairs faster.
  *
  *     set = server_landmarks_find(landmarks, surface);                       NULL: none yet
  *     ... a search with set ? set->landmarks : NULL; both give the same answer ...
  *     server_landmark_set_release(set);
  *
- * A thread (background.h) makes the landmarks of a surface after the first search that misses them:
- * it reads them from the field store, or builds and stores them. Sets are evicted before fields and
- * meshes, because rebuilding a set is cheaper. A slot whose set was evicted waits for many times
- * the build time before the next build. All functions are thread-safe. */
+ * After the first search without landmarks, a thread (background.h) reads the landmarks of the
+ * surface from the field store, or builds and stores them. Sets are evicted before fields and
+ * meshes, because rebuilding a set is cheaper. After the set of a slot was evicted, the next build
+ * begins only after many times the build time. All functions are thread-safe. */
 #ifndef SERVER_SURFACES_LANDMARKS_H
 #define SERVER_SURFACES_LANDMARKS_H
 
@@ -21,8 +21,8 @@ struct server_landmark_set {
     struct gd_landmarks *landmarks;
 };
 
-/* Starts the thread, for `count` landmarks of a mesh. Returns NULL if there is no memory or no
- * thread. */
+/* Starts the thread. It builds `count` landmarks for each mesh. Returns NULL if there is no memory
+ * or no thread. */
 struct server_landmarks *server_landmarks_create(const struct server_background_parts *parts,
                                                  struct server_metrics *metrics, uint32_t count);
 
@@ -30,15 +30,16 @@ struct server_landmarks *server_landmarks_create(const struct server_background_
 void server_landmarks_stop(struct server_landmarks *landmarks);
 void server_landmarks_destroy(struct server_landmarks *landmarks); /* NULL is allowed */
 
-/* Returns the surface's set, to be released; or NULL, and queues a build unless the mesh is small
- * or memory is short. Also NULL if `landmarks` is NULL. Takes tens of nanoseconds. */
+/* Returns the surface's set, which the caller releases. If there is none, returns NULL, and queues
+ * a build unless the mesh is small or memory is short. Also returns NULL if `landmarks` is NULL.
+ * Cost: tens of nanoseconds. */
 struct server_landmark_set *server_landmarks_find(struct server_landmarks *landmarks,
                                                   struct server_surface *surface);
 void server_landmark_set_release(struct server_landmark_set *set); /* NULL is allowed */
 
 struct server_landmarks_statistics {
     uint64_t built, loaded, dropped; /* sets */
-    bool is_building;                /* a set is being built, or a slot is queued */
+    bool is_building;                /* true: a set is being built, or a slot is queued */
 };
 /* `landmarks` NULL: zeros. */
 struct server_landmarks_statistics server_landmarks_statistics(struct server_landmarks *landmarks);

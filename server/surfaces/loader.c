@@ -8,19 +8,20 @@
 #include "server/base/thread.h"
 
 #define NOTE_NS     UINT64_C(60000000000)
-#define LOAD_FACTOR 3 /* most memory of a load, in multiples of the surface's size */
+#define LOAD_FACTOR 3 /* limit on the memory of a load, in multiples of the surface's size */
 
 struct server_loader {
     struct server_loader_parts parts;
     pthread_mutex_t lock;
-    LIST_HEAD(, load) loads;      /* under way: at most one per worker, and one of the thread */
-    struct server_thread *thread; /* NULL: it was not started */
+    /* current loads: at most one for each worker, and one of the thread */
+    LIST_HEAD(, load) loads;
+    struct server_thread *thread; /* NULL: the thread was not started */
 };
 
 struct load {
     LIST_ENTRY(load) next;
     struct server_loader *loader;
-    struct server_builder builder; /* its `bytes` are unset until they are fetched */
+    struct server_builder builder; /* its member `bytes` is unset until the file is fetched */
     void *parts[SERVER_PARTS];
     size_t held; /* bytes of SERVER_BUDGET_FLIGHT that the parts hold */
 };
@@ -32,7 +33,7 @@ static bool load_progress(void *user, double fraction)
     return server_workers_go_on(load->loader->parts.workers);
 }
 
-/* Logs a fault of the stored data for the operator, and sets a general problem for the client. */
+/* Logs damage of the stored data for the operator, and sets a general problem for the client. */
 static enum server_loader_outcome load_report_damage(const struct load *load, const char *what)
 {
     const struct server_record *record = load->builder.record;
@@ -111,8 +112,8 @@ static enum server_loader_outcome load_build(struct load *load, struct server_su
     return SERVER_LOADER_LOADED;
 }
 
-/* Under the lock: parks a job (NULL is allowed) if the record is being loaded. False: it is not, or
- * the workers were cancelled. */
+/* Under the lock: parks a job, which may be NULL, if the record is being loaded. Returns false if
+ * it is not being loaded, or if the workers were cancelled. */
 static bool load_park(struct server_loader *loader, const struct server_record *record,
                       struct server_job *job)
 {
@@ -128,8 +129,8 @@ bool server_loader_join(struct server_loader *loader, const struct server_record
     return load_park(loader, record, job);
 }
 
-/* Ends a load. If memory is short, refuses the parked jobs. Otherwise resumes them, because other
- * failures may not concern them. */
+/* Ends a load. If memory is short, refuses the parked jobs. Otherwise resumes them, because another
+ * failure may not concern them. */
 static void load_end(struct load *load, enum server_loader_outcome outcome)
 {
     struct server_loader *loader = load->loader;
@@ -177,7 +178,8 @@ enum server_loader_outcome server_loader_load(struct server_loader *loader,
     return outcome;
 }
 
-/* Loads the most used surfaces first, until the next one would need memory that is in use. */
+/* Loads the most used surfaces first, until the next surface would need more than the free
+ * memory. */
 static void loader_preload_all(struct server_loader *loader)
 {
     const struct server_loader_parts *parts = &loader->parts;
@@ -197,7 +199,7 @@ static void loader_preload_all(struct server_loader *loader)
     }
 }
 
-/* Daemons that share a store load surfaces only on demand. */
+/* Preloads surfaces, unless daemons share the store: those load surfaces only on demand. */
 static void loader_run(void *user, struct server_thread *thread)
 {
     struct server_loader *loader = user;

@@ -1,4 +1,4 @@
-/* Packed files: gzip forms of mesh files, cached in memory.
+/* Packed files: compressed (gzip) forms of mesh files, cached in memory.
  *
  *     file = server_packed_files_find(files, tag);
  *     if (!file) ... compress; file = server_packed_files_add(files, tag, bytes, size);
@@ -15,8 +15,9 @@
 #include "server/exchange/etag.h"
 #include "server/fields/lru.h"
 
-#define SERVER_PACKED_FROM ((size_t)64 << 10) /* bytes; smaller files are compressed each time */
-#define SERVER_PACKED_PART 16                 /* part of the budget that the cache may hold */
+/* bytes; smaller files are not cached, but compressed for each answer */
+#define SERVER_PACKED_FROM ((size_t)64 << 10)
+#define SERVER_PACKED_PART 16 /* part of the budget that the cache may hold */
 
 struct server_packed_file {
     struct server_lru_item item;   /* first */
@@ -28,7 +29,7 @@ struct server_packed_file {
 
 struct server_packed_files;
 
-/* Becomes a reclaimer of the budget. Returns NULL if out of memory. */
+/* Creates a cache, which registers as a reclaimer of the budget. Returns NULL if out of memory. */
 struct server_packed_files *server_packed_files_create(struct server_budget *budget);
 void server_packed_files_destroy(struct server_packed_files *files); /* NULL is allowed */
 
@@ -36,8 +37,8 @@ void server_packed_files_destroy(struct server_packed_files *files); /* NULL is 
 struct server_packed_file *server_packed_files_find(struct server_packed_files *files,
                                                     const char *tag);
 
-/* Takes over the bytes, allocated by malloc, as the file with that tag, and returns a reference.
- * NULL: no free memory, or too large; the caller keeps the bytes. */
+/* Takes over the bytes, allocated by malloc, as the file with that tag, and returns a reference. If
+ * memory is short or the file is too large, returns NULL; the caller still owns the bytes. */
 struct server_packed_file *server_packed_files_add(struct server_packed_files *files,
                                                    const char *tag, char *bytes, size_t size);
 

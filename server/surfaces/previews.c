@@ -8,7 +8,7 @@
 
 struct server_previews {
     struct server_background background; /* must be the first member */
-    enum gd_status status;               /* of the current build; used by the thread */
+    enum gd_status status;               /* status of the current build; used by the thread */
 };
 
 static void preview_free(struct server_lru_item *item)
@@ -25,7 +25,7 @@ void server_preview_release(struct server_preview *preview)
 
 /* --- the thread ------------------------------------------------------------------------------- */
 
-/* Makes a preview of the polygons, and takes them and their bytes over. */
+/* Makes a preview of the polygons. Takes over the polygons and their bytes. */
 static enum gd_status preview_wrap(struct server_build *build, struct server_stored_preview *made,
                                    struct server_preview **out)
 {

@@ -9,7 +9,8 @@
 #include "gd/control.h"
 #include "server/base/thread.h"
 
-#define ATTEMPTS      8   /* most attempts of a change while other daemons make changes */
+/* largest number of attempts at a change while other daemons make changes */
+#define ATTEMPTS      8
 #define NOTED_AT_ONCE 256 /* numbers of uses that are stored under one writer lock */
 #define FRESH_NS      UINT64_C(1000000000) /* see server/doc/014 */
 #define AWAIT_NS      UINT64_C(200000000)
@@ -19,20 +20,22 @@ struct server_registry {
     struct server_budget *budget;
     pthread_mutex_t writing;
     pthread_rwlock_t lock;
-    struct server_sorted all;                                     /* slots by key; under `lock` */
+    /* slots sorted by key; guarded by `lock` */
+    struct server_sorted all;
     void (*gone)(void *user, const struct server_record *record); /* or NULL */
     void *gone_user;
     atomic_uint_least64_t clock, loads, unloads;
-    /* of a shared store: */
+    /* used for a shared store: */
     pthread_mutex_t following;
-    uint64_t seen; /* all changes up to this version are here; under `following` */
-    atomic_uint_least64_t followed_ns; /* when the last successful following began */
+    uint64_t seen; /* all changes up to this version are applied; guarded by `following` */
+    atomic_uint_least64_t followed_ns; /* time at which the last successful following began */
     struct server_thread *follower;    /* NULL: the store is not shared */
 };
 
 /* --- slots ------------------------------------------------------------------------------------ */
 
-/* Under the lock: returns the slot of that record; NULL: its key has another record or none. */
+/* Under the lock: returns the slot of that record. NULL: the record's key has another record or
+ * none. */
 static struct server_slot *slot_of_record(const struct server_registry *registry,
                                           const struct server_record *record)
 {
@@ -50,7 +53,7 @@ static void slot_touch(struct server_registry *registry, struct server_slot *slo
     atomic_store_explicit(&slot->last, time(NULL), memory_order_relaxed);
 }
 
-/* Destroys a removed slot with its surface, and calls the watcher. NULL is allowed. */
+/* Destroys a removed slot and its surface, and calls the watcher. NULL is allowed. */
 static void slot_leave(struct server_registry *registry, struct server_slot *slot)
 {
     if (!slot) return;
@@ -80,7 +83,8 @@ static size_t registry_unloadable(void *user)
     return bytes;
 }
 
-/* Takes the least recently used surface that can be unloaded from its slot; NULL: there is none. */
+/* Removes the least recently used surface that can be unloaded from its slot, and returns it; NULL:
+ * there is none. */
 static struct server_surface *surface_take_coldest(struct server_registry *registry,
                                                    bool without_fields)
 {
@@ -106,7 +110,7 @@ static void surfaces_unload(struct server_registry *registry, size_t bytes, bool
     for (size_t freed = 0;
          freed < bytes && (surface = surface_take_coldest(registry, without_fields));) {
         freed += surface->bytes;
-        server_surface_release(surface); /* the last reference */
+        server_surface_release(surface); /* this is the last reference */
         atomic_fetch_add(&registry->unloads, 1);
     }
 }
@@ -239,8 +243,8 @@ struct server_record *server_registry_hottest(struct server_registry *registry)
     return hottest ? server_record_retain(hottest->now.record) : NULL;
 }
 
-/* Collects up to NOTED_AT_ONCE changed numbers of uses. The caller holds the writer lock, so the
- * records stay valid. */
+/* Collects up to NOTED_AT_ONCE changed numbers of uses. The caller must hold the writer lock, so
+ * that the records stay valid. */
 static uint32_t slots_collect_uses(struct server_registry *registry,
                                    const struct server_record **records,
                                    struct server_store_uses *uses)
@@ -274,8 +278,8 @@ void server_registry_note_uses(struct server_registry *registry)
 
 /* --- following a shared store ----------------------------------------------------------------- */
 
-/* Applies a change of another daemon. `*left`: the replaced or removed slot. Returns false if out
- * of memory. */
+/* Applies a change of another daemon. Sets `*left` to the replaced or removed slot. Returns false
+ * if out of memory. */
 static bool change_follow(struct server_registry *registry, const struct server_key *key,
                           const struct server_stored *change, struct server_slot **left)
 {
@@ -309,7 +313,7 @@ static bool on_change(void *user, const struct server_stored *change)
     char text[SERVER_KEY_TEXT];
     if (strlen(change->key) >= sizeof text) return true;
     strcpy(text, change->key);
-    /* the key is from a later version of this program */
+    /* a later version of this program wrote the key */
     if (!server_key_read(text, &key)) return true;
     pthread_rwlock_wrlock(&registry->lock);
     bool is_applied = change_follow(registry, &key, change, &left);
@@ -319,7 +323,8 @@ static bool on_change(void *user, const struct server_stored *change)
     return is_applied;
 }
 
-/* Moves slots of unchanged versions from `all` to `fresh`: their surfaces stay in memory. */
+/* Moves slots of unchanged versions from `all` to `fresh`, so that their surfaces stay in
+ * memory. */
 static void slots_keep_unchanged(struct server_sorted *all, struct server_sorted *fresh)
 {
     for (uint32_t i = 0; i < fresh->count; i++) {
@@ -345,7 +350,7 @@ static enum server_outcome registry_reread(struct server_registry *registry)
         registry->all = fresh;
         fresh = before;
         pthread_rwlock_unlock(&registry->lock);
-        /* the slots were not read at one moment: follow compares all versions */
+        /* the slots were not read at one moment, so follow must compare all versions */
         registry->seen = 0;
     }
     for (uint32_t i = 0; i < fresh.count; i++) slot_leave(registry, fresh.items[i]);
@@ -402,14 +407,15 @@ static void follow_changes(void *user, struct server_thread *thread)
 
 struct change {
     struct server_key key;
-    /* surface to store; NULL: the current one is amended or removed */
+    /* surface to be stored; NULL: the current surface gets a new caption or is removed */
     struct server_surface *surface;
     struct server_content content;
-    const char *caption;           /* the new caption; NULL: not an amendment */
-    struct server_record *amended; /* the record with that caption, once it exists */
-    const struct server_precondition *precondition; /* NULL: the key must have this record */
+    const char *caption;           /* the new caption; NULL: the caption does not change */
+    struct server_record *amended; /* the record with the new caption, after it was made */
+    /* the condition; NULL: the key must have this record */
+    const struct server_precondition *precondition;
     struct server_slot *slot,
-        *left; /* slot: to insert; left: replaced or removed; each may be NULL */
+        *left; /* slot: the slot to insert; left: the replaced or removed slot; both may be NULL */
 };
 
 bool server_registry_allows(const struct server_precondition *precondition,
@@ -421,17 +427,18 @@ bool server_registry_allows(const struct server_precondition *precondition,
     return server_precondition_allows(precondition, record->etag, caption);
 }
 
-/* Stores a copy of the present record with the new caption; `*version` as for the store's put. */
+/* Stores a copy of the current record with the new caption. `*version` is used as by the store's
+ * function put. */
 static enum server_outcome change_amend(struct server_store *store, struct change *change,
                                         const struct server_record *present, uint64_t *version)
 {
-    server_record_release(change->amended); /* the record of an earlier attempt */
+    server_record_release(change->amended); /* releases the record of an earlier attempt */
     change->amended = server_record_copy(present, change->caption);
     if (!change->amended) return SERVER_STORE_NO_MEMORY;
     return store->put ? store->put(store, change->amended, NULL, version) : SERVER_STORE_DONE;
 }
 
-/* Makes the store apply the change to `now`, whose `*version` becomes the new one. */
+/* Makes the store apply the change to `now`. Sets `*version` to the new version. */
 static enum server_outcome change_store(const struct server_registry *registry,
                                         struct change *change, const struct server_listed *now,
                                         uint64_t *version)
@@ -445,13 +452,14 @@ static enum server_outcome change_store(const struct server_registry *registry,
         return SERVER_STORE_PRECONDITION;
     if (change->caption) return change_amend(store, change, now->record, version);
     if (is_same && store->keep) return store->keep(store, record, &change->content);
-    if (is_same || !store->put) return SERVER_STORE_DONE; /* staged already, or stored nowhere */
+    /* the objects are already staged, or nothing is stored */
+    if (is_same || !store->put) return SERVER_STORE_DONE;
     return record ? store->put(store, record, &change->content, version)
                   : store->remove(store, now->record, version);
 }
 
-/* Applies a stored change to the slots, unless they have it or a later one. Version 0: the store is
- * not shared. */
+/* Applies a stored change to the slots, unless they already have this or a later change. Version 0:
+ * the store is not shared. */
 static void change_apply(struct server_registry *registry, struct change *change, uint64_t version)
 {
     struct server_sorted *all = &registry->all;
@@ -593,7 +601,7 @@ struct server_registry *server_registry_create(struct server_store *store,
         server_registry_destroy(registry);
         return NULL;
     }
-    if (!store->fetch) return registry; /* an unloaded surface would be lost */
+    if (!store->fetch) return registry; /* without fetch, an unloaded surface would be lost */
     budget->reclaimers[SERVER_RECLAIM_IDLE] =
         (struct server_reclaimer){unload_idle, NULL, registry};
     budget->reclaimers[SERVER_RECLAIM_MESHES] =

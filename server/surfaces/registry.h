@@ -1,16 +1,16 @@
-/* Registry: the surfaces by key (kind.h), those in memory and those that can be loaded.
+/* Registry: all surfaces by key (kind.h), whether in memory or loaded on demand.
  *
- * DESIGN. Slots, sorted by key, hold a record, and the surface while it is in memory. A change
- * holds the writer lock until the store has made it durable, so that preconditions are checked
- * together with the write. The slots have a reader-writer lock that is held briefly: readers never
- * wait for the disk. Order of locks: writer, follower, slots. Surfaces are retired and released
- * without the slots' lock, since that frees fields.
+ * DESIGN. The registry has slots, sorted by key. A slot holds a record, and the surface while that
+ * is in memory. A change holds the writer lock until the store has made it durable, so that
+ * preconditions are checked together with the write. A reader-writer lock guards the slots. Threads
+ * hold it only briefly, so readers never wait for the disk. Order of locks: writer, follower,
+ * slots. Surfaces are retired and released without the slots' lock, because that frees fields.
  *
  * Shared store: a thread applies the changes of other daemons to the slots, under the follower's
  * lock, when the database signals a change and every 200 ms. If the last change was applied more
  * than a second ago, or the name is unknown (server_registry_is_fresh), a worker first applies
- * changes for a request. So no answer uses a surface that was replaced or removed more than a
- * second before, while the store can be reached.
+ * changes for a request. So, while the store can be reached, no answer uses a surface that was
+ * replaced or removed more than a second before.
  *
  * When memory is short, unused surfaces are unloaded if the store can load them again. Surfaces
  * without cached fields are unloaded first, in the order of their last use. Then fields are evicted
@@ -23,8 +23,9 @@
 
 struct server_registry;
 
-/* Lists the surfaces of the store, but loads none. The registry owns the store, borrows the budget
- * and becomes its reclaimer. NULL: no memory or thread; the store is closed then. */
+/* Creates a registry. Lists the surfaces of the store, but loads none. The registry owns the store,
+ * borrows the budget and registers as its reclaimer. If there is no memory or no thread, closes the
+ * store and returns NULL. */
 struct server_registry *server_registry_create(struct server_store *store,
                                                struct server_budget *budget);
 void server_registry_destroy(struct server_registry *registry); /* NULL is allowed */
@@ -36,9 +37,9 @@ void server_registry_watch(struct server_registry *registry,
                            void *user);
 
 /* put and remove wait for the disk. put stores a surface under its record's key, durably, with its
- * attachment and `bytes`, the file that it was made from (borrowed). Returns CREATED or REPLACED.
- * If the key already has this record, put keeps the surface in memory, repairs its stored bytes if
- * need be, and returns REPLACED. Without a precondition (NULL) it does nothing else, and returns
+ * attachment and the file from which it was made (`bytes`, borrowed). Returns CREATED or REPLACED.
+ * If the key already has this record, put keeps the surface in memory, repairs damaged stored
+ * bytes, and returns REPLACED. Without a precondition (NULL) this is all that put does; it returns
  * ABSENT if the key has another record or none. Errors: PRECONDITION, NO_MEMORY, FULL, REFUSED,
  * READ_ONLY, UNAVAILABLE. remove returns DONE, ABSENT or one of these errors. */
 enum server_outcome server_registry_put(struct server_registry *registry,
@@ -48,30 +49,32 @@ enum server_outcome server_registry_remove(struct server_registry *registry,
                                            const struct server_key *key,
                                            const struct server_precondition *precondition);
 
-/* Changes the caption of that surface, durably; keeps its fields. DONE, ABSENT or put's errors. */
+/* Changes the caption of that surface durably. Its cached fields remain. Returns DONE, ABSENT or an
+ * error of put. */
 enum server_outcome server_registry_caption(struct server_registry *registry,
                                             const struct server_key *key, const char *caption,
                                             const struct server_precondition *precondition);
 
-/* Returns whether the preconditions allow a change of that record (NULL: there is none). */
+/* Returns true if the preconditions allow a change of that record; NULL: there is no record. */
 bool server_registry_allows(const struct server_precondition *precondition,
                             const struct server_record *record);
 
-/* Returns whether a record has that ETag. O(records). */
+/* Returns true if a record with that ETag exists. O(records). */
 bool server_registry_holds(struct server_registry *registry, const char *etag);
 
-/* Finds the record and, if in memory, the surface of that key, both retained. False: none. */
+/* Finds and retains the record of that key, and the surface if it is in memory. Returns false if
+ * there is none. */
 bool server_registry_find(struct server_registry *registry, const struct server_key *key,
                           struct server_listed *out);
 
-/* Sets `*out` to the surface of that key, retained, or to NULL if it is not in memory; counts a
- * use. False: there is no such key. */
+/* Sets `*out` to the surface of that key, retained, or to NULL if the surface is not in memory.
+ * Counts a use. Returns false if there is no such key. */
 bool server_registry_use(struct server_registry *registry, const struct server_key *key,
                          struct server_surface **out);
 
-/* Lists up to `most` surfaces of the tenant and kind of `after`, in byte order, each retained.
- * Their names are after the name in `after` (NULL: all) and begin with `prefix` (NULL: any).
- * Returns their number. */
+/* Lists up to `most` surfaces of the tenant and kind of `after`, in byte order of names. Each
+ * surface is retained. Their names are after the name in `after` (NULL: all) and begin with
+ * `prefix` (NULL: any). Returns their number. */
 uint32_t server_registry_list(struct server_registry *registry, const struct server_key *after,
                               const char *prefix, uint32_t most, struct server_listed *out);
 
@@ -83,30 +86,31 @@ uint32_t server_registry_list(struct server_registry *registry, const struct ser
  * A loop that ends early releases `listed`. It may release listed.surface and set it to NULL. */
 bool server_registry_next(struct server_registry *registry, struct server_listed *listed);
 
-/* Returns whether other daemons write to the store, too. */
+/* Returns true if other daemons also write to the store. */
 bool server_registry_is_shared(const struct server_registry *registry);
 
-/* Returns whether the slots are current enough for this key (NULL: for all); see DESIGN. */
+/* Returns true if the slots are current enough for this key (NULL: for all keys); see DESIGN. */
 bool server_registry_is_fresh(struct server_registry *registry, const struct server_key *key);
 
-/* Applies the changes that other daemons made up to `since_ns`, unless that is done. HTTP threads
- * don't call it. DONE, also if the store is not shared; UNAVAILABLE, NO_MEMORY. */
+/* Applies the changes that other daemons made up to `since_ns`, unless they are already applied.
+ * HTTP threads must not call this function. Returns DONE (also if the store is not shared),
+ * UNAVAILABLE or NO_MEMORY. */
 enum server_outcome server_registry_follow(struct server_registry *registry, uint64_t since_ns);
 
-/* Returns whether the key still has this record; applies changes of a shared store first. The store
- * removes bytes only after the registry has dropped the record. So if bytes are missing and this is
- * true afterwards, the store is damaged. */
+/* Returns true if the key still has this record. First applies changes of a shared store. The store
+ * removes bytes only after the registry has dropped the record. So if bytes are missing and this
+ * function then returns true, the store is damaged. */
 bool server_registry_is_current(struct server_registry *registry,
                                 const struct server_record *record);
 
 /* Returns the registry's store, for fetch and verify (store.h). */
 struct server_store *server_registry_store(const struct server_registry *registry);
 
-/* Keeps a loaded surface in memory, unless its key has another record or another surface. */
+/* Stores a loaded surface in its slot, unless the key has another record or another surface. */
 void server_registry_keep(struct server_registry *registry, struct server_surface *surface);
 
-/* Returns the record of the most used surface that is not in memory, retained; or NULL. Returns
- * each record once. */
+/* Returns the record of the most used surface that is not in memory, retained, or NULL. Returns
+ * each record only once. */
 struct server_record *server_registry_hottest(struct server_registry *registry);
 
 /* Stores the numbers of uses that have changed since the last call. */
@@ -117,7 +121,7 @@ struct server_registry_statistics {
 };
 struct server_registry_statistics server_registry_statistics(struct server_registry *registry);
 
-/* Returns why the store can't write, a sentence; NULL: it can. */
+/* Returns a sentence with the reason why the store can't write; NULL: it can. */
 const char *server_registry_health(struct server_registry *registry);
 
 #endif

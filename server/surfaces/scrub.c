@@ -9,22 +9,26 @@
 #include "server/surfaces/registry.h"
 
 #define SECOND_NS UINT64_C(1000000000)
-#define FIRST_NS  (60 * SECOND_NS) /* time to load the most used surfaces first */
-#define LOOK_NS   (SECOND_NS / 20) /* between two checks whether requests run */
-#define LOOKS     20               /* checks after which the next piece is read anyway */
+/* delay before the first round, so that the most used surfaces are loaded first */
+#define FIRST_NS (60 * SECOND_NS)
+#define LOOK_NS  (SECOND_NS / 20) /* time between two checks for running requests */
+/* after this many checks the next piece is read even if requests run */
+#define LOOKS 20
 
 struct server_scrub {
     struct server_registry *registry;
     struct server_workers *workers;
     uint64_t period_ns, rate;
-    struct server_thread *thread, *self; /* the same; `self` is for the thread itself */
-    uint32_t position, faults;           /* in the current round */
+    /* both point to the thread; only the thread itself uses `self` */
+    struct server_thread *thread, *self;
+    uint32_t position, faults; /* position and faults of the current round */
     atomic_uint_least64_t bytes, files, rounds, last_faults;
     atomic_int_least64_t ended;
     _Atomic double progress;
 };
 
-/* Sleeps as long as the rate demands, and while requests run. False: the scrub must end. */
+/* Sleeps as long as the rate requires, and while requests run. Returns false if the scrub must
+ * end. */
 static bool scrub_on_piece(void *user, size_t bytes)
 {
     struct server_scrub *scrub = user;
@@ -81,7 +85,7 @@ static void scrub_round(struct server_scrub *scrub)
     scrub->position = scrub->faults = 0;
     atomic_store(&scrub->progress, 0);
     while (server_registry_next(scrub->registry, &listed)) {
-        /* released so that the surface may be unloaded meanwhile */
+        /* released so that the surface may be unloaded during the check */
         server_surface_release(listed.surface);
         listed.surface = NULL;
         scrub_surface(scrub, listed.record);

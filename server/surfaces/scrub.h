@@ -1,6 +1,7 @@
-/* Scrub: a thread that reads all stored files to find damage early, while a backup may still have
- * the file. It reads at most at the configured rate, and much slower while requests run. A damaged
- * file is logged and put into quarantine (store.h); an upload of the same bytes repairs it. */
+/* Scrub: a thread that reads all stored files. It finds damage early, while a backup may still have
+ * the file. The thread reads at most at the configured rate, and much more slowly while requests
+ * run. A damaged file is logged and put into quarantine (store.h); an upload of the same bytes
+ * repairs it. */
 #ifndef SERVER_SURFACES_SCRUB_H
 #define SERVER_SURFACES_SCRUB_H
 
@@ -22,8 +23,8 @@ struct server_scrub *server_scrub_create(struct server_registry *registry,
 void server_scrub_destroy(struct server_scrub *scrub);
 
 struct server_scrub_statistics {
-    uint64_t bytes, files, rounds; /* bytes and files read, complete rounds */
-    uint64_t faults; /* damaged, missing or unreadable files of the last whole round */
+    uint64_t bytes, files, rounds; /* numbers of bytes and files read, and of complete rounds */
+    uint64_t faults; /* damaged, missing or unreadable files of the last complete round */
     int64_t ended;   /* end of the last complete round, seconds since 1970; 0: none */
     double progress; /* progress of the current round, in [0,1]; 1 between rounds */
 };

@@ -59,7 +59,7 @@ void server_slot_free(struct server_slot *slot)
     free(slot);
 }
 
-/* Slots that are read from the store. */
+/* The slots that were read from the store so far. */
 struct collection {
     struct server_sorted slots;
     bool is_incomplete; /* memory was short */

@@ -13,17 +13,18 @@
 
 struct server_background;
 
-#define SERVER_BACKGROUND_DONE 1000000 /* the progress of a build that has ended */
+#define SERVER_BACKGROUND_DONE 1000000 /* value of `progress` after a build has ended */
 
-struct server_background_slot {                /* see background.h; all zero but `surface`: empty */
+/* See background.h. An empty slot is all zero, except for `surface`. */
+struct server_background_slot {
     struct server_surface *surface;            /* the surface that contains the slot */
     _Atomic(struct server_background *) owner; /* NULL: never used by a request */
     atomic_bool is_closed;
     atomic_uint progress; /* progress of the build, up to SERVER_BACKGROUND_DONE */
-    /* under the owner's lock: */
+    /* guarded by the owner's lock: */
     struct server_lru_item *item;               /* NULL: empty */
-    bool is_coming;                             /* queued, or being built */
-    LIST_ENTRY(server_background_slot) waiting; /* until the build begins */
+    bool is_coming;                             /* true: the result is queued or being computed */
+    LIST_ENTRY(server_background_slot) waiting; /* link in the list of waiting slots */
 };
 
 /* Empties the slot permanently. May be called again. */
@@ -31,27 +32,27 @@ void server_background_slot_close(struct server_background_slot *slot);
 
 struct server_landmark_slot { /* see landmarks.h */
     struct server_background_slot base;
-    /* under the owner's lock: */
+    /* guarded by the owner's lock: */
     uint64_t cost_ns;       /* cost of the last build */
-    uint64_t not_before_ns; /* the earliest begin of the next one */
+    uint64_t not_before_ns; /* the earliest time of the next build */
 };
 
 struct server_preview_slot { /* see previews.h */
     struct server_background_slot base;
-    /* under the owner's lock: */
-    uint32_t wanted;        /* faces of the preview that is coming */
+    /* guarded by the owner's lock: */
+    uint32_t wanted;        /* number of faces of the queued preview */
     enum gd_status failure; /* failure of the last build; cleared when a request gets it */
 };
 
 struct server_surface {
     atomic_uint references;
     struct server_record *record;
-    union { /* object of record->kind */
+    union { /* the object, of the kind record->kind */
         void *object;
         struct gd_mesh *mesh;
     };
     void *attachment; /* record->attachment_size bytes, owned; NULL: there is none */
-    /* bytes of object and attachment, in SERVER_BUDGET_MESHES until the last release */
+    /* bytes of object and attachment, counted in SERVER_BUDGET_MESHES until the last release */
     size_t bytes;
     struct server_budget *budget;
     struct server_mesh_cache *fields;
@@ -59,8 +60,9 @@ struct server_surface {
     struct server_preview_slot preview;
 };
 
-/* Takes over the object, which has the record's kind, and `bytes` of SERVER_BUDGET_FLIGHT; retains
- * the record. NULL: out of memory; then the caller still owns object and bytes. */
+/* Creates a surface. Takes over the object, which must have the record's kind, and `bytes` of
+ * SERVER_BUDGET_FLIGHT. Retains the record. NULL: out of memory; then the caller still owns object
+ * and bytes. */
 struct server_surface *server_surface_create(struct server_record *record, void *object,
                                              size_t bytes, struct server_budget *budget,
                                              struct server_cache *cache);
@@ -72,8 +74,8 @@ void server_surface_attach(struct server_surface *surface, void *attachment);
 struct server_surface *server_surface_retain(struct server_surface *surface);
 void server_surface_release(struct server_surface *surface); /* NULL is allowed */
 
-/* Retains a surface whose references may have ended; false: it is being freed. Call this function
- * before server_background_slot_close returns. */
+/* Retains a surface that may have lost its last reference. Returns false if the surface is being
+ * freed. Call this function before server_background_slot_close returns. */
 bool server_surface_retain_alive(struct server_surface *surface);
 
 /* Drops the surface's fields and landmarks permanently, when it leaves the registry. */
@@ -83,7 +85,7 @@ struct server_builder { /* all borrowed */
     struct server_budget *budget;
     struct server_cache *cache;
     uint32_t max_faces;
-    struct gd_control control; /* ends the build early and receives progress; without a budget */
+    struct gd_control control; /* ends the build early and receives progress; its budget is unset */
     struct server_record *record;
     const void *bytes; /* the record->size bytes of its file */
     struct proto_problem *problem;
@@ -94,10 +96,12 @@ struct server_builder { /* all borrowed */
 GD_MUST_USE enum gd_status server_build_surface(const struct server_builder *builder,
                                                 struct server_surface **out);
 
-/* For kinds: takes bytes of SERVER_BUDGET_FLIGHT. GD_BUDGET with the problem. */
+/* For kinds: takes bytes of SERVER_BUDGET_FLIGHT. On failure, returns GD_BUDGET and sets the
+ * problem. */
 GD_MUST_USE enum gd_status server_build_take(const struct server_builder *builder, size_t bytes);
 
-/* For kinds: sets the problem of an engine status, which it returns. `detail` may be NULL. */
+/* For kinds: sets the problem of an engine status, and returns this status. `detail` may be
+ * NULL. */
 enum gd_status server_build_refuse(const struct server_builder *builder, enum gd_status status,
                                    const struct gd_detail *detail);
 

@@ -2,7 +2,7 @@
 
 #include <assert.h>
 
-#define SMALL_ANSWER ((size_t)64 << 10) /* most bytes of a small answer */
+#define SMALL_ANSWER ((size_t)64 << 10) /* largest size of a small answer */
 #define REMEDY       "delete meshes, or raise --memory-budget"
 
 static bool account_take(void *budget, size_t bytes)
@@ -33,7 +33,7 @@ bool server_budget_take_spare(struct server_budget *budget, enum server_budget_c
     return true;
 }
 
-/* Returns how many bytes must be reclaimed before `bytes` can be taken. */
+/* Returns the number of bytes that must be reclaimed before `bytes` can be taken. */
 static size_t budget_shortage(struct server_budget *budget, size_t bytes)
 {
     size_t total = atomic_load(&budget->total);
@@ -59,8 +59,8 @@ bool server_budget_take(struct server_budget *budget, enum server_budget_class c
     return false;
 }
 
-/* Checks that the answers stay within their part of the budget. Concurrent calls may exceed the
- * part by one take each, but not the limit of the budget. */
+/* Checks that the answers stay within their part of the budget. Each concurrent call may exceed the
+ * part once, but never the limit of the budget. */
 static bool admits_answer(struct server_budget *budget, size_t bytes)
 {
     size_t part =

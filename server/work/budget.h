@@ -4,11 +4,11 @@
  *     ...
  *     server_budget_give(budget, SERVER_BUDGET_FLIGHT, bytes);
  *
- * DESIGN. One atomic total, and one atomic count per class. A call of server_budget_take that would
- * exceed the limit calls the reclaimers in the order of server_reclaim_turn until enough is free.
- * The order begins with the data that is cheapest to compute again. Reclaimers take locks of their
- * own, so a caller of take holds no lock. server_budget_give calls no other part of the daemon. All
- * functions are thread-safe. */
+ * DESIGN. The budget has one atomic total, and one atomic count for each class. A call of
+ * server_budget_take that would exceed the limit calls the reclaimers in the order of
+ * server_reclaim_turn until enough is free. The order begins with the data that is cheapest to
+ * compute again. Reclaimers take their own locks, so a caller of take must not hold a lock.
+ * server_budget_give calls no other part of the daemon. All functions are thread-safe. */
 #ifndef SERVER_WORK_BUDGET_H
 #define SERVER_WORK_BUDGET_H
 
@@ -22,8 +22,9 @@
 enum server_budget_class {
     SERVER_BUDGET_MESHES,
     SERVER_BUDGET_FIELDS,
-    SERVER_BUDGET_FLIGHT,     /* running calls, and their results until a cache counts them */
-    SERVER_BUDGET_ANSWERS,    /* texts, until their last byte is sent; never reclaimed */
+    /* memory of running calls, and of their results until a cache counts them */
+    SERVER_BUDGET_FLIGHT,
+    SERVER_BUDGET_ANSWERS,    /* texts of answers, until their last byte is sent; never reclaimed */
     SERVER_BUDGET_RECORDS,    /* metadata of surfaces and jobs; never reclaimed */
     SERVER_BUDGET_WORKSPACES, /* idle workspaces */
     SERVER_BUDGET_LANDMARKS,
@@ -48,13 +49,13 @@ enum server_reclaim_turn {
 };
 
 struct server_reclaimer {
-    void (*reclaim)(void *user, size_t bytes); /* frees `bytes` or more if it can; or NULL */
-    /* returns the bytes of SERVER_BUDGET_MESHES that the reclaimer could free; or NULL */
+    void (*reclaim)(void *user, size_t bytes); /* frees `bytes` or more if possible; may be NULL */
+    /* returns the bytes of SERVER_BUDGET_MESHES that the reclaimer could free; may be NULL */
     size_t (*holds)(void *user);
     void *user;
 };
 
-/* Answers leave one half of the budget to the other classes. Small answers leave a quarter. */
+/* Answers leave 1/2 of the budget to the other classes. Small answers leave 1/4. */
 #define SERVER_BUDGET_ANSWERS_PART       2
 #define SERVER_BUDGET_SMALL_ANSWERS_PART 4
 
@@ -62,7 +63,7 @@ struct server_budget {
     size_t limit;
     size_t largest_answer;               /* bytes */
     struct proto_writer_account answers; /* takes from SERVER_BUDGET_ANSWERS */
-    /* takes that failed because the part of answers was full */
+    /* number of failed takes because the part of answers was full */
     atomic_uint_least64_t refused_answers;
     atomic_size_t total;
     atomic_size_t used[SERVER_BUDGET_CLASSES];
@@ -94,12 +95,14 @@ void server_budget_move(struct server_budget *budget, enum server_budget_class f
 void server_budget_adjust(struct server_budget *budget, enum server_budget_class class, size_t held,
                           size_t actual);
 
-/* Returns an upper bound of the bytes that a take can get now: those that are free or reclaimable.
- * O(meshes). could_take returns whether that is at least `bytes`; O(1) if so many are free. */
+/* server_budget_available returns an upper bound of the bytes that a take can get now, that is, of
+ * the free and the reclaimable bytes. O(meshes). server_budget_could_take returns true if this
+ * bound is at least `bytes`; O(1) if that many bytes are free. */
 size_t server_budget_available(struct server_budget *budget);
 bool server_budget_could_take(struct server_budget *budget, size_t bytes);
 
-/* Sets the problem: `what` ("the mesh") needs `bytes` (0: unknown, but too many). Returns false. */
+/* Sets the problem that `what` ("the mesh") needs `bytes`; 0: an unknown number that is too large.
+ * Returns false. */
 bool server_budget_refuse(struct server_budget *budget, const char *what, size_t bytes,
                           struct proto_problem *problem);
 

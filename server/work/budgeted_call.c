@@ -7,15 +7,15 @@
 #include "server/base/thread.h"
 
 #define GRANT_FACTOR 4                  /* growth of the grant from one attempt to the next */
-#define PATIENCE_NS  UINT64_C(10000000) /* between two checks of a waiting call's deadline */
+#define PATIENCE_NS  UINT64_C(10000000) /* time between two checks of a waiting call's deadline */
 
 struct server_workspaces {
     struct server_budget *budget;
     pthread_mutex_t lock;
-    pthread_cond_t none_runs; /* signalled when all running calls wait */
-    uint32_t running;         /* calls that may take memory; those that wait are not counted */
+    pthread_cond_t none_runs; /* signalled when no call runs because all of them wait */
+    uint32_t running;         /* number of calls that may take memory, without those that wait */
     uint32_t count, most;
-    struct server_space idle[]; /* [count - 1] was used last */
+    struct server_space idle[]; /* entry count - 1 was used last */
 };
 
 static void space_destroy(struct server_workspaces *workspaces, struct server_space space)
@@ -140,8 +140,8 @@ static enum gd_status other_calls_wait(struct server_workspaces *workspaces,
     return status;
 }
 
-/* Takes the memory of an attempt: the grant, or all available memory if that is less. Fails if none
- * is left, since the engine regards a budget of 0 as no limit. */
+/* Takes the memory of an attempt: the grant, or all available memory if that is less. Fails if no
+ * memory is left, because the engine regards a budget of 0 as no limit. */
 static bool call_attempt_begin(struct server_budgeted_call *call)
 {
     struct server_budget *budget = call->workspaces->budget;
@@ -162,8 +162,8 @@ static bool call_attempt_begin(struct server_budgeted_call *call)
     return true;
 }
 
-/* The budget counts the workspace in addition to the grant, although part of the grant is the
- * memory of the workspace. */
+/* Until here the budget counts the workspace in addition to the grant, although part of the grant
+ * is the memory of the workspace. */
 static void call_attempt_end(struct server_budgeted_call *call)
 {
     struct server_space *space = &call->space;
@@ -175,7 +175,8 @@ static void call_attempt_end(struct server_budgeted_call *call)
     call->taken = 0;
 }
 
-/* Prepares the next attempt after one that had too little memory. False: there is none. */
+/* Prepares the next attempt after an attempt that had too little memory. Returns false if there is
+ * no further attempt. */
 static bool call_attempt_prepare(struct server_budgeted_call *call)
 {
     call->status = GD_BUDGET;

@@ -7,8 +7,8 @@
 #include "gd/control.h"
 #include "server/base/thread.h"
 
-#define SPINS      20000   /* spins before a thread sleeps: about ten microseconds */
-#define SLEEP_NS   1000000 /* sleep after which a helper checks the queue of jobs */
+#define SPINS      20000   /* number of spins before a thread sleeps: about ten microseconds */
+#define SLEEP_NS   1000000 /* longest sleep before a helper checks the queue of jobs */
 #define QUANTUM_NS 1000000 /* time after which a helper yields to waiting jobs */
 
 struct executor;
@@ -21,14 +21,15 @@ struct helper {
 struct executor {
     struct gd_executor base; /* `user` is this struct */
     struct server_workers *workers;
-    uint32_t references; /* the caller's and the helpers' */
+    uint32_t references; /* references of the caller and of the helpers */
 
     pthread_mutex_t lock;
     pthread_cond_t change;
-    atomic_uint change_count; /* rises with each signal of `change` */
+    atomic_uint change_count; /* increases with each signal of `change` */
     void (*task)(void *context, uint32_t index);
     void *context;
-    uint32_t count, next, running; /* tasks of the run: all, the next to begin, those under way */
+    /* tasks of the current run: their number, the next one to begin, the number of running ones */
+    uint32_t count, next, running;
     bool is_stopped;
     struct helper helpers[];
 };
@@ -74,7 +75,8 @@ static void executor_run_task(struct executor *executor)
     if (--executor->running == 0) executor_signal(executor);
 }
 
-/* Runs tasks until the stop. If other jobs need the worker, queues itself again and returns. */
+/* The job of a helper: runs tasks until the executor stops. If other jobs need the worker, queues
+ * the job again and returns. */
 static void helper_run(struct server_job *job)
 {
     struct executor *executor = ((struct helper *)job)->executor;

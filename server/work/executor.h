@@ -5,26 +5,27 @@
  *     server_executor_stop(executor);
  *
  * DESIGN. The executor queues one helper job for each thread beyond the caller's. A helper serves
- * all runs until the stop: a field build has thousands of runs, and queueing a job costs as much as
- * a run. Between runs a helper spins for some microseconds, then it sleeps. If other jobs wait, a
- * helper that has run for a millisecond queues itself again behind them.
+ * all runs until the executor stops, because a field build has thousands of runs, and queueing a
+ * job takes as long as a run. Between runs a helper spins for some microseconds, then it sleeps. If
+ * other jobs wait, a helper that has run for a millisecond is queued again behind them.
  *
  * The caller runs every task that no helper has begun, so a run also ends without helpers. Caller
- * and helpers share the executor by reference count: a helper that leaves the queue after the stop
- * touches no memory of the caller. */
+ * and helpers share the executor by reference counting. So a helper that leaves the queue after the
+ * stop does not access memory of the caller. */
 #ifndef SERVER_WORK_EXECUTOR_H
 #define SERVER_WORK_EXECUTOR_H
 
 #include "gd/executor.h"
 #include "server/work/workers.h"
 
-/* Returns an executor of at most `width` threads, the caller's included, and at most as many as
- * there are workers. NULL if that is one thread, or memory is short; the engine then runs all tasks
- * on the calling thread. Call and use it only in the thread of a job. */
+/* Returns an executor of at most `width` threads, including the calling thread, and of at most as
+ * many as there are workers. Returns NULL if that is only one thread or memory is short; the engine
+ * then runs all tasks on the calling thread. Use the executor only in the thread of the job that
+ * called this function. */
 const struct gd_executor *server_executor_start(struct server_workers *workers, uint32_t width,
                                                 uint64_t deadline_ns);
 
-/* Frees it. NULL is allowed. */
+/* Stops and frees the executor. NULL is allowed. */
 void server_executor_stop(const struct gd_executor *executor);
 
 #endif

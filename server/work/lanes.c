@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define TURNS 16 /* urgent jobs before a waiting patient one */
+#define TURNS 16 /* number of urgent jobs that precede a waiting patient job */
 
 /* --- lists of jobs ---------------------------------------------------------------------------- */
 

@@ -2,13 +2,13 @@
  * jobs has a lane.
  *
  * DESIGN. A job has one owner at a time: its maker, this queue, the worker that runs it, or the
- * list in which it is parked. `next` belongs to the owner. A job ends in one call of `refuse`, or
- * of a `run` that does not park it.
+ * list in which it is parked. `next` belongs to the owner. A job ends with one call of `refuse`, or
+ * with a call of `run` that does not park it.
  *
- * A worker takes a job of the tenant with the fewest running jobs. Among equals it takes the tenant
- * that has used the least time (start-time fair queueing: a lane that becomes active starts at the
- * least time of the others). Each lane is first in, first out. Urgent jobs, for which clients wait,
- * precede patient ones, but a patient job follows every 16 urgent ones.
+ * A worker takes a job of the tenant with the fewest running jobs. Among several such tenants it
+ * takes the tenant that has used the least time (start-time fair queueing: a lane that becomes
+ * active starts at the least time of the others). Each lane is first in, first out. Urgent jobs,
+ * for which clients wait, precede patient jobs, but after 16 urgent jobs a patient job follows.
  *
  * Limits, separately for urgent and patient jobs: all lanes together hold `length` jobs. A tenant
  * takes at most as many places as it leaves free (dynamic thresholds, Choudhury and Hahne, 1998).
@@ -28,18 +28,19 @@ enum server_refusal { SERVER_REFUSAL_DEADLINE, SERVER_REFUSAL_DRAINING, SERVER_R
 
 struct server_job {
     struct server_job *next;
-    uint64_t deadline_ns;     /* on the clock of gd_now_ns() */
-    const char *tenant;       /* tenant whose lane the job uses; NULL: the submitter's */
+    uint64_t deadline_ns; /* on the clock of gd_now_ns() */
+    /* tenant whose lane the job uses; NULL: the tenant of the submitting job */
+    const char *tenant;
     struct server_lane *lane; /* used by the workers */
     const void *parked_at;    /* see server_workers_park */
     uint64_t parked_until_ns; /* 0: no limit */
-    bool is_patient;          /* no client waits for it on a connection */
-    atomic_bool is_unwanted;  /* set by any thread; acts like a passed deadline */
+    bool is_patient;          /* true: no client waits for the job on a connection */
+    atomic_bool is_unwanted;  /* set by any thread; has the effect of a passed deadline */
     void (*run)(struct server_job *job);
     void (*refuse)(struct server_job *job, enum server_refusal why);
 };
 
-/* Returns whether the deadline is at most `now_ns`, or the job is unwanted. */
+/* Returns true if the deadline is at most `now_ns` or the job is unwanted. */
 bool server_job_is_late(const struct server_job *job, uint64_t now_ns);
 
 /* Removes the late jobs from a list and returns them as a list. */
@@ -66,22 +67,23 @@ struct server_lanes {
     struct server_lane *active;
     uint32_t queued[SERVER_LANE_KINDS], running[SERVER_LANE_KINDS];
     uint32_t length, workers;
-    bool is_shared; /* tenants share the queue */
-    unsigned turns; /* urgent jobs that were taken while a patient one waited */
+    bool is_shared; /* true: tenants share the queue */
+    unsigned turns; /* number of urgent jobs that were taken while a patient job waited */
 };
 
-/* Starts with `*lanes` all zero. */
+/* Initialises `*lanes`, which must be all zero. */
 void server_lanes_init(struct server_lanes *lanes, uint32_t workers, uint32_t length);
 
 /* Returns the lane of a tenant (NULL: ""). A new lane must get a job before the next call. */
 struct server_lane *server_lanes_of(struct server_lanes *lanes, const char *tenant);
 
-/* Queues a job at the end of the lane. False: the queue is full. With `is_first`, queues it at the
- * front, even if the queue is full. */
+/* Queues a job at the end of the lane. Returns false if the queue is full. With `is_first`, queues
+ * the job at the front, even if the queue is full. */
 bool server_lanes_push(struct server_lanes *lanes, struct server_lane *lane, struct server_job *job,
                        bool is_first);
 
-/* Takes the next job, which runs until server_lanes_end. NULL: none for this worker. */
+/* Takes the next job, which counts as running until server_lanes_end. NULL: there is no job for
+ * this worker. */
 struct server_job *server_lanes_take(struct server_lanes *lanes, bool is_spare);
 
 /* Records that a job of that lane and kind has run for `ns`. */

@@ -4,19 +4,19 @@
 #include <stdatomic.h>
 #include <sys/resource.h>
 
-#define MOVE_NS    UINT64_C(10000000)   /* least time between two moves of a thread */
+#define MOVE_NS    UINT64_C(10000000)   /* least time between two changes of a thread's cores */
 #define LONG_NS    UINT64_C(50000000)   /* time after which a job gets idle priority */
-#define MEASURE_NS UINT64_C(100000000)  /* period over which its share is measured */
-#define SHARE      8                    /* a job that gets less than 1/8 of the time starves */
+#define MEASURE_NS UINT64_C(100000000)  /* period over which the share of a job is measured */
+#define SHARE      8                    /* a job that gets less than 1/8 of the time is starving */
 #define RETURN_NS  UINT64_C(1000000000) /* length of the first return to normal priority */
 
-/* Sets the nice value; on Linux only of the calling thread. */
+/* Sets the nice value. On Linux this concerns only the calling thread. */
 static bool thread_set_nice(int nice)
 {
     return setpriority(PRIO_PROCESS, 0, nice) == 0;
 }
 
-/* Chooses the next core for a thread. Returns false unless each thread can have one. */
+/* Chooses the next core for a thread. Returns false if there are fewer cores than threads. */
 static bool core_choose(uint32_t threads, cpu_set_t *all, cpu_set_t *own)
 {
     static atomic_uint chosen;
@@ -51,8 +51,8 @@ void server_thread_place(uint32_t threads, bool are_workers_busy, uint64_t now_n
 
 static _Thread_local bool can_return, is_now_idle;
 
-/* Lowers the priority of a new worker. Finds out whether the worker may leave idle priority: a
- * thread may leave SCHED_IDLE if it may lower its nice value. */
+/* Lowers the priority of a new worker. Tests whether the worker may leave idle priority: a thread
+ * may leave SCHED_IDLE if it may lower its nice value. */
 void server_worker_lower(void)
 {
     can_return = thread_set_nice(SERVER_WORKER_NICE) && thread_set_nice(SERVER_WORKER_NICE - 1) &&

@@ -1,11 +1,11 @@
-/* Thread priority: the priorities of HTTP threads and workers, and the cores of HTTP threads. Calls
- * that the system refuses change nothing. Figures: server/doc/008.
+/* Thread priority: the priorities of HTTP threads and workers, and the cores of HTTP threads. If
+ * the system refuses a call, nothing changes. server/doc/008 has measurements.
  *
  * DESIGN. HTTP threads have a slightly higher priority than other programs. Otherwise a client on
- * the same machine preempts them at every answer. While no worker is busy, each HTTP thread has a
- * core of its own, if there are enough cores. Otherwise the kernel often runs all of them on one
- * core and their clients on another. While workers are busy, an HTTP thread may run on all cores,
- * because a worker leaves a core only at the kernel's next timer tick.
+ * the same machine preempts them at every answer. While no worker is busy, each HTTP thread has its
+ * own core, if there are enough cores. Otherwise the kernel often runs all of them on one core and
+ * their clients on another. While workers are busy, an HTTP thread may run on all cores, because a
+ * worker leaves a core only at the kernel's next timer tick.
  *
  * Workers run at nice 10. A long job gets idle priority (SCHED_IDLE): the kernel treats its core as
  * idle, so a thread that wakes there runs at once. To prevent starvation on a busy machine, a job
@@ -34,14 +34,16 @@ void server_worker_set_idle(bool is_idle);
 /* The priority of one job; not shared. */
 struct server_priority {
     bool is_idle;
-    uint64_t not_before_ns;    /* normal priority until then */
-    uint64_t return_ns;        /* length of the next return to normal */
-    uint64_t since_ns, cpu_ns; /* start of the period in which its share is measured */
+    uint64_t not_before_ns; /* the job has normal priority until this time */
+    uint64_t return_ns;     /* length of the next return to normal priority */
+    /* start of the current measuring period, and processor time at its start */
+    uint64_t since_ns, cpu_ns;
 };
 
 void server_priority_begin(struct server_priority *priority, uint64_t now_ns);
 
-/* Returns whether the job has idle priority from now on. `cpu_ns`: processor time of its thread. */
+/* Returns true if the job has idle priority from now on. `cpu_ns` is the processor time of its
+ * thread. */
 bool server_priority_update(struct server_priority *priority, uint64_t now_ns, uint64_t cpu_ns);
 
 #endif

@@ -16,13 +16,15 @@ struct server_workers {
     pthread_cond_t work, spare_work;
     struct server_lanes lanes;
     uint32_t thread_count; /* without spare ones */
-    atomic_uint working;   /* threads that run a job, without spare ones; set under the lock */
+    /* number of number of threads that run a job, without spare threads; set under the lock */
+    atomic_uint working;
     atomic_uint guests;
-    atomic_uint started;       /* threads; those after the first `thread_count` are spare */
+    /* number of threads; those after the first `thread_count` are spare */
+    atomic_uint started;
     struct server_job *parked; /* see server_workers_park */
-    bool is_leaving;           /* each thread ends after its current job */
+    bool is_leaving;           /* true: each thread ends after its current job */
     atomic_bool cancelled;
-    struct server_thread *threads[]; /* twice `thread_count` */
+    struct server_thread *threads[]; /* 2 * `thread_count` entries */
 };
 
 /* The job that this thread runs; all zero: none. Jobs that the running job submits get the same
@@ -41,13 +43,13 @@ static bool workers_are_all_at_work(const struct server_workers *workers)
     return workers->working == workers->thread_count;
 }
 
-/* Wakes a thread for a queued job: a spare one if all others are busy. */
+/* Wakes a thread for a queued job. Wakes a spare thread if all others are busy. */
 static void workers_wake(struct server_workers *workers)
 {
     pthread_cond_signal(workers_are_all_at_work(workers) ? &workers->spare_work : &workers->work);
 }
 
-/* Returns false, and leaves the job to the caller, when the queue is full. */
+/* Queues a job. If the queue is full, returns false; the caller then still owns the job. */
 static bool workers_put(struct server_workers *workers, struct server_job *job, bool is_first)
 {
     struct server_lane *lane = own.lane;
@@ -286,7 +288,7 @@ void server_workers_expire(struct server_workers *workers, uint64_t now_ns)
     workers_refuse_late(workers, now_ns, SERVER_REFUSAL_DEADLINE);
 }
 
-/* Sets the flag before it takes the lock, so that a job that is queued later is refused. */
+/* Sets the flag before taking the lock, so that a job that is queued later is refused. */
 void server_workers_cancel(struct server_workers *workers)
 {
     atomic_store(&workers->cancelled, true);
