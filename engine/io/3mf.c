@@ -8,8 +8,8 @@
 
 #include "io/readers.h"
 
-#define DEPTH         64   /* nesting of components */
-#define LOOK_ELEMENTS 8192 /* vertices and triangles between two checks of the control */
+#define DEPTH         64   /* limit on the nesting of components */
+#define LOOK_ELEMENTS 8192 /* number of vertices and triangles between two checks of the control */
 #define DEFAULT_MODEL "3D/3dmodel.model"
 
 bool gd__3mf_recognise(struct gd__scan scan)
@@ -206,7 +206,7 @@ struct placing {
     struct gd__builder *builder;
     struct step steps[DEPTH];
     unsigned depth;
-    uint64_t done, all; /* vertices and triangles, for the progress */
+    uint64_t done, all; /* numbers of vertices and triangles, for the progress */
 };
 
 static enum gd_status look(struct placing *placing)

@@ -2,8 +2,8 @@
  * the XML. 3mf.c reads the parts and places the objects of the build.
  *
  * Invariant: the XML is not trusted. A document type declaration (DTD) is rejected, so a file
- * cannot define entities. A path names a part of the package and nothing else. An object refers
- * only to objects that are defined before it. */
+ * cannot define entities. A path can only name a part of the package. An object refers only to
+ * objects that are defined before it. */
 #ifndef GD_IO_3MF_H
 #define GD_IO_3MF_H
 
@@ -11,9 +11,10 @@
 #include "io/place.h"
 #include "io/zip.h"
 
-#define GD__3MF_PARTS   256
-#define GD__3MF_OBJECTS 65536 /* the limit for components and items is the same */
-#define GD__3MF_PATH    256   /* longest name of a part, including its NUL */
+#define GD__3MF_PARTS 256
+/* limit on objects; the limits on components and on items are the same */
+#define GD__3MF_OBJECTS 65536
+#define GD__3MF_PATH    256 /* longest name of a part, including its NUL */
 
 /* Largest ratio of XML bytes to bytes of the package. A package that exceeds it is rejected,
  * because it was probably made to exhaust the memory. */
@@ -27,17 +28,17 @@ struct gd__3mf_part {
     double unit; /* in millimetres */
 };
 
-/* A component of an object or an item of the build: a reference to an object, and where it is
- * placed. */
+/* A component of an object, or an item of the build: a reference to an object, and the object's
+ * placement. */
 struct gd__3mf_use {
-    uint32_t part, id; /* identify the object: its part, and its id in this part */
+    uint32_t part, id; /* the object's part, and its id in this part */
     uint32_t object;   /* number of the object in `objects`, set after all parts are read */
     struct gd__place place;
 };
 
 struct gd__3mf_object {
     uint32_t part, id;
-    bool is_left_out; /* a support structure, or an object of type "other" */
+    bool is_left_out; /* true: a support structure, or an object of type "other" */
     uint32_t first_vertex, vertex_count;
     uint32_t first_triangle, triangle_count;
     uint32_t first_use, use_count; /* its components */
@@ -51,7 +52,7 @@ struct gd__3mf {
     struct gd_read_options limits; /* 0 (no limit given) is already replaced by the default */
     struct gd__zip *zip;
     size_t size;      /* bytes of the package */
-    bool is_counting; /* vertices and triangles are counted but not stored */
+    bool is_counting; /* true: vertices and triangles are counted but not stored */
     struct gd__3mf_part *parts;
     uint32_t part_count, part_capacity;
     struct gd__3mf_object *objects;

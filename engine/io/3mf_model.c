@@ -11,8 +11,8 @@
 #include "io/3mf.h"
 
 #define CHUNK_BYTES   65536
-#define LONGEST_TOKEN ((XML_Index)65536) /* longest tag or comment, in bytes */
-#define DEPTH         64                 /* nesting of elements */
+#define LONGEST_TOKEN ((XML_Index)65536) /* limit on a tag or a comment, in bytes */
+#define DEPTH         64                 /* limit on the nesting of elements */
 #define NO_OBJECT     UINT32_MAX
 
 struct model {
@@ -418,7 +418,8 @@ enum gd_status gd__3mf_find_model(struct gd__3mf *package, char *out)
 enum gd_status gd__3mf_read_model(struct gd__3mf *package, uint32_t part)
 {
     char name[GD__3MF_PATH];
-    strcpy(name, package->parts[part].name); /* a copy, because the array of parts may move */
+    /* copies the name, because the array of parts may move */
+    strcpy(name, package->parts[part].name);
     struct model model = {.package = package, .part = part, .name = name, .object = NO_OBJECT};
     enum gd_status status = read_part(&model, begin_element);
     if (status != GD_EMPTY) return status;

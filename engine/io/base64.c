@@ -31,7 +31,7 @@ bool gd__base64_read(const char *text, size_t length, char *out, size_t *size)
         *at++ = (char)(bits >> 8);
         *at++ = (char)bits;
     }
-    unsigned rest = count % 4; /* 2 digits encode one byte, 3 encode two */
+    unsigned rest = count % 4; /* 2 digits encode one byte, 3 digits encode two bytes */
     if (rest == 1) return false;
     if (rest >= 2) *at++ = (char)(bits >> (rest == 2 ? 4 : 10));
     if (rest == 3) *at++ = (char)(bits >> 2);

@@ -18,8 +18,8 @@
  * more. */
 #define LOOK_BYTES 65536
 
-/* All doubles of this size or more are whole numbers. Larger indices are clamped to this value,
- * which fits a 64-bit integer. */
+/* All doubles of at least this size are whole numbers. Larger indices are clamped to this value,
+ * which fits in a 64-bit integer. */
 #define LARGEST_WHOLE 0x1p53
 
 static uint32_t effective_limit(uint32_t limit)
@@ -212,8 +212,8 @@ enum gd_status gd__builder_skip(struct gd__builder *builder, const char *at, enu
     const struct gd__scan *scan = builder->scan;
     struct gd_mended *skipped = builder->limits.skipped;
     if (skipped) {
-        /* gd__scan_place takes as long as reading the input up to `at`, so it runs only for
-         * elements that are listed */
+        /* gd__scan_place takes as long as reading the input up to `at`, so it is called only for
+           elements that are listed */
         uint64_t place = skipped->listed < GD_MENDED_LISTED ? gd__scan_place(scan, at) : 0;
         gd_mended_add(skipped, place < UINT32_MAX ? (uint32_t)place : UINT32_MAX, 0);
         return GD_OK;

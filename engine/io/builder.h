@@ -12,7 +12,7 @@
 #include "io/scan.h"
 
 struct gd__builder {
-    const struct gd__scan *scan;   /* borrowed; errors name its line or byte */
+    const struct gd__scan *scan;   /* borrowed; errors name a line or byte of this scan */
     struct gd_read_options limits; /* 0 (no limit given) is already replaced by the default */
     /* number of the first vertex in the format: 0 or 1; for error texts only */
     uint32_t index_base;

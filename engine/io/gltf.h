@@ -88,7 +88,7 @@ struct gd__gltf_accessor {
     uint32_t value;      /* JSON value of the accessor */
     unsigned components; /* components per element */
     uint32_t type;       /* type of a component: 5120 (byte) to 5126 (float) */
-    bool is_normalized;  /* whole numbers represent [0, 1] or [-1, 1] */
+    bool is_normalized;  /* true: whole numbers represent [0, 1] or [-1, 1] */
     uint32_t count;      /* number of elements */
     const char *at;      /* the first element; NULL: all elements are zero */
     size_t stride;
@@ -152,7 +152,7 @@ struct gd__gltf_making {
     struct gd__weld weld;
     /* owned; sum.largest items: for each vertex of `accessor`, its number in the builder */
     uint32_t *vertices;
-    uint32_t accessor;      /* the accessor whose vertices `vertices` holds */
+    uint32_t accessor;      /* the accessor to which `vertices` belongs */
     struct gd__place place; /* the placement of these vertices */
     uint64_t done, all;     /* vertices and corners, for the progress */
 };

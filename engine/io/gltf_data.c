@@ -9,7 +9,7 @@
 #include "io/base64.h"
 #include "io/endian.h"
 
-#define LARGEST_WHOLE (UINT64_C(1) << 53) /* whole numbers up to here are exact in JSON */
+#define LARGEST_WHOLE (UINT64_C(1) << 53) /* whole numbers up to this one are exact in JSON */
 
 /* --- buffers ---------------------------------------------------------------------------------- */
 
@@ -29,7 +29,7 @@ static enum gd_status encoded_part(const struct gd__gltf *gltf, uint32_t uri,
 {
     static const char mark[] = ";base64,";
     const char *at = gd__json_at(&gltf->json, uri) + 1, *end = gltf->json.text + gltf->json.size;
-    /* the quote exists, because the string is already parsed */
+    /* there is a quote, because the string is already parsed */
     const char *quote = memchr(at, '"', (size_t)(end - at));
     if (quote - at < 5 || memcmp(at, "data:", 5) != 0) return fail_external(gltf, uri);
     const char *found = memchr(at, ',', (size_t)(quote - at));
@@ -344,8 +344,8 @@ static double normalized(double value, uint32_t type)
     }
 }
 
-/* Returns the position of the next element: in the sparse list if that list holds it, otherwise in
- * the accessor's view. NULL: the element is zero. */
+/* Returns the position of the next element, which is in the sparse list or in the accessor's view.
+ * NULL: the element is zero. */
 static enum gd_status find_next(struct gd__gltf_accessor *accessor, const char **out)
 {
     uint32_t place = accessor->next++, sparse = accessor->sparse_next;

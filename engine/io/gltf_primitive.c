@@ -143,8 +143,8 @@ static enum gd_status add_vertices(struct gd__gltf_making *making,
     return status;
 }
 
-/* Adds the vertices of a primitive, unless the previous primitive has the same ones. Primitives
- * often share an accessor, one primitive per material. */
+/* Adds the vertices of a primitive, unless the previous primitive has the same vertices. Primitives
+ * with different materials often share an accessor. */
 static enum gd_status provide_vertices(struct gd__gltf_making *making,
                                        const struct primitive *primitive,
                                        const struct gd__place *place)
@@ -167,8 +167,8 @@ struct run {
     struct gd__gltf_making *making;
     const struct primitive *primitive;
     struct gd__gltf_accessor indices; /* if the primitive has indices */
-    const char *at;                   /* position that errors name */
-    /* the placement mirrors, so faces are reversed (glTF 2.0, 3.7.4) */
+    const char *at;                   /* position in the document for errors */
+    /* true: the placement mirrors, so faces are reversed (glTF 2.0, 3.7.4) */
     bool is_mirrored;
     /* strip: the last three corners; fan: the first corner and the last two; list: the last
      * three */

@@ -24,10 +24,10 @@ struct box {
 
 struct writing {
     const struct gd_result *result;
-    double origin[3];                      /* subtracted from positions */
+    double origin[3];                      /* the origin, which is subtracted from all positions */
     double largest;                        /* largest distance */
     uint32_t views, accessors, primitives; /* written so far */
-    uint64_t bytes;                        /* bytes of the views so far */
+    uint64_t bytes;                        /* total bytes of the views written so far */
     struct gd__output *json, *binary;
 };
 
@@ -71,7 +71,7 @@ static size_t mesh_count(const struct gd_result *result)
 }
 
 /* Returns the centre of the box, rounded to a multiple of a power of two between a quarter and a
- * half of the box's size. So the result has few digits, and it is 0 if the box is centred near the
+ * half of the box's size. So the result has few digits, and is 0 if the box is centred near the
  * origin. */
 static double round_centre(double min, double max, double size)
 {

@@ -9,8 +9,8 @@
 #include "gd/control.h"
 #include "io/scan.h"
 
-#define GD__JSON_DEPTH   64   /* nesting of containers */
-#define GD__JSON_MEMBERS 4096 /* gd__json_member searches that many members of an object */
+#define GD__JSON_DEPTH   64   /* limit on the nesting of containers */
+#define GD__JSON_MEMBERS 4096 /* gd__json_member searches at most this many members of an object */
 
 struct gd__json_value {
     uint32_t at;   /* offset of the value in the text */

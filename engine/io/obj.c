@@ -1,5 +1,6 @@
-/* Wavefront OBJ: reads "v x y z" and "f a b c ..." with one-based or relative indices. Skips every
- * other statement; opens no file that a statement names. A face may come before its vertices. */
+/* Wavefront OBJ: reads "v x y z" and "f a b c ..." with one-based or relative indices. Skips all
+ * other statements, and opens no file that a statement names. A face may come before its
+ * vertices. */
 #include "io/readers.h"
 
 #include <string.h>

@@ -1,6 +1,6 @@
-/* Output: a growing buffer of bytes that are being written. Grows by half. After a failure (out of
- * memory, or stopped by the control) it is empty and ignores further writes. gd__output_finish
- * reports the failure. */
+/* Output: a growing buffer of bytes that are being written. The buffer grows by half. After a
+ * failure (out of memory, or stopped by the control) it is empty, and further writes are ignored.
+ * gd__output_finish reports the failure. */
 #ifndef GD_IO_OUTPUT_H
 #define GD_IO_OUTPUT_H
 

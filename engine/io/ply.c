@@ -1,6 +1,6 @@
 /* PLY 1.0, text and binary of either byte order. Reads the vertices' x, y, z and the corner lists
- * of faces and triangle strips, and skips everything else. Elements may come in any order. In text
- * each record is a line. */
+ * of faces and triangle strips, and skips everything else. Elements may come in any order. In a
+ * text file each record is a line. */
 #include "io/ply.h"
 
 #include "io/endian.h"

@@ -165,8 +165,8 @@ static enum gd_status check_roles(const struct gd__scan *scan, const struct gd__
     return GD_OK;
 }
 
-/* Returns the fewest bytes of a property: a face has three corners, other lists may be empty. In
- * text a value is a digit and a separator. */
+/* Returns the least number of bytes of a property: a face has at least three corners, other lists
+ * may be empty. In text a value is a digit and a separator. */
 static uint64_t smallest_size(const struct gd__ply_header *header, enum gd__ply_kind kind,
                               const struct gd__ply_property *property)
 {

@@ -20,7 +20,7 @@ struct gd__scan gd__scan_begin(const void *bytes, size_t size, struct gd_detail 
 static uint64_t line_of(const struct gd__scan *scan, const char *at)
 {
     uint64_t ends = 0;
-    /* excludes the last byte of the input, because the loop also reads the byte after c */
+    /* excludes the last byte of the input, because the loop also reads the following byte */
     const char *last = at > scan->begin && at == scan->end ? at - 1 : at;
     for (const char *c = scan->begin; c < last; c++)
         ends += (*c == '\n') | ((*c == '\r') & (c[1] != '\n'));
@@ -49,7 +49,8 @@ enum gd_status gd__scan_end(const struct gd__scan *scan, enum gd_status status)
 enum gd_status gd__scan_fail(const struct gd__scan *scan, const char *at, enum gd_status status,
                              const char *format, ...)
 {
-    /* After the deadline the line is not counted: gd__scan_end replaces the status. */
+    /* After the deadline the line number is not computed, because gd__scan_end replaces the
+       status. */
     if (!scan->detail || gd__scan_end(scan, GD_OK)) return status;
     char sentence[GD_DETAIL_TEXT];
     va_list arguments;
@@ -186,7 +187,8 @@ static bool runs_on(const struct gd__scan *scan, const char *at)
            (isalnum((unsigned char)*at) || *at == '.' || *at == '_' || *at == '-' || *at == '+');
 }
 
-/* Rejects infinities and NaNs as C libraries of Windows print them: 1.#INF, -1.#IND, 1.#QNAN. */
+/* Rejects infinities and NaNs in the form that C libraries of Windows print: 1.#INF, -1.#IND,
+ * 1.#QNAN. */
 static enum gd_status refuse_nan(const struct gd__scan *scan, const char *hash)
 {
     size_t length = (size_t)(hash - scan->at);

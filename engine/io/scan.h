@@ -1,4 +1,4 @@
-/* Scan: a bounded cursor over the bytes of a file. Errors name its lines or bytes.
+/* Scan: a bounded cursor over the bytes of a file. Errors name lines or bytes of the file.
  *
  * Invariant: begin <= at <= end; nothing outside is read. Lines end with LF, CR LF or CR. Line
  * numbers are counted only when an error needs one. Blanks separate words within a line. Space
@@ -16,10 +16,11 @@
 struct gd__scan {
     const char *begin, *at, *end;
     struct gd_detail *detail; /* may be NULL */
-    /* errors name bytes, not lines: for binary data, and for JSON, which is often one long line */
+    /* true: errors name bytes instead of lines; for binary data, and for JSON, which is often one
+       long line */
     bool by_byte;
-    bool comments;  /* '#' begins a comment that runs to the end of its line */
-    bool continued; /* a backslash at the end of a line continues it on the next line */
+    bool comments;  /* true: '#' begins a comment, which ends at the end of the line */
+    bool continued; /* true: a backslash at the end of a line continues the line on the next one */
     /* deadline of the reading, as in a gd_control; checked where much input is skipped; 0: none */
     uint64_t deadline_ns;
 };
@@ -41,7 +42,7 @@ struct gd__excerpt gd__excerpt(struct gd__word word);
 /* Returns a scan at the beginning of `bytes`, or after a UTF-8 byte order mark. */
 struct gd__scan gd__scan_begin(const void *bytes, size_t size, struct gd_detail *detail);
 
-/* Returns the line of that position, counted from 1, or its byte where errors name bytes. */
+/* Returns the line of that position, counted from 1; or its byte if errors name bytes. */
 uint64_t gd__scan_place(const struct gd__scan *scan, const char *at);
 
 /* Returns `status`. Writes "line 17: <sentence>" or "byte 99: <sentence>" to the detail, with that

@@ -1,5 +1,5 @@
-/* Stereolithography, text and binary: separate triangles, which are welded at equal corners.
- * Normals and attributes are skipped.
+/* STL (stereolithography), text and binary. The file has separate triangles; equal corners are
+ * welded. Normals and attributes are skipped.
  *
  * Binary files may also begin with "solid", and may have bytes behind their last triangle. So the
  * input is binary in three cases: its size is exactly the size for its count of triangles, it does

@@ -6,7 +6,7 @@
 #include "io/builder.h"
 
 struct gd__weld {
-    struct gd__builder *builder; /* borrowed: holds the positions */
+    struct gd__builder *builder; /* borrowed; contains the positions */
     /* open addressing: vertex or GD_NONE; at most half of the slots are used */
     uint32_t *slots;
     size_t slot_count; /* a power of two, or 0 */

@@ -6,7 +6,7 @@
 #include "io/gltf_write.h"
 #include "io/writers.h"
 
-#define PLY_HEADER_MOST 512 /* bytes of the header, at most */
+#define PLY_HEADER_MOST 512 /* upper bound of the bytes of the header */
 
 static uint32_t size_of_polygon(const struct gd_polygons *polygons, uint32_t polygon)
 {
@@ -171,7 +171,7 @@ static bool fits_floats(struct gd_vec3 v)
 static enum gd_status write_stl(struct gd__output *output, const struct gd_polygons *polygons)
 {
     if (!gd_polygons_are_triangles(polygons)) return GD_NOT_TRIANGLES;
-    static const char header[80] = "binary STL"; /* must not begin with "solid" */
+    static const char header[80] = "binary STL"; /* the header must not begin with "solid" */
     gd__output_bytes(output, header, sizeof header);
     gd__output_little_endian(output, polygons->polygon_count, 4);
     for (uint32_t i = 0; i < polygons->polygon_count && !output->failed; i++) {

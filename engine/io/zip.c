@@ -13,8 +13,8 @@ struct gd__zip {
     const char *bytes;
     size_t size, at;
     unzFile file;
-    bool is_open;  /* a file of the archive is open and readable */
-    uint64_t left; /* rest of its declared bytes */
+    bool is_open;  /* true: a file of the archive is open and readable */
+    uint64_t left; /* declared bytes of the open file that are not yet read */
     uLong sum, declared_sum;
 };
 
@@ -64,7 +64,7 @@ static long seek_archive(voidpf user, voidpf stream, ZPOS64_T offset, int origin
                   : origin == ZLIB_FILEFUNC_SEEK_CUR ? zip->at
                                                      : zip->size;
     (void)user;
-    size_t target = base + (size_t)offset; /* a negative offset wraps */
+    size_t target = base + (size_t)offset; /* a negative offset wraps around */
     if (target > zip->size) return -1;
     zip->at = target;
     return 0;

@@ -8,8 +8,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Factors A = L L^T in place. Returns false if a pivot is not positive beyond rounding; the matrix
- * is then undefined. O(size width^2). */
+/* Factors A = L L^T in place. Returns false, with an undefined matrix, if a pivot is not clearly
+ * positive, given rounding errors. O(size width^2). */
 bool gd__band_factor(uint32_t size, uint32_t width, double *row);
 
 /* Solves L L^T x = b in place. O(size width). */

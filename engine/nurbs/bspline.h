@@ -1,7 +1,7 @@
 /* B-spline basis: the degree + 1 functions that do not vanish on a knot span, with two derivatives.
  * Piegl and Tiller, The NURBS Book, section 2.2-2.5.
  *
- * Functions are evaluated as the polynomials of the span, also outside the span. */
+ * The functions are evaluated as the polynomials of the span, even outside the span. */
 #ifndef GD_NURBS_BSPLINE_H
 #define GD_NURBS_BSPLINE_H
 

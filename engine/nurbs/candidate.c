@@ -7,10 +7,10 @@
 #include "base/tolerance.h"
 #include "nurbs/energy.h"
 
-enum { DETOUR = 8 }; /* directions tried around a pole */
+enum { DETOUR = 8 }; /* number of directions tried around a pole */
 
-/* Fraction of the domain's width: a seed this near a pole may lead to a path through the pole, or
- * on its other side. */
+/* Fraction of the domain's width: a seed nearer to a pole than this may lead to a path through the
+ * pole or on its other side. */
 static const double near_pole = 0.08;
 
 void gd__candidate_free(struct gd__candidate *candidate)
@@ -69,7 +69,7 @@ static bool leaving(const struct gd_domain_curve *curve, double s, int step, str
 }
 
 /* Returns true if the end of the path is minimal. Returns false if the end is in a pole that a
- * curve passes, and paths to nearby points of the curve are shorter. */
+ * curve passes and a path to a nearby point of the curve is shorter. */
 static bool candidate_is_held(const struct gd__candidate *candidate, int side)
 {
     const struct gd__chain *chain = candidate->part[side ? candidate->parts - 1 : 0].chain;
@@ -207,7 +207,7 @@ struct visit {
     int axis;
     double border;
     uint32_t place; /* index of the polyline's place nearest to the pole */
-    bool exact;     /* the place is in the pole */
+    bool exact;     /* true: the place is in the pole */
 };
 
 /* Finds the pole nearest to a polyline. Returns false if none is near. */

@@ -13,14 +13,14 @@ struct gd__candidate {
     /* 2 if the path passes through a pole, where the first solution ends and the second begins */
     uint32_t parts;
     bool tip; /* the path ends in a pole that a curve passes */
-    /* The path passes through or near a pole, where a coarse curve is much too long. */
+    /* True: the path passes through or near a pole, where a coarse curve is much too long. */
     bool by_pole;
     struct gd__solution part[2];
     /* number of the first candidate of its family of equally long paths; and whether that family
        has other members */
     uint32_t family;
     bool is_family;
-    uint32_t trims; /* how often the path was trimmed */
+    uint32_t trims; /* number of times that the path was trimmed */
     /* The length of the path, and the points of the path after a quarter and a half of this length.
      * These members identify a path. Until gd__candidate_finish is called, they are those of the
      * coarse curve. */
@@ -28,10 +28,10 @@ struct gd__candidate {
     struct gd_vec3 quarter, middle;
 };
 
-/* Computes at most GD__CANDIDATES_MOST coarse candidates along a seed. Near a pole, paths through
- * the pole and on its other side are candidates too. If a seed ends in a pole, a path with its end
- * fixed there is a candidate too, because a free end only approaches a pole. Errors: those of
- * gd__newton. */
+/* Computes at most GD__CANDIDATES_MOST coarse candidates along a seed. Near a pole, candidates are
+ * also made for paths through the pole and on its other side. If a seed ends in a pole, a path with
+ * its end fixed there is a candidate too, because a free end only approaches a pole. Errors: those
+ * of gd__newton. */
 GD_MUST_USE enum gd_status gd__candidates_of_seed(const struct gd__task *task,
                                                   const struct gd_domain_curve *const ends[2],
                                                   const struct gd__path_seed *seed,

@@ -2,9 +2,9 @@
  * the surface, where the surface is not smooth (gd/parametric.h).
  *
  * DESIGN
- * - Each piece is a clamped B-spline c(t), t in [0, 1], in one smooth cell of the surface; a piece
- *   that is `whole` may cross cells. Its first and last control points are the places of the
- *   adjacent joints.
+ * - Each piece is a clamped B-spline c(t), t in [0, 1], in one smooth cell of the surface; only a
+ *   `whole` piece may cross cells. Its first and last control points are the places of the adjacent
+ *   joints.
  * - A joint is fixed, or has one unknown. At an end of the path on a curve, the unknown is the
  *   parameter of that curve. Where the path crosses a line of the surface, or ends in a pole, it is
  *   the coordinate along the line or along the pole.
@@ -64,7 +64,7 @@ struct gd__chain {
     uint32_t degree, piece_count;
     struct gd__piece *pieces;
     struct gd__joint *joints; /* piece_count + 1 */
-    struct gd__pace *pace;    /* borrowed; loops over spans check it */
+    struct gd__pace *pace;    /* borrowed; loops over spans check this pace */
 };
 
 static inline uint32_t gd__piece_points(const struct gd__chain *chain,

@@ -116,7 +116,7 @@ static enum gd_status follow_curve(const struct gd_domain_curve *initial, struct
     if (status) return status;
     for (uint32_t i = 0; i < count && !status && gd__pace(pace, GD__STEP); i++) {
         struct gd__curve_jet jet;
-        /* not gd_domain_curve_at, which wraps the end of a closed curve to its beginning */
+        /* gd_domain_curve_at can't be used: it wraps the end of a closed curve to its beginning */
         gd__curve_jet(initial, places[i], &jet);
         status = gd__uv_polyline_add(out, jet.at);
     }

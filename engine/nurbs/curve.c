@@ -212,7 +212,8 @@ static void find_closure(struct gd_domain_curve *curve)
     if (!curve->closed) curve->winding[0] = curve->winding[1] = 0;
 }
 
-/* Returns true if a place is so many periods away that its coordinates are too imprecise. */
+/* Returns true if a place is so many periods from the domain that its coordinates are too
+ * imprecise. */
 static bool is_far(const struct gd_parametric *surface, const double at[2])
 {
     for (int k = 0; k < 2; k++) {

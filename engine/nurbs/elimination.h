@@ -1,5 +1,5 @@
-/* Elimination: removes the interior unknowns of a piece from Newton's system, which leaves the
- * piece's length as a function of the joints at its ends. */
+/* Elimination: removes the interior unknowns of a piece from Newton's system. The piece's length
+ * then depends only on the joints at its ends. */
 #ifndef GD_NURBS_ELIMINATION_H
 #define GD_NURBS_ELIMINATION_H
 
@@ -17,7 +17,8 @@ struct gd__part {
     double length;
     double *factor;                       /* laid out as energy.hessian */
     double *solution[GD__PART_SOLUTIONS]; /* 2 n each */
-    /* per unknown: fixed in this step, because it belongs to an end or is held on a border */
+    /* per unknown: true if it is fixed in this step, because it belongs to an end or is held on a
+       border */
     bool *held;
     struct gd__curve_jet end[2]; /* jets of the joints' places */
     /* derivatives of E by the joints' unknowns, if the interior points are fixed */
@@ -25,7 +26,7 @@ struct gd__part {
     /* derivatives of E by the joints' unknowns, if the interior points always minimise E */
     double reduced[2];
     double schur[2][2]; /* second derivatives, if the interior points always minimise E */
-    bool contact;       /* some unknown is held on a border */
+    bool contact;       /* true: some unknown is held on a border */
     /* squared speeds of the ends with respect to the joints' unknowns */
     double weight[2];
 };

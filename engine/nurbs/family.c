@@ -6,8 +6,8 @@
 
 enum { STEPS = 64, PARTS = 8 };
 
-/* Fraction of the path's length. A path whose middle is nearer than this to that of a member is
- * this member itself, so it does not show that the family continues. */
+/* Fraction of the path's length. If the middle of a path is nearer than this to the middle of a
+ * member, the path is the member itself, and does not show that the family continues. */
 static const double apart = 1e-4;
 /* Fraction of the distance between the two paths' ends. The end of a path between the two may lie
  * this far from the middle of their ends. */

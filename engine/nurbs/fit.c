@@ -13,7 +13,7 @@ enum { CUTS_MOST = 65536 };
 /* A place where the polyline enters another cell. */
 struct cut {
     double position;    /* position on the polyline */
-    int axis;           /* direction of the line that it crosses */
+    int axis;           /* direction of the line that the polyline crosses here */
     double line, along; /* the line's coordinate, and the place's other coordinate */
     struct gd__cell next;
 };
@@ -82,7 +82,7 @@ static struct gd__cell first_cell(const struct gd_parametric *surface,
                     best = base;
     uint32_t longest = 0;
     for (int i = 0; i < 9; i++) {
-        /* the place's own cell first */
+        /* begins with the place's own cell */
         static const int32_t offsets[] = {0, -1, 1};
         struct gd__cell cell = {{base.index[0] + offsets[i / 3], base.index[1] + offsets[i % 3]}};
         if (!exists(surface->axis[0], cell.index[0]) || !exists(surface->axis[1], cell.index[1]))

@@ -17,7 +17,8 @@
 #include "nurbs/trim.h"
 
 enum {
-    /* initial paths of a class between curves begin and end at this many pairs of places */
+    /* number of pairs of places at which initial paths of a class between two curves begin and
+       end */
     CLASS_PLACES = 2,
     TRIMS_MOST = 8 /* limit on trims of one path */
 };
@@ -189,8 +190,8 @@ static void spare_candidate(struct gd__candidate *candidate, struct gd__candidat
     if (better) *spare = *candidate;
 }
 
-/* Returns true if a refined candidate may be a result: it is a geodesic, of the requested class. A
- * candidate on the other side of a pole has other winding numbers. */
+/* Returns true if a refined candidate may be a result, that is, if it is a geodesic of the
+ * requested class. A candidate on the other side of a pole has other winding numbers. */
 static bool is_result(const struct solving *solving, const struct gd__candidate *candidate)
 {
     const int32_t *wanted = solving->request->turns;
@@ -312,7 +313,7 @@ static void geodesic_choose(bool all, struct candidates *candidates)
 
 /* --- families --------------------------------------------------------------------------------- */
 
-/* Returns how far the ends of two candidates are apart, in widths of the curves' ranges. */
+/* Returns the distance of the ends of two candidates, in widths of the curves' ranges. */
 static double ends_apart(const struct solving *solving, const struct gd__candidate *a,
                          const struct gd__candidate *b)
 {

@@ -6,8 +6,9 @@
 #include "nurbs/bspline.h"
 
 enum {
-    ACROSS = 9,     /* lines on which a cell is measured */
-    ALONG = 8,      /* steps of each line; the surface is measured at their ends */
+    ACROSS = 9, /* number of lines on which a cell is measured */
+    /* number of steps of each line; the surface is measured at the ends of the steps */
+    ALONG = 8,
     LEAST_STEPS = 8 /* least number of steps in a direction */
 };
 

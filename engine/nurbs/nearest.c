@@ -36,8 +36,8 @@ static bool nurbs_nearest_is_held(const struct gd_axis *axis, double t, double g
            ((t <= axis->low && gradient >= 0) || (t >= axis->high && gradient <= 0));
 }
 
-/* Computes Newton's step in the free coordinates; steepest descent if the Hessian is not
- * positive. */
+/* Computes Newton's step in the free coordinates, or the step of steepest descent if the Hessian is
+ * not positive. */
 static void nurbs_nearest_step_of(const struct target *t, const bool held[2], double step[2])
 {
     const double *h = t->hessian, *g = t->gradient;

@@ -3,8 +3,8 @@
  * Each step solves H d = -g by elimination. First a banded Cholesky factorisation eliminates the
  * control points inside each piece, so that the piece's length depends only on its two joints. Then
  * a tridiagonal system gives the joints' unknowns. If H is not positive definite, Gauss-Newton's
- * matrix replaces it. The line search follows Armijo's rule. Unknowns at the domain's border are
- * held there while the descent direction points outwards (active set). */
+ * matrix replaces it. The line search follows Armijo's rule. An unknown at the domain's border is
+ * held there while the descent direction points outwards (active set method). */
 #ifndef GD_NURBS_NEWTON_H
 #define GD_NURBS_NEWTON_H
 
@@ -16,18 +16,19 @@ struct gd__newton_report {
     double decrement;
     uint32_t iterations;
     bool converged;
-    /* the covariant Hessian at the end is positive definite: a proven local minimum */
+    /* true: the covariant Hessian at the end is positive definite, so the path is a proven local
+       minimum */
     bool positive;
-    /* The path is one of a family of equally long paths. This is so if the second derivative of the
-     * length is zero when the ends slide along their curves. */
+    /* True: the path belongs to a family of equally long paths, because the second derivative of
+       the length is zero when the ends slide along their curves. */
     bool flat;
-    bool contact;      /* control points or joints are held on the domain's border */
+    bool contact;      /* true: control points or joints are held on the domain's border */
     double pull[2][2]; /* derivatives of the length by the first and by the last control point */
 };
 
 struct gd__newton_limits {
     uint32_t most; /* steps */
-    /* Converged if the next step would save less than this fraction of the length.
+    /* The method has converged if the next step would save less than this fraction of the length.
        GD_TOL_STATIONARY: iterates as far as doubles allow. */
     double stop;
 };

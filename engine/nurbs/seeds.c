@@ -151,7 +151,7 @@ enum gd_status gd__path_seed_attach(const struct gd_domain_curve *const ends[2],
     gd_domain_curve_at(ends[1], seed->s[1], at);
     unwind(surface, polyline->at[polyline->count - 2], at);
     memcpy(polyline->at[polyline->count - 1], at, sizeof at);
-    /* a path that begins in a pole leaves along a line of constant parameter */
+    /* a path that begins in a pole leaves the pole along a line of constant parameter */
     for (int k = 0; k < 2; k++) {
         uint32_t outside = 0;
         while (outside + 1 < polyline->count &&
@@ -289,7 +289,7 @@ static uint32_t join_entries(struct crossing *list, uint32_t count)
  * Usually it is a single crossing. */
 struct plateau {
     uint32_t members;
-    bool is_least; /* no neighbouring crossing has a smaller sum */
+    bool is_least; /* true: no neighbouring crossing has a smaller sum */
 };
 
 static bool is_level(double a, double b)

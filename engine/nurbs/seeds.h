@@ -1,9 +1,9 @@
 /* Seeds: paths between two curves on a tessellation, the initial guesses for smooth geodesics.
  *
- * Let d1 and d2 be the distances from the two curves on the mesh. Take a locally shortest path,
- * each half of which is a shortest path. It passes a local minimum of d1 + d2 on the set d1 = d2.
- * Each such minimum gives a seed. Each local minimum of d2 along the first curve, and of d1 along
- * the second, also gives one. */
+ * Let d1 and d2 be the distances from the two curves on the mesh. A locally shortest path whose
+ * halves are both shortest paths passes through a local minimum of d1 + d2 on the set d1 = d2. Each
+ * such minimum gives a seed. Each local minimum of d2 along the first curve, and of d1 along the
+ * second, also gives a seed. */
 #ifndef GD_NURBS_SEEDS_H
 #define GD_NURBS_SEEDS_H
 
@@ -33,8 +33,8 @@ GD_MUST_USE enum gd_status gd__path_seed_attach(const struct gd_domain_curve *co
 
 #define GD__SEEDS_PARTS 2 /* parts of `share`: a field from each curve */
 
-/* Finds all seeds if `all`, else the seeds that may lead to the shortest path; at least one.
- * Errors: those of gd_field_build. */
+/* If `all` is set, finds all seeds; otherwise the seeds that may lead to the shortest path. Finds
+ * at least one seed. Errors: those of gd_field_build. */
 GD_MUST_USE enum gd_status gd__path_seeds_find(const struct gd_tessellation *tessellation,
                                                const struct gd_domain_curve *from,
                                                const struct gd_domain_curve *to, bool all,

@@ -13,13 +13,14 @@ enum {
     CORNERS_MOST = 2,  /* limit on consecutive fits of a curve that is stuck in a corner of cells */
     SLIDES_MOST = 256, /* limit on moves of an end from one interval of its curve to another */
     STEPS_MOST = 1200, /* limit on all Newton steps */
-    PATIENCE = 12,     /* number of refinements after which a bent curve is given up */
+    PATIENCE = 12,     /* number of refinements after which a bent curve is abandoned */
     REFINE_MOST = 48,
     SPANS_MOST = 4096
 };
 
 static const struct gd__newton_limits exact = {60, GD_TOL_STATIONARY};
-/* a coarse curve crosses lines, where the Hessian jumps, so more steps are useless */
+/* limits for a coarse curve: the curve crosses lines, where the Hessian jumps, so more steps are
+ * useless */
 static const struct gd__newton_limits coarse = {12, 1e-7};
 
 /* Fraction of the path's length. If Newton's method does not converge and a piece is shorter than

@@ -19,7 +19,8 @@ struct gd__solution {
     double error;
     uint32_t iterations;
     bool converged; /* the tolerance is met */
-    /* an end of the path cannot slide further, because it is at a corner or an end of its curve */
+    /* true: an end of the path cannot slide further, because it is at a corner or an end of its
+       curve */
     bool corner;
 };
 

@@ -93,11 +93,12 @@ static struct gd_vec3 catmull_clark_axis(const struct gd__net *net, const struct
 /* Returns the product of the points with the left eigenvector for mu = (5 + cos theta + sqrt((1 +
  * cos theta)(9 + cos theta))) / 16, theta = pi / k, of a crease with k faces. Let A = sum sin(i
  * theta) E_i, B = sum (sin(i theta) + sin((i+1) theta)) F_i and a = 16 mu - 4. One step maps a A +
- * B to mu (a A + B) plus multiples of V and of the crease's neighbours Ea, Eb. Adding b (Ea + Eb) -
- * ((a + 2) sigma + 2 b) V, b = (mu sin theta - (2 mu - 1/4) sigma) / (mu - 1/4), sigma = cot(theta
- * / 2), compensates these. (Biermann, Levin, Zorin 2000 derive it for modified rules with mu = 1/2,
- * which equal the rules here only for k = 2.) With one face, the tangent across is the crease's
- * curvature vector or, if the crease is straight, the direction to the face's far corner. */
+ * B to mu (a A + B) plus multiples of V and of the crease's neighbours Ea, Eb. These multiples are
+ * compensated by adding b (Ea + Eb) - ((a + 2) sigma + 2 b) V, where b = (mu sin theta - (2 mu -
+ * 1/4) sigma) / (mu - 1/4) and sigma = cot(theta / 2). (Biermann, Levin, Zorin 2000 derive it for
+ * modified rules with mu = 1/2, which equal the rules here only for k = 2.) With one face, the
+ * tangent across is the crease's curvature vector or, if the crease is straight, the direction to
+ * the face's far corner. */
 static struct gd_vec3 catmull_clark_cross(const struct gd__net *net, const struct gd__fan *fan,
                                           uint32_t begin, uint32_t faces)
 {

@@ -47,7 +47,7 @@ static struct gd_vec3 on_triangle(struct gd_vec3 a, struct gd_vec3 b, struct gd_
 }
 
 /* Returns the distance of fine vertex (i,j), along its normal, from the triangles of its coarse
- * cell: the greater one for the two possible diagonals. */
+ * cell. Of the distances for the two possible diagonals, returns the greater one. */
 static double off_triangles(const struct fine *fine, uint32_t i, uint32_t j)
 {
     uint32_t i0 = i / STEP * STEP, j0 = j / STEP * STEP;
@@ -105,7 +105,7 @@ static double off_sides(const struct fine *fine)
 }
 
 struct search {
-    struct gd__walker *walker; /* has enough stages for the finest grid */
+    struct gd__walker *walker; /* a walker with enough stages for the finest grid */
     struct gd__grid_room room; /* grows as needed */
     uint32_t room_level;
     double tolerance;

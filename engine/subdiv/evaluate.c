@@ -32,7 +32,7 @@ static struct gd_limit_jet jet_of_vertex(const struct gd__vertex *vertex,
         turn.t[i] = (turn.t[i] > 0) - (turn.t[i] < 0);
     }
     jet = gd__chart_jet(&turn, &jet);
-    /* at a spike, a derivative along a side opposite to the axis vanishes */
+    /* at a spike, the derivative along a side opposite to the axis vanishes */
     if (!(gd_vec3_length(jet.s) > 0)) jet.s = nowhere;
     if (!(gd_vec3_length(jet.t) > 0)) jet.t = nowhere;
     return (struct gd_limit_jet){.position = vertex->position,

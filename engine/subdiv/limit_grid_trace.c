@@ -38,7 +38,7 @@ struct tracing {
     /* the length so far is gone + carry; `carry` collects the rounding errors of `gone` */
     double gone, carry;
     struct view view;
-    struct gd__surface_ray ray; /* enters the view's triangle across its edge */
+    struct gd__surface_ray ray; /* a ray that enters the view's triangle across its edge */
     enum gd_status status;
 };
 
@@ -141,7 +141,7 @@ static enum halt end_at(struct tracing *t, double x, double y)
 /* --- vertices --------------------------------------------------------------------------------- */
 
 /* The triangles around a vertex, counter-clockwise. View k is to the left of the edge from the
- * vertex to its neighbour k; begin: the angle from neighbour 0. */
+ * vertex to its neighbour k, and `begin` is the angle of this edge from neighbour 0. */
 struct ring {
     uint32_t count;
     struct view views[RING_MOST];
@@ -266,8 +266,8 @@ static bool is_full(struct tracing *t, const struct passage *way)
     return true;
 }
 
-/* Ends the line inside the triangle, or on the edge along which it runs. An end elsewhere on the
- * border needs the mesh. */
+/* Ends the line inside the triangle, or on the edge along which it runs. For an end elsewhere on
+ * the border, returns NEEDS_MESH. */
 static enum halt end_inside(struct tracing *t, const struct passage *way, double run)
 {
     if (is_full(t, way)) return LIMIT;
@@ -377,7 +377,7 @@ static enum halt project(struct tracing *t, struct patch *patch, const double we
     return status ? NEEDS_MESH : GOES_ON;
 }
 
-/* Starts at the first corner of a triangle, a vertex. */
+/* Starts at a vertex, the first corner of a triangle. */
 static enum halt start_at_vertex(struct tracing *t, const struct gd__grid_edge *edge)
 {
     struct ring ring;

@@ -71,8 +71,8 @@ static struct gd_vec3 loop_tangent(const struct gd__net *net, const struct gd__f
     return sum;
 }
 
-/* Returns the sum of E - V. Around a fixed vertex a step multiplies it by 5/8; rotating components
- * shrink faster. */
+/* Returns the sum of E - V. Around a fixed vertex a step multiplies this sum by 5/8; rotating
+ * components shrink faster. */
 static struct gd_vec3 loop_axis(const struct gd__net *net, const struct gd__fan *fan)
 {
     struct gd_vec3 own = net->points[net->origin[fan->sides[0]]];
@@ -81,9 +81,9 @@ static struct gd_vec3 loop_axis(const struct gd__net *net, const struct gd__fan 
 
 /* Returns the product of the points with the left eigenvector for (3 + 2 cos theta) / 8, theta = pi
  * / k, of a crease with k faces. One step maps S = sum sin(i theta) E_i to a multiple of S plus
- * multiples of V and of the crease's neighbours Ea, Eb. Adding a V + b (Ea + Eb) with b = (sin
- * theta - sigma) / (1 + 2 cos theta), sigma = cot(theta / 2), a = -sigma - 2 b compensates
- * these. */
+ * multiples of V and of the crease's neighbours Ea, Eb. These multiples are compensated by adding a
+ * V + b (Ea + Eb), where sigma = cot(theta / 2), b = (sin theta - sigma) / (1 + 2 cos theta) and a
+ * = -sigma - 2 b. */
 static struct gd_vec3 loop_cross(const struct gd__net *net, const struct gd__fan *fan,
                                  uint32_t begin, uint32_t faces)
 {

@@ -1,5 +1,5 @@
-/* The closest point: in each face whose box is near enough, applies Newton's method from each local
- * minimum of a grid. A minimum on the border of two faces is found from either. */
+/* Finds the closest point. In each face whose box is near enough, applies Newton's method from each
+ * local minimum of a grid. A minimum on the border of two faces is found from one of the two. */
 #include <math.h>
 #include <stdlib.h>
 

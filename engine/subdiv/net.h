@@ -25,9 +25,10 @@ struct gd__net {
     /* per side: the opposite half-edge; GD_NONE at the boundary and at the border of a
        neighbourhood */
     uint32_t *twin;
-    uint32_t *edge;    /* per side: number of its edge; set and used by gd__net_refine */
-    float *sharpness;  /* per side, equal on twins; INFINITY at the boundary of the mesh */
-    uint32_t *face_of; /* per side, only with `first` */
+    uint32_t *edge; /* per side: number of its edge; set and used by gd__net_refine */
+    /* per side: sharpness of its edge, equal on twins; INFINITY at the boundary of the mesh */
+    float *sharpness;
+    uint32_t *face_of; /* per side: its face; only with `first` */
 };
 
 /* Allocates a net with room for the given numbers of points, faces and sides, and sets its counts

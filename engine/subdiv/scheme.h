@@ -38,7 +38,7 @@ struct gd__scheme {
     uint32_t valence; /* valence of regular vertices */
     bool face_points;
     struct gd__child children[GD__CHILDREN];
-    bool corner_patches; /* a sharp corner with only one face is part of a polynomial patch */
+    bool corner_patches; /* true: a sharp corner with only one face is part of a polynomial patch */
 
     /* Returns the child whose domain contains (s,t). Within `slack` of the border between children,
        the direction (ds,dt) decides, if it is not 0. */

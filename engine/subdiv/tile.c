@@ -84,8 +84,8 @@ static uint32_t inner_vertex(const struct gd__tiling *tiling, uint32_t face, uin
     return gd__tiling_inside(tiling, face, cells, at[k][0], at[k][1]);
 }
 
-/* Joins a side with the inner row beside it. Each triangle advances on the side or on the row,
- * wherever the next vertex comes first along the side. */
+/* Joins a side with the inner row beside it. Each triangle advances by one vertex on the side or on
+ * the row: on the one whose next vertex comes first along the side. */
 static uint32_t *tile_strip(const struct gd__tiling *tiling, uint32_t face, uint32_t k,
                             uint32_t *corners)
 {

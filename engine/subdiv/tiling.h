@@ -14,7 +14,8 @@ struct gd__tiling {
     /* per base point: its vertex; GD_NONE: no face uses the point */
     uint32_t *point;
     uint32_t *edge_first, *face_first;
-    uint64_t vertices, triangles; /* numbers of each; gd__tiling_number fails beyond 2^32 - 1 */
+    /* numbers of vertices and of triangles; gd__tiling_number fails beyond 2^32 - 1 */
+    uint64_t vertices, triangles;
 };
 
 /* Creates a tiling in which all faces have `level`. Error: GD_NO_MEMORY. */

@@ -10,7 +10,7 @@ static const struct gd__scheme *rules_of(const struct gd__tracer *tracer)
     return tracer->walker->surface->rules;
 }
 
-/* Moves a state that is on line k up to rounding exactly onto the line. */
+/* Moves a state that lies on line k up to rounding exactly onto this line. */
 static void tracer_settle(uint32_t arity, uint32_t k, struct gd__flow *flow)
 {
     double at[2], m = gd__along_side(arity, k, flow->s, flow->t);
@@ -99,7 +99,7 @@ enum gd_status gd__tracer_start(struct gd__tracer *tracer, struct gd__walker *wa
 {
     *tracer = (struct gd__tracer){.walker = walker, .local = *local, .direction = direction};
     enum gd_status status = tracer_enter(tracer, direction);
-    /* enters again, because now the velocity decides which of the adjacent pieces the path
+    /* enters again, because the velocity now determines which of the adjacent pieces the path
        enters */
     if (!status && !tracer->ended && walker->piece.face != GD_NONE)
         status = tracer_enter(tracer, tracer->direction);
@@ -231,7 +231,7 @@ static double step_to_border(struct gd__tracer *tracer, const struct gd__flow *f
             tracer_settle(arity, k, end);
             return 0;
         }
-        /* the path left the line and returned: half of the step may still be inside */
+        /* the path left the line and returned to it, so half of the step may still be inside */
         if (height <= GD_TOL_PATCH) {
             step /= 2;
             if (!gd__flow_advance(rules_of(tracer), &tracer->walker->piece.patch, from, step, end))

@@ -19,7 +19,7 @@ struct gd__tracer {
     double ds, dt;
     struct gd_vec3 direction; /* the velocity as a unit vector */
     struct gd_vec3 position;
-    double skipped; /* length of jumps across vertices that is not counted yet */
+    double skipped; /* length of jumps across vertices that is not yet part of the path's length */
     bool under_way, ended;
     enum gd_limit_end end;
 };

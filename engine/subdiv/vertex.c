@@ -12,7 +12,7 @@ enum kind {
     KIND_CREASE,
     KIND_CORNER,
     KIND_SPIKE,  /* a corner inside a smooth surface */
-    KIND_PASSING /* semi-sharp: the kind changes after some steps */
+    KIND_PASSING /* semi-sharp: the vertex has another kind after some steps */
 };
 
 static enum kind vertex_kind_of(const struct gd__net *net, const struct gd__fan *fan)

@@ -59,7 +59,7 @@ static uint32_t side_towards(struct gd__walker *walker, uint32_t side, struct gd
 
 /* Returns side_towards for a path that continues from the vertex; GD_NONE if "straight" is
  * undefined. Creases and corners have a tangent plane in each sector: a path may begin at them, but
- * none passes through. */
+ * no path passes through them. */
 static uint32_t way_on(struct gd__tracer *tracer, uint32_t side, struct gd_vec3 direction)
 {
     struct gd__walker *walker = tracer->walker;

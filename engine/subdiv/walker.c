@@ -194,7 +194,7 @@ bool gd__cell_at(struct gd__walker *walker, const struct gd__face_place *local, 
         piece->slack *= 2;
         gd__descend(walker, depth % 2, child, (depth + 1) % 2, &piece->origin);
     }
-    /* the descent only reaches its limit at a vertex */
+    /* the descent reaches its limit only at a vertex */
     piece->face = GD_NONE;
     *corner = gd__nearest_corner(rules->arity, local->s, local->t);
     return false;

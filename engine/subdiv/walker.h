@@ -70,7 +70,7 @@ void gd__descend(struct gd__walker *walker, uint32_t from, uint32_t child, uint3
 bool gd__ring_is_regular(const struct gd__net *ring, struct gd__fan *fan);
 
 /* The surface at a vertex, seen from a face: the position, the normal, and unit directions s and t
- * of the face's two edges. NAN: does not exist. */
+ * of the face's two edges. NAN: the vector does not exist. */
 struct gd__vertex {
     struct gd_vec3 position, normal, s, t;
 };
@@ -80,9 +80,9 @@ struct gd__vertex {
 void gd__vertex_limit(struct gd__walker *walker, uint32_t at, uint32_t corner, uint32_t free,
                       struct gd_vec3 origin, struct gd__vertex *out);
 
-/* Finds the piece at a place and stores it in walker->piece; where pieces meet, (ds,dt) points into
- * the chosen one. Returns false at a vertex without a piece, and sets *corner to its corner of the
- * base face. */
+/* Finds the piece at a place and stores it in walker->piece. Where pieces meet, chooses the piece
+ * into which (ds,dt) points. Returns false at a vertex without a piece, and sets *corner to its
+ * corner of the base face. */
 bool gd__cell_at(struct gd__walker *walker, const struct gd__face_place *local, double ds,
                  double dt, uint32_t *corner);
 

@@ -40,7 +40,7 @@ static double sum_at(const struct cone *cone, double turn)
     return sum;
 }
 
-/* Adds the vectors whose turns are less than pi from `turn`, unfolded into the plane, and tries the
+/* Adds the vectors whose turns are less than pi from `turn`, unfolded into the plane. Tests the
  * direction of their sum. */
 static double climb(const struct cone *cone, double turn)
 {
@@ -63,8 +63,8 @@ static void try_turn(const struct cone *cone, double turn, double *best, double 
 }
 
 /* Finds the greatest sum. At the maximum the sum is smooth, or the direction is an end of the
- * interval. Only vectors less than pi away contribute. The set of these vectors only changes at
- * turns that are pi from a vector, so trying both sides of each such turn covers all sets. */
+ * interval. Only vectors less than pi away contribute. The set of these vectors changes only at
+ * turns that are pi from a vector, so testing both sides of each such turn covers all sets. */
 static double climb_all(const struct cone *cone, double *turn)
 {
     enum { SIDES = 2 };

@@ -144,8 +144,10 @@ struct making {
     const struct gd__spline_work *work;
     struct gd_spline_segment *segments;
     struct gd_control control; /* control of each lane */
-    const char *location;      /* the caller's thread, the only one that reports progress */
-    bool is_cancelled;         /* a progress report on the caller's thread cancelled the call */
+    /* identifies the caller's thread, the only thread that reports progress */
+    const char *location;
+    /* true: a progress report on the caller's thread cancelled the call */
+    bool is_cancelled;
     atomic_uint next;
     atomic_bool has_failed;
 };

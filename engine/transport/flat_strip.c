@@ -15,7 +15,8 @@ void gd_flat_strip_free(struct gd_flat_strip *strip)
     *strip = (struct gd_flat_strip){0};
 }
 
-/* A similarity of the plane after which the path begins at the origin and ends on the x axis. */
+/* A similarity transform of the plane. It maps the path's beginning to the origin, and the path's
+ * end to the x axis. */
 struct turning {
     struct gd__local begin, along;
     double unit;

@@ -5,8 +5,8 @@
 enum {
     FIRST = 64,
     CHUNK = 16384
-    /* numbers of points: initial capacity; most between two checks of the control (a
-     * millisecond) */
+    /* numbers of points: initial capacity; limit between two checks of the control (a
+       millisecond) */
 };
 
 static uint32_t next_capacity(const struct gd__line *line)

@@ -21,7 +21,7 @@ struct map {
     double *ahead; /* per vertex: turn (line/turn.h) at `from`; NAN: unknown */
 };
 
-/* A walk back from a vertex; the source is at distance `rest` ahead. */
+/* A walk back from a vertex. `rest` is the remaining distance to the source. */
 struct wedge_view {
     struct gd__surface_ray walk;
     double rest;

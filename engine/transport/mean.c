@@ -26,7 +26,7 @@ struct view {
     double heading; /* the turn of steepest descent */
     double length;  /* length of the next step */
     double turn;    /* turn of the next step */
-    bool is_cut;    /* the shortest path to one of the points is not unique */
+    bool is_cut;    /* true: the shortest path to one of the points is not unique */
 };
 
 struct finder {
@@ -134,7 +134,7 @@ static enum gd_status try_point(const struct finder *finder, const struct gd_poi
     return GD_OK;
 }
 
-/* Moves to a corner of the point's face, or an end of its edge, if that is better. */
+/* Moves to a corner of the point's face, or to an end of its edge, if f is smaller there. */
 static enum gd_status try_corners(const struct finder *finder, struct view *view, bool *has_moved)
 {
     const struct gd_mesh *mesh = finder->mesh;

@@ -1,4 +1,4 @@
-/* Meetings: detects where a line meets itself. Segments are indexed by face; the vertices that the
+/* Meetings: detects where a line meets itself. Segments are indexed by face. The vertices that the
  * line passes are marked separately. */
 #ifndef GD_TRANSPORT_MEETINGS_H
 #define GD_TRANSPORT_MEETINGS_H

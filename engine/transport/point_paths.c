@@ -10,7 +10,7 @@
 /* Searches are independent, so each lane (thread) takes the next search when it has finished one.
  * The address of a thread's own copy of `here` identifies the thread. */
 
-enum { LANES_MOST = 2 }; /* because a workspace has only one partner workspace */
+enum { LANES_MOST = 2 }; /* at most 2, because a workspace has only one partner workspace */
 
 static _Thread_local char here;
 
@@ -114,8 +114,8 @@ static enum gd_status path_search_in_lanes(struct path_search *search, uint32_t 
     return (enum gd_status)atomic_load(&search->status);
 }
 
-/* Runs all searches. If two at a time exceed the budget, the remaining ones run one after the
- * other. */
+/* Runs all searches. If two searches at a time exceed the budget, the remaining searches run one
+ * after the other. */
 static enum gd_status path_search_all(struct path_search *search)
 {
     const struct gd_executor *executor = search->request->executor;

@@ -10,14 +10,14 @@
 struct gd__point_path {
     uint32_t from, to;   /* numbers of points; if equal, no path is searched */
     struct gd_path path; /* owned; empty until it is found */
-    bool is_cut;         /* other paths are equally short */
+    bool is_cut;         /* true: other paths are equally short */
 };
 
 /* Searches `count` paths between the points of the request, the longest first. Each path is one
  * part of the share. On failure the paths found so far stay in `paths`. Two simultaneous searches
- * have half of the budget each; if that is too little, they run one after the other. Only the
- * caller's thread reports progress. Errors: GD_INVALID_ARGUMENT (points that no path joins), and
- * those of gd_pair_solve. */
+ * have half of the budget each; if that is too little, the searches run one after the other. Only
+ * the caller's thread reports progress. Errors: GD_INVALID_ARGUMENT (points that no path joins),
+ * and those of gd_pair_solve. */
 GD_MUST_USE enum gd_status gd__point_paths_search(const struct gd_mesh *mesh,
                                                   const struct gd_spline_request *request,
                                                   struct gd__share *share,

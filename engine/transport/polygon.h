@@ -15,9 +15,9 @@ void gd__polygon_free(struct gd__polygon *polygon); /* leaves it empty */
 
 /* Divides the curve at `part` in [0, 1] and computes the control polygons of both parts. Sets
  * *touching to the length of the construction's last line, which is tangent to the curve. If the
- * parameter runs from 0 to 1, this length is a third of the speed. Straightens three lines. `left`
- * and `right` must be empty; the caller frees them also on failure. Errors: those of
- * gd__straighten. */
+ * parameter runs from 0 to 1, this length is a third of the speed. `left` and `right` must be
+ * empty; the caller frees them even after a failure. Cost: three straightened lines. Errors: those
+ * of gd__straighten. */
 GD_MUST_USE enum gd_status gd__polygon_divide(struct gd__straightener *straightener,
                                               const struct gd__polygon *polygon, double part,
                                               struct gd__polygon *left, struct gd__polygon *right,

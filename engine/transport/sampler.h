@@ -14,7 +14,7 @@ struct gd__sampler {
     /* largest distance of a leaf from its chord; 0: a fraction of the length of the segment's
      * polygon */
     double height;
-    bool is_whole; /* each segment is one leaf */
+    bool is_whole; /* true: each segment is one leaf */
     /* Called for each leaf in order, with its chord. */
     enum gd_status (*visit)(struct gd__sampler *sampler, const struct gd__polygon *leaf,
                             const struct gd__route *chord);

@@ -18,10 +18,10 @@ enum halt {
     HALT_NONE,   /* crossing an edge into the face of the ray's side */
     HALT_VERTEX, /* at the last point, arrived from the turn `back` */
     HALT_BORDER, /* on the ray's side, which is a boundary side */
-    HALT_END,    /* ended by length; this halt and the following ones end the trace */
-    HALT_STOP,   /* ended by the boundary */
+    HALT_END,    /* the length is reached; this halt and the following ones end the trace */
+    HALT_STOP,   /* the boundary is reached */
     HALT_MEETING,
-    HALT_LIMIT /* ended by the step limit, or the line's status is a failure */
+    HALT_LIMIT /* the step limit is reached, or the line's status is a failure */
 };
 
 struct tracer {
@@ -150,7 +150,7 @@ static inline enum halt transport_trace_pass(struct tracer *tracer, const struct
                                              const struct gd__face_crossing *passage)
 {
     const struct gd__surface_ray *walk = &tracer->walk;
-    /* near its start a line is accurate enough to tell the sides of a vertex apart */
+    /* near its start a line is accurate enough to determine on which side of a vertex it passes */
     double gone = tracer->line.gone + passage->run;
     double snap =
         GD_TOL_HIT * fmin(passage->edge, gone) + GD_TOL_PLACE * passage->edge + drift(tracer);
@@ -200,7 +200,7 @@ static struct gd__face_crossing leave_from_inside(const struct gd_mesh *mesh,
             passage = (struct gd__face_crossing){s->length, run};
             *walk = (struct gd__surface_ray){side ^ 1, s->length - (x + run * dx), -dx, -dy};
         }
-        /* transform to the frame of the next side, destination -> apex */
+        /* transforms to the frame of the next side, destination -> apex */
         double ux = -s->right_x, uy = -s->right_y, rx = x - s->length, ry = y, ex = dx, ey = dy;
         x = rx * ux + ry * uy, y = ry * ux - rx * uy;
         dx = ex * ux + ey * uy, dy = ey * ux - ex * uy;
@@ -298,7 +298,7 @@ static inline enum halt go_on(struct tracer *tracer)
                                         tracer->walk.side ^ 1, tracer->walk.dx, tracer->walk.dy);
     double back = tracer->back;
     enum halt halt = tracer->halt == HALT_VERTEX ? at_vertex(tracer) : at_border(tracer);
-    if (halt == HALT_LIMIT) tracer->back = back; /* the last point is still that of the halt */
+    if (halt == HALT_LIMIT) tracer->back = back; /* the last point is still the point of the halt */
     return halt;
 }
 

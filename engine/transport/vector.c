@@ -67,7 +67,7 @@ enum gd_status gd_vector_log(const struct gd_mesh *mesh, const struct gd_path *p
     }
     log.vector.direction =
         log.count ? log.segments[0].direction : gd__turn_direction(mesh, path->points, 0);
-    /* the path's length has digits that the unfolded parts have lost */
+    /* the path's length is more precise than the sum of the unfolded parts */
     if (log.count) log.vector.length = path->length;
     *out = log;
     return GD_OK;
