@@ -7,7 +7,7 @@
 #include "gd/control.h"
 
 struct gd__budget {
-    const struct gd_control *control; /* its memory limit applies; may be NULL */
+    const struct gd_control *control; /* the control whose memory limit applies; may be NULL */
     size_t held;                      /* bytes charged */
 };
 

@@ -148,7 +148,7 @@ static inline __m256i two_scales(uint64_t a, uint64_t b)
  * the least power of ten above 2^(biased - 1075). 1262611 / 2^22 is log10(2). */
 static inline lanes point_of(lanes biased)
 {
-    enum { UP = 400 }; /* makes all terms positive */
+    enum { UP = 400 }; /* an offset that makes all terms positive */
     return ((times(biased, all(1262611)) +
              all(UP * (UINT64_C(1) << 22) - 1075 * UINT64_C(1262611))) >>
             22) -

@@ -1,5 +1,5 @@
 /* C has no bounded, locale-free, correctly rounded conversion. C++17's <charconv> reads five times
- * as fast as strtod; its writing takes three times as long as format.cc. */
+ * as fast as strtod, but its writing takes three times as long as format.cc. */
 #include "gd/number.h"
 
 #include <charconv>

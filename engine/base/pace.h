@@ -1,4 +1,5 @@
-/* Pace: checks a control once in many steps, for loops whose steps are too short for a check each.
+/* Pace: checks a control once in many steps. Loops use it if their steps are too short for a check
+ * in each.
  *
  *     struct gd__pace pace = {.control = control, .fraction = 0.5};
  *     for (...; gd__pace(&pace, 1); ...) step();
@@ -23,7 +24,7 @@ struct gd__pace {
     double fraction;                  /* progress to report to the control */
     size_t held;                      /* bytes to check against the budget */
     uint64_t count;                   /* steps since the last check */
-    enum gd_status status;            /* sticky: the error that stopped the work */
+    enum gd_status status;            /* the error that stopped the work; not reset */
 };
 
 /* Counts steps. Returns false if the work must stop. */

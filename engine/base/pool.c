@@ -14,7 +14,7 @@ struct gd__pool_chunk {
     size_t size;
 };
 
-#define CHUNK_HEADER 64 /* keeps blocks on cache lines */
+#define CHUNK_HEADER 64 /* a size that keeps blocks aligned to cache lines */
 
 /* Makes the chunk the source of new blocks. */
 static void pool_adopt(struct gd__pool *pool, struct gd__pool_chunk *chunk)

@@ -17,7 +17,7 @@ struct gd__pool_chunk;
 
 struct gd__pool {
     size_t item_size;          /* at least sizeof(void *) */
-    struct gd__budget *budget; /* charged for the chunks; may be NULL */
+    struct gd__budget *budget; /* the budget charged for the chunks; may be NULL */
     struct gd__pool_chunk *chunks;
     char *cursor, *end; /* the unused rest of the newest chunk */
     void *free_blocks[GD__POOL_CLASSES];

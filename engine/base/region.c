@@ -101,7 +101,7 @@ static char *region_reserve(size_t size)
     char *base = (char *)region_up((uintptr_t)pages, GD__HUGE_PAGE);
     if (base > pages) munmap(pages, (size_t)(base - pages));
     munmap(base + size, GD__HUGE_PAGE - (size_t)(base - pages));
-    /* huge pages would waste memory for small arrays, so the first one is excluded */
+    /* huge pages would waste memory for small arrays, so the first huge page is excluded */
     madvise(base + GD__HUGE_PAGE, size - GD__HUGE_PAGE, MADV_HUGEPAGE);
     return base;
 }

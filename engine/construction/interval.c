@@ -8,8 +8,8 @@ struct ring {
     const struct gd__edge_set *edges;
 };
 
-/* Returns the cost of a triangle. One flipped triangle costs more than any number of badly shaped
- * ones. */
+/* Returns the cost of a triangle. A flipped triangle costs more than any number of badly shaped
+ * triangles. */
 static double interval_cost_of(const struct ring *ring, uint32_t i, uint32_t k, uint32_t j)
 {
     const struct gd__ring_corner *a = ring->corner[i], *b = ring->corner[k], *c = ring->corner[j];

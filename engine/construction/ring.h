@@ -10,8 +10,8 @@
 struct gd__ring_corner {
     double x, y;  /* in the plane */
     double score; /* score as the next ear to cut, see ear.c */
-    /* relative to corner 0, in units of the polygon's extent, so that products neither overflow nor
-     * underflow */
+    /* position relative to corner 0, in units of the polygon's extent, so that products neither
+       overflow nor underflow */
     struct gd_vec3 position;
     uint32_t vertex, previous, next;
     uint32_t reflex_slot; /* index in the list of reflex corners; GD_NONE: convex or cut off */

@@ -102,7 +102,8 @@ static enum gd_status revisit_face(struct gd__arrangement *arrangement, uint32_t
         if (distance_of_node(arrangement, &arrangement->segments[*link], node) < reach) {
             struct gd__segment segment = arrangement_take(arrangement, link);
             status = arrangement_push(arrangement, face, segment.a, segment.b);
-            link = &arrangement->of_face[face]; /* the segments may have moved */
+            /* restarts, because the list of segments may have changed */
+            link = &arrangement->of_face[face];
         } else {
             link = &arrangement->segments[*link].next;
         }

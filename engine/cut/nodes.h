@@ -12,7 +12,7 @@
 #include "mesh/local.h"
 
 struct gd__node {
-    struct gd_point point; /* on an edge or in a face */
+    struct gd_point point; /* the node's point, on an edge or in a face */
     /* on an edge: u is the parameter along the edge, v is 0; in a face: the place in the face */
     struct gd__site site;
     uint32_t next; /* the next node of the same edge or face; GD_NONE: the last */

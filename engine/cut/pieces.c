@@ -145,7 +145,7 @@ static enum gd_status find_inside(struct cutting *cutting)
         "the point inside lies on the curve; choose one that is clearly on one side of it");
 }
 
-/* Keeps only the wanted piece. */
+/* Removes all pieces except the wanted one. */
 static void leave_wanted(struct cutting *cutting)
 {
     struct gd_cut *cut = &cutting->cut;

@@ -7,11 +7,11 @@
  *     gd__planar_fix(&planar, a, b) for each segment
  *     gd__planar_improve(&planar)
  *
- * DESIGN. Only exact orientations of the sites decide which triangles are possible. Therefore every
+ * DESIGN. Exact orientations of the sites alone determine the possible triangles. Therefore every
  * triangle is counter-clockwise and the triangles tile the face, regardless of rounding. The
- * places, in the plane of the face, only choose among possible flips: they maximise the least
- * angles (Lawson 1977), which avoids flat triangles. Segments are inserted by flips of the edges
- * that they cross (Sloan 1993). */
+ * places, in the plane of the face, are used only to choose among possible flips: they maximise the
+ * least angles (Lawson 1977), which avoids flat triangles. Segments are inserted by flips of the
+ * edges that they cross (Sloan 1993). */
 #ifndef GD_CUT_PLANAR_H
 #define GD_CUT_PLANAR_H
 
@@ -25,7 +25,7 @@ struct gd__planar_triangle {
     uint32_t corner[3]; /* counter-clockwise */
     /* the triangle across the side from corner k to corner k + 1; GD_NONE: none */
     uint32_t across[3];
-    bool is_fixed[3]; /* that side is a segment */
+    bool is_fixed[3]; /* true: that side is a segment */
 };
 
 struct gd__planar { /* reused from face to face; an all-zero struct is empty */

@@ -185,7 +185,7 @@ static enum gd_status cut_refine_triangulate(struct refining *refining, uint32_t
 {
     enum gd_status status = gather_sites(refining, face);
     if (!status) status = gd__planar_triangulate(&refining->planar);
-    /* after this improvement most segments are sides already */
+    /* after this improvement most segments are already sides */
     if (!status) gd__planar_improve(&refining->planar);
     if (!status) status = draw_segments(refining, face);
     if (!status) gd__planar_improve(&refining->planar);

@@ -8,9 +8,9 @@
 
 struct chain {
     const struct gd_mesh *original;
-    /* the mesh to edit, a counted reference; the original before the first rebuild */
+    /* the mesh to edit, as a counted reference; before the first rebuild, the original mesh */
     const struct gd_mesh *mesh;
-    struct gd_edited made; /* result of the steps so far; empty before the first */
+    struct gd_edited made; /* result of the steps so far; empty before the first step */
     struct gd__share share;
 };
 

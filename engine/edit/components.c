@@ -6,7 +6,7 @@
 
 struct ranked {
     double area;
-    uint32_t component, first_face; /* first_face: lowest index of its faces */
+    uint32_t component, first_face; /* first_face: lowest index of the component's faces */
 };
 
 static int by_area(const void *a, const void *b)
@@ -28,7 +28,7 @@ static double area_of_face(const struct gd_mesh *mesh, uint32_t face)
     return gd_vec3_length(gd_vec3_cross(gd_vec3_sub(p[1], p[0]), gd_vec3_sub(p[2], p[0]))) / 2;
 }
 
-/* Returns, for each component, whether it is kept. */
+/* Returns an array with true for each component that is kept. */
 static bool *choose(const struct gd_mesh *mesh, const struct gd_components_options *options,
                     struct gd__pace *pace)
 {

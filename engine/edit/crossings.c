@@ -6,7 +6,7 @@
 #include "base/tolerance.h"
 #include "mesh/bvh.h"
 
-/* pace steps that one search counts as, because it takes some microseconds */
+/* number of pace steps for one search, because a search takes some microseconds */
 #define STEPS_A_SEARCH 40
 
 struct triangle {

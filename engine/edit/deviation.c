@@ -6,11 +6,11 @@
 #include "mesh/bvh.h"
 #include "mesh/closest_point.h"
 
-/* pace steps that one search counts as, because it takes some microseconds */
+/* number of pace steps for one search, because a search takes some microseconds */
 #define STEPS_A_SEARCH 40
 
 struct farthest {
-    struct gd__bvh_search search; /* its keys are squared distances */
+    struct gd__bvh_search search; /* a search whose keys are squared distances */
     const struct gd_mesh *mesh;
     struct gd_vec3 q; /* all lengths here are in the mesh's normalised unit */
     double best;      /* squared distance of q from the surface */

@@ -78,7 +78,7 @@ static bool cross_earlier(const uint32_t *crossed, uint32_t first, uint32_t end)
     return found;
 }
 
-/* Removes the holes whose patches cross the patch of an earlier hole: they stay open. */
+/* Removes the holes whose patches cross the patch of an earlier hole. These holes stay open. */
 static void remove_crossing(struct filling *filling, const uint32_t *crossed,
                             struct gd_detail *refusal)
 {

@@ -18,9 +18,9 @@ namespace gd_edit
 typedef OpenMesh::Vec3d Vec3;
 typedef OpenMesh::VertexHandle Vertex;
 
-static const int ROUNDS = 20;                     /* rounds of dividing and flipping, at most */
-static const int STEPS = 100;                     /* steps of smoothing */
-static const uint32_t GROWTH = 40;                /* new vertices per vertex of the loop, at most */
+static const int ROUNDS = 20;                     /* limit on rounds of dividing and flipping */
+static const int STEPS = 100;                     /* number of smoothing steps */
+static const uint32_t GROWTH = 40;                /* limit on new vertices per vertex of the loop */
 static const double DENSITY = 1.4142135623730951; /* Liepa's alpha: the root of 2 */
 
 struct Refinement {

@@ -81,7 +81,7 @@ static enum gd_status allocate_parts(const struct split *split, struct gd_edited
         const struct part *part = &split->parts[out->count];
         struct gd_edited *item = &out->items[out->count];
         status = gd__edited_allocate(item, part->vertices, part->faces);
-        /* fill_parts counts them */
+        /* reset to zero, because fill_parts counts them */
         item->polygons.position_count = item->polygons.polygon_count = 0;
         item->largest_distance = split->edited->largest_distance;
         out->bytes += item->bytes;

@@ -2,7 +2,7 @@
  * time. One source (kernel_lanes.h) is compiled for each set of lanes: plain C, AVX2, AVX-512. Each
  * set is compiled twice: for windows of point sources, and for lists that may also hold linear
  * windows (window/window.h). All variants return the same bits, because each lane does the same
- * operations in the same order and fuses none of them. So a distance does not depend on the
+ * operations in the same order, without fused multiply-add. So a distance does not depend on the
  * machine. Stateless; any thread. */
 #ifndef GD_KERNEL_KERNEL_H
 #define GD_KERNEL_KERNEL_H

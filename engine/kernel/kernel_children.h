@@ -125,7 +125,8 @@ static inline void append(struct chain *chain, bool more, bool coalesce, mask ke
     g.y = y;
     g.sigma = sigma;
     g.source = source;
-    if (set & (set + 1)) { /* the kept lanes are not the first ones; rare on the left */
+    /* the kept lanes are not the first ones, which is rare on the left side */
+    if (set & (set + 1)) {
         g.b0 = compress(keep, b0);
         g.b1 = compress(keep, b1);
         g.x = compress(keep, x);

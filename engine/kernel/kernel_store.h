@@ -13,14 +13,15 @@ static bool has_gaps(const struct gd__windows *w, uint32_t count, double length)
 
 /* The destination of windows: the wedges behind the first gap, if there is one. */
 struct storing {
-    struct gd__wedges to; /* without the first gap */
+    struct gd__wedges to; /* the wedges without the first gap */
     double units;         /* start units per length */
     double scale;         /* scale of x and y */
     uint64_t nibble;      /* mask of the bits of a source's number that x and y hold */
 };
 
-/* Writes a whole group from `at` on to each array in turn. Lanes outside `here` are written too,
- * behind the end of an array: to padding, or to the next array, which is written afterwards. */
+/* Writes a whole group from `at` on to each array in turn. Lanes outside `here` are also written,
+ * behind the end of an array. They go to padding, or to the next array, which is written
+ * afterwards. */
 static inline __attribute__((always_inline)) void
 store_group(const struct storing *s, uint32_t at, lanes b0, lanes x, lanes y, ids source, mask here)
 {
@@ -91,7 +92,7 @@ static bool store_wedges(const struct gd__windows *w, uint32_t count, double len
         store_mirrored(w, count, length, &s);
     else
         store_straight(w, count, &s);
-    whole.start[0] = 0; /* exactly the edge's end */
+    whole.start[0] = 0; /* starts exactly at the edge's end */
     if (first) store_gap(&whole, 0, 0, s.units);
     if (last)
         store_gap(&whole, whole.count - 1, mirrored ? length - w->b0[0] : w->b1[count - 1],

@@ -14,7 +14,7 @@
 #include "mesh/anchor.h"
 
 #define GD__RING_LANES   8
-#define GD__RING_NOWHERE 1e18f /* its square fits a float */
+#define GD__RING_NOWHERE 1e18f /* a distance whose square fits in a float */
 
 /* A position relative to the target, divided by the search's bound. */
 struct gd__place {

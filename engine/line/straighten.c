@@ -132,8 +132,8 @@ static enum gd_status go_round(struct gd__straightener *s, const struct gd__corn
     return gd__strip_wind(s->mesh, &s->other, row->vertex, from, to, counter_clockwise, s->control);
 }
 
-/* Moves the strip to the other side of its loose corners, into s->other. Of overlapping rows only
- * the first is moved; the others wait for the next round. */
+/* Moves the strip to the other side of its loose corners, and writes the new strip to s->other. Of
+ * overlapping rows only the first is moved in this round. */
 static enum gd_status straighten_relax(struct gd__straightener *s, uint32_t corner_count,
                                        bool *has_moved)
 {

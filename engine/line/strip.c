@@ -261,7 +261,7 @@ uint32_t gd__strip_corners(const struct gd__strip *strip, struct gd__corner *out
             corner = (struct gd__corner){f.right_gate, false, f.right};
         else
             continue;
-        if (corner.portal == strip->count) break; /* the corner is the end of the line */
+        if (corner.portal == strip->count) break; /* this corner is the end of the line */
         out[count++] = corner;
         i = corner.portal;
         f = (struct funnel){corner.at, corner.at, corner.at, i, i};

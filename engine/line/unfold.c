@@ -101,7 +101,8 @@ static void measure_in_face(const struct gd_mesh *mesh, uint32_t face, const str
     struct gd__local d =
         gd__side_local(&mesh->side[side], to[next] - from[next], to[last] - from[last]);
     out->length = hypot(d.x, d.y);
-    if (out->length == 0) d.x = 1; /* equal points: any direction, but the same for both turns */
+    /* for equal points any direction is valid, but it must be the same for both turns */
+    if (out->length == 0) d.x = 1;
     out->ahead = gd__turn_in_face(mesh, a, side, d.x, d.y);
     out->back = gd__turn_in_face(mesh, b, side, -d.x, -d.y);
 }

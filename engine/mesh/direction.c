@@ -26,7 +26,7 @@ struct ring {
     /* total angle around the point; on every edge 2 pi, although a boundary edge has one sector */
     double total;
     double scale;   /* angle of the public interface, divided by the turned angle */
-    bool is_closed; /* the point is interior */
+    bool is_closed; /* true: the point is interior */
 };
 
 /* --- rings ------------------------------------------------------------------------------------ */
@@ -140,8 +140,8 @@ struct heading {
     double angle; /* angle in the sector, in [0, extent] */
     /* angle by which the heading was moved into the sector; INFINITY: no direction */
     double outside;
-    /* if found from a vector: squared distance between this vector and the direction, both of
-     * length 1 */
+    /* for a heading computed from a vector: squared distance between this vector and the direction,
+       both of length 1 */
     double deviation;
 };
 
@@ -254,8 +254,8 @@ static struct heading mesh_direction_project(const struct sector *sector, struct
     return heading;
 }
 
-/* Returns true if a is better than b: a direction inside its sector is better. If both are inside,
- * the one that turns the vector less is better. */
+/* Returns true if a is better than b. A direction inside its sector is better than one outside. If
+ * both are inside, the direction that turns the vector less is better. */
 static bool mesh_direction_is_better(const struct heading *a, const struct heading *b)
 {
     bool a_inside = a->outside <= GD_TOL_BETTER, b_inside = b->outside <= GD_TOL_BETTER;

@@ -4,7 +4,7 @@
 #include "mesh/closest_point.h"
 
 struct nearest {
-    struct gd__bvh_search search; /* its keys are squared distances */
+    struct gd__bvh_search search; /* a search whose keys are squared distances */
     const struct gd_mesh *mesh;
     struct gd_vec3 q;
     double slack; /* rounding error of a distance */

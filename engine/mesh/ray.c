@@ -14,7 +14,8 @@ struct ray {
     struct gd__bvh_search search; /* its keys are z */
     const struct gd_mesh *mesh;
     struct gd_vec3 origin,
-        direction;          /* normalised unit; largest coordinate of `direction` is +-1 */
+        /* in the normalised unit; the largest coordinate of `direction` is +-1 */
+        direction;
     struct gd_vec3 inverse; /* 1 / direction, by coordinate */
     int axis;               /* coordinate in which `direction` is largest */
     double slack;           /* rounding error of a coordinate */

@@ -8,7 +8,7 @@
 #include "gd/parametric.h"
 #include "loops/loops.h"
 
-/* Pace steps (base/pace.h) that one step of this folder counts as. Such a step, for example the
+/* The number of pace steps (base/pace.h) for one step of this folder. Such a step, for example the
  * quadrature of a span, takes a few microseconds. */
 enum { GD__STEP = GD__PACE_STEPS / 32 };
 
@@ -27,7 +27,7 @@ struct gd_parametric {
 
 /* A smooth piece of the surface. Lines and seams are those of gd/parametric.h. Cell i of an axis
  * lies between its lines i and i + 1; line 0 is `low`. In a closed direction with a seam the
- * numbers continue through all periods; without a seam cell 0 is the only one. */
+ * numbers continue through all periods; without a seam there is only cell 0. */
 struct gd__cell {
     int32_t index[2];
 };

@@ -6,9 +6,8 @@
 
 /* Step 3 of the paper's algorithm 2: if the path meets one of the curves between its ends, makes an
  * initial path from a part of the path. This part begins at the last place on the first curve and
- * ends at the next place on the second curve. Sets *crosses to true in this case, and `out` only
- * then. Points are not curves: a path may pass them. Errors: GD_NO_MEMORY, GD_CANCELLED,
- * GD_DEADLINE. */
+ * ends at the next place on the second curve. In this case sets *crosses to true and writes `out`.
+ * Points are not curves: a path may pass them. Errors: GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__trim(const struct gd__task *task,
                                     const struct gd_domain_curve *const ends[2],
                                     const struct gd__candidate *candidate, bool *crosses,

@@ -58,8 +58,8 @@ static struct gd_vec3 sample_direction(uint32_t number)
     return (struct gd_vec3){r * cos(around), r * sin(around), z};
 }
 
-/* Returns the sum over all shells of the work in the busier half, for which the other half
- * waits. */
+/* Returns the sum, over all shells, of the work in the busier half. The other half waits for this
+ * work. */
 static uint32_t wait_of(const struct sample *samples, struct gd_vec3 normal)
 {
     uint32_t sum = 0;

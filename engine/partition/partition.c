@@ -6,19 +6,21 @@
 
 #include "partition/bisection.h"
 
-#define FACES_LEAST  20000 /* on a smaller surface two wavefronts are not faster than one */
-#define TURN_BUCKETS 32 /* lead of one part over the other; more buckets cause more repeated work */
+#define FACES_LEAST 20000 /* on a smaller surface two wavefronts are not faster than one */
+/* largest lead of one part over the other, in buckets; a larger lead causes more repeated work */
+#define TURN_BUCKETS 32
 /* Sides and vertices per turn, for either part: a tenth of a millisecond. */
-#define TURN_WORK  512
-#define COPY_BYTES 16384 /* bytes copied at a time; heads of chunks need not be aligned to it */
+#define TURN_WORK 512
+/* bytes copied at a time; heads of chunks need not be aligned to this size */
+#define COPY_BYTES 16384
 /* Least budget for two wavefronts, in bytes for each edge. A smaller budget may not allow two sets
  * of arrays. */
 #define BUDGET_AN_EDGE 1000
 
 /* --- outbox ----------------------------------------------------------------------------------- */
 
-/* Drops windows whose source came nearer after they were sent, because the source casts them
- * again. */
+/* Drops windows whose source's distance decreased after they were sent, because the source casts
+ * them again. */
 static uint32_t put_fresh(const struct gd__wavefront *front, const struct gd__window *windows,
                           uint32_t count)
 {
@@ -283,8 +285,8 @@ bool gd__partition_is_worth_it(const struct gd_mesh *mesh,
             monitor->budget_bytes > BUDGET_AN_EDGE * (size_t)mesh->edge_count);
 }
 
-/* Propagates by two wavefronts. `front` must not be open. Afterwards it is in the same state as if
- * it had worked alone. If the status is GD_BUDGET, a propagation by one wavefront may still
+/* Propagates by two wavefronts. `front` must not be open. After the call it is in the same state as
+ * after propagating alone. If the status is GD_BUDGET, a propagation by one wavefront may still
  * succeed. */
 static enum gd_status propagate_in_parts(struct gd__wavefront *front,
                                          const struct gd__propagation *propagation,

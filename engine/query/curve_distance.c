@@ -120,7 +120,7 @@ struct search {
     const struct gd_mesh *mesh;
     const struct gd_curve *b;
     const struct gd_control *control;
-    bool greatest; /* search for the greatest distance, not the least */
+    bool greatest; /* true: searches for the greatest distance; false: for the least */
     double best;   /* normalised unit; GD__FAR: no path */
     struct curve_location location;
 };
@@ -238,7 +238,7 @@ static enum gd_status curve_distance_solve(struct search *search, const struct g
     const struct gd_path *path = &answer.path;
     bool meet = path->count < 2;
     struct curve_location at_a = location_of_seed(mesh, a, seed, &path->points[path->count - 1]);
-    /* the curves meet, up to rounding */
+    /* up to rounding, the curves meet */
     if (search->best <= MEETING * face_size(mesh, &search->location.point)) {
         search->best = 0;
         answer.path.length = 0;

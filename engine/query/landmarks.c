@@ -124,7 +124,7 @@ static enum gd_status measure_all(struct column *column, const struct gd_control
     for (size_t i = 0; i < (size_t)GD__LANDMARKS_MOST * vertices; i++)
         column->landmarks->distance[i] = 0;
     for (uint32_t v = 0; v < vertices; v++) column->nearest[v] = GD__FAR;
-    /* an arbitrary start: only the vertex farthest from vertex 0 becomes a landmark */
+    /* vertex 0 is an arbitrary start; the vertex farthest from it becomes the first landmark */
     enum gd_status status = landmarks_measure(column, 0, &own);
     uint32_t first = 0;
     for (uint32_t v = 0; v < vertices; v++)

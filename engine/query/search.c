@@ -18,11 +18,11 @@ struct search {
     const struct gd_mesh *mesh;
     struct gd__seed seed;
     struct gd_point target;
-    /* The seed is the pair's second point; the path is traced back to it. */
+    /* True: the seed is the pair's second point, and the path is traced back to it. */
     bool is_turned;
     enum gd_pair_output output;
     struct gd_pair_answer *out;
-    double bound;    /* bound of the run: the result is not longer */
+    double bound;    /* bound of the run: the result is at most this long */
     double distance; /* distance found, in the normalised unit */
 };
 
@@ -90,7 +90,7 @@ static enum gd_status search_turn(struct search *search, struct gd__guide *guide
     return status;
 }
 
-/* Searches from the other end too, and keeps the shorter path. On a graded mesh
+/* Also searches from the other end, and keeps the shorter path. On a graded mesh
  * (gd__mesh_is_graded) the search from one end may miss a path due to the rounding of windows.
  * Either result is an existing path. */
 static enum gd_status run_turned(struct search *search, struct gd__guide *guide,

@@ -2,7 +2,7 @@
 
 #include <float.h>
 
-/* sine of the smallest angle between `up` and the line of sight at which `up` is used */
+/* If the sine of the angle between `up` and the line of sight is smaller, `up` is not used. */
 #define PARALLEL 1e-6
 
 static const struct gd_vec3 x_axis = {1, 0, 0}, y_axis = {0, 1, 0};

@@ -16,8 +16,8 @@ struct gd__pen {
 enum gd__anchor { GD__ANCHOR_START, GD__ANCHOR_MIDDLE };
 
 struct gd__text {
-    /* consists of characters of the stroke font: digits, ".+-e", the letters of "distance" and
-       "path length", space */
+    /* contains only characters of the stroke font: digits, ".+-e", the letters of "distance" and
+       "path length", and space */
     const char *text;
     double x, y, size; /* place on the base line, and font size */
     enum gd__anchor anchor;
@@ -52,7 +52,7 @@ struct gd__paint {
 GD_MUST_USE enum gd_status gd__paint_open(struct gd__paint *paint, struct gd__image *image,
                                           struct gd__budget *budget,
                                           const struct gd_control *control);
-void gd__paint_close(struct gd__paint *paint); /* also needed after a failure */
+void gd__paint_close(struct gd__paint *paint); /* must be called even after a failure */
 
 /* --- as SVG ----------------------------------------------------------------------------------- */
 

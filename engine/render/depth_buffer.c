@@ -10,8 +10,9 @@
 /* pixels: largest distance between a place and its pixel's sample, from corner to corner */
 #define AWAY     1.5
 #define STEEPEST 16.0
-#define STEP     0.5   /* pixels: distance of tested places along a line */
-enum { SHORTEST = 6 }; /* tested places of the shortest piece that keeps its own visibility */
+#define STEP     0.5 /* pixels: distance of tested places along a line */
+/* number of tested places of the shortest piece that keeps its own visibility */
+enum { SHORTEST = 6 };
 
 enum gd_status gd__depth_buffer_open(struct gd__depth_buffer *buffer,
                                      const struct gd__raster *raster)

@@ -12,7 +12,7 @@ struct gd__legend {
     const struct gd__palette *palette;
     uint32_t width, height;
     double unit;
-    bool has_scale, has_length; /* if requested, and the picture is large enough */
+    bool has_scale, has_length; /* true if requested and the picture is large enough */
 };
 
 struct gd__legend gd__legend_plan(const struct gd_picture *picture,

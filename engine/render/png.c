@@ -9,7 +9,7 @@
 enum {
     LEVEL = 4, /* compression level of zlib: higher levels take twice the time for a few percent */
     CHECK_INTERVAL = 4, /* rows */
-    FILTERS = 3         /* filters that are tried: left, up, Paeth */
+    FILTERS = 3         /* number of filters that are tried: left, up, Paeth */
 };
 
 struct encoder {

@@ -134,7 +134,7 @@ static struct gd__colour colour_of(const struct gd__shade *shade,
         double part = distance / shade->range;
         colour = shade->colours[part < 1 ? (uint32_t)(part * GD__SHADE_COLOURS + 0.5)
                                          : GD__SHADE_COLOURS];
-        /* shades less, so that the colours of distances stay distinguishable */
+        /* weaker shading, so that the colours of distances stay distinguishable */
         light = 0.38 + 0.62 * light;
     }
     colour = shade_mix((struct gd__colour){0, 0, 0}, colour, light);

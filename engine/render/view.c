@@ -7,7 +7,8 @@
 
 #define END_PART 0.1 /* weight of the visibility of each end */
 
-static const struct gd__viewport sketch = {4, 4, 232, 172}; /* in a picture of 240 x 180 pixels */
+/* viewport in a picture of 240 x 180 pixels */
+static const struct gd__viewport sketch = {4, 4, 232, 172};
 
 struct angles {
     double azimuth, elevation; /* degrees */
@@ -52,7 +53,7 @@ static enum gd_status try_view(const struct chooser *chooser, struct gd_vec3 dir
 {
     const struct gd_mesh *mesh = chooser->mesh;
     struct gd__camera camera = gd__camera_aim(mesh, direction, chooser->up);
-    /* a copy, because the sketch frees all its memory */
+    /* a copy of the budget, because the sketch frees all its memory */
     struct gd__budget budget = *chooser->budget;
     gd__camera_fit(&camera, mesh, &sketch);
     for (uint32_t v = 0; v < mesh->vertex_count; v++)

@@ -9,7 +9,7 @@
  * free backward face before it.
  *
  * Only faces that run in opposite directions are joined, so no pair makes a surface one-sided.
- * Faces that are left over all run in the same direction. Each of them gets a border. */
+ * The remaining faces all run in the same direction. Each of them gets a border. */
 #include "repair/face_pairing.h"
 
 #include <stdlib.h>

@@ -12,10 +12,11 @@ struct gd__edge_face {
     /* true if the face, once oriented consistently, runs along the edge from the lower to the
      * higher vertex */
     bool forward;
-    struct gd_vec3 across; /* from the edge into the face; any length except zero */
+    struct gd_vec3 across; /* vector from the edge into the face, of any length except zero */
     /* output: angle about the edge, counter-clockwise as seen against the edge's direction */
     double angle;
-    /* output: the side of the face that it stays joined to; GD_NONE: the face gets a border */
+    /* output: the side of the face to which this face stays joined; GD_NONE: the face gets a
+       border */
     uint32_t partner;
     uint32_t below; /* scratch */
 };

@@ -213,7 +213,8 @@ static struct quadrilateral around(const struct flattening *flattening, uint32_t
     q.v = other[gd__next_corner(j)];
     q.d = other[gd__previous_corner(j)];
     q.b = cap[gd__previous_corner(k)];
-    bool alike = cap[k] == q.u; /* both run u-v, because the file orients them differently */
+    /* true if both faces run u-v, because the file orients them differently */
+    bool alike = cap[k] == q.u;
     q.over_ub = cap_neighbour[alike ? gd__previous_corner(k) : gd__next_corner(k)];
     q.over_bv = cap_neighbour[alike ? gd__next_corner(k) : gd__previous_corner(k)];
     q.over_vd = other_neighbour[gd__next_corner(j)];
@@ -251,7 +252,7 @@ static enum gd_status mend_cap(struct flattening *flattening, uint32_t face)
 {
     double unit;
     struct gd__triangle t = flatten_measure(flattening->work, face, &unit);
-    /* repaired by an earlier flip, or left to the next round */
+    /* the face was repaired by an earlier flip, or the next round handles it */
     if (!is_flat(&t) || is_needle(flattening, &t)) return GD_OK;
     uint32_t side = 3 * face + t.longest;
     note_shift(flattening->work, t.double_area / t.length[t.longest] * unit);

@@ -25,7 +25,7 @@ struct splitting {
     struct gd__construction *work;
     uint32_t face_count, input_vertices;
     uint32_t *neighbour; /* per side: the side that it is joined to; GD_NONE: none */
-    /* per face: its orientation is opposite to that of most faces around it */
+    /* per face: true if its orientation is opposite to that of most faces around it */
     uint8_t *flipped;
     /* the faces of one edge; as many as the edge with the most faces has */
     struct gd__edge_face *edge_face;
@@ -80,7 +80,7 @@ static uint32_t join_pairs(struct splitting *s, const struct gd__edge_table *tab
     return most;
 }
 
-/* --- which faces stay joined at an edge of more than two faces -------------------------------- */
+/* --- faces that stay joined at an edge of more than two faces --------------------------------- */
 
 /* Orients the faces before they are paired, because files with non-manifold edges are often
  * oriented at random. The orientation becomes consistent within each set of faces that edges of two

@@ -84,7 +84,7 @@ static void emit_through_face(struct gd__wavefront *front, const struct emitter 
            py = s->left_length * s->left_y;
     double b0 = 0, b1 = length;
     double x = -(px * s->right_x + py * s->right_y) + (at.x * s->right_x + at.y * s->right_y),
-           /* twice the area divided by the edge, which avoids cancellation */
+           /* the height as twice the area divided by the edge, which avoids cancellation */
         y = py * s->length / length + (at.x * s->right_y - at.y * s->right_x);
     if (gd__window_grazes(x, y, length)) return;
     /* The vertex lies almost on the edge. Emit through all of the edge, because the ends of a part
@@ -173,8 +173,9 @@ static void emit_vertex(struct gd__wavefront *front, uint32_t vertex)
     }
 }
 
-/* The other wavefront of a partition emits from common vertices itself. It needs the distances of
- * the other vertices near the cut, because their windows may cross the cut. */
+/* Sends distances to the other wavefront of a partition. That wavefront emits from common vertices
+ * itself. It needs the distances of the other vertices near the cut, because their windows may
+ * cross the cut. */
 void gd__emit_vertex(struct gd__wavefront *front, uint32_t vertex)
 {
     struct gd__partition *partition = front->partition;

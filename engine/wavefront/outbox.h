@@ -10,7 +10,7 @@
 struct gd__outbox {
     struct gd__vertex_message {
         uint32_t vertex;
-        bool has_emitted; /* windows from this vertex with a longer distance already exist */
+        bool has_emitted; /* true: windows from this vertex with a longer distance already exist */
         double distance;
         struct gd__predecessor predecessor;
     } * vertices;
@@ -29,7 +29,7 @@ struct gd__partition {
     /* per vertex: bit 1 << part is set for each part that has one of its faces */
     const uint8_t *vertex_parts;
     uint8_t part;
-    bool is_common;           /* the other wavefront emits the current windows too */
+    bool is_common;           /* true: the other wavefront also emits the current windows */
     struct gd__outbox outbox; /* messages to the other part */
 };
 

@@ -3,8 +3,9 @@
  * share a page, because neighbours have similar numbers (mesh/topology.h). A page is created at its
  * first use. If none of its records has waited in the queue for some buckets, its memory is reused.
  * If the front returns, the page is created again, and its records have their initial values. Two
- * kinds of pages stay: pages with stored wedges, and pages that were created repeatedly. In the
- * latter, visits of a side must accumulate for gd__prune_by_stored. One owner, one thread. */
+ * kinds of pages are never reused: pages with stored wedges, and pages that were created
+ * repeatedly. In the latter, visits of a side must accumulate for gd__prune_by_stored. One owner,
+ * one thread. */
 #ifndef GD_WAVEFRONT_PAGES_H
 #define GD_WAVEFRONT_PAGES_H
 
@@ -28,7 +29,7 @@ struct gd__page {
 struct gd__pages {
     struct gd__page **page; /* per number: the page, NULL if it does not exist */
     uint8_t *made;          /* number of times the page was created, saturating */
-    uint32_t made_most;     /* a page that was created more often stays */
+    uint32_t made_most;     /* a page that was created more often is not reused */
     uint32_t count;
     size_t size; /* bytes of a page with its header */
     /* Memory of the pages, newest first. Slabs hold pages side by side, because the heap would
@@ -42,8 +43,8 @@ struct gd__pages {
 };
 
 /* Initialises the struct, which must be all zero, without pages. The budget is charged for each
- * page that is created. A page that was created more than `made_most` times stays; UINT8_MAX or
- * more: no page stays for that reason. GD_NO_MEMORY, GD_BUDGET. */
+ * page that is created. A page that was created more than `made_most` times is not reused;
+ * UINT8_MAX or more: every page may be reused. GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__pages_open(struct gd__pages *pages, uint32_t count, size_t size,
                                           uint32_t made_most, struct gd__budget *budget);
 

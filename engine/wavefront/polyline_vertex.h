@@ -8,13 +8,14 @@
 #include "wavefront/wavefront.h"
 
 enum {
-    /* segments are located this far ahead, so that their square roots are computed early */
+    /* number of segments that are located in advance, so that their square roots are computed
+       early */
     GD__SEGMENTS_AHEAD = 1,
     /* number of cached segments: the two of a joint, and those ahead; a power of two */
     GD__SEGMENTS_KEPT = 4 * GD__SEGMENTS_AHEAD,
 };
 
-/* A segment located on the surface. */
+/* A segment with its location on the surface. */
 struct gd__placed_segment {
     uint32_t seed; /* GD_NONE: not set yet */
     uint32_t face; /* GD_NONE: along an edge */
@@ -75,8 +76,8 @@ static inline struct gd__joint gd__joint_of(const struct gd__wavefront *front,
     return joint;
 }
 
-/* Directions of the segments of a joint, away from it, in the frame of a side: unit vectors. Zero
- * for a missing segment, so that nothing is ahead along it. */
+/* Directions of the segments of a joint, away from it, in the frame of a side: unit vectors. The
+ * direction of a missing segment is zero, so that no point is ahead along it. */
 struct gd__segment_directions {
     struct gd__local along[2];
 };

@@ -8,8 +8,8 @@
  * store them anyway. */
 #define STORE_AFTER  4
 #define LINE         64 /* bytes of a cache line */
-#define LINES_BEFORE 16 /* the wedges of a few lists */
-#define LINES_AHEAD  3  /* the wedges of one list */
+#define LINES_BEFORE 16 /* number of cache lines for the wedges of a few lists */
+#define LINES_AHEAD  3  /* number of cache lines for the wedges of one list */
 
 /* Prefetches the cache lines of the next lists, because wedges are written to memory that is not in
  * the cache. */
@@ -182,7 +182,7 @@ static enum gd_status prune_windows(struct gd__wavefront *front, const struct gd
                                     uint32_t *count)
 {
     double d0 = at->d0, d1 = at->d1;
-    /* windows beyond the bound are as useless as windows behind a shorter path */
+    /* windows beyond the bound are not needed either */
     if (front->guide) {
         d0 = fmin(d0, front->bound - at->l0);
         d1 = fmin(d1, front->bound - at->l1);

@@ -37,7 +37,7 @@ void gd__stored_windows(const struct gd__wavefront *front, const struct gd__chun
 static void cut_window(const struct gd__window *w, const struct gd__stack *stored, bool own,
                        double narrow, uint32_t *first, struct gd__stack *out)
 {
-    double start = w->b0; /* start of the piece that is kept so far */
+    double start = w->b0; /* start of the piece that has been kept so far */
     while (*first < stored->count && stored->windows[*first].b1 <= w->b0) ++*first;
     for (uint32_t i = *first; i < stored->count && stored->windows[i].b0 < w->b1; i++) {
         const struct gd__window *s = &stored->windows[i];

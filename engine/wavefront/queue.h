@@ -1,10 +1,10 @@
 /* Queue: circular buckets of small integers (sides and vertices), in order of distance up to the
- * width of a bucket. A node whose key decreases is entered again, and its old entry becomes stale.
- * The owner of a node stores the bucket in which the node waits, and ignores its entries in other
- * buckets. Within a bucket the order is first in, first out. A key beyond the ring goes to the last
- * bucket. The order affects the time, but never the exactness, because sides and vertices are
- * processed again when shorter paths reach them. First in, first out keeps the work polynomial if a
- * whole component is in one bucket. One owner, one thread. */
+ * width of a bucket. A node whose key decreases gets another entry, and its old entry becomes
+ * stale. The owner of a node stores the bucket in which the node waits, and ignores its entries in
+ * other buckets. Within a bucket the order is first in, first out. A key beyond the ring goes to
+ * the last bucket. The order affects the time, but never the exactness, because sides and vertices
+ * are processed again when shorter paths reach them. First in, first out keeps the work polynomial
+ * if a whole component is in one bucket. One owner, one thread. */
 #ifndef GD_WAVEFRONT_QUEUE_H
 #define GD_WAVEFRONT_QUEUE_H
 
@@ -29,7 +29,7 @@ struct gd__queue {
     uint32_t current; /* number of the current bucket; no node waits in a lower one */
     uint64_t size;    /* number of entries, including stale ones */
     double buckets_per_length;
-    bool out_of_memory; /* sticky: an entry was lost for lack of memory */
+    bool out_of_memory; /* sticky; true: an entry was lost for lack of memory */
 };
 
 /* Creates an empty queue. Returns NULL if there is no memory. */
@@ -50,7 +50,7 @@ void gd__queue_begin(struct gd__queue *queue, double key);
  * bucket. */
 static inline uint32_t gd__queue_number(const struct gd__queue *queue, double key)
 {
-    const double farthest = 4e9; /* below the largest bucket number */
+    const double farthest = 4e9; /* a number of buckets below the largest bucket number */
     double exact = key * queue->buckets_per_length;
     return exact < farthest ? (uint32_t)exact : (uint32_t)farthest;
 }
@@ -75,7 +75,8 @@ static inline void gd__queue_push(struct gd__queue *queue, uint32_t node, double
     uint32_t number = gd__queue_number(queue, key), last = queue->current + GD__QUEUE_BUCKETS - 1;
     if (number < queue->current) number = queue->current;
     if (number > last) number = last;
-    if (*waiting <= number) return; /* never for GD_NONE, which is larger than any bucket */
+    /* false if *waiting is GD_NONE, which is larger than any bucket */
+    if (*waiting <= number) return;
     struct gd__bucket *bucket = &queue->bucket[number & (GD__QUEUE_BUCKETS - 1)];
     if (bucket->count < bucket->capacity)
         gd__queue_enter(queue, bucket, node, number, waiting);
@@ -90,8 +91,8 @@ uint32_t gd__queue_pop(struct gd__queue *queue, uint32_t end);
 /* Returns the number of the first bucket that is not empty; GD_NONE if all are empty. */
 uint32_t gd__queue_first(const struct gd__queue *queue);
 
-/* Returns the entry `places` behind the last popped one, as a hint for prefetching. GD_NONE if it
- * is in neither the current nor the next bucket. */
+/* Returns the entry `places` positions behind the last popped entry, as a hint for prefetching.
+ * GD_NONE if it is in neither the current nor the next bucket. */
 static inline uint32_t gd__queue_peek(const struct gd__queue *queue, uint32_t places)
 {
     const struct gd__bucket *b = &queue->bucket[queue->current & (GD__QUEUE_BUCKETS - 1)];

@@ -2,11 +2,11 @@
 
 #include "wavefront/wavefront.h"
 
-/* Resuming: continues a propagation that ended at a bound (doc 022). Copies its distances,
- * predecessors and wedges. All of them describe existing paths, and those within the bound are
- * final. The windows that the bound cut off are generated again from stored data: from children of
- * wedges, from vertices that emitted, and from vertices beyond the bound, which have not emitted
- * with their stored distance yet.
+/* Resuming: continues a propagation that ended at a bound (doc 022). Copies the distances,
+ * predecessors and wedges of that propagation. All of them describe existing paths, and those
+ * within the bound are final. The windows that the bound cut off are generated again from stored
+ * data: from children of wedges, from vertices that emitted, and from vertices beyond the bound,
+ * which have not emitted with their stored distance yet.
  *
  * A window is useful on an edge only where it is shorter than the paths along the edge from its
  * ends. Where those paths lie within the bound, no window is missing. On all other edges all wedges

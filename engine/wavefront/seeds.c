@@ -7,7 +7,7 @@
 
 #define ARRAYS       6 /* arrays of struct gd__windows */
 #define BLOCKS_AHEAD 2
-#define EDGES_AHEAD  12 /* seeds ahead, see prefetch_seeds */
+#define EDGES_AHEAD  12 /* number of seeds ahead, see prefetch_seeds */
 #define FACES_AHEAD  6
 
 /* --- points ----------------------------------------------------------------------------------- */
@@ -18,7 +18,7 @@ GD__PREFETCH prefetch_block(const struct gd__pool *pool)
 {
     /* bytes of an array in a block for one window: two groups */
     const size_t array = 2 * GD__WINDOWS_GROUP * sizeof(double);
-    /* may lie beyond the chunk */
+    /* this address may lie beyond the chunk */
     uintptr_t block = (uintptr_t)pool->cursor + 2 * BLOCKS_AHEAD * GD__LIST_POOL_ITEM;
     for (size_t i = 0; i < ARRAYS; i++) __builtin_prefetch((const void *)(block + i * array), 1);
 }
@@ -97,7 +97,7 @@ static void seed_face(struct gd__wavefront *front, struct gd__segment_cache *cac
                                point->weight[(k + 2) % 3]);
         directions[k] = gd__directions_in_face(&joint, k);
     }
-    /* the segments also reach the corners beside the joint */
+    /* the segments of a straight joint also reach the corners beside it */
     if (gd__is_straight(&directions[0])) return;
     struct gd__polar polar;
     bool is_beside = is_apart(&joint) && gd__polar_beside(mesh, point, &polar);
@@ -105,7 +105,7 @@ static void seed_face(struct gd__wavefront *front, struct gd__segment_cache *cac
         const struct gd_side *s = &mesh->side[sides[k]];
         struct gd__local way =
             is_beside ? to_apex_of_face(s, point->weight[k], point->weight[(k + 1) % 3])
-                      /* rounded in the same way as the paths from the joint's segments */
+                      /* is rounded in the same way as the paths from the joint's segments */
                       : to_apex(s, at[k]);
         seed_apex(front, seed, sides[k], at[k], way, &directions[k]);
     }
@@ -162,12 +162,12 @@ static void seed_edge(struct gd__wavefront *front, struct gd__segment_cache *cac
     const struct gd__joint joint = gd__joint_of(front, cache, seed);
     const struct gd__segment_directions directions =
         gd__directions_from_edge(front->mesh, &joint, side);
-    /* the segments reach the corners, as for a point in a face */
+    /* the segments of a straight joint reach the corners, as for a point in a face */
     if (gd__is_straight(&directions)) return;
     const struct gd__segment_directions other = gd__directions_from_other_side(directions);
     struct gd__polar polar = {.vertex = GD_NONE};
     bool is_beside = is_apart(&joint) && gd__polar_beside(front->mesh, point, &polar);
-    /* rounded in the same way as the ends of the joint's segments */
+    /* is rounded in the same way as the ends of the joint's segments */
     double rest = is_beside ? gd__edge_rest(point) * length : length - t;
     seed_corners(front, seed, side, t, &directions);
     seed_corners(front, seed, side ^ 1, rest, &other);

@@ -15,13 +15,13 @@
  * windows. The interval is well under a millisecond. */
 #define CHECK_WINDOWS 4096
 #define ITEM_WINDOWS  16
-#define RECORDS_AHEAD 9 /* entries of the queue, see prefetch_records */
+#define RECORDS_AHEAD 9 /* number of queue entries, see prefetch_records */
 #define NAMED_AHEAD   5
 #define WORK_AHEAD    2
 /* Number of sides of a mesh that nearly fits a second-level cache. Prefetching more than records
  * costs 3 % there. */
 #define SIDES_IN_CACHE 20000
-#define WORK_LEAST     (UINT64_C(1) << 25) /* in windows: about a second of work */
+#define WORK_LEAST     (UINT64_C(1) << 25) /* number of windows: about a second of work */
 #define WORK_FACTOR    64
 
 /* --- distances, windows, order ---------------------------------------------------------------- */
@@ -41,8 +41,8 @@ static void shrink_bound(struct gd__wavefront *front, uint32_t vertex)
     }
 }
 
-/* Stores where the chunks of the vertex' new distance begin. The page of such a vertex must
- * stay. */
+/* Stores where the chunks of the vertex' new distance begin. The page of such a vertex must not be
+ * reused. */
 static void note_fall(struct gd__wavefront *front, uint32_t vertex)
 {
     uint32_t valid_from = (uint32_t)(front->work->wedges.used / GD__CHUNK_UNIT);
@@ -169,7 +169,7 @@ void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receive
         return;
     }
     struct gd__list *list = open_list(front, to->side);
-    if (!list) return; /* the pool frees the block of `children` with all others */
+    if (!list) return; /* the pool frees the block of `children` together with all others */
     gd__wavefront_note_windows(front, list, to->side, children->count);
     if (!list->count || to->distance_drops < list->distance_drops)
         list->distance_drops = to->distance_drops;

@@ -40,12 +40,12 @@ struct gd__seed {
  * variants agree up to rounding. A field that fails its check is built again in another variant,
  * where rounding affects other windows (field.c). */
 struct gd__variant {
-    bool no_filter; /* windows are not compared with the distances of their edge's ends */
-    /* saddle and boundary vertices emit in all directions, not only into their shadow cone */
+    bool no_filter; /* true: windows are not compared with the distances of their edge's ends */
+    /* true: saddle and boundary vertices emit in all directions, not only into their shadow cone */
     bool no_cone;
-    bool no_coalescing; /* neighbouring windows of one source stay separate */
+    bool no_coalescing; /* true: neighbouring windows of one source are not joined */
 #ifdef GD_ABLATION      /* tests/bench only */
-    bool one_list;      /* windows are also pruned by the wedges of the edge's other side */
+    bool one_list;      /* true: windows are also pruned by the wedges of the edge's other side */
 #endif
 };
 
@@ -120,22 +120,22 @@ struct gd__wavefront {
     /* During gd__resume: windows that are surely within this distance are not needed again. 0: all
      * are needed. */
     double inner;
-    bool takes_all;            /* lists accept every window, at whatever distance */
+    bool takes_all;            /* true: lists accept windows at any distance */
     uint32_t target_corner[4]; /* vertices of the target's faces, padded by GD_NONE */
     double target_leg[4];      /* distances of these vertices from the target within the face */
 
     struct gd__partition *partition; /* the wavefront's part of the surface; NULL: all of it */
 
     const struct gd_control *monitor;
-    enum gd_status status;  /* sticky: the first failure */
+    enum gd_status status;  /* the first failure; not overwritten by later ones */
     uint64_t sides_visited; /* sides visited at least once, for the progress */
     uint64_t work_limit;    /* limit on windows; GD_RUNAWAY beyond it */
     struct gd__work_counts counts;
 };
 
-/* Receives the result. Called once, when everything is final. It may take the workspace's distance,
- * predecessor, newest and wedges; it must then leave NULL in their place and the region closed. The
- * other arrays are reused. */
+/* Receives the result. Called once, when all distances and wedges are final. It may take the
+ * workspace's distance, predecessor, newest and wedges; it must then leave NULL in their place and
+ * the region closed. The other arrays are reused. */
 struct gd__sink {
     enum gd_status (*take)(void *user, struct gd__wavefront *front);
     void *user;
@@ -249,8 +249,8 @@ static inline struct gd__receiver gd__wavefront_receiver(const struct gd__wavefr
                                  front->distance_drops};
 }
 
-/* Offers a side new windows and queues the side. The windows are consumed: their order stays, their
- * ends may be cut. */
+/* Offers a side new windows and queues the side. The windows are consumed: their order does not
+ * change, but their ends may be cut. */
 void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receiver *to,
                            struct gd__children *windows);
 
@@ -317,7 +317,7 @@ void gd__keep_beyond(const struct gd__wavefront *front, uint32_t side,
 
 /* prune.c: appends the wedges of a chunk to `out`, which must have room, as sorted windows in the
  * frame of `side`. Selects the wedges that came from windows of `side` (`own`) or of the other
- * side. Skips wedges whose source came nearer afterwards. */
+ * side. Skips wedges whose source's distance decreased later. */
 void gd__stored_windows(const struct gd__wavefront *front, const struct gd__chunk *chunk,
                         uint32_t side, bool own, struct gd__stack *out);
 

@@ -8,8 +8,8 @@
 /* Address space for wedges, in bytes per edge. It is more than most fields need; unused address
  * space takes no memory (gd__region_open). */
 #define WEDGES_AN_EDGE ((size_t)2 << 10)
-/* Part of all nodes. If more than 1 / TOUCHED_PART of them are touched, cleaning everything in
- * order is faster than cleaning by list. */
+/* If more than 1 / TOUCHED_PART of all nodes are touched, cleaning all nodes in order is faster
+ * than cleaning the listed ones. */
 #define TOUCHED_PART 4
 
 /* --- clean arrays ----------------------------------------------------------------------------- */

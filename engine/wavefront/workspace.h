@@ -43,7 +43,7 @@ struct gd_workspace {
 
     struct gd__guide guide; /* guide of searches for one target */
 
-    /* The budget of the current propagation, which arrays, windows and wedges are charged to. */
+    /* The budget of the current propagation. Arrays, windows and wedges are charged to it. */
     struct gd__budget budget;
     struct gd__region wedges; /* memory of the chunks; closed if a propagation took it */
     struct gd__queue *queue;

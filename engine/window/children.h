@@ -10,7 +10,7 @@
 struct gd__scratch {
     struct gd__stack stack[3];
     struct gd__window_builder tail;
-    bool apart; /* windows of one source are not joined (struct gd__variant) */
+    bool apart; /* true: windows of one source are not joined (struct gd__variant) */
 };
 
 void gd__scratch_destroy(struct gd__scratch *scratch);

@@ -8,7 +8,8 @@ struct seam {
     const struct gd__windows *before, *behind;
     uint32_t last, first;
     uint32_t before_left, behind_left; /* number of windows left; 0: all are dropped */
-    bool newer_is_before;              /* ties stay with the older windows */
+    /* true: the newer windows are those before the seam; the older windows win ties */
+    bool newer_is_before;
 };
 
 enum closing { CLOSING_DONE, CLOSING_NEXT, CLOSING_GENERAL };
@@ -324,7 +325,7 @@ static void parts_put_overlap(struct parts *parts, const struct gd__window *w,
 static void parts_put_all(struct parts *parts, const struct gd__window *windows, uint32_t count,
                           const struct gd__window *w)
 {
-    double from = w->b0; /* start of the part of the new window that is not appended yet */
+    double from = w->b0; /* start of the part of the new window that is not yet appended */
     for (const struct gd__window *o = windows; o < windows + count; o++) {
         double lo = o->b0 > w->b0 ? o->b0 : w->b0, hi = o->b1 < w->b1 ? o->b1 : w->b1;
         if (from < lo) parts_put(parts, w, from, hi < lo ? hi : lo);

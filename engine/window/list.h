@@ -11,7 +11,7 @@ struct gd__list {
     uint32_t distance_drops; /* wavefront->distance_drops when the oldest window was inserted */
     uint16_t visits;         /* number of propagations of the list, saturating */
     uint8_t size_class;
-    bool touched; /* the workspace has recorded that this list must be cleaned */
+    bool touched; /* true: the workspace has recorded that this list must be cleaned */
 };
 
 static inline uint32_t gd__list_capacity(const struct gd__list *list)

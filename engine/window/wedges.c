@@ -54,7 +54,7 @@ struct writer {
     uint32_t count;
     double length, units; /* units: number of start units per length */
     double end;           /* end of the last window */
-    bool linear;          /* the last window was linear */
+    bool linear;          /* true: the last window was linear */
 };
 
 /* Rounds down to a whole number. A negative number is zero up to rounding. */
@@ -81,8 +81,8 @@ static void writer_put(struct writer *writer, double b0, double x, double y, uin
 }
 
 /* Writes the gap from the last window to `until`, unless it is no wider than rounding. Beside a
- * linear window, whose ends are rounded inwards, any gap counts. Between two linear windows a gap
- * is always written: they may meet within one unit. */
+ * linear window, whose ends are rounded inwards, every gap is written. Between two linear windows a
+ * gap is written even if they meet within one unit. */
 static void writer_put_gap(struct writer *writer, double until, bool linear)
 {
     bool both = linear && writer->linear;
