@@ -21,7 +21,7 @@ class Answer:
     when: dict = dataclasses.field(default_factory=dict)  # optional member: C condition
     hand: tuple = ()  # members written by proto_<schema>_encode_<member>, by hand
     without: tuple = ()  # members that other code writes
-    fields: str = ""  # list of fields: the function writes those that its options select
+    fields: str = ""  # list of fields: the function writes the fields that its options select
 
 
 ANSWERS = {

@@ -2,7 +2,7 @@
 
 A schema `…Request` with properties, and each object that it refers to, becomes a struct and a
 function that reads it. A type that C decodes by hand is in VALUES; a member of `x-by-hand` is not
-in the struct. Sentences of problems stand beside the properties:
+in the struct. The contract has the sentences of problems beside the properties:
 
     x-by-hand    [member…], or all: then the generator makes only the list of their names
     x-unchecked  [member…]: C checks the limits of these members
@@ -25,7 +25,7 @@ from members import c_string, follow, snake, upper
 # lists that have their own struct: the struct, its header, and the name of its functions
 LISTS = {"Point": ("struct proto_points", "values/points.h", "points"), "Place": ("struct proto_uvs", "values/uv.h", "uvs"),
          "Interval": ("struct proto_uvs", "values/uv.h", "uvs")}
-# values decoded by hand-written functions: type, header, decode function, free function
+# values that hand-written functions decode: type, header, decode function, free function
 VALUES = {
     "Set": ("struct proto_set", "values/set.h", "proto_set_decode", "proto_set_free"),
     "DirectionRequest": ("struct proto_direction", "values/direction.h", "proto_direction_decode", None),
@@ -34,7 +34,7 @@ VALUES = {
 }
 # forms that hand-written headers need; the generator puts them into values.h
 EARLY = ("Point",)
-# forms that may also be a text: the function that reads it, and its header
+# forms that may also be a text: the function that reads the text, and its header
 TEXTS = {"Point": ("proto_point_parse", "values/point.h")}
 
 DECODE = "(const json_t *value, const char *place, struct {name} *out,\n    struct proto_problem *problem)"
@@ -88,8 +88,8 @@ class Member:
 
     @property
     def has_flag(self):
-        """Returns whether the struct needs a flag: the member is optional, without a default and
-        without a value that means "missing"."""
+        """Returns whether the struct needs a flag, that is, whether the member is optional and has
+        neither a default nor a value that means "missing"."""
         return not self.is_required and self.default is None and self.kind not in ("flag", "points", "list", "reals", "index_list")
 
     @property
@@ -164,7 +164,7 @@ class Member:
         return f"at most {most} elements are taken here; send fewer" if has_limit else None
 
     def sentence(self):
-        """Returns a problem's sentence that says which values are valid, or None."""
+        """Returns the sentence of a problem with the valid values, or None."""
         least, most, is_above = self.limits()
         if self.kind == "word":
             return f"{self.name} is " + " or ".join(f'"{word}"' for word in self.schema["enum"])

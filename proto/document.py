@@ -23,7 +23,7 @@ ROLES = ("read", "write")  # roles of keys, as named in security requirements
 
 
 class UniqueKeyLoader(yaml.SafeLoader):
-    """Rejects duplicate keys, of which YAML would keep the last."""
+    """Rejects duplicate keys. Without this check, YAML would keep the last of them."""
 
 
 def construct_unique_mapping(loader, node):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes sources of the daemon from the contract, openapi.yaml. Equal input gives equal output.
+"""Makes sources of the daemon from the contract, openapi.yaml. Equal inputs give equal outputs.
 
     generate.py sources openapi.yaml folder
         writes the C sources to the folder, except those that are already equal: routes.c

@@ -1,9 +1,9 @@
 """Fields of answers and parameters of query strings, in C, from the contract.
 
 A parameter `select` whose items have `x-fields: {of: Schema}` accepts the names of the schema's
-members, in their order. `with: member` names a list: the names of its items' members follow its
-name. `without` omits names. `expand` writes the names into the document as an enumeration. In C
-they are bits and a list of names.
+members, in their order. `with: member` names a list whose items have members; the names of these
+members follow the list's name. `without` omits names. `expand` writes the names into the document
+as an enumeration. In C they are bits and a list of names.
 """
 import re
 

@@ -1,4 +1,4 @@
-/* Job: the description of an operation whose answer is kept until the client fetches it. */
+/* Job: the description of an operation whose answer is stored until the client fetches it. */
 #ifndef PROTO_JOB_H
 #define PROTO_JOB_H
 
@@ -23,7 +23,7 @@ enum proto_job_state {
         PROTO_JOB_STATE_COUNT
 };
 
-/* Returns "queued" and so on, a static string. */
+/* Returns the name of the state ("queued"), a static string. */
 const char *proto_job_state_name(enum proto_job_state state);
 
 /* Returns whether the state is final. */
@@ -49,7 +49,7 @@ struct proto_job {
     enum proto_job_state state;
     double progress;                       /* [0,1] */
     int64_t created;                       /* seconds since 1970-01-01T00:00:00Z */
-    const struct proto_job_answer *answer; /* NULL: none, or none yet */
+    const struct proto_job_answer *answer; /* NULL: there is no answer, or not yet */
 };
 
 /* Detail of a job's description: BRIEF omits the body of its answer; EVENT includes the body of a
@@ -65,10 +65,11 @@ void proto_job_encode(struct proto_writer *writer, const struct proto_job *job,
 bool proto_job_encode_head(struct proto_writer *writer, const struct proto_job *job);
 #define PROTO_JOB_TAIL "}"
 
-/* Writes the job as a server-sent event: "done" once it has ended in any way, else "progress". */
+/* Writes the job as a server-sent event: "done" if the job has ended in any way, otherwise
+ * "progress". */
 void proto_job_encode_event(struct proto_writer *writer, const struct proto_job *job);
 
-/* The id of the event "done", which a client that reconnects sends back as Last-Event-ID. */
+/* The id of the event "done". A client that reconnects sends it back as Last-Event-ID. */
 #define PROTO_JOB_LAST_EVENT "done"
 
 #endif

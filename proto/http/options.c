@@ -130,7 +130,7 @@ bool proto_parameters_number(const struct proto_parameters *parameters,
 
 /* --- the options of every query --------------------------------------------------------------- */
 
-/* one day, so that clock plus timeout can't overflow */
+/* one day, so that the sum of clock and timeout can't overflow */
 #define MOST_TIMEOUT_MS UINT64_C(86400000)
 
 static bool refuse_member(struct proto_problem *problem, const char *name, int size,

@@ -21,8 +21,8 @@ struct proto_parameters {
 /* Returns the value of the first parameter of that name, or NULL. */
 const char *proto_parameters_get(const struct proto_parameters *parameters, const char *name);
 
-/* Checks that each parameter's name is one of `allowed` (NULL-terminated, at most 32; NULL: none is
- * allowed) and occurs once; else invalid_request at the parameter. */
+/* Checks that each parameter's name is in `allowed` (NULL-terminated, at most 32; NULL: no name is
+ * allowed) and occurs once. Otherwise fails with invalid_request at the parameter. */
 bool proto_parameters_check(const struct proto_parameters *parameters, const char *const *allowed,
                             struct proto_problem *problem);
 
@@ -56,13 +56,13 @@ struct proto_options {
     uint32_t fields; /* bit i: the i-th field of the answer is wanted; all of them by default */
     const char *const *names; /* names of the fields */
     enum proto_geometry geometry;
-    uint64_t timeout_ms; /* 0: not given; not yet capped */
+    uint64_t timeout_ms; /* 0: not given; the configured maximum is not applied yet */
 };
 
 struct proto_writer;
 
-/* Returns whether the field (one bit) is selected. If so, writes its key, and the caller writes the
- * value. */
+/* If the field (one bit) is selected, writes its key and returns true; the caller then writes the
+ * value. Otherwise returns false. */
 bool proto_field(struct proto_writer *writer, const struct proto_options *options, uint32_t field);
 
 /* Writes the field with its value if it is selected. A number that is not finite becomes null. */
@@ -73,8 +73,8 @@ void proto_field_uint(struct proto_writer *writer, const struct proto_options *o
 void proto_field_bool(struct proto_writer *writer, const struct proto_options *options,
                       uint32_t field, bool value);
 
-/* Returns the selected bits among `members`, which are the parts of the field `whole`: all of them
- * if only `whole` is selected; 0 if neither `whole` nor a part is selected. */
+/* Returns the selected bits among `members`, which are the parts of the field `whole`. Returns all
+ * of them if only `whole` is selected, and 0 if neither `whole` nor a part is selected. */
 uint32_t proto_fields_within(uint32_t fields, uint32_t whole, uint32_t members);
 
 /* Returns the options for a part of the answer, the field `whole`, whose members are all other

@@ -1,5 +1,5 @@
-/* Page: a part of a list, by `limit` and `after`; the answer's `next` is the `after` of the next
- * page. */
+/* Page: a part of a list, selected by `limit` and `after`. The answer's `next` is the `after` of
+ * the next page. */
 #ifndef PROTO_PAGE_H
 #define PROTO_PAGE_H
 
@@ -8,7 +8,8 @@
 
 #define PROTO_PAGE_DEFAULT 100
 #define PROTO_PAGE_MOST    1000
-/* a page ends after the item that exceeds this size, even if it has fewer than `limit` items */
+/* a page ends after the item with which it exceeds this size, even if it has fewer than `limit`
+ * items */
 #define PROTO_PAGE_BYTES  ((size_t)1 << 20)
 #define PROTO_PAGE_NUMBER 24 /* bytes of a number's text */
 
@@ -28,14 +29,14 @@ bool proto_page_parse(const struct proto_parameters *parameters, struct proto_pa
 bool proto_page_parse_names(const struct proto_parameters *parameters, struct proto_page *out,
                             struct proto_problem *problem);
 
-/* Reads the cursor `after` of a numbered list; -1: none. Problem: invalid_request. */
+/* Reads the cursor `after` of a numbered list; -1: there is none. Problem: invalid_request. */
 bool proto_page_number(const struct proto_page *page, int64_t *out, struct proto_problem *problem);
 
 /* Writes the cursor of a numbered list into `text` and returns it. */
 const char *proto_page_write_number(int64_t number, char text[PROTO_PAGE_NUMBER]);
 
-/* Begin and end a page; the caller writes the items in between. `name`: of the list ("meshes").
- * `next`: cursor of the next page; NULL: this is the last. */
+/* Begin and end a page; the caller writes the items in between. `name` is the list's name
+ * ("meshes"). `next` is the cursor of the next page; NULL: this page is the last. */
 void proto_page_begin(struct proto_writer *writer, const char *name);
 void proto_page_end(struct proto_writer *writer, const char *next);
 

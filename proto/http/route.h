@@ -15,7 +15,7 @@
 
 #include "proto/json/problem.h"
 
-/* defined by the server; this folder only passes their addresses */
+/* The server defines these structs; this folder only passes their addresses. */
 struct server_exchange;
 struct server_query_kind;
 
@@ -43,17 +43,17 @@ struct proto_deprecation {
 struct proto_route {
     enum proto_method method;
     enum proto_access access;
-    bool has_body;         /* the operation takes a request body */
-    bool is_async;         /* it accepts the header Prefer: respond-async */
+    bool has_body;         /* true: the operation accepts a request body */
+    bool is_async;         /* true: the operation accepts the header Prefer: respond-async */
     const char *operation; /* operationId */
     const char *path;      /* template, "/v1/meshes/{name}": a label for logs and metrics */
     /* the query's name ("distance"), listed among the capabilities; NULL: not a query */
     const char *query;
     const char *const *fields;     /* fields of the query's answer; NULL: no projection */
     const char *const *parameters; /* parameters of the query string; NULL: none */
-    bool has_lines;                /* its answer has lines, whose points `geometry` selects */
+    bool has_lines;                /* true: the answer has lines, whose points `geometry` selects */
     uint32_t segment_count;        /* "/" has none */
-    const char *segments[PROTO_ROUTE_SEGMENTS]; /* literal text; NULL: captures */
+    const char *segments[PROTO_ROUTE_SEGMENTS]; /* literal text; NULL: the segment is captured */
     void (*handle)(struct server_exchange *exchange);
     const struct server_query_kind *kind; /* NULL unless it is a query about a mesh */
     /* deprecation of this path; NULL: the path is current */
@@ -71,7 +71,7 @@ struct proto_route_match {
     const struct proto_route *route;
     uint32_t capture_count;
     struct proto_capture {
-        const char *text; /* within the given path; not NULL-terminated, never empty */
+        const char *text; /* points into the given path; not NUL-terminated, never empty */
         size_t length;
     } captures[PROTO_ROUTE_CAPTURES]; /* in path order */
 };

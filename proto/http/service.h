@@ -16,7 +16,7 @@ struct proto_service {
         uint64_t max_body_bytes, max_faces, timeout_ms, memory_budget_bytes, max_answer_bytes,
             workers;
     } limits;
-    const struct proto_route *routes; /* their queries are the capabilities */
+    const struct proto_route *routes; /* the routes whose queries are the capabilities */
     size_t route_count;
 };
 

@@ -8,7 +8,7 @@
 
 static void refuse_text(const struct proto_parse_end *end, struct proto_problem *problem)
 {
-    char line[24] = ""; /* line 1 is not named: the text may be a line of a batch */
+    char line[24] = ""; /* line 1 is not named, because the text may be a line of a batch */
     if (end->deep_at) {
         proto_problem_refuse(problem, "", "the JSON is nested deeper than %d levels at byte %zu",
                              PROTO_DECODE_DEPTH, end->deep_at - 1);
@@ -21,8 +21,8 @@ static void refuse_text(const struct proto_parse_end *end, struct proto_problem 
                          end->error.column, end->error.position, end->error.text);
 }
 
-/* Memory that jansson uses: for an empty object; for an empty array; for a value in an array and
- * the memory it is decoded into; for a member's name and value. */
+/* Bytes that jansson uses for an empty object; for an empty array; for a value in an array,
+ * together with the memory into which it is decoded; for a member's name and value. */
 #define OBJECT_BYTES 256
 #define ARRAY_BYTES  160
 #define VALUE_BYTES  80
@@ -118,7 +118,7 @@ bool proto_decode_object(const json_t *value, const char *place, const char *con
     return true;
 }
 
-/* Truncates the place, since a problem's pointer has no more room. */
+/* Truncates the place, because a problem's pointer has no more room. */
 void proto_place_of_member(char out[PROTO_PLACE], const char *place, const char *member)
 {
     snprintf(out, PROTO_PLACE, "%.*s/%.64s", PROTO_PLACE - 66, place, member);

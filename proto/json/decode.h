@@ -20,11 +20,11 @@
 
 #define PROTO_DECODE_DEPTH 32 /* deepest nesting of arrays and objects */
 
-/* Why parsing failed. */
+/* The reason why parsing failed. */
 struct proto_parse_end {
-    /* GD_NO_MEMORY, GD_DEADLINE, GD_CANCELLED; GD_OK: the text is wrong */
+    /* GD_NO_MEMORY, GD_DEADLINE or GD_CANCELLED; GD_OK: the text is invalid */
     enum gd_status status;
-    size_t deep_at;     /* 1 + offset of the bracket that nests too deep; 0: none does */
+    size_t deep_at;     /* 1 + offset of the bracket that nests too deeply; 0: there is none */
     json_error_t error; /* any other error */
 };
 
@@ -36,8 +36,8 @@ json_t *proto_parse(const char *text, size_t size, const struct gd_control *cont
 /* --- checked documents --- */
 
 /* Returns an upper bound of the memory of the document parsed from this text: up to a hundred times
- * the size of the text. O(size). Stops early once `control` (NULL: none) ends the work, because
- * parsing stops then, too. */
+ * the size of the text. O(size). Stops early if `control` (NULL: none) ends the work, because
+ * parsing then stops, too. */
 size_t proto_decode_cost(const void *bytes, size_t size, const struct gd_control *control);
 
 /* Parses a body: UTF-8 JSON, at most PROTO_DECODE_DEPTH deep, no duplicate members, no NUL, no
@@ -81,10 +81,11 @@ bool proto_decode_numbers(const json_t *object, const char *place, const char *m
 bool proto_decode_indices(const json_t *object, const char *place, const char *member, size_t count,
                           uint32_t *out, struct proto_problem *problem);
 
-/* Writes a document as the writer writes values: numbers in their shortest form. */
+/* Writes a document in the writer's form: numbers have their shortest form. */
 void proto_write_document(struct proto_writer *writer, const json_t *value);
 
-/* Returns whether the array has exactly `count` numbers; fills in no problem. */
+/* Reads an array of exactly `count` numbers. Returns false, without a problem, if it is not such an
+ * array. */
 bool proto_read_numbers(const json_t *array, size_t count, double *out);
 
 #endif

@@ -11,14 +11,14 @@
 /* Writes `value` in decimal, without NUL; returns the length, at most PROTO_INTEGER_SIZE. */
 size_t proto_integer_print(uint64_t value, char *out);
 
-/* Reads a JSON number at the start of `text` (NUL-terminated), correctly rounded. Returns its
- * length in characters; 0, with `out` untouched, if there is none, if an x follows it, or if its
- * magnitude exceeds the doubles. Thread-safe. */
+/* Reads a JSON number at the start of `text` (NUL-terminated), correctly rounded. Returns the
+ * number's length in characters. Returns 0, with `out` untouched, if there is no number, if an x
+ * follows it, or if its magnitude exceeds the range of doubles. Thread-safe. */
 size_t proto_number_parse(const char *text, double *out);
 
-/* Reads decimal digits without a leading zero at the start of `text` (NUL-terminated). Returns how
- * many there are; 0, with `out` untouched, if there are none or the number exceeds 64 bits.
- * Thread-safe. */
+/* Reads decimal digits without a leading zero at the start of `text` (NUL-terminated). Returns the
+ * number of digits. Returns 0, with `out` untouched, if there are none or the value exceeds 64
+ * bits. Thread-safe. */
 size_t proto_integer_parse(const char *text, uint64_t *out);
 
 #endif

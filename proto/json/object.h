@@ -1,5 +1,5 @@
-/* Object: a request's object during decoding, and the rules of its members, which are generated
- * from the contract (generated/requests.c).
+/* Object: an object of a request while it is decoded. The rules of its members are generated from
+ * the contract (generated/requests.c).
  *
  * Each function that reads a member returns true, or false with a problem at the member. If an
  * optional member is missing, `*out` keeps its value. */
@@ -33,7 +33,7 @@ struct proto_rule {
 #define PROTO_KEPT_PLACE 64
 void proto_place_keep(char out[PROTO_KEPT_PLACE], const char *place);
 
-/* Lists of numbers in a request, owned; all zero is an empty one. */
+/* Lists of numbers in a request, owned. All zero is an empty list. */
 struct proto_reals {
     double *items;
     uint32_t count;
@@ -52,18 +52,20 @@ bool proto_object_has(const struct proto_object *object, const char *name);
 const json_t *proto_object_find(const struct proto_object *object, const struct proto_rule *rule,
                                 char place[PROTO_PLACE]);
 
-/* As proto_object_find, for an array, whose length is checked. `*ok`: there is no problem. */
+/* As proto_object_find, for an array, whose length is checked. Sets `*ok` to false if there is a
+ * problem. */
 const json_t *proto_object_list(const struct proto_object *object, const struct proto_rule *rule,
                                 char place[PROTO_PLACE], bool *ok);
 
-/* Checks that exactly one of two members is present; else `refusal` is the problem's sentence. */
+/* Checks that exactly one of two members is present. Otherwise `refusal` is the problem's
+ * sentence. */
 bool proto_object_one_of(const struct proto_object *object, const char *a, const char *b,
                          const char *refusal);
 
 /* Finds the form of an object. A form is present if the object has the member of its name. Sets
- * `*out` to the index of the first form of `forms` (NULL-terminated) that is present. `members`
- * lists the members of all forms: only one form may be present then. NULL: more forms may be
- * present. Otherwise `refusal` is the problem's sentence. */
+ * `*out` to the index of the first form of `forms` (NULL-terminated) that is present. If `members`,
+ * a list of the members of all forms, is not NULL, only one form may be present. `refusal` is the
+ * sentence of the problem if no form, or a second one, is present. */
 bool proto_object_form(const struct proto_object *object, const char *const *members,
                        const char *const *forms, const char *refusal, unsigned *out);
 
@@ -89,7 +91,7 @@ bool proto_take_reals(const struct proto_object *object, const struct proto_rule
 bool proto_take_index_list(const struct proto_object *object, const struct proto_rule *rule,
                            struct proto_indices *out);
 
-/* Returns whether the value is within the rule's limits; if not, fills in the problem at
+/* Checks that the value is within the rule's limits. If not, returns false with the problem at
  * `place`. */
 bool proto_rule_check(const struct proto_rule *rule, double value, const char *place,
                       struct proto_problem *problem);

@@ -11,7 +11,7 @@
 /* A block allocated by jansson. The list has the blocks that this thread's running parser has
  * allocated and not freed. */
 struct block {
-    /* NULL: the first block. Blocks outside the list use neither pointer */
+    /* NULL: the first block. Blocks outside the list use neither of the two pointers */
     _Alignas(max_align_t) struct block *previous;
     struct block *next;
 };
@@ -72,8 +72,8 @@ struct source {
     struct proto_parse_end *end;
 };
 
-/* Returns the offset of the first bracket of the next piece that nests too deep, or of the piece's
- * end. The parser checks that brackets match. */
+/* Returns the offset of the first bracket of the next piece that nests too deeply, or of the
+ * piece's end. The parser checks that brackets match. */
 static size_t first_too_deep(struct source *source, size_t end)
 {
     size_t i = source->at;
@@ -95,7 +95,7 @@ static size_t first_too_deep(struct source *source, size_t end)
     return i;
 }
 
-/* A json_load_callback_t: 0 means the end; (size_t)-1 stops the parser. */
+/* A json_load_callback_t. Returns 0 at the end, or (size_t)-1 to stop the parser. */
 static size_t give_piece(void *buffer, size_t room, void *user)
 {
     struct source *source = user;

@@ -1,5 +1,5 @@
-/* Problem: why a request failed, in the form of RFC 9457. One list defines code, HTTP status and
- * title.
+/* Problem: the reason why a request failed, in the form of RFC 9457. One list defines code, HTTP
+ * status and title.
  *
  * Every fallible function of this folder returns true, or false with a problem filled in; its other
  * outputs are then untouched. proto_problem_set and its variants return false, so that a caller can
@@ -60,14 +60,16 @@ struct proto_problem {
     enum proto_problem_code code; /* PROTO_PROBLEM_NONE: no problem */
     unsigned status;              /* HTTP status of the code */
     char detail[PROTO_PROBLEM_DETAIL];
-    bool has_pointer; /* "" is a pointer, too: the whole body */
+    bool has_pointer; /* the place is a pointer; the pointer "" is the whole body */
     char pointer[PROTO_PROBLEM_POINTER];
     char parameter[PROTO_PROBLEM_PARAMETER]; /* empty: none */
-    const char *reason;                      /* static string, e.g. a gd_status_name; NULL: none */
+    /* static string, such as a gd_status_name; NULL: none */
+    const char *reason;
     bool has_limit;
-    uint64_t limit;                           /* the configured maximum that was exceeded */
-    enum gd_element element;                  /* kind of the elements; GD_ELEMENT_NONE: none */
-    uint32_t element_count;                   /* how many are listed */
+    uint64_t limit; /* the configured maximum that was exceeded */
+    /* kind of the elements; GD_ELEMENT_NONE: there are none */
+    enum gd_element element;
+    uint32_t element_count;                   /* number of listed elements */
     uint64_t elements[GD_DETAIL_ELEMENTS][2]; /* only edges use [1] */
     /* value of the Allow header; empty: none. Not in the body */
     char allow[PROTO_PROBLEM_ALLOW];
@@ -77,8 +79,8 @@ struct proto_problem {
     const char *challenge;
 };
 
-/* Overwrites `problem` with one of that code. Its sentence tells the client what to change and is
- * truncated at PROTO_PROBLEM_DETAIL. Returns false. */
+/* Overwrites `problem` with a problem of that code. The sentence should say what the client must
+ * change; it is truncated at PROTO_PROBLEM_DETAIL. Returns false. */
 bool proto_problem_set(struct proto_problem *problem, enum proto_problem_code code,
                        const char *format, ...) __attribute__((format(printf, 3, 4)));
 
@@ -109,13 +111,14 @@ bool proto_problem_limit(struct proto_problem *problem, uint64_t limit);
 
 /* Converts an engine failure into a problem; `detail` (may be NULL) gives sentence and elements.
  * Data statuses become invalid_mesh with the status' name as reason. GD_CANCELLED becomes draining,
- * the only reason why the daemon itself cancels a client's work; a caller that cancels for another
+ * because the daemon cancels a client's work only when it drains. A caller that cancels for another
  * reason sets its own problem. The text of a failed self-check is withheld. `status` is not GD_OK.
  * Returns false. */
 bool proto_problem_from_status(struct proto_problem *problem, enum gd_status status,
                                const struct gd_detail *detail);
 
-/* Returns "invalid_request" and so on, "none" for PROTO_PROBLEM_NONE; a static string. */
+/* Returns the name of the code ("invalid_request"), a static string; for PROTO_PROBLEM_NONE
+ * "none". */
 const char *proto_problem_name(enum proto_problem_code code);
 
 struct proto_writer;
@@ -123,9 +126,9 @@ struct proto_writer;
 /* Writes the problem as one JSON value (media type application/problem+json). */
 void proto_problem_encode(struct proto_writer *writer, const struct proto_problem *problem);
 
-/* Returns true, or false with the problem. insufficient_memory: out of memory, no room in the
- * account (retry_after is set), or over the maximum, which becomes the problem's limit. cancelled:
- * the sink stopped the writer. */
+/* Returns true if the writer has not failed, otherwise false with the problem. insufficient_memory:
+ * out of memory, no room in the account (retry_after is set), or more than the maximum, which
+ * becomes the problem's limit. cancelled: the sink stopped the writer. */
 bool proto_writer_check(const struct proto_writer *writer, struct proto_problem *problem);
 
 #endif

@@ -12,7 +12,7 @@ size_t proto_utf8_length(const char *text, size_t size)
     if (first < 0xc0 || first >= 0xf8 || length > size) return 0;
     uint32_t character = first & (0xffu >> (length + 1));
     for (size_t i = 1; i < length; i++) {
-        if (((unsigned char)text[i] & 0xc0) != 0x80) return 0; /* no continuation byte */
+        if (((unsigned char)text[i] & 0xc0) != 0x80) return 0; /* not a continuation byte */
         character = character << 6 | ((unsigned char)text[i] & 0x3f);
     }
     if (character < least[length] || character > 0x10ffff) return 0;

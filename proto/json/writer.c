@@ -41,7 +41,7 @@ static void cut(struct proto_writer *writer)
 {
     size_t counted = proto_writer_counted(writer->size);
     char *data = realloc(writer->data, writer->size);
-    /* on failure the buffer keeps its size; no known allocator fails to shrink */
+    /* on failure the buffer keeps its size, although no known allocator fails to shrink a block */
     if (data) writer->data = data;
     writer->account->give(writer->account->user, writer->counted - counted);
 }
@@ -64,7 +64,8 @@ static bool fail(struct proto_writer *writer, enum proto_writer_failure failure)
     return false;
 }
 
-/* Returns a capacity for `more` further bytes, which are within the maximum, and some reserve. */
+/* Returns a capacity that is sufficient for `more` further bytes, which are within the maximum, and
+ * some reserve. */
 static size_t next_capacity(const struct proto_writer *writer, size_t more)
 {
     size_t step = writer->capacity < GROWN_SLOWLY ? writer->capacity : writer->capacity / 4;
@@ -115,7 +116,7 @@ static bool grow(struct proto_writer *writer, size_t more)
     return true;
 }
 
-/* Makes room for `more` bytes at the end; false once the writer has failed. */
+/* Makes room for `more` bytes at the end. Returns false if the writer has failed. */
 static inline bool reserve(struct proto_writer *writer, size_t more)
 {
     if (writer->failure == PROTO_WRITER_FINE && more <= writer->capacity - writer->size)
@@ -301,7 +302,7 @@ void proto_write_number(struct proto_writer *writer, double value)
     writer->comma = true;
 }
 
-#define RUN 96 /* numbers, or triples, for which room is made at a time */
+#define RUN 96 /* number of numbers or triples for which room is made at a time */
 
 /* Writes each number with a comma after it. */
 static void append_numbers(struct proto_writer *writer, const double *values, size_t count)

@@ -1,4 +1,4 @@
-/* Writer: a bounded, growable text buffer that JSON is written into.
+/* Writer: writes JSON into a bounded, growable text buffer.
  *
  *     struct proto_writer writer;
  *     proto_writer_init(&writer, 64 << 20);
@@ -9,9 +9,9 @@
  *     if (!proto_writer_check(&writer, problem)) …
  *     proto_writer_free(&writer);
  *
- * The writer adds commas. The caller matches begins with ends and keys with values. Failure is
- * sticky: a failed writer writes nothing more, so one check at the end suffices. One writer belongs
- * to one thread at a time.
+ * The writer adds commas. The caller matches begins with ends and keys with values. A failed writer
+ * ignores further text, so one check at the end suffices. One writer belongs to one thread at a
+ * time.
  *
  * A writer with a sink keeps a bounded buffer: it passes the buffer to the sink when more text
  * would not fit into `block` bytes. Only a single piece of text larger than a block grows the
@@ -30,22 +30,24 @@
 
 /* Limits the memory of all writers that share it. Thread-safe. */
 struct proto_writer_account {
-    bool (*take)(void *user, size_t bytes); /* false: too little room for `bytes` more */
+    /* returns false if there is too little room for `bytes` more */
+    bool (*take)(void *user, size_t bytes);
     void (*give)(void *user, size_t bytes);
     void *user;
 };
 
 /* Receives a writer's text, block by block. */
 struct proto_writer_sink {
-    bool (*write)(void *user, const char *text, size_t size); /* false: the writer fails */
+    /* returns false to make the writer fail */
+    bool (*write)(void *user, const char *text, size_t size);
     void *user;
     size_t block; /* bytes */
 };
 
 enum proto_writer_failure {
     PROTO_WRITER_FINE,
-    PROTO_WRITER_NO_MEMORY, /* the system has none */
-    PROTO_WRITER_NO_ROOM,   /* the account is full, for now */
+    PROTO_WRITER_NO_MEMORY, /* the system has no memory */
+    PROTO_WRITER_NO_ROOM,   /* the account is full at the moment */
     PROTO_WRITER_TOO_LARGE, /* the text exceeds the maximum */
     PROTO_WRITER_STOPPED    /* the sink stopped the writer */
 };
@@ -60,12 +62,12 @@ struct proto_writer {
     const struct proto_writer_sink *sink; /* borrowed; NULL: `data` holds the whole text */
     size_t flushed;                       /* bytes that the sink has received */
     enum proto_writer_failure failure;
-    bool comma; /* a value was just written: the next one needs a comma */
+    bool comma; /* true: a value was just written, so the next one needs a comma */
 };
 
 /* Initializes an empty writer for at most `maximum` bytes. Allocates nothing. */
 void proto_writer_init(struct proto_writer *writer, size_t maximum);
-void proto_writer_free(struct proto_writer *writer); /* may be called again */
+void proto_writer_free(struct proto_writer *writer); /* may be called repeatedly */
 
 /* Reserves room for about `more` bytes at once, instead of growing step by step. */
 void proto_writer_expect(struct proto_writer *writer, size_t more);
@@ -75,8 +77,8 @@ void proto_writer_expect(struct proto_writer *writer, size_t more);
 void proto_writer_flush(struct proto_writer *writer);
 
 /* Moves the text, of *size bytes, to the caller, who frees it by free(). Leaves the writer empty.
- * NULL if the writer failed or is empty. With an account the buffer is shrunk to the text, and the
- * caller returns proto_writer_counted(*size) bytes to the account on free. */
+ * Returns NULL if the writer failed or is empty. With an account the buffer is shrunk to the text,
+ * and the caller returns proto_writer_counted(*size) bytes to the account on free. */
 char *proto_writer_take(struct proto_writer *writer, size_t *size);
 
 /* Returns the bytes that an account counts for a buffer of that capacity. */
@@ -90,7 +92,7 @@ void proto_write_array_end(struct proto_writer *writer);
 /* `key` is written unescaped. */
 void proto_write_key(struct proto_writer *writer, const char *key);
 
-/* Writes an escaped string; bytes that are not UTF-8 become U+FFFD. NULL: null. */
+/* Writes an escaped string. Bytes that are not UTF-8 become U+FFFD. NULL becomes null. */
 void proto_write_string(struct proto_writer *writer, const char *text);
 
 /* Writes the shortest text that reads back as the same double; null for NaN and infinities. */

@@ -54,7 +54,8 @@ static bool append_names(const json_t *names, char *out, size_t size)
     return json_array_size(names) > 0;
 }
 
-/* Removes the member from the document and copies its text to `out`. `*found`: it was present. */
+/* Removes the member from the document and copies its text to `out`. Sets `*found` to true if the
+ * member was present. */
 static bool take_member(json_t *document, const char *member, const char *expected, char *out,
                         size_t size, bool *found, struct proto_problem *problem)
 {
@@ -70,7 +71,7 @@ static bool take_member(json_t *document, const char *member, const char *expect
     return true;
 }
 
-/* Reads the selected members, under either name. */
+/* Reads the selected members, from "select" or "fields". */
 static bool take_select(struct proto_batch_query *query, struct proto_problem *problem)
 {
     json_t *document = query->document;
@@ -127,8 +128,8 @@ void proto_batch_query_free(struct proto_batch_query *query)
 
 /* --- options ---------------------------------------------------------------------------------- */
 
-/* If a problem is at a parameter that comes from the line, moves the problem to the line's
- * member. */
+/* If the place of a problem is a parameter that comes from the line, changes the place to the
+ * line's member. */
 static bool put_in_line(const struct proto_batch_query *query, struct proto_problem *problem)
 {
     bool is_select = query->has_select && strcmp(problem->parameter, SELECT) == 0;

@@ -43,7 +43,7 @@ static void encode_place(struct proto_writer *writer, const char *key, const str
     proto_write_object_end(writer);
 }
 
-/* Writes both ends; null without a path. */
+/* Writes both ends; writes null if there is no path. */
 static void encode_places(struct proto_writer *writer, const struct gd_mesh *mesh, double distance,
                           const struct gd_curve_place *a, const struct gd_curve_place *b)
 {

@@ -16,7 +16,7 @@ struct proto_curve_distance {
 /* Problems: invalid_request, too_large, insufficient_memory. */
 bool proto_curve_distance_decode(const json_t *document, struct proto_curve_distance *out,
                                  struct proto_problem *problem);
-void proto_curve_distance_free(struct proto_curve_distance *wanted); /* may be called again */
+void proto_curve_distance_free(struct proto_curve_distance *wanted); /* may be called repeatedly */
 
 /* Writes the selected members of the answer. */
 void proto_curve_distance_encode(struct proto_writer *writer, const struct gd_mesh *mesh,

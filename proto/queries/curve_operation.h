@@ -25,7 +25,7 @@ struct proto_curve_result {
     uint32_t path_count;
 };
 
-void proto_curve_result_free(struct proto_curve_result *result); /* may be called again */
+void proto_curve_result_free(struct proto_curve_result *result); /* may be called repeatedly */
 
 /* Writes the members of the result that the options select. */
 void proto_curve_result_encode(struct proto_writer *writer, const struct gd_mesh *mesh,

@@ -1,4 +1,4 @@
-/* Cut: a mesh cut along a curve. */
+/* Cut: the query that cuts a mesh along a curve. */
 #ifndef PROTO_CUT_H
 #define PROTO_CUT_H
 
@@ -11,7 +11,7 @@
 void proto_cut_begin(struct proto_writer *writer, const struct gd_cut *cut, uint32_t fields);
 void proto_cut_end(struct proto_writer *writer, const struct gd_cut *cut, uint32_t fields);
 
-/* Writes a piece. `name`: of its new mesh; NULL: faces were only selected. */
+/* Writes a piece. `name` is the name of its new mesh; NULL: faces were only selected. */
 void proto_cut_piece_encode(struct proto_writer *writer, const struct gd_cut_piece *piece,
                             const char *name, uint32_t fields);
 

@@ -143,7 +143,7 @@ static bool operation_decode(const json_t *value, const char *place, struct gd_e
     return operation_refuse(json_is_object(value) ? at : place, problem);
 }
 
-/* Decodes the operations. A split is recorded as a further operation. */
+/* Decodes the operations. A split is recorded as an additional operation. */
 static bool operations_decode(const json_t *document, bool is_split, struct proto_edits *out,
                               struct proto_problem *problem)
 {

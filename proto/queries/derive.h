@@ -22,8 +22,9 @@ static inline struct gd_edit_steps proto_edits_steps(const struct proto_edits *e
 
 struct proto_derive {
     struct proto_name mesh; /* name of the new mesh; empty: the answer is a file */
-    bool is_split;          /* each component becomes a mesh, named by `mesh` and its number */
-    enum gd_format format;  /* format of the file */
+    /* true: each component becomes a mesh, whose name is `mesh` and a number */
+    bool is_split;
+    enum gd_format format; /* format of the file */
     struct proto_edits edits;
 };
 

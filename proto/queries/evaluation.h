@@ -16,7 +16,7 @@ struct proto_result {
     double distance;            /* INFINITY: no path; NAN: beyond max_distance */
     uint32_t member;            /* the nearest member; set only if there is a distance */
     struct gd_point nearest;    /* the nearest point of that member; set with `member` */
-    const struct gd_path *path; /* NULL: none, or not selected */
+    const struct gd_path *path; /* NULL: there is no path, or it is not selected */
     bool has_gradient;
     struct gd_direction gradient;
 };
@@ -26,7 +26,8 @@ void proto_result_encode(struct proto_writer *writer, const struct gd_mesh *mesh
                          const struct proto_located_set *set, const struct proto_result *result,
                          uint32_t wanted, enum proto_geometry geometry);
 
-/* Returns why there is no distance: no_path for INFINITY, beyond_max_distance for NAN. */
+/* Returns the reason why there is no distance: no_path for INFINITY, beyond_max_distance for
+ * NAN. */
 const char *proto_reason(double distance);
 
 /* Writes the member "reason" if there is no distance. */

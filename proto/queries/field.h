@@ -10,7 +10,7 @@
 #include "proto/values/point.h"
 
 #define PROTO_FIELD_ID  32   /* characters, without the NUL */
-#define PROTO_FIELD_SET 4096 /* most characters of a set in a description */
+#define PROTO_FIELD_SET 4096 /* limit on the characters of a set in a description */
 
 struct proto_field_description {
     const char *id;
@@ -20,9 +20,9 @@ struct proto_field_description {
     uint32_t members;
     double max;               /* largest distance; NAN: beyond max_distance */
     struct gd_point farthest; /* the farthest point, if max is known */
-    const char *set; /* JSON, as the first client wrote it; NULL: longer than PROTO_FIELD_SET */
+    const char *set; /* JSON, as the first client sent it; NULL: longer than PROTO_FIELD_SET */
     int64_t created; /* seconds since 1970 */
-    uint64_t uses;   /* requests that named the field; only in lists */
+    uint64_t uses;   /* number of requests that named the field; only in lists */
 };
 
 /* Writes the text of a set for a description into *out, which the caller frees by free(). *out is

@@ -108,7 +108,7 @@ bool proto_geodesic_decode(const json_t *document, const struct proto_geodesic_f
 
 /* --- the curve -------------------------------------------------------------------------------- */
 
-/* Returns whether the piece begins where the preceding one ends. At a pole it need not. */
+/* Returns whether the piece begins where the preceding piece ends. This may be false at a pole. */
 static bool continues(const struct gd_geodesic *path, uint32_t piece)
 {
     if (piece == 0) return false;
@@ -129,8 +129,8 @@ uint32_t proto_geodesic_control_points(const struct gd_geodesic *path, double (*
     return count;
 }
 
-/* Writes the knots. Piece i has the parameters [i, i + 1]. A knot between pieces that share a
- * control point has the degree as multiplicity, else one more. */
+/* Writes the knots. Piece i has the parameters [i, i + 1]. The multiplicity of a knot between two
+ * pieces is the degree if they share a control point, otherwise one more. */
 uint32_t proto_geodesic_knots(const struct gd_geodesic *path, double *out)
 {
     uint32_t count = 0;
@@ -238,7 +238,7 @@ static enum gd_status encode_points(struct proto_writer *writer,
 
 /* --- the ends --------------------------------------------------------------------------------- */
 
-/* Writes an end. A path of length 0 has no direction and so no angle. */
+/* Writes an end. A path of length 0 has no direction, and therefore no angle. */
 static void encode_end(struct proto_writer *writer, const struct gd_domain_curve *curve,
                        double parameter, double angle)
 {

@@ -21,17 +21,18 @@ extern const struct proto_geodesic_form proto_geodesic_between_points, proto_geo
 struct proto_geodesic { /* all zero: empty */
     const struct proto_geodesic_form *form;
     struct proto_domain_curve ends[2];
-    struct proto_domain_curve initial; /* read if has_initial */
+    struct proto_domain_curve initial; /* set if has_initial is true */
     bool has_initial, has_turns;
     int32_t turns[2];
     struct gd_geodesic_options options;
     uint32_t samples;
 };
 
-/* Problems: invalid_request, too_large, insufficient_memory. Freed by proto_geodesic_free. */
+/* Problems: invalid_request, too_large, insufficient_memory. The caller frees the result by
+ * proto_geodesic_free. */
 bool proto_geodesic_decode(const json_t *document, const struct proto_geodesic_form *form,
                            struct proto_geodesic *out, struct proto_problem *problem);
-void proto_geodesic_free(struct proto_geodesic *geodesic); /* may be called again */
+void proto_geodesic_free(struct proto_geodesic *geodesic); /* may be called repeatedly */
 
 /* Input of an answer; all borrowed. */
 struct proto_geodesic_answer {
@@ -40,8 +41,8 @@ struct proto_geodesic_answer {
     const struct gd_geodesics *found;
 };
 
-/* Copy the knots or the control points of the path as one B-spline, and return their number. NULL
- * only counts. */
+/* Copy the knots or the control points of the path as one B-spline, and return their number. If
+ * `out` is NULL, they only count. */
 uint32_t proto_geodesic_knots(const struct gd_geodesic *path, double *out);
 uint32_t proto_geodesic_control_points(const struct gd_geodesic *path, double (*out)[2]);
 

@@ -14,7 +14,7 @@
 
 /* All zero: empty. */
 struct proto_isolines {
-    /* owned; NULL until proto_isolines_settle if the request gives only a count */
+    /* owned; if the request has only a count, NULL until proto_isolines_settle */
     double *levels;
     uint32_t level_count; /* at least 1 */
     double tolerance;     /* 0: not given */
@@ -23,12 +23,12 @@ struct proto_isolines {
 };
 
 /* Decode the body of POST and the query string of GET. Problems: invalid_request, too_large (with
- * the limit), insufficient_memory. Freed by proto_isolines_free. */
+ * the limit), insufficient_memory. The caller frees the result by proto_isolines_free. */
 bool proto_isolines_decode(const json_t *document, struct proto_isolines *out,
                            struct proto_problem *problem);
 bool proto_isolines_parse(const struct proto_parameters *parameters, struct proto_isolines *out,
                           struct proto_problem *problem);
-void proto_isolines_free(struct proto_isolines *isolines); /* may be called again */
+void proto_isolines_free(struct proto_isolines *isolines); /* may be called repeatedly */
 
 /* Completes the request for its field. A count n becomes n levels evenly between 0 and the field's
  * maximum (its max_distance if that is unknown), both excluded. No level may exceed max_distance.

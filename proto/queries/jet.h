@@ -1,5 +1,5 @@
-/* Jet: evaluates points of a smooth surface, and finds the surface point nearest to a point of
- * space. */
+/* Jet: requests and answers for the evaluation of points of a smooth surface, and for the surface
+ * point nearest to a point in space. */
 #ifndef PROTO_JET_H
 #define PROTO_JET_H
 
@@ -9,8 +9,8 @@
 #include "proto/values/uv.h"
 
 /* Decode points of a parametric surface, each within its domain, or of a subdivision surface.
- * Problems: invalid_request, too_large, point_not_on_surface, insufficient_memory. Freed by
- * proto_uvs_free and proto_limit_places_free. */
+ * Problems: invalid_request, too_large, point_not_on_surface, insufficient_memory. The caller frees
+ * the result by proto_uvs_free and proto_limit_places_free. */
 bool proto_jets_decode(const json_t *document, const struct gd_parametric *surface,
                        struct proto_uvs *out, struct proto_problem *problem);
 bool proto_limit_jets_decode(const json_t *document, const struct gd_subdivision *surface,
@@ -23,7 +23,8 @@ bool proto_foot_decode(const json_t *document, struct proto_point *out,
 bool proto_foot_parse(const struct proto_parameters *parameters, struct proto_point *out,
                       struct proto_problem *problem);
 
-/* Checks that the distance is at most the point's max_snap; else point_not_on_surface. */
+/* Checks that the distance is at most the point's max_snap. Otherwise fails with
+ * point_not_on_surface. */
 bool proto_foot_check(const struct proto_point *wanted, double distance,
                       struct proto_problem *problem);
 

@@ -58,7 +58,8 @@ bool proto_tessellation_decode(const json_t *document, uint32_t max_faces,
     *out = (struct proto_tessellation){
         request.mesh,
         {.deviation = request.tolerance,
-         .faces = request.has_tolerance, /* with a tolerance: as few faces as it allows */
+         /* with a tolerance: the least number of faces, so that only the tolerance counts */
+         .faces = request.has_tolerance,
          .steps = {request.resolution[0], request.resolution[1]}}};
     return true;
 }

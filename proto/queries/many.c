@@ -33,7 +33,8 @@ static bool check_name(const json_t *value, const char *place, struct proto_prob
     return proto_problem_at(problem, place);
 }
 
-/* Returns the array of that name, of 1 to PROTO_MANY_ITEMS members; else NULL with the problem. */
+/* Returns the array of that name, which must have 1 to PROTO_MANY_ITEMS members. Otherwise returns
+ * NULL with the problem. */
 static const json_t *read_list(const json_t *document, const char *member,
                                struct proto_problem *problem)
 {

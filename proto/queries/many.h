@@ -1,5 +1,5 @@
-/* Many: a batch of POST /v1/batches, whose items any daemon may process. Each item is a query of
- * its own: for "all-pairs" the distances from one vertex to all, for "fields" the field on one
+/* Many: a batch of POST /v1/batches, whose items any daemon may process. Each item is a separate
+ * query: for "all-pairs" the distances from one vertex to all, for "fields" the field on one
  * mesh. */
 #ifndef PROTO_MANY_H
 #define PROTO_MANY_H
@@ -11,7 +11,7 @@
 
 struct json_t; /* declared by jansson */
 
-/* most items of a batch; also the most vertices in an item's request */
+/* limit on the items of a batch, and on the vertices in an item's request */
 #define PROTO_MANY_ITEMS 20000
 
 enum proto_many_query { PROTO_MANY_ALL_PAIRS, PROTO_MANY_FIELDS };
@@ -41,12 +41,13 @@ const char *proto_many_ask(const struct proto_many *many, uint32_t item, struct 
 
 /* --- a page of answers ------------------------------------------------------------------------ */
 
-#define PROTO_MANY_WAIT 60 /* seconds; longest wait of a request for new answers */
+#define PROTO_MANY_WAIT 60 /* longest time, in seconds, that a request waits for new answers */
 
 struct proto_many_page {
     uint32_t limit;
-    bool is_by_number; /* `cursor` was sent: items in the order of their answers */
-    int64_t after;     /* an item (-1: from the first), or an answer's number */
+    /* true: `cursor` was sent, and items are listed in the order of their answers */
+    bool is_by_number;
+    int64_t after; /* number of an item (-1: lists from the first one), or of an answer */
     uint64_t wait_s;
 };
 
@@ -77,8 +78,8 @@ const char *proto_many_state_name(const struct proto_many_state *state);
 void proto_many_encode_answer(struct proto_writer *writer, const struct proto_many *many,
                               uint32_t item, unsigned status, const char *answer, size_t size);
 
-/* Ends a page of answers with the batch's state. `next`: the `after` or `cursor` of the next page;
- * -1: none. */
+/* Ends a page of answers with the batch's state. `next` is the `after` or `cursor` of the next
+ * page; -1: there is none. */
 void proto_many_end_page(struct proto_writer *writer, const struct proto_many_state *state,
                          int64_t next);
 

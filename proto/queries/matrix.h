@@ -5,9 +5,10 @@
 #include "generated/requests.h"
 #include "proto/http/options.h"
 
-#define PROTO_MATRIX_ENTRIES 4000000 /* most distances: sources x targets */
+#define PROTO_MATRIX_ENTRIES 4000000 /* limit on distances, that is, sources x targets */
 
-/* Checks that there are at most PROTO_MATRIX_ENTRIES distances, else too_large with the limit. */
+/* Checks that there are at most PROTO_MATRIX_ENTRIES distances. Otherwise fails with too_large and
+ * the limit. */
 bool proto_matrix_check(const struct proto_matrix_request *request, struct proto_problem *problem);
 
 /* Distances, one row for each source. INFINITY: no path; NAN: beyond max_distance. */

@@ -9,21 +9,22 @@
 #include "proto/json/writer.h"
 
 struct proto_nurbs_options {
-    bool has_convention;              /* convention for a file that names none */
+    bool has_convention;              /* true: `convention` is used for a file that names none */
     unsigned convention;              /* enum gd_nurbs_convention */
-    const struct gd_control *control; /* limits the reading; borrowed; NULL: none */
+    const struct gd_control *control; /* control of the reading; borrowed; NULL: none */
 };
 
 /* Reads convention, and format, which can only be json; rejects any other parameter. */
 bool proto_nurbs_options_parse(const struct proto_parameters *parameters,
                                struct proto_nurbs_options *out, struct proto_problem *problem);
 
-/* Form of a file's surface. */
+/* The form of the surface in a file. */
 struct proto_nurbs_form {
-    const char *shape;            /* static: "nurbs", or the name of a known shape */
-    const char *convention;       /* static; this and the following fields only for NURBS */
+    const char *shape; /* static: "nurbs", or the name of a known shape */
+    /* static; this and the following members are only set for NURBS */
+    const char *convention;
     uint32_t degree[2], count[2]; /* in u, v; count: control points */
-    bool is_rational;             /* the weights differ */
+    bool is_rational;             /* true: the weights differ */
 };
 
 /* Reads the surface of a file. Problems: invalid_request (not JSON of this form), invalid_mesh with

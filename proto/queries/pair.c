@@ -38,7 +38,7 @@ static bool parse_stops(const struct proto_parameters *parameters, struct proto_
     return parse_end(stops, parameters, "to", problem);
 }
 
-/* Moves the stops to the caller if they were read, else frees them. */
+/* Moves the stops to the caller if they were read, otherwise frees them. */
 static bool hand_over(struct proto_points *stops, bool was_read, struct proto_points *out)
 {
     if (was_read)

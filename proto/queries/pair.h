@@ -10,7 +10,7 @@
 #include "proto/http/options.h"
 #include "proto/values/points.h"
 
-#define PROTO_PAIR_VIA 1000 /* most points of via */
+#define PROTO_PAIR_VIA 1000 /* limit on the points of `via` */
 
 /* Decode the stops, at least two, from the body of POST and from the query string of GET. The
  * caller frees `out`. Problems: invalid_request, too_large, insufficient_memory. */
@@ -19,8 +19,8 @@ bool proto_pair_decode(const json_t *document, struct proto_points *out,
 bool proto_pair_parse(const struct proto_parameters *parameters, struct proto_points *out,
                       struct proto_problem *problem);
 
-/* Writes the answer. Without a path, distance and path are null, with the reason no_path. Has "via"
- * only if the request does. */
+/* Writes the answer. Without a path, distance and path are null, with the reason no_path. The
+ * answer has "via" only if the request has it. */
 void proto_pair_encode(struct proto_writer *writer, const struct proto_located_points *stops,
                        const struct gd_pair_answer *answer, const struct proto_options *options);
 

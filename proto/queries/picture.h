@@ -15,10 +15,10 @@ struct proto_picture {
 };
 
 /* Reads the query string. Defaults: 800 x 600, ten isolines if there is a field, a legend, the view
- * that shows most of the path. Freed by proto_picture_free. Problems: invalid_request, too_large
- * (with the limit: pixels), insufficient_memory. */
+ * that shows most of the path. The caller frees the result by proto_picture_free. Problems:
+ * invalid_request, too_large (with the limit: pixels), insufficient_memory. */
 bool proto_picture_parse(const struct proto_parameters *parameters, struct proto_picture *out,
                          struct proto_problem *problem);
-void proto_picture_free(struct proto_picture *picture); /* may be called again */
+void proto_picture_free(struct proto_picture *picture); /* may be called repeatedly */
 
 #endif

@@ -7,10 +7,10 @@
 #include "proto/values/direction.h"
 #include "proto/values/point.h"
 
-/* default of the most points of a path; GD_TRACE_STEPS is the maximum */
+/* default limit on the points of a path; GD_TRACE_STEPS is the maximum */
 #define PROTO_TRACE_STEPS 100000
 
-/* Returns a static string. */
+/* Returns the name of a trace's end, a static string. */
 const char *proto_trace_end_name(enum gd_trace_end end);
 
 /* Writes a trace; points by the geometry as in path.h. */

@@ -1,6 +1,7 @@
 /* Curve: points joined by shortest paths, vertices joined by edges, a boundary loop, or a spline.
  * struct proto_curve and the functions that decode and free it are in generated/requests.h.
- * Locating puts the points on a mesh. Resolving computes the polyline, which takes long. */
+ * Locating moves the points onto a mesh. Resolving computes the polyline, which takes a long
+ * time. */
 #ifndef PROTO_CURVE_H
 #define PROTO_CURVE_H
 
@@ -10,8 +11,8 @@
 /* A curve on its mesh, all zero: none. */
 struct proto_located_curve {
     const struct proto_curve *curve;    /* borrowed */
-    struct gd_curve_request request;    /* unless the curve is a spline */
-    struct proto_located_points points; /* of a curve of points */
+    struct gd_curve_request request;    /* used unless the curve is a spline */
+    struct proto_located_points points; /* the points of a curve of points */
     struct proto_located_spline spline; /* of a spline */
 };
 

@@ -1,7 +1,7 @@
 /* Direction: a direction at a point, in requests and answers.
  *
- * Decoding checks the form and needs no mesh. Locating lays the direction on a mesh at its point
- * and checks that it is possible there. */
+ * Decoding checks the form and needs no mesh. Locating computes the direction on a mesh at its
+ * point, and checks that the direction is possible there. */
 #ifndef PROTO_DIRECTION_H
 #define PROTO_DIRECTION_H
 
@@ -13,7 +13,7 @@
 
 struct proto_direction {
     char place[PROTO_KEPT_PLACE]; /* its place in the request, see problem.h */
-    bool has_angle;               /* false: `xyz` is used */
+    bool has_angle;               /* true: `angle` is used; false: `xyz` is used */
     double angle;
     struct gd_vec3 xyz;
 };
@@ -24,9 +24,9 @@ struct proto_direction {
 bool proto_direction_decode(const json_t *value, const char *pointer, struct proto_direction *out,
                             struct proto_problem *problem);
 
-/* Lays the direction on the surface at a point. Problems at the direction's place: invalid_request
- * (a vector without a direction there), point_not_on_surface (it leads over the boundary). Cost as
- * in gd/direction.h. */
+/* Computes the direction on the surface at a point. Problems at the direction's place:
+ * invalid_request (a vector without a direction there), point_not_on_surface (it leads over the
+ * boundary). Cost as in gd/direction.h. */
 bool proto_direction_locate(const struct gd_mesh *mesh, const struct gd_point *point,
                             const struct proto_direction *direction, struct gd_direction *out,
                             struct proto_problem *problem);

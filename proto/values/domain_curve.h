@@ -1,6 +1,7 @@
-/* Domain curve: a polyline, a B-spline or an iso line in the parameter domain of a surface. It is
- * parametrized by the corners' numbers, by the knots, or by the other coordinate. struct
- * proto_domain_curve is in generated/requests.h. */
+/* Domain curve: a polyline, a B-spline or an iso line in the parameter domain of a surface. The
+ * parameter of a polyline is the corners' numbers, that of a B-spline is given by the knots, and
+ * that of an iso line is the other coordinate. struct proto_domain_curve is in
+ * generated/requests.h. */
 #ifndef PROTO_DOMAIN_CURVE_H
 #define PROTO_DOMAIN_CURVE_H
 
@@ -9,14 +10,14 @@
 
 /* Decode the document's member: a curve or a point [u, v], which becomes the form
  * PROTO_DOMAIN_CURVE_POINT with one item in `polyline`. Problems: invalid_request, too_large,
- * insufficient_memory. Freed by proto_domain_curve_free. */
+ * insufficient_memory. The caller frees the result by proto_domain_curve_free. */
 bool proto_domain_curve_decode_member(const json_t *document, const char *member,
                                       struct proto_domain_curve *out,
                                       struct proto_problem *problem);
 bool proto_domain_curve_decode_point(const json_t *document, const char *member,
                                      struct proto_domain_curve *out, struct proto_problem *problem);
 
-/* Lays the curve on its surface. An open polyline that is to be closed gets its first corner
+/* Makes the curve on its surface. An open polyline that is to be closed gets its first corner
  * appended. Problems: invalid_request; point_not_on_surface (with the point outside the domain);
  * insufficient_memory; those of `control`, which may be NULL. The caller releases `*out`. Cost:
  * about 30 evaluations for each span, and 60 for each crossing of a line where the surface is not

@@ -13,7 +13,7 @@
 #define FOOT   48.0
 
 #define NUMBER_BYTES (GD_NUMBER_SIZE + 1)
-#define FRAME_BYTES  4096 /* without faces and points */
+#define FRAME_BYTES  4096 /* bytes of the drawing without faces and points */
 
 struct drawing {
     struct proto_writer *writer;

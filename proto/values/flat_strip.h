@@ -1,11 +1,12 @@
-/* Flat strip: a path and the faces that it runs through, laid flat, as a drawing (SVG 1.1). */
+/* Flat strip: a drawing (SVG 1.1) of a path and of the faces that the path crosses, unfolded into
+ * the plane. */
 #ifndef PROTO_FLAT_STRIP_H
 #define PROTO_FLAT_STRIP_H
 
 #include "gd/flat_strip.h"
 #include "proto/json/writer.h"
 
-/* Returns the most bytes of the drawing. */
+/* Returns an upper bound of the drawing's bytes. */
 size_t proto_flat_strip_bytes(const struct gd_flat_strip *strip);
 
 /* Writes the drawing: the faces, the path, its ends, a bar of a round length, and the path's

@@ -14,8 +14,8 @@
 
 struct json_t; /* declared by jansson */
 
-#define PROTO_MESH_BOUNDARIES 100 /* boundaries listed in a description */
-#define PROTO_MESH_NAME       128 /* most characters of a name, without the NUL */
+#define PROTO_MESH_BOUNDARIES 100 /* largest number of boundaries listed in a description */
+#define PROTO_MESH_NAME       128 /* limit on the characters of a name, without the NUL */
 
 /* The name of a mesh in a request. */
 struct proto_name {
@@ -24,8 +24,8 @@ struct proto_name {
 bool proto_name_decode(const struct json_t *value, const char *place, struct proto_name *out,
                        struct proto_problem *problem);
 
-/* Writes the member `key` that names a mesh's origin: {"name", "etag"}. The name "" means that it
- * has none. */
+/* Writes the member `key` that names a mesh's origin: {"name", "etag"}. The name "" means that the
+ * origin has no name. */
 void proto_made_of_encode(struct proto_writer *writer, const char *key, const char *name,
                           const char *etag);
 
@@ -33,7 +33,8 @@ void proto_made_of_encode(struct proto_writer *writer, const char *key, const ch
  * bytes and need not be NUL-terminated. */
 bool proto_mesh_name_check(const char *name, size_t length, struct proto_problem *problem);
 
-#define PROTO_CAPTION 200 /* most characters of the description that a client gives a surface */
+/* limit on the characters of the description that a client gives a surface */
+#define PROTO_CAPTION 200
 
 /* Checks a caption: UTF-8 of at most PROTO_CAPTION characters, without control characters; else
  * invalid_request. */
@@ -43,8 +44,8 @@ bool proto_caption_check(const char *text, struct proto_problem *problem);
 bool proto_caption_parse(const struct proto_parameters *parameters, const char **out,
                          struct proto_problem *problem);
 
-/* Decodes the body of a PATCH of a surface: {"description": "…"}, or null for none. `*out` is
- * borrowed from the document; NULL: the member is missing. */
+/* Decodes the body of a PATCH of a surface: {"description": "…"}, or null to remove the
+ * description. `*out` is borrowed from the document; NULL: the member is missing. */
 bool proto_caption_decode(const struct json_t *document, const char **out,
                           struct proto_problem *problem);
 
@@ -60,28 +61,28 @@ struct proto_mesh_options {
 bool proto_mesh_options_parse(const struct proto_parameters *parameters,
                               struct proto_mesh_options *out, struct proto_problem *problem);
 
-/* Returns the format of uploaded bytes: that of the options, else the one recognized from the
- * bytes, else that of Content-Type (may be NULL). Otherwise returns GD_FORMAT_ANY, for which
- * gd_read_polygons fails with GD_UNRECOGNIZED. */
+/* Returns the format of uploaded bytes. It is that of the options; if they have none, the format
+ * recognized from the bytes; if none is recognized, that of Content-Type (may be NULL). If there is
+ * none either, returns GD_FORMAT_ANY, for which gd_read_polygons fails with GD_UNRECOGNIZED. */
 enum gd_format proto_mesh_upload_format(const struct proto_mesh_options *options, const void *bytes,
                                         size_t size, const char *content_type);
 
-/* Chooses the format of a download: ?format=obj|ply|off|stl|glb|gltf, else the best of these by the
- * Accept header (may be NULL), OBJ at a tie. Rejects any other parameter. Problems:
- * invalid_request, not_acceptable. */
+/* Chooses the format of a download: that of ?format=obj|ply|off|stl|glb|gltf or, without this
+ * parameter, the best of these by the Accept header (may be NULL). In a tie chooses OBJ. Rejects
+ * any other parameter. Problems: invalid_request, not_acceptable. */
 bool proto_mesh_content_format(const struct proto_parameters *parameters, const char *accept,
                                enum gd_format *out, struct proto_problem *problem);
 
 /* All strings are borrowed. */
 struct proto_mesh_description {
     const char *name;
-    const char *sha256; /* of the uploaded bytes, lower-case hexadecimal */
+    const char *sha256; /* SHA-256 of the uploaded bytes, lower-case hexadecimal */
     int64_t created;    /* seconds since 1970-01-01T00:00:00Z */
     const char *etag;   /* opaque tag, without the quotes of the header */
     uint64_t fields_cached;
     uint64_t memory_bytes;
     const struct gd_mesh *mesh;
-    struct {              /* for a mesh that edits made */
+    struct {              /* set for a mesh that edits made */
         const char *mesh; /* the original's name; "": an upload; NULL: no edits made it */
         const char *etag;
         double largest_distance;
@@ -96,8 +97,9 @@ struct proto_mesh_description {
 void proto_boundaries_encode(struct proto_writer *writer, const struct gd_mesh *mesh, int64_t after,
                              uint32_t limit);
 
-/* Returns the description, cut to PROTO_MESH_BOUNDARIES boundaries, by malloc; older versions
- * stored all boundaries. Returns NULL if it is short enough, malformed, or memory ran out. */
+/* Returns the description, shortened to PROTO_MESH_BOUNDARIES boundaries, in memory from malloc.
+ * Older versions stored all boundaries. Returns NULL if the description is short enough or
+ * malformed, or if out of memory. */
 char *proto_mesh_shorten(const char *description);
 
 #endif

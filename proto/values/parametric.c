@@ -48,7 +48,7 @@ static enum gd_status make_revolution(const struct proto_revolution *read,
     return gd_parametric_revolution(&profile, out, detail);
 }
 
-/* Makes the surface; `place` is that of its shape. */
+/* Makes the surface; `place` is the place of its shape. */
 static bool make(const struct proto_shape *shape, const json_t *value, const char *place,
                  struct gd_parametric **out, struct proto_problem *problem)
 {

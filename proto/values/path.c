@@ -6,7 +6,7 @@
 
 #define XYZ_BYTES   60 /* three coordinates of some 18 characters */
 #define POINT_BYTES 120
-/* reserved for the last point, because the writer reserves the longest form of each number */
+/* bytes reserved for the last point, because the writer reserves the longest form of each number */
 #define LAST_BYTES 2500
 
 /* Returns the fields that describe a point of this kind in a request. */
@@ -32,7 +32,7 @@ void proto_path_point_encode(struct proto_writer *writer, const struct gd_mesh *
         proto_point_encode_fields(writer, mesh, point, NAN, fields_by_kind(point->kind));
 }
 
-#define RUN 64 /* points whose positions are computed at a time */
+#define RUN 64 /* number of points whose positions are computed at a time */
 
 static void encode_positions(struct proto_writer *writer, const struct gd_mesh *mesh,
                              const struct gd_point *points, uint32_t count)

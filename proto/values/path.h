@@ -21,7 +21,7 @@ void proto_member_points(struct proto_writer *writer, const struct gd_mesh *mesh
                          const struct gd_point *points, uint32_t count,
                          enum proto_geometry geometry);
 
-/* Returns about how many bytes `count` points take in an answer. */
+/* Returns the approximate number of bytes of `count` points in an answer. */
 size_t proto_path_bytes(uint32_t count, enum proto_geometry geometry);
 
 /* Writes one point of a path; the geometry is full or xyz. */

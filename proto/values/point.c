@@ -192,7 +192,7 @@ static void encode_field(struct proto_writer *writer, const struct gd_point_desc
         proto_write_number(writer, snap_distance);
         break;
     case PROTO_POINT_FIELD_ALL:
-        break; /* a mask, not a field */
+        break; /* a mask of several fields, not a field */
     }
 }
 
@@ -200,7 +200,7 @@ void proto_point_encode_fields(struct proto_writer *writer, const struct gd_mesh
                                const struct gd_point *point, double snap_distance, uint32_t fields)
 {
     struct gd_point_description description;
-    if (writer->failure) return; /* long lists end soon after their deadline */
+    if (writer->failure) return; /* stops early, so that long lists end soon after their deadline */
     gd_point_describe(mesh, point, &description);
     fields &= fields_of(&description, snap_distance);
     proto_write_object_begin(writer);

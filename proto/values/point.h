@@ -1,7 +1,7 @@
 /* Point: a point of a surface, in requests and answers.
  *
- * Decoding checks the form and needs no mesh. Locating puts the point on a mesh and checks that it
- * exists there. */
+ * Decoding checks the form and needs no mesh. Locating moves the point onto a mesh, and checks that
+ * the point exists there. */
 #ifndef PROTO_POINT_H
 #define PROTO_POINT_H
 
@@ -21,14 +21,14 @@
 bool proto_point_parse(const char *text, const char *parameter, struct proto_point *out,
                        struct proto_problem *problem);
 
-/* Puts a point on a mesh. `*snap_distance`: how far an xyz point was moved; NAN for the other
- * forms. Problems at the point's place: invalid_request (no such index), point_not_on_surface. Cost
- * as in gd/point.h and gd/locate.h. */
+/* Moves a point onto a mesh. Sets `*snap_distance` to the distance by which an xyz point was moved,
+ * or to NAN for the other forms. Problems at the point's place: invalid_request (no such index),
+ * point_not_on_surface. Cost as in gd/point.h and gd/locate.h. */
 bool proto_point_locate(const struct gd_mesh *mesh, const struct proto_point *point,
                         struct gd_point *out, double *snap_distance, struct proto_problem *problem);
 
-/* Writes all fields of a point: face, barycentric, xyz, then vertex or edge and t if it lies on
- * one, then snap_distance unless it is NAN. */
+/* Writes all fields of a point: face, barycentric, xyz, then vertex, or edge and t, if the point
+ * lies on one, then snap_distance unless that is NAN. */
 void proto_point_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
                         const struct gd_point *point, double snap_distance);
 

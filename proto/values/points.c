@@ -7,7 +7,8 @@
 #include "proto/json/decode.h"
 
 #define FIRST_CAPACITY 2
-#define COMPACT_SIZE   256 /* bytes of a compact point; a longer one has useless digits */
+/* limit on the bytes of a compact point; a longer one has useless digits */
+#define COMPACT_SIZE 256
 
 void proto_points_free(struct proto_points *points)
 {

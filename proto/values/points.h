@@ -1,4 +1,4 @@
-/* Points: a list of points in a request, and where they lie on a mesh. */
+/* Points: a list of points in a request, and their locations on a mesh. */
 #ifndef PROTO_POINTS_H
 #define PROTO_POINTS_H
 
@@ -32,7 +32,8 @@ bool proto_points_parse(struct proto_points *points, const char *text, const cha
 struct proto_located_points {   /* all zero: empty */
     const struct gd_mesh *mesh; /* borrowed */
     struct gd_point *points;
-    double *snaps; /* NAN: not snapped; part of the points' allocation */
+    /* distances by which points were moved; NAN: not moved; in the same allocation as the points */
+    double *snaps;
     uint32_t count;
 };
 

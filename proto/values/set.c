@@ -25,7 +25,7 @@ static bool decode_offset(const json_t *value, const char *place, double *out,
         return proto_problem_refuse_member(problem, place, "offset",
                                            "an offset is added to distances: from 0 to %g",
                                            PROTO_SET_OFFSET);
-    *out = offset + 0.0; /* not -0: it would make another set */
+    *out = offset + 0.0; /* never -0, because that would make another set */
     return true;
 }
 
@@ -40,7 +40,7 @@ static bool decode_label(const json_t *value, const char *place, const char **ou
     return true;
 }
 
-/* Returns a member without its offset and label: a new reference, or NULL without memory. */
+/* Returns a member without its offset and label, as a new reference; NULL if out of memory. */
 static json_t *without_naming(const json_t *value)
 {
     if (!json_object_get(value, "offset") && !json_object_get(value, "label"))
@@ -57,8 +57,8 @@ static json_t *without_naming(const json_t *value)
     return bare;
 }
 
-/* The kinds of members. Each has an array, and every element of it is decoded to one further member
- * of the set. */
+/* The kinds of members. Each kind has an array, and every element of the array becomes one more
+ * member of the set. */
 struct kind {
     const char *name;
     uint32_t most;
@@ -164,7 +164,7 @@ static bool make_room(struct proto_set *set, const json_t *const arrays[KINDS],
     return (set->points && set->curves && set->namings) || refuse_memory(problem);
 }
 
-/* Moves the set to the caller if it is complete, else frees it. */
+/* Moves the set to the caller if it is complete, otherwise frees it. */
 static bool hand_over(struct proto_set *set, bool ok, struct proto_set *out)
 {
     if (ok)

@@ -1,4 +1,4 @@
-/* Set: the set that distances are measured to. Its members are points, curves and boundaries,
+/* Set: the set to which distances are measured. Its members are points, curves and boundaries,
  * numbered in this order. Each has an offset, which is added to distances from it, and a label. */
 #ifndef PROTO_SET_H
 #define PROTO_SET_H
@@ -11,15 +11,16 @@
 #define PROTO_SET_MEMBERS 65536
 /* most named curves and boundaries, and most boundaries selected by "all" */
 #define PROTO_SET_CURVES 4096
-#define PROTO_SET_LABEL  128   /* bytes of UTF-8 */
-#define PROTO_SET_OFFSET 1e150 /* as for coordinates, so that sums with distances stay finite */
+#define PROTO_SET_LABEL  128 /* bytes of UTF-8 */
+/* the same limit as for coordinates, so that sums with distances stay finite */
+#define PROTO_SET_OFFSET 1e150
 
 struct proto_curve; /* generated/requests.h */
 
 /* Offset and label of a member. */
 struct proto_naming {
     double offset;     /* 0 to PROTO_SET_OFFSET */
-    const char *label; /* NULL: none; else borrowed from the document */
+    const char *label; /* borrowed from the document; NULL: none */
 };
 
 /* All zero is an empty set. */
@@ -28,12 +29,13 @@ struct proto_set {
     struct proto_point *points;        /* owned, as all arrays */
     struct proto_curve *curves;
     struct proto_naming *namings; /* one for each point, then one for each curve */
-    bool all_boundaries;          /* all boundaries are members, too, after the others */
-    json_t *document;             /* retained, because it holds the labels */
+    bool all_boundaries;          /* true: all boundaries are members, too, after the others */
+    json_t *document;             /* retained, because it contains the labels */
 };
 
 /* Decodes a set of at least one member. `pointer`: the JSON Pointer of `value`. Problems:
- * invalid_request, too_large, insufficient_memory. Freed by proto_set_free. */
+ * invalid_request, too_large, insufficient_memory. The caller frees the result by
+ * proto_set_free. */
 bool proto_set_decode(const json_t *value, const char *pointer, struct proto_set *out,
                       struct proto_problem *problem);
 
@@ -44,16 +46,17 @@ bool proto_set_decode_curve(const json_t *object, const char *member, struct pro
 /* Makes a set of one point. Problem: insufficient_memory. */
 bool proto_set_of_point(const struct proto_point *point, struct proto_set *out,
                         struct proto_problem *problem);
-void proto_set_free(struct proto_set *set); /* may be called again */
+void proto_set_free(struct proto_set *set); /* may be called repeatedly */
 
-/* Returns whether the set has only points, so that locating takes no time. */
+/* Returns true if the set has only points. Locating it then takes microseconds. */
 bool proto_set_is_quick(const struct proto_set *set);
 
 /* A set on its mesh, in one piece of memory: free it by free(). Equal seeds are equal bytes. */
 struct proto_located_set {
     uint32_t count; /* members */
     uint32_t seed_count;
-    bool has_segments;           /* the seeds include segments, from members other than points */
+    /* true: the seeds include segments, which come from members other than points */
+    bool has_segments;
     const struct gd_seed *seeds; /* member by member */
     const uint32_t *members;     /* for each seed: its member */
     /* for each member: offset of its label in `labels`; UINT32_MAX: none */
@@ -63,11 +66,11 @@ struct proto_located_set {
     size_t bytes;      /* bytes of the whole allocation */
 };
 
-/* Puts the members on the mesh: points by proto_point_locate, curves by gd_curve_resolve, whose
- * time and memory `control` (NULL: none) bounds. Landmarks are not used, because they would change
- * the rounding errors of a curve. Equal sets must have equal seeds, so that they share a field. On
- * failure `*out` is untouched and the problem filled in. Errors: GD_INVALID_ARGUMENT (a point or a
- * curve), and those of gd_curve_resolve. */
+/* Locates the members on the mesh: points by proto_point_locate, curves by gd_curve_resolve, whose
+ * time and memory are limited by `control` (NULL: no limits). Landmarks are not used, because they
+ * would change the rounding errors of a curve. Equal sets must have equal seeds, so that they share
+ * a field. On failure `*out` is untouched and the problem filled in. Errors: GD_INVALID_ARGUMENT (a
+ * point or a curve), and those of gd_curve_resolve. */
 GD_MUST_USE enum gd_status proto_set_locate(const struct gd_mesh *mesh, const struct proto_set *set,
                                             const struct gd_control *control,
                                             struct proto_located_set **out,

@@ -11,8 +11,9 @@ struct locating {
     const struct proto_set *set;
     const struct gd_control *control;
     struct proto_problem *problem;
-    uint32_t boundaries;     /* boundaries selected by "all" */
-    struct gd_curve *curves; /* curves of the set, then boundaries; only those resolved so far */
+    uint32_t boundaries; /* boundaries selected by "all" */
+    /* curves of the set, then boundaries; only those that have been resolved */
+    struct gd_curve *curves;
     uint32_t curve_count;
 };
 

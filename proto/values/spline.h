@@ -1,6 +1,6 @@
 /* Spline: a geodesic Hermite spline in a request, by itself or as a curve, and in an answer.
  *
- * Decoding needs no mesh; locating puts points and tangents on one. */
+ * Decoding needs no mesh. Locating moves points and tangents onto a mesh. */
 #ifndef PROTO_SPLINE_H
 #define PROTO_SPLINE_H
 
@@ -26,21 +26,22 @@ struct proto_spline {
     struct proto_segment *tangents; /* owned, one for each point; NULL: none given */
     bool *is_given;                 /* part of the tangents' allocation */
     struct gd_spline_sampling sampling;
-    struct proto_reals parameters; /* used by the sampling */
+    struct proto_reals parameters; /* parameters that the sampling uses */
 };
 
 /* Decode the body of a request, or the value of a curve, which has no "at" and no "frames".
- * Problems: invalid_request, too_large (with the limit), insufficient_memory. Freed by
- * proto_spline_free. */
+ * Problems: invalid_request, too_large (with the limit), insufficient_memory. The caller frees the
+ * result by proto_spline_free. */
 bool proto_spline_decode(const json_t *document, struct proto_spline *out,
                          struct proto_problem *problem);
 bool proto_spline_curve_decode(const json_t *value, const char *place, struct proto_spline *out,
                                struct proto_problem *problem);
-void proto_spline_free(struct proto_spline *spline); /* may be called again */
+void proto_spline_free(struct proto_spline *spline); /* may be called repeatedly */
 
 /* A spline on its mesh, all zero: none. */
 struct proto_located_spline {
-    struct gd_spline_request request;   /* points into the memory below; without landmarks */
+    /* its pointers point into the memory below; it has no landmarks */
+    struct gd_spline_request request;
     struct gd_spline_sampling sampling; /* borrows the spline's parameters */
     struct proto_located_points points;
     struct gd_vector *tangents;
@@ -54,7 +55,7 @@ bool proto_spline_locate(const struct gd_mesh *mesh, const struct proto_spline *
 void proto_located_spline_free(struct proto_located_spline *located); /* leaves none */
 
 /* Converts a failure of gd_spline_build or gd_spline_sample into a problem at the faulty point, or
- * at `place`, the spline's. Returns false. */
+ * at `place`, the place of the spline. Returns false. */
 bool proto_spline_fail(const char *place, enum gd_status status, struct gd_detail *detail,
                        struct proto_problem *problem);
 

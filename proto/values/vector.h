@@ -9,9 +9,9 @@
 #include "proto/values/direction.h"
 #include "proto/values/points.h"
 
-/* most vectors of a request, targets of log, and segments in total */
+/* limit on the vectors of a request, on the targets of log, and on the total number of segments */
 #define PROTO_VECTORS       10000
-#define PROTO_VECTOR_LENGTH 1e150 /* as for coordinates */
+#define PROTO_VECTOR_LENGTH 1e150 /* the same limit as for coordinates */
 
 struct proto_segment {
     bool has_direction; /* false: the length must be 0 */
@@ -37,7 +37,7 @@ struct proto_exp {
 
 struct proto_log {
     struct proto_point from;
-    struct proto_points to; /* empty: to all vertices */
+    struct proto_points to; /* the targets; empty: all vertices */
     bool first_vector_only;
 };
 
@@ -62,8 +62,8 @@ bool proto_vector_check(const json_t *value, const char *place, struct proto_pro
 bool proto_segment_decode(const json_t *value, const char *place, struct proto_segment *out,
                           struct proto_problem *problem);
 
-/* Lays a vector of one segment on the surface at a point, as proto_direction_locate does. A vector
- * without a direction, which has length 0, is accepted. */
+/* Computes a vector of one segment on the surface at a point, as proto_direction_locate does. A
+ * vector without a direction, which has length 0, is accepted. */
 bool proto_segment_locate(const struct gd_mesh *mesh, const struct gd_point *point,
                           const struct proto_segment *segment, struct gd_vector *out,
                           struct proto_problem *problem);
