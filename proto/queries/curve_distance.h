@@ -13,7 +13,7 @@ struct proto_curve_distance {
     bool hausdorff;
 };
 
-/* Problems: invalid_request, too_large, insufficient_memory. */
+/* Decodes the body of a request. Problems: invalid_request, too_large, insufficient_memory. */
 bool proto_curve_distance_decode(const json_t *document, struct proto_curve_distance *out,
                                  struct proto_problem *problem);
 void proto_curve_distance_free(struct proto_curve_distance *wanted); /* may be called repeatedly */

@@ -28,8 +28,8 @@ struct proto_geodesic { /* all zero: empty */
     uint32_t samples;
 };
 
-/* Problems: invalid_request, too_large, insufficient_memory. The caller frees the result by
- * proto_geodesic_free. */
+/* Decodes the body of a request. Problems: invalid_request, too_large, insufficient_memory. The
+ * caller frees the result by proto_geodesic_free. */
 bool proto_geodesic_decode(const json_t *document, const struct proto_geodesic_form *form,
                            struct proto_geodesic *out, struct proto_problem *problem);
 void proto_geodesic_free(struct proto_geodesic *geodesic); /* may be called repeatedly */

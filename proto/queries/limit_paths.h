@@ -21,8 +21,8 @@ struct proto_limit_trace { /* all zero: empty */
 bool proto_limit_level_decode(const json_t *document, const struct gd_subdivision *surface,
                               uint32_t *out, struct proto_problem *problem);
 
-/* Problems: invalid_request, point_not_on_surface, too_large, insufficient_memory. The caller frees
- * the result by proto_limit_trace_request_free. */
+/* Decodes the body of a request. Problems: invalid_request, point_not_on_surface, too_large,
+ * insufficient_memory. The caller frees the result by proto_limit_trace_request_free. */
 bool proto_limit_trace_decode(const json_t *document, const struct gd_subdivision *surface,
                               struct proto_limit_trace *out, struct proto_problem *problem);
 
@@ -44,7 +44,7 @@ struct proto_limit_pair {
     uint32_t level;
 };
 
-/* Problems: invalid_request, point_not_on_surface. */
+/* Decodes the body of a request. Problems: invalid_request, point_not_on_surface. */
 bool proto_limit_pair_decode(const json_t *document, const struct gd_subdivision *surface,
                              struct proto_limit_pair *out, struct proto_problem *problem);
 

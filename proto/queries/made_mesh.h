@@ -15,7 +15,8 @@ struct proto_discretization {
     struct gd_discretize_options options;
 };
 
-/* `max_faces` limits the mesh. Problem: invalid_request. */
+/* Decodes the body of a request. `max_faces` is the limit on the mesh's faces. Problem:
+ * invalid_request. */
 bool proto_discretization_decode(const json_t *document, const struct gd_subdivision *surface,
                                  uint32_t max_faces, struct proto_discretization *out,
                                  struct proto_problem *problem);
@@ -35,7 +36,8 @@ struct proto_tessellation {
     struct gd_tessellation_options options;
 };
 
-/* `max_faces` limits the mesh. Problems: invalid_request, too_large (with the limit). */
+/* Decodes the body of a request. `max_faces` is the limit on the mesh's faces. Problems:
+ * invalid_request, too_large (with the limit). */
 bool proto_tessellation_decode(const json_t *document, uint32_t max_faces,
                                struct proto_tessellation *out, struct proto_problem *problem);
 

@@ -20,7 +20,7 @@ bool proto_pair_parse(const struct proto_parameters *parameters, struct proto_po
                       struct proto_problem *problem);
 
 /* Writes the answer. Without a path, distance and path are null, with the reason no_path. The
- * answer has "via" only if the request has it. */
+ * answer contains "via" only if the request does. */
 void proto_pair_encode(struct proto_writer *writer, const struct proto_located_points *stops,
                        const struct gd_pair_answer *answer, const struct proto_options *options);
 
