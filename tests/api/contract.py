@@ -26,11 +26,11 @@ PROBLEM = {"$ref": "#/components/schemas/Problem"}
 COMMON_HEADERS = {"cache-control", "connection", "content-encoding", "content-length", "content-security-policy", "content-type",
                   "cross-origin-resource-policy", "date", "deprecation", "link", "referrer-policy", "strict-transport-security", "transfer-encoding", "vary",
                   "x-content-type-options", "x-request-id"}
-PAGE_HEADERS = ("access-control-",)  # for pages of an origin in --cors-origin
-# Problems of requests that match no operation, by status.
+PAGE_HEADERS = ("access-control-",)  # headers of answers to pages whose origin is in --cors-origin
+# Codes of the problems for requests that match no operation, by status.
 NOWHERE = {400: "invalid_request", 401: "unauthorized", 403: "forbidden", 404: "not_found", 405: "method_not_allowed", 429: "rate_limited"}
 NUMBER = re.compile(r"\d+(\.\d+)?(e[+-]?\d+)?")  # a number in a header
-THIN = 8  # items of a long array that a quick check covers
+THIN = 8  # a quick check covers this number of items of each long array
 THIN_BYTES = 1 << 20  # larger bodies are not checked in a quick check
 
 
@@ -69,7 +69,7 @@ def checked(node, optional):
 
 
 def shown(document, content):
-    """Yields the values of the examples of a media type or a parameter."""
+    """Yields the values of the examples that a media type or a parameter has in the contract."""
     if "example" in content:
         return [content["example"]]
     return [resolved(document, example)["value"] for example in content.get("examples", {}).values()]
@@ -107,8 +107,8 @@ class Operation:
         return [word for schema in schemas for word in schema.get("items", schema).get("enum", ())]
 
     def left_out(self, target):
-        """Returns the names of the members that a request to the target may omit from its answer.
-        The lines of `queries` have their own `select`."""
+        """Returns the names of the members that the answer may lack because of `select`. Each line
+        of a body of `queries` has its own `select`."""
         return tuple(self.words("select")) if re.search(r"(?:^|&)(?:select|fields)=", target.partition("?")[2]) else ()
 
     def examples(self, document):
@@ -123,7 +123,8 @@ class Contract:
         self.document = document
         self.operations = [Operation(document, path, method, item, item[method])
                            for path, item in document["paths"].items() for method in METHODS if method in item]
-        # names before captures, so that the more literal of two matching paths is found
+        # sorts literal names before parameters, so that the more literal of two matching paths is
+        # found
         self.paths = sorted({each.path for each in self.operations}, key=lambda path: path.count("{"))
         self.patterns = [(path, re.compile(re.sub(r"\{\w+\}", "[^/]+", path))) for path in self.paths]
         self.by_place = {(each.path, each.method): each for each in self.operations}
@@ -242,7 +243,8 @@ class Contract:
             yield f"{place}: {operation.name} documents {documented}, not {problem['code']} ({problem['detail']})"
 
     def faults_of_job(self, job, place):
-        """Checks that a job holds the answer that its operation would have given."""
+        """Checks that the result of a job is an answer that the contract documents for the
+        operation."""
         if "result" not in job or "response" not in job:
             return
         operation = self.operation(*job["request"].split(" ", 1))

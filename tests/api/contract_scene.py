@@ -16,7 +16,7 @@ FIELD = b'{"set": {"points": [{"vertex": 0}]}}'
 
 
 class Ask(typing.NamedTuple):
-    """A request. `body` None: no body and no Content-Length."""
+    """A request. If `body` is None, the request has neither a body nor a Content-Length."""
 
     method: str
     target: str
@@ -59,13 +59,14 @@ class Scene:
             self.must("PUT", self.path(self.by_name[put]), self.shown_body(put), JSON)
 
     def fill(self):
-        """Creates everything. May be repeated: existing surfaces stay unchanged."""
+        """Creates all surfaces, the field and the job. May be called again; existing surfaces stay
+        unchanged."""
         self.put_surfaces()
         for operation in ("post_nurbs_tessellate", "post_subdivision_tessellate", "post_derive"):
             self.must("POST", self.path(self.by_name[operation]), self.shown_body(operation), JSON)
         self.field = self.must("POST", self.path(self.by_name["create_field"]), FIELD, JSON).json["id"]
         self.job = self.finished_job()
-        # deleted first: there may be at most a thousand batches
+        # deletes the previous batch first, because the daemon permits at most a thousand batches
         self.daemon.request("DELETE", f"/v1/batches/{self.batch or 'none'}", headers=self.headers)
         self.batch = self.end_of_job(self.must("POST", "/v1/batches", self.shown_body("create_batch"), JSON))
         return self
@@ -104,15 +105,16 @@ class Scene:
         return urllib.parse.urlencode([(each["name"], query_text(each["example"])) for each in (shown if optional else needed or shown)], safe=":,")
 
     def ask(self, operation, example=None, optional=True):
-        """Returns the documented request; `example` is one of its bodies, None the first.
-        `optional`: with all parameters that have an example, not only the required ones."""
+        """Returns the documented request. `example` is one of its bodies; None selects the first
+        body. If `optional`, the request has all parameters with an example, not only the required
+        parameters."""
         query = self.query(operation, optional)
         kind, body = example or next(iter(operation.examples(self.contract.document)), (None, None))
         headers = {**self.headers, **({"Content-Type": kind} if kind else {})}
         return Ask(operation.method.upper(), self.path(operation) + ("?" + query if query else ""), body, headers)
 
     def asks(self, operation):
-        """Yields all documented requests."""
+        """Yields all documented requests of the operation."""
         for example in list(operation.examples(self.contract.document)) or [None]:
             yield self.ask(operation, example)
 

@@ -29,11 +29,13 @@ from common import Shimmed, build_shim  # noqa: E402
 
 FEW_SECONDS = 60
 LATE = (504, "deadline_exceeded")
-ROUNDS = 50  # the most attempts to make one of a hundred simultaneous requests miss its deadline
+# the test repeats a hundred simultaneous requests at most so often until one misses its deadline
+ROUNDS = 50
 
 
 def documented(operation):
-    """Yields (status, code) of each problem; without a code for HEAD, which has no body."""
+    """Yields (status, code) of each documented problem. HEAD has no body, so its code is
+    omitted."""
     for status, codes in operation.codes.items():
         for code in codes:
             yield status, code
@@ -78,7 +80,7 @@ def as_it_is(scene, operation, ask):
 
 
 def twice(scene, operation, ask):
-    """Uploads a new surface, and then the same one again."""
+    """Uploads a new surface, and then uploads the same surface again."""
     if operation.success != 200 or operation.response(201) is None:
         return None
     for kind in ("meshes", "nurbs", "subdivisions"):
@@ -115,7 +117,8 @@ def misplaced(scene, operation, ask):
     """Replaces points by points that are not on the surface."""
     if not operation.body:
         target = ask.target.replace("v:0", "f:0:2,2,2").replace("p:0.2,0.1,-0.5", "f:0:2,2,2")
-        if target == ask.target:  # a place of a subdivision, or parameters of NURBS
+        # changes a point of a subdivision surface, or parameters of a NURBS surface
+        if target == ask.target:
             target = re.sub("from=[^&]*", "from=f:0:2,2" if "/subdivisions/" in target else "from=9,9", target)
         return ask._replace(target=target)
     if is_upload(operation):
@@ -162,7 +165,7 @@ PLAIN = {
 
 
 def asking(scene, operation, ask):
-    """Keeps requests that change neither surfaces nor jobs."""
+    """Returns only requests that change neither surfaces nor jobs."""
     return None if operation.method == "delete" or is_upload(operation) or operation.path.startswith("/v1/jobs") else ask
 
 
@@ -202,7 +205,8 @@ def try_plain(found):
 
 
 def instead(scene, operation, name, value):
-    """Returns the request with that parameter alone; None if the operation lacks the parameter."""
+    """Returns the request with that parameter only, or None if the operation lacks the
+    parameter."""
     has = any(parameter["name"] == name for parameter in operation.parameters)
     return scene.ask(operation)._replace(target=f"{scene.path(operation)}?{name}={value}") if has else None
 
@@ -242,7 +246,7 @@ def try_degenerate(found, daemon, scene):
 
 
 def try_crowd(found):
-    """Creates the maximal number of batches, and one more."""
+    """Creates the maximum number of batches, and then one more."""
     with Daemon() as daemon:
         scene = Scene(daemon, found.contract).fill()
         found.try_all(daemon, scene, lambda scene, operation, ask: [ask] * 1000, [scene.by_name["create_batch"]])
@@ -265,8 +269,9 @@ def try_keys(found, place):
 
 @contextlib.contextmanager
 def hogged(daemon, count):
-    """Keeps the only worker and its queue busy with requests. The first is waited for until the
-    worker runs it: before that it takes the place of the second in the queue."""
+    """Keeps the only worker and its queue busy with requests. Waits until the worker runs the first
+    request, because until then the first request occupies the place in the queue that the second
+    request needs."""
     assert daemon.put("ball", sample("icosphere", level=5)).status in (200, 201)
     connections = [daemon.connect() for _ in range(count)]
     for number, connection in enumerate(connections):
@@ -278,8 +283,8 @@ def hogged(daemon, count):
 
 
 def store_large(place):
-    """Makes a data folder with large surfaces under the names of the requests. `sheet` is the
-    largest and the most used."""
+    """Makes a data folder that contains large surfaces with the names that the requests use.
+    `sheet` is the largest surface and has the most recorded uses."""
     folder, ball = pathlib.Path(place) / "data", sample("icosphere", level=6)
     with Daemon("--data-dir", str(folder)) as daemon:
         for name in ("tetrahedron", "sheet-mesh", "cube-mesh"):
@@ -315,7 +320,7 @@ def await_calm(daemon, threads):
 
 
 def try_drain(found, folder):
-    """Sends all requests. They still wait for the worker when the time of the drain ends."""
+    """Sends all requests. They are still queued when the time limit of the drain ends."""
     with Daemon("--data-dir", str(folder), "--workers", "1", "--drain-ms", "100", *ASLEEP) as daemon:
         scene = Scene(daemon, found.contract).pretend()
         answers = []

@@ -20,8 +20,8 @@ FORMAT_VERSION = "1"  # SERVER_FORMAT_VERSION of server/exchange/etag.h
 PROGRAM = pathlib.Path(os.environ.get("GEODESICD", "build/geodesicd")).resolve()
 START_SECONDS = 20  # sanitizers are slow to start
 PATIENCE_SECONDS = 60
-SEARCHES = 16  # queries of a source before its field is built: SERVER_CACHE_SEARCHES
-LARGE = 10000  # characters of a value that is large
+SEARCHES = 16  # number of searches from a source before its field is built: SERVER_CACHE_SEARCHES
+LARGE = 10000  # a printed value with more characters than this is large
 
 TETRAHEDRON = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
 SQUARE = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n"
@@ -48,7 +48,8 @@ def sample(name, **parameters):
 
 
 def header_fields(keywords):
-    """Returns headers of keywords: If_None_Match="*" is the header If-None-Match."""
+    """Converts keywords to headers. For example, If_None_Match="*" becomes the header
+    If-None-Match."""
     return {name.replace("_", "-"): value for name, value in keywords.items()}
 
 
@@ -105,7 +106,7 @@ class Daemon:
                 self.log.append({"event": "not JSON", "message": text})
             if self.log[-1]["event"] == "listening":
                 self._listening.set()
-        self._listening.set()  # the daemon ended: nothing to wait for
+        self._listening.set()  # the daemon ended, so there is nothing to wait for
 
     def __enter__(self):
         return self
@@ -126,7 +127,9 @@ class Daemon:
             try:
                 own.request(method, path, body, headers or {})
             except (BrokenPipeError, ConnectionResetError):
-                pass  # refused before the body was sent: the answer has arrived
+                # the daemon refused the request before the whole body was sent, and its answer has
+                # arrived
+                pass
             response = own.getresponse()
             answer = Answer(response.status, response.headers, response.read())
         finally:

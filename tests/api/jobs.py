@@ -1,5 +1,5 @@
-"""Helpers of the tests of jobs: to start, await, cancel and watch jobs, and a daemon with one
-worker and a mesh that keeps it busy."""
+"""Helpers of the tests of jobs. They start, await, cancel and watch jobs. `OneWorker` has a daemon
+with one worker, and a mesh that keeps the worker busy."""
 import json
 import time
 
@@ -7,7 +7,7 @@ from harness import PATIENCE_SECONDS, SQUARE, TestCase, sample, wait_until
 
 ASYNC = {"Prefer": "respond-async"}
 JSON = {"Content-Type": "application/json"}
-SANITIZED_SECONDS = 2  # longest time that counts as "at once" under sanitizers
+SANITIZED_SECONDS = 2  # an answer within this time counts as immediate under sanitizers
 
 
 def big_mesh():
@@ -34,7 +34,7 @@ class Jobs(TestCase):
         return location
 
     def start_field(self, source, name="big", daemon=None):
-        """Starts the slowest job: the query for which the field of a source is built."""
+        """Starts the slowest job, which is the query for which the field of a source is built."""
         (daemon or self.daemon).ask_often(name, f"v:{source}")
         return self.start(f"/v1/meshes/{name}/distance", pair(source, 160000 - source), daemon=daemon)
 
@@ -52,7 +52,7 @@ class Jobs(TestCase):
 
 
 class OneWorker(Jobs):
-    """Long jobs on the only worker."""
+    """Runs long jobs on the only worker."""
 
     flags = ("--workers", "1", "--queue-length", "2", "--landmarks", "0")
 
@@ -72,7 +72,7 @@ class OneWorker(Jobs):
 
 
 def events_of(response):
-    """Yields (event, data) of each message of a stream, without comments, as they arrive."""
+    """Yields (event, data) of each message of a stream when the message arrives. Skips comments."""
     event = data = None
     for line in response:
         line = line.decode().rstrip("\n")

@@ -10,7 +10,7 @@ class LineResult(unittest.TestResult):
 
     def report(self, verdict, test, reason=""):
         now = time.monotonic()
-        # a class that fails or is skipped as a whole has not started
+        # `started` is missing if a whole class failed or was skipped
         print(f"{verdict:5} {now - getattr(self, 'started', now):7.3f} s  {test.id()}" + (f": {reason}" if reason else ""), flush=True)
 
     def addSuccess(self, test):

@@ -15,8 +15,8 @@ from reporting import run  # noqa: E402
 
 
 def watch_the_contract():
-    """Checks every answer against the contract, if its modules are installed. GEODESICD_CONTRACT=0:
-    only tests of the contract check."""
+    """Checks every answer against the contract, if its modules are installed. With
+    GEODESICD_CONTRACT=0 only the tests of the contract check answers."""
     if importlib.util.find_spec("yaml") and importlib.util.find_spec("jsonschema"):
         os.environ.setdefault("GEODESICD_CONTRACT", "1")
     else:

@@ -21,7 +21,7 @@ static void expect(int holds, const char *what, int line)
 
 /* --- the scenario ----------------------------------------------------------------------------- */
 
-/* Returns whether the answer has all that is expected. */
+/* Returns whether the answer has all expected members with the expected values. */
 static int has(const json_t *answer, const json_t *expected)
 {
     const char *name;
@@ -68,7 +68,7 @@ static const char *text_of(const json_t *object, const char *name)
     return json_string_value(json_object_get(object, name));
 }
 
-/* Returns the numbers of rows of three, in one array. */
+/* Returns the numbers of rows with three columns in one array. */
 static double *flat(const json_t *rows)
 {
     size_t count = 3 * json_array_size(rows);
@@ -112,7 +112,7 @@ static enum gdc_status do_upload(struct gdc_client *client, const json_t *step,
                            parameters, problem);
 }
 
-/* Runs split. The answer: the descriptions of the expected parts. */
+/* Runs split. Returns the descriptions of the expected parts. */
 static enum gdc_status do_split(struct gdc_client *client, const json_t *step, json_t **answer,
                                 struct gdc_problem *problem)
 {
@@ -132,7 +132,7 @@ static enum gdc_status do_split(struct gdc_client *client, const json_t *step, j
     return status;
 }
 
-/* Runs preview. The answer: the first four bytes. */
+/* Runs preview. Returns the first four bytes of the preview. */
 static enum gdc_status do_preview(struct gdc_client *client, const json_t *step, json_t **answer,
                                   struct gdc_problem *problem)
 {
@@ -273,7 +273,7 @@ static int refuse(void *user, double progress)
     return 1;
 }
 
-/* Queries a ray and a matrix of the mesh a-square. */
+/* Queries a ray and a matrix on the mesh `a-square`. */
 static void ask_ray_and_matrix(struct gdc_client *client)
 {
     struct gdc_problem problem = {0};
@@ -347,7 +347,7 @@ static void run_queries(struct gdc_client *client)
 
 /* --- batches ---------------------------------------------------------------------------------- */
 
-/* Follows the answers of a batch; returns their number when it has ended. */
+/* Follows the answers of a batch until the batch has ended. Returns the number of answers. */
 static size_t follow_batch(struct gdc_client *client, const char *id)
 {
     size_t count = 0;
@@ -381,7 +381,7 @@ static size_t count_refused(struct gdc_client *client, const char *id)
     return count;
 }
 
-/* Starts a batch by a request, and returns it once it has ended. */
+/* Starts a batch by a request, waits until the batch has ended, and returns its description. */
 static struct gdc_batch run_batch(struct gdc_client *client, const char *request)
 {
     struct gdc_batch batch = {.items = 0}, ended = {.items = 0};
@@ -432,7 +432,7 @@ static void run_batches(struct gdc_client *client)
     end_batch(client, &pairs);
     for (int i = 1; i < 150; i++) strcat(many, ", \"nobody\"");
     struct gdc_batch refused = run_batch(client, strcat(many, "]}"));
-    EXPECT(count_refused(client, refused.id) == 150); /* more than one page */
+    EXPECT(count_refused(client, refused.id) == 150); /* the answers take more than one page */
     EXPECT(refused.failed == 150);
     end_batch(client, &refused);
     EXPECT(gdc_delete(client, "a-square", NULL) == GDC_OK);

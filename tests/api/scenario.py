@@ -12,7 +12,7 @@ STEPS = json.loads((CLIENTS / "scenario.json").read_text())["steps"]
 
 
 def check(test, answer, expected, where=""):
-    """Asserts that the answer has all that is expected."""
+    """Asserts that the answer has all expected members with the expected values."""
     if isinstance(expected, dict):
         for name, value in expected.items():
             test.assertIn(name, answer, where)

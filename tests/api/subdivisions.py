@@ -16,7 +16,7 @@ PRISM = b"v 1 0 0\nv 0 1 0\nv -1 -1 0\nv 1 0 2\nv 0 1 2\nv -1 -1 2\nf 3 2 1\nf 4
 TWO_QUADS = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 5 0 0\nv 6 0 0\nv 6 1 0\nv 5 1 0\nf 1 2 3 4\nf 5 6 7 8\n"
 MIDDLE = {"face": 0, "uv": [0.5, 0.5]}
 MIRROR = 5.344803240448  # length of the closed geodesic of the smoothed cube in the plane y = 0
-# length of the one in the plane x = y, through four vertices of valence 3
+# length of the closed geodesic in the plane x = y, which passes through four vertices of valence 3
 DIAGONAL = 5.384418260817
 
 

@@ -1,4 +1,4 @@
-"""Access: keys, roles, expiry, limits, reload, pages of other origins."""
+"""Tests access: keys, roles, expiry, limits, reload, and pages of other origins."""
 import base64
 import concurrent.futures
 import gzip
@@ -217,7 +217,7 @@ class Limits(Keyed):
             if answer.status == 429:
                 self.assertEqual(self.assert_problem(answer, 429, "rate_limited")["limit"], 2)
                 self.assertGreaterEqual(int(answer.headers["Retry-After"]), 1)
-        # the places of ended requests are free
+        # ended requests no longer count towards the limit of concurrent requests
         self.assertEqual(self.ask("GET", "/v1", "narrow").status, 200)
 
     def test_a_running_job_counts_as_a_request_of_its_key(self):
@@ -345,7 +345,8 @@ class Origins(Keyed):
                 self.assertIsNone(answer.headers["Access-Control-Allow-Origin"])
 
     def test_a_request_without_origin_gets_no_cors_headers(self):
-        """Pages of other origins get no CORS headers. The daemon's own page needs none."""
+        """Pages of other origins get no CORS headers. The daemon's own page needs no CORS
+        headers."""
         for headers in ({}, {"Host": "meshes.example", "Origin": "http://meshes.example"}):
             answer = self.ask("GET", "/v1", "reader", **headers)
             self.assertEqual(answer.status, 200)

@@ -1,5 +1,5 @@
-"""Answer streams: large answers are encoded while their clients read them. They have the same bytes
-as answers saved for jobs."""
+"""Answer streams: large answers are encoded while their clients read them. Streamed answers have
+the same bytes as answers that are stored for jobs."""
 import gzip
 import json
 import socket
@@ -8,9 +8,9 @@ import time
 from harness import Daemon, TestCase, sample, wait_until
 
 MIB = 1 << 20
-STREAMS = 32  # streams at a time
+STREAMS = 32  # number of simultaneous streams
 JSON = {"Content-Type": "application/json"}
-# an answer of some 9 MiB
+# its answer has about 9 MiB
 TRACE = ("trace", {"start": {"vertex": 0}, "fan": 8, "length": 1e6, "step_limit": 14000})
 
 

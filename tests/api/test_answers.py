@@ -1,5 +1,6 @@
-"""Memory of answers: counted in the budget until their clients have read them, limited in size, and
-refused when there is no room. Also lists by page, and the counted memory of records."""
+"""Tests the memory of answers. Answers count in the memory budget until their clients have read
+them. Answers are limited in size, and are refused if the budget has no room. Also tests lists by
+page, and the counted memory of records."""
 import concurrent.futures
 import json
 import socket
@@ -10,14 +11,14 @@ import unittest
 from harness import TETRAHEDRON, Daemon, TestCase, form_tag, sample, wait_until
 
 MIB = 1 << 20
-RING = 24  # vertices in the queries
-# a trace of some 9 MiB
+RING = 24  # number of vertices in the queries
+# a trace whose answer has about 9 MiB
 LARGE = {"start": {"vertex": 0}, "fan": 8, "length": 1e6, "step_limit": 14000}
 
 
 def loose_triangles(count):
-    """Returns a binary STL file of triangles that do not touch each other. So each triangle is a
-    boundary loop of its own."""
+    """Returns a binary STL file of triangles that do not touch each other. Each triangle therefore
+    has its own boundary loop."""
     triangles = b"".join(struct.pack("<12fH", 0, 0, 0, 2 * i, 0, 0, 2 * i + 1, 0, 0, 2 * i, 1 + i / count, 0, 0) for i in range(count))
     return b"\0" * 80 + struct.pack("<I", count) + triangles
 
@@ -83,7 +84,7 @@ class Large(TestCase):
             self.assertGreater(len(answer.body), 10000)
         for form in ("obj", "ply", "gltf"):
             self.assertEqual(self.daemon.get(f"/v1/meshes/ring/content?format={form}").status, 200)
-        # the remainder is the answer to this request
+        # the remaining memory is that of the answer to this request
         wait_until(lambda: held(self.daemon, "answers") < MIB / 4)
 
     def test_results_of_jobs_are_sent_as_they_are_kept(self):

@@ -1,4 +1,4 @@
-"""Batches: each line gets the answer that the query would get alone."""
+"""Tests query lists: the answer to each line equals the answer to the same query alone."""
 import gzip
 import http.client
 import json
@@ -289,7 +289,7 @@ class Streams(TestCase):
         every = [{"vertex": number} for number in range(642)]
         row = {"query": "matrix", "sources": every, "targets": every, "select": "distances"}  # 7 MB
         connection, answer = self.begin("ball", lines_of(*[row] * 6))
-        wait_until(self.is_idle)  # the work is parked and occupies no worker
+        wait_until(self.is_idle)  # the work is suspended and occupies no worker
         self.daemon.wait_for_flight(24 << 20)
         found = [json.loads(line)["status"] for line in answer]
         self.assertEqual(found, [200] * 6)

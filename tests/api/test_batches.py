@@ -1,5 +1,5 @@
-"""Batches: many-source work, item by item. tests/cluster/test_spread.py tests several daemons that
-share a database."""
+"""Tests batches, which run one query for many sources, item by item. tests/cluster/test_spread.py
+tests several daemons that share a database."""
 import json
 import pathlib
 import tempfile
@@ -27,7 +27,7 @@ def results(node, id, limit=1000):
 
 
 def follow(node, id, cursor=0, limit=100, seconds=30):
-    """Returns all answers in the order of their arrival, page by page: (items, the cursors)."""
+    """Reads all answers page by page, in the order of their arrival. Returns (items, cursors)."""
     found, cursors = [], []
     while cursor is not None:
         page = node.get(f"/v1/batches/{id}/results?cursor={cursor}&limit={limit}&wait={seconds}").json
@@ -51,7 +51,7 @@ def wait(node, id, seconds=PATIENCE_SECONDS):
 
 
 class Alone:
-    """Tests of a single daemon with any store; `self.daemon` is the daemon."""
+    """Tests a single daemon with any kind of store. `self.daemon` is the daemon."""
 
     def test_all_pairs(self):
         vertices = [0, 5, 17, 100, 41]
@@ -230,6 +230,7 @@ class InAFolder(Alone, unittest.TestCase):
         begun = begin(self.daemon, {"query": "all-pairs", "mesh": "sphere", "vertices": list(range(200))})
         self.assertEqual(self.daemon.stop(), 0)
         self.daemon = self.start()
-        # the stopped daemon returned its running items, so their leases delay nothing
+        # the stopped daemon returned its running items, so no other daemon waits for their leases
+        # to expire
         told = wait(self.daemon, begun.json["id"], 10)
         self.assertEqual((told["done"], told["failed"]), (200, 0))

@@ -1,4 +1,5 @@
-"""Bulk: many pairs or many points in one request. Each answer equals that of a single query."""
+"""Tests bulk queries, which have many pairs or many points in one request. Each answer equals the
+answer to a single query."""
 import gzip
 import json
 import math
@@ -124,8 +125,8 @@ class Bulk(TestCase):
         self.assertEqual(self.daemon.request("POST", "/v1/meshes/ball/pairs", whole, {"Content-Type": "text/plain"}).status, 415)
 
     def test_many_pairs_in_pieces(self):
-        """Many pairs are answered in pieces, by all workers, compressed or not, and within the
-        limits of the daemon."""
+        """All workers compute the answers to many pairs in pieces. Answers may be compressed, and
+        keep the daemon's limits."""
         count, chance = 100000, random.Random(3)
         self.daemon.ask("ball", "fields", {"set": {"points": [{"vertex": 0}]}})
         to = [chance.randrange(2562) for _ in range(count)]

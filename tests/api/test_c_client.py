@@ -35,7 +35,8 @@ class CClient(TestCase):
         with scenario.busy(*[(503, {"Retry-After": "0"}, {"code": "overloaded"})] * 3, (0, {}, {})) as (server, url):
             self.run_scenario(url, "busy")
             self.assertEqual(len(server.seen), 4)
-            self.assertEqual(set(server.codings), {None})  # same machine: no compression
+            # the client requests no compression from a daemon on the same machine
+            self.assertEqual(set(server.codings), {None})
 
     def test_cmake_finds_the_client(self):
         """Builds a C++ program against the installed client by cmake."""

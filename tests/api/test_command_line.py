@@ -1,4 +1,4 @@
-"""The command-line client: the scenario, what it prints, and its completion."""
+"""Tests the command-line client: the scenario, its output, and its shell completion."""
 import json
 import os
 import shutil

@@ -1,4 +1,5 @@
-"""Preconditions by RFC 9110, 8.8.3 and 13, as a table: methods x representations x conditions."""
+"""Tests preconditions by RFC 9110, sections 8.8.3 and 13, in tables of methods, representations and
+conditions."""
 import json
 import re
 import unittest
@@ -8,8 +9,8 @@ from harness import FORMAT_VERSION, TestCase, form_tag, sample
 JSON = {"Content-Type": "application/json"}
 MESH = "/v1/meshes/bent"
 
-# The forms of each URL's answer: name in the tag, Accept header. The form None is the mesh itself,
-# which has the base tag.
+# The forms of each URL's answer. A key is the form's name in the entity tag; a value is the Accept
+# header. The form None is the mesh itself, whose tag has no form name.
 ANSWERS = {
     "": {None: "application/json"},
     "/content": {"obj": "model/obj", "ply": "application/x-ply", "stl": "model/stl", "glb": "model/gltf-binary"},
@@ -28,9 +29,9 @@ QUERIES = {
 }
 CODINGS = ("identity", "gzip")
 
-# Status of GET and HEAD by If-Match and If-None-Match. `{own}` is the tag of the plain
-# representation, `{sent}` that of the answer as it is sent, `{other}` that of another form,
-# `{past}` that of another format version, `{mesh}` the mesh's.
+# Status of GET and HEAD by If-Match and If-None-Match. `{own}` is the tag of the uncompressed
+# representation. `{sent}` is the tag of the answer as it is sent. `{other}` is the tag of another
+# form. `{past}` is a tag with another format version. `{mesh}` is the tag of the mesh.
 READS = (
     (None, None, 200),
     (None, '"{sent}"', 304),
@@ -62,7 +63,8 @@ READS = (
     ('"{mesh}"', '"{sent}"', 304),
     ('"{mesh}"', '"x"', 200),
 )
-# Status of methods that change the mesh (200: of queries by POST): they accept any tag of the mesh.
+# Status of methods that change the mesh, and of queries by POST (200). These methods accept any tag
+# of the mesh.
 WRITES = (
     ('"{mesh}"', None, 200),
     ('"{mesh}-gzip"', None, 200),

@@ -1,8 +1,8 @@
 """Tests the contract's examples against the daemon: each documented request works unchanged, and
 gets a documented answer.
 
-A new operation takes part when its parameters and its body have examples (contract_scene.py says
-which surfaces they must use).
+A new operation is tested if its parameters and its body have examples. contract_scene.py describes
+the surfaces that the examples must use.
 """
 import json
 import re
@@ -16,12 +16,13 @@ from harness import TestCase
 # Members that differ between runs or machines.
 VOLATILE = {"created", "build_ms", "bytes", "memory_bytes", "fields_cached", "id", "etag"}
 CLOSE = 1e-12
-# Operations whose answers differ from the example in the daemon's figures, a name or a state.
+# Operations whose answers differ from their examples in figures of the daemon, in a name, or in a
+# state.
 NOT_REPEATED = {"get_service", "create_mesh", "create_nurbs", "create_subdivision", "list_jobs", "get_job", "get_readyz"}
 
 
 def differences(shown, answered, place=""):
-    """Yields where an answer differs from the one that the contract shows."""
+    """Yields the places where an answer differs from the contract's example."""
     if isinstance(shown, dict) and isinstance(answered, dict):
         for key in sorted(shown.keys() | answered.keys()):
             if key not in shown or key not in answered:
@@ -54,7 +55,7 @@ class Examples(TestCase):
         cls.scene = Scene(cls.daemon, cls.contract)
 
     def each(self, check):
-        """Checks each operation on a daemon that has all that it needs."""
+        """Checks each operation on a daemon that has all surfaces that the operation needs."""
         for operation in self.contract.operations:
             with self.subTest(operation=operation.name):
                 self.scene.fill()
@@ -106,7 +107,8 @@ class Examples(TestCase):
         self.each(check)
 
     def test_every_field_can_be_selected(self):
-        """`select` accepts each listed name, and no other; `geometry` accepts its words."""
+        """`select` accepts each listed name and no other name. `geometry` accepts each listed
+        word."""
         def check(operation):
             for name in ("select", "geometry"):
                 for word in operation.words(name):
@@ -153,13 +155,13 @@ class Examples(TestCase):
 
 
     def test_enumerations_of_strings_hold_strings(self):
-        """YAML 1.1 reads the bare word off as false."""
+        """A YAML 1.1 parser reads the unquoted word `off` as false."""
         schemas = [value for value in objects(self.daemon.get("/openapi.json").json) if value.get("type") == "string" and "enum" in value]
         self.assertEqual([schema for schema in schemas if not all(isinstance(word, str) for word in schema["enum"])], [])
         self.assertTrue(any("off" in schema["enum"] for schema in schemas))
 
     def test_references_name_components(self):
-        """Some code generators refuse a reference into a schema."""
+        """Some code generators reject a reference that leads into a schema."""
         references = {value["$ref"] for value in objects(self.daemon.get("/openapi.json").json) if isinstance(value.get("$ref"), str)}
         self.assertEqual([reference for reference in references if reference.count("/") != 3], [])
 

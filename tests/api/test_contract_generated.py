@@ -1,5 +1,5 @@
-"""Code generated from the contract: one change of the contract adds a member of an answer or a
-request everywhere."""
+"""Tests the code that is generated from the contract. One change of the contract adds a member to
+an answer or a request in all generated code."""
 import json
 import pathlib
 import re
@@ -15,7 +15,8 @@ from harness import PROGRAM
 ROOT = contract.DOCUMENT.parents[1]
 LIBRARIES = [PROGRAM.parent / f"lib{name}.a" for name in ("gd_proto", "geodesic-smooth", "geodesic-tools", "geodesic")]
 INCLUDE = ["-I", ROOT / "engine" / "include", "-I", ROOT / "engine", "-I", ROOT]
-# C program that decodes the body of a mean and prints the result; then a projection of the answer.
+# A C program that decodes the body of a mean request and prints the result. It then prints a
+# selection of the answer's members.
 READER = r"""
 #include <stdio.h>
 #include <string.h>

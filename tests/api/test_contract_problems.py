@@ -12,7 +12,8 @@ import contract_situations
 from contract_situations import Situations, documented
 from harness import PROGRAM
 
-# Documented problems that these situations can't cause: the reason, and where they are tested.
+# Documented problems that these situations can't cause, each with the reason and the test that
+# covers it.
 ELSEWHERE = {
     "store_unavailable": "needs a database that several daemons share",
 }

@@ -1,4 +1,4 @@
-"""Cuts: pieces as meshes, their maps, selections, names, refusals, and durability."""
+"""Tests cuts: the pieces as meshes, their maps, selections, names, refused cuts, and durability."""
 import json
 import random
 import time
@@ -83,8 +83,8 @@ class Cut(TestCase):
         self.assertEqual(faces, set(range(200)))
 
     def test_pieces_answer_queries(self):
-        """No distance on the piece is shorter than on the whole mesh. Distances between opposite
-        sides of the hole are longer."""
+        """No distance on the piece is shorter than the distance on the whole mesh. Distances
+        between opposite sides of the hole are longer."""
         [frame] = self.cut("grid", square(0.15, 0.65), inside={"vertex": 0}, names=["holed"])["pieces"]
         ask = lambda name, a, b: self.daemon.get(f"/v1/meshes/{name}/distance?from={a}&to={b}").json["distance"]
         across = ask("holed", "p:0.1,0.4,0", "p:0.7,0.4,0")
@@ -163,7 +163,8 @@ class Cut(TestCase):
         self.daemon.put("mine", sample("grid", columns=4, rows=4))
         answer = self.cut("mine", square(0.25, 0.5))
         self.assertEqual([piece["name"] for piece in answer["pieces"]], ["mine-1", "mine-2"])
-        self.assertEqual(self.cut("mine", square(0.25, 0.5)), answer)  # repeated: nothing changes
+        # the repeated request changes nothing
+        self.assertEqual(self.cut("mine", square(0.25, 0.5)), answer)
         problem = self.refusal("mine", {"curve": square(0.25, 0.75)}, "conflict", 409)
         self.assertIn("mine-1", problem["detail"])
         self.assertAlmostEqual(self.describe("mine-2")["area"], 0.0625, 12)
@@ -184,7 +185,7 @@ class Cut(TestCase):
         self.assertEqual(self.daemon.get("/v1/meshes/same").status, 404)
 
     def test_more_pieces_than_names(self):
-        """65 pieces exceed the limit; the selection of one of them does not."""
+        """A cut into 65 pieces exceeds the limit, but the selection of one piece does not."""
         triangles = [f"v {3 * i} 0 0\nv {3 * i + 1} 0 0\nv {3 * i} 1 0\nf -3 -2 -1\n" for i in range(64)]
         self.daemon.put("many", "".join(triangles).encode())
         corner = {"points": [{"edge": [0, 1], "t": 0.5}, {"edge": [0, 2], "t": 0.5}]}
@@ -253,7 +254,7 @@ class Narrow(TestCase):
     flags = ("--memory-budget", "24MiB", "--max-body", "4MiB", "--landmarks", "0")
 
     def test_over_the_budget(self):
-        """A cut that exceeds the memory budget is refused and leaves nothing behind."""
+        """A cut that exceeds the memory budget is refused and creates no mesh."""
         self.assertEqual(self.daemon.put("grid", sample("grid", columns=126, rows=126)).status, 201)
         before = self.daemon.get("/v1/meshes").json
         answer = self.daemon.ask("grid", "cut", {"curve": square(0.2, 0.6)})

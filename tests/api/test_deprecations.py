@@ -1,4 +1,4 @@
-"""Former names of paths and parameters: they give the answers of their replacements, and a
+"""Tests former names of paths and parameters. They return the answers of their replacements and a
 Deprecation header."""
 import json
 import re
@@ -13,8 +13,8 @@ PAIR = {"from": {"vertex": 0}, "to": {"vertex": 1}}
 LINE = {"query": "distance", **PAIR}
 ENDS = {"from": [0.1, 0.2], "to": [0.8, 0.9]}
 FIELD = {"set": {"points": [{"vertex": 0}]}}
-# method, target and body with the former name; target with the new one, and the body if it differs;
-# a list is a body of lines
+# Each row has the method, target and body with the former name, and then the target with the new
+# name. The row ends with the new body if that differs. A list stands for a body of lines.
 FORMER = [
     ("GET", "/v1/meshes/tetrahedron/distance?from=v:0&to=v:1&fields=distance", None, {"target": "/v1/meshes/tetrahedron/distance?from=v:0&to=v:1&select=distance"}),
     ("POST", "/v1/meshes/tetrahedron/path?fields=distance", PAIR, {"target": "/v1/meshes/tetrahedron/path?select=distance"}),

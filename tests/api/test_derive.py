@@ -1,4 +1,5 @@
-"""Meshes made by edits: operations, origins, descriptions, files, refusals, and durability."""
+"""Tests meshes that are made by edits: operations, origins, descriptions, files, refused edits, and
+durability."""
 import math
 import struct
 import time
@@ -35,8 +36,8 @@ class Derive(TestCase):
         origin = made["derived_from"]
         self.assertEqual((origin["mesh"], origin["operations"]), ("sphere", [SIMPLIFY]))
         self.assertEqual(f'"{origin["etag"]}"', self.daemon.get("/v1/meshes/sphere").headers["ETag"])
-        # at most four times the sagitta of an equilateral triangle of that area on the unit sphere,
-        # since the triangles are irregular
+        # the limit is four times the sagitta of an equilateral triangle of that area on the unit
+        # sphere, since the triangles are irregular
         self.assertLess(origin["largest_distance"], 4 * (4 * 4 * math.pi / 100 / (3 * math.sqrt(3))) / 2)
         self.assertGreater(origin["largest_distance"], 0.01)
 
@@ -208,7 +209,8 @@ class Split(TestCase):
 
 
 class Upload(TestCase):
-    """Edits of an upload: the result equals derive on the file's mesh."""
+    """Tests edits of an upload. The result equals the result of `derive` on the mesh of the same
+    file."""
     def upload(self, query, file, name="made", **headers):
         return self.daemon.request("PUT", f"/v1/meshes/{name}?{query}", file, {key.replace("_", "-"): value for key, value in headers.items()})
 
@@ -281,7 +283,7 @@ class Upload(TestCase):
         self.assert_problem(self.daemon.request("PUT", "/v1/subdivisions/bad?simplify=10", sample("icosphere", level=1)), 400, "invalid_request")
 
     def test_an_edit_that_fails_names_elements(self):
-        # the hole is a slit: its loop lies on a line
+        # the hole is a slit, because its boundary loop lies on a straight line
         places = ["0 0", "1 0", "1 0", "2 0", "1 1", "1 -1", "-1 0", "3 0", "-1 1"]
         corners = ["1 2 5", "2 4 5", "1 6 3", "3 6 4", "7 1 5", "7 6 1", "8 5 4", "8 4 6", "7 5 9"]
         slit = "".join([f"v {place} 0\n" for place in places] + [f"f {corner}\n" for corner in corners]).encode()

@@ -1,5 +1,5 @@
-"""A stopping daemon as a load balancer sees it: first /readyz answers 503; only later are
-connections refused."""
+"""Tests a stopping daemon from the view of a load balancer. First /readyz returns 503; later the
+daemon refuses connections."""
 import time
 import unittest
 

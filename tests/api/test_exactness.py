@@ -1,5 +1,5 @@
-"""Exactness: recorded cases beside vertices and in the smallest faces, each repeated as recorded;
-and one pair queried in every way that the API has."""
+"""Tests exactness. Repeats recorded cases with points close to vertices and in very small faces.
+Also queries one pair by every operation of the API."""
 import json
 import math
 import os
@@ -11,8 +11,10 @@ from harness import SEARCHES, Daemon, TestCase, sample
 
 SHARED = pathlib.Path(os.environ.get("GEODESICD_SHARED", "../shared")) / "exactness"
 
-PROMISE = 1e-9  # relative error of a distance
-ONE_LANE = 1e-12  # relative difference between two ways to query a pair
+PROMISE = 1e-9  # largest permitted relative error of a distance
+# largest permitted relative difference between two operations that return the distance of the same
+# pair
+ONE_LANE = 1e-12
 
 
 def cases(kind):
@@ -59,8 +61,8 @@ class Asking(TestCase):
         return result["distance"]
 
     def all_lanes(self, mesh, start, end):
-        """Queries a pair in all ways. The first queries are searches; fields answer from the
-        sixteenth query of a source on, and after `field`."""
+        """Queries a pair by all operations. The first queries use searches. Later queries use
+        fields: a field is built at the sixteenth query of a source, or by `field`."""
         yield from (self.pair(mesh, start, end)[0] for _ in range(SEARCHES + 4))
         yield self.matrix(mesh, start, end)
         yield self.matrix(mesh, end, start)
@@ -130,12 +132,14 @@ class Recorded(Asking):
         self.each(lambda case: "set" in case, self.check_set)
 
     def test_rounded_vertices(self):
-        """The distance of a point from a source beside a vertex is at most its distance from the
-        vertex plus the distance between source and vertex."""
+        """Tests the triangle inequality for a source close to a vertex: the distance from the
+        source is at most the distance from the vertex plus the distance between source and
+        vertex."""
         self.each(lambda case: "beside_vertex" in case, self.check_rounded_vertex)
 
     def test_logs(self):
-        """exp and transport accept the vectors that log answers, cut_locus included."""
+        """`exp` and `transport` accept the vectors that `log` returns, including their member
+        cut_locus."""
         self.each(lambda case: case["ask"] == "log", self.check_log)
 
 

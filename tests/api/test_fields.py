@@ -186,7 +186,7 @@ class Values(Fields):
             field = self.make(mesh, {"set": {"points": [source]}})["id"]
             points = [random_point(chance, self.faces[mesh]) for _ in range(30)] + [{"vertex": 5}, source]
             for point, result in zip(points, self.evaluate(mesh, field, points, path=True)):
-                # in the opposite direction, which is searched, not looked up
+                # the opposite direction has no field, so the daemon uses a search
                 other = self.daemon.ask(mesh, "distance", {"from": point, "to": source | {"barycentric": source["barycentric"][:]}})
                 self.assertLess(abs(result["distance"] - other.json["distance"]), 1e-12 * (1 + result["distance"]))
                 self.assertAlmostEqual(result["path"]["length"], result["distance"], 12)
@@ -265,15 +265,15 @@ class Values(Fields):
             self.assertIsNone(self.evaluate(mesh, field, [source], gradient=True)[0]["gradient"])
 
     def test_the_gradient_is_a_direction(self):
-        """In the unit square the gradient leads away from corner 0. Its angle is measured from the
-        direction 0 of the point."""
+        """In the unit square the gradient points away from corner 0. The gradient's angle is
+        measured from the zero direction of the point."""
         self.daemon.put("square", SQUARE)
         field = self.make("square", vertices(0))["id"]
         places = (
             ({"face": 0, "barycentric": [0.5, 0.25, 0.25]}, (0.5, 0.25), 0),  # 0 -> 1
             ({"face": 1, "barycentric": [0.25, 0.25, 0.5]}, (0.25, 0.75), 1 / 4),  # 0 -> 2
             ({"edge": [2, 0], "t": 0.5}, (0.5, 0.5), 1 / 4),
-            # leads off the surface, as do all below
+            # this gradient and all following gradients point off the surface
             ({"edge": [1, 2], "t": 0.25}, (1, 0.25), 1 / 2),
             ({"edge": [3, 2], "t": 0.25}, (0.25, 1), 1),  # 2 -> 3
             ({"vertex": 1}, (1, 0), 1 / 2),
@@ -330,7 +330,7 @@ class Memory(Fields):
         builds = self.daemon.metric("cache_builds_total")
         for number, field in enumerate(fields):
             self.assertEqual(self.get("sphere", field["id"]).json, field)
-        # creating fields needs only a description, no wedges
+        # a request that creates a field needs only its description and stores no wedges
         self.assertEqual(self.daemon.metric("cache_builds_total"), builds)
         for number, field in enumerate(fields):
             result = self.daemon.ask("sphere", f"fields/{field['id']}/evaluate", {"points": [{"vertex": number}]}).json["results"][0]
@@ -358,7 +358,7 @@ class Memory(Fields):
             answers = list(pool.map(lambda _: self.daemon.ask("large", "fields", vertices(9)), range(8)))
         for answer in answers:
             self.assert_problem(answer, 507, "insufficient_memory")
-        # most requests get the failure of another request's build
+        # most requests wait for another request's build and get its failure
         self.assertLess(self.daemon.metric("cache_builds_total"), builds + 8)
         self.daemon.request("DELETE", "/v1/meshes/large")
 

@@ -1,5 +1,6 @@
-"""Answers as files for other programs: fields as PLY, GLB and CSV, paths as OBJ, GLB, CSV and SVG,
-isolines as OBJ, GLB and CSV; glTF in and out; and other programs that read them."""
+"""Tests answers as files for other programs: fields as PLY, GLB and CSV; paths as OBJ, GLB, CSV and
+SVG; isolines as OBJ, GLB and CSV; and glTF in both directions. Also runs other programs that read
+these files."""
 import csv
 import io
 import json
@@ -22,8 +23,8 @@ KINDS = {"ply": "application/x-ply", "glb": "model/gltf-binary", "csv": "text/cs
 
 
 def read_glb(body):
-    """Returns the document and its accessors' numbers, each list flat. Asserts the rules of the
-    container."""
+    """Returns the glTF document, and the numbers of each accessor as a flat list. Asserts the rules
+    of the GLB container."""
     magic, version, length, size, kind = struct.unpack_from("<4sIII4s", body)
     assert (magic, version, length, kind) == (b"glTF", 2, len(body), b"JSON") and size % 4 == 0, body[:20]
     document, rest = json.loads(body[20:20 + size]), body[20 + size:]
@@ -135,8 +136,8 @@ class Paths(Files):
         self.assertEqual([p.get("mode", 4) for p in document["meshes"][0]["primitives"]], [4, 3])
 
     def test_svg_is_the_strip_laid_flat(self):
-        """In the drawing's own coordinates the line is as long as the path, and straight where it
-        passes through no vertex."""
+        """In the coordinates of the SVG file the line is as long as the path. The line is straight
+        where the path passes through no vertex."""
         path = self.path()
         drawing = xml.etree.ElementTree.fromstring(self.get_file(self.QUESTION, "svg"))
         group = drawing.find(f"{SVG}g")

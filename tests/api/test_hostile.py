@@ -1,5 +1,6 @@
-"""Hostile HTTP: requests that two readers could understand differently, and bodies that unpack to
-too much. Valid requests continue to be answered, in order, on the same connections."""
+"""Tests hostile HTTP: requests that two parsers could understand differently, and bodies that
+expand beyond the limit. The daemon continues to answer valid requests in order on the same
+connections."""
 import concurrent.futures
 import gzip
 import hashlib
@@ -38,8 +39,8 @@ def both(head, *codings):
         yield head + coding + b"\r\nContent-Length: 5\r\n\r\n0\r\n\r\n"
 
 
-# Malformed requests, by the reason for which the daemon refuses them. The test sends another
-# request after each; the daemon must not read it.
+# Malformed requests, grouped by the reason for which the daemon refuses them. After each malformed
+# request the test sends a second request, which the daemon must not read.
 ATTACKS = {
     "length and coding": [
         *both(PUT, b"Transfer-Encoding: chunked", b"transfer-encoding: Chunked", b"Transfer-Encoding:chunked",
@@ -121,7 +122,7 @@ LENIENT = {
     (b"200", b"404"): [
         # a bare LF ends a line
         b"GET /v1 HTTP/1.1\nHost: localhost\n\n", b"GET /v1 HTTP/1.1\n" + HOST + b"\r\n", GET + b"\n", GET + b"X: y\n\r\n", GET + b"X: y\n\n",
-        # any number of empty lines before a request, of blanks before a target
+        # any number of empty lines before a request, and any number of blanks before a target
         b"\n\n" + GET + b"\r\n", b"\r\n\r\n\r\n" + GET + b"\r\n", lines(b"GET  /v1 HTTP/1.1", b"Host: localhost"),
         # a folded line continues the header before it
         GET + b"X: y\r\n z\r\n\r\n", GET + b"X:\r\n\ty\r\n\r\n", GET + b" \r\n\r\n",
@@ -146,7 +147,8 @@ LENIENT = {
         *(SPLIT + WHOLE + trailer for trailer in (b"Content-Length: 5\r\n\r\n", b"Transfer-Encoding: chunked\r\n\r\n", b"Host: other\r\n\r\n",
                                                   b"X : y\r\n\r\n", b"X: y\r\n z\r\n\r\n", b"X: y\n\n", b": y\r\n\r\n")),
     ],
-    # a folded length or coding is ignored: the intended body is read as a request, and refused
+    # a folded Content-Length or Transfer-Encoding is ignored; the daemon reads the intended body as
+    # a request, and refuses it
     (b"411", b"405"): [PUT + length + b"\r\n\r\nhello" for length in (b"Content-Length:\r\n 5", b"Content-Length: 5\r\n 5")],
     (b"200", b"405"): [GET + length + b"\r\n\r\nhello" for length in (b"Content-Length:\r\n 5", b"Content-Length: 5\r\n 5")],
     (b"411",): [PUT + b"Transfer-Encoding:" + end + b" chunked\r\n\r\n" + chunks(b"hello") for end in (b"\r\n", b"\n")],
@@ -201,7 +203,8 @@ class Smuggling(TestCase):
         print(f"      {len(attacks)} cases, {len(attacks) - silent} answered with a refusal, {silent} hung up on, 0 accepted")
 
     def test_what_the_library_reads_leniently(self):
-        """Each lenient request is read as one request or refused; it never hides a request."""
+        """The daemon reads each lenient request as one request or refuses it. No lenient request
+        hides a second request."""
         cases = [(text, expected) for expected, texts in LENIENT.items() for text in texts]
         behind = lines(b"GET /v1/meshes/behind HTTP/1.1", b"Host: localhost", b"Connection: close")
         for (text, expected), answers in zip(cases, [self.attack(text + behind) for text, _ in cases]):
@@ -232,8 +235,8 @@ class Smuggling(TestCase):
         self.assert_nothing_happened()
 
     def test_every_byte_spoiled(self):
-        """Replaces one byte after the other in a request with all features of chunks: at most two
-        requests are read, and quickly."""
+        """Replaces one byte after the other in a request that uses all features of chunked bodies.
+        The daemon must read at most two requests, and do so quickly."""
         body = b"30;ext=\"a b\"\r\n%b\r\n0;x=y\r\nTrailer: x\r\n\r\n" % SQUARE
         text = PUT.replace(b"attack", b"spoiled") + CHUNKED + b"Expect: 100-continue\r\n\r\n" + body
         self.addCleanup(lambda: [self.daemon.request("DELETE", f"/v1/meshes/{mesh['name']}") for mesh in self.daemon.get("/v1/meshes").json["meshes"]])

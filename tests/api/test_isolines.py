@@ -1,5 +1,5 @@
-"""Isolines of a field: lines and arcs against circles, every point at its level's distance,
-refusals, and early ends."""
+"""Tests isolines of a field. Compares lines and arcs with circles, and checks that every point has
+its level's distance. Also tests refused requests and isolines that end early."""
 import concurrent.futures
 import json
 import math

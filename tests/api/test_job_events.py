@@ -1,4 +1,4 @@
-"""Server-sent events of jobs: their content, and watchers that leave."""
+"""Tests the server-sent events of jobs: their content, and clients that disconnect."""
 import time
 import unittest
 
@@ -65,8 +65,8 @@ class Events(OneWorker):
             time.sleep(0.001)
 
     def test_a_watcher_that_disconnects_during_silence(self):
-        """A waiting job sends no events, so the daemon must detect by itself that its watchers have
-        left."""
+        """A waiting job sends no events, so the daemon must detect by itself that the clients of
+        its stream have disconnected."""
         self.daemon.ask_often("big", "v:927")
         running = self.start_field(925)
         next_one = self.start("/v1/meshes/big/distance", pair(927, 5001))

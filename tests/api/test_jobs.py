@@ -1,4 +1,4 @@
-"""Jobs: Prefer: respond-async, results, cancels, expiry, bounds, drain."""
+"""Tests jobs: Prefer: respond-async, results, cancelling, expiry, limits, and drain."""
 import concurrent.futures
 import http.client
 import json
@@ -12,7 +12,7 @@ from jobs import ASYNC, JSON, SANITIZED_SECONDS, Jobs, OneWorker, Watch, big_mes
 
 
 class Answers(Jobs):
-    """A job's answer is what the operation would have answered."""
+    """The result of a job equals the direct answer of the operation."""
 
     @classmethod
     def setUpClass(cls):
@@ -261,7 +261,7 @@ class Work(OneWorker):
 
 
 class Waiting(OneWorker):
-    """GET with ?wait=."""
+    """Tests GET with ?wait=."""
 
     def ask(self, location, seconds):
         since = time.monotonic()
@@ -316,7 +316,7 @@ class Expiry(Jobs):
         self.wait(location, "done")
         time.sleep(1.05)
         self.assert_problem(self.daemon.get(location), 404, "not_found")
-        # its answer is freed, too
+        # the memory of its answer is also freed
         wait_until(lambda: b'class="jobs"} 0\n' in self.daemon.get("/metrics").body, 5)
 
     def test_the_oldest_jobs_are_removed_from_a_full_table(self):
@@ -345,8 +345,8 @@ class Drain(Jobs):
     flags = ()
 
     def busy(self, *flags):
-        """Starts a daemon with a running job, a waiting job, a connection, and a watcher of the
-        first job."""
+        """Starts a daemon with a running job, a waiting job, an open connection, and an event
+        stream of the first job."""
         daemon = Daemon("--workers", "1", "--landmarks", "0", *flags)
         daemon.put("big", sample("terrain", cells=256, amplitude=1))
         daemon.ask_often("big", "v:0")
@@ -396,7 +396,7 @@ class Drain(Jobs):
         daemon.terminate()
         while "draining" not in [line["event"] for line in daemon.log]:
             time.sleep(0.001)
-        list(watch.events)  # the stream ends when jobs are refused
+        list(watch.events)  # the stream ends when the daemon begins to refuse jobs
         answer = daemon.request("GET", "/v1/meshes/big/nearest?point=v:0", headers=ASYNC, connection=connection)
         self.assert_problem(answer, 503, "draining")
         watch.close()
@@ -404,7 +404,7 @@ class Drain(Jobs):
 
 
 class Crowd(Jobs):
-    """Runs everything at once, for sanitizers."""
+    """Runs jobs, cancels and watchers simultaneously, so that sanitizers can detect data races."""
 
     flags = ("--workers", "2", "--max-jobs", "40", "--job-ttl-s", "1", "--landmarks", "0")
 

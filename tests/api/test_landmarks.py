@@ -1,5 +1,5 @@
-"""Landmarks: answers are the same with them; they are built in idle time, survive a restart, and
-are evicted for room and with their mesh."""
+"""Tests landmarks. Landmarks do not change answers. The daemon builds them in idle time and keeps
+them across restarts. It evicts landmarks if memory is short, and together with their mesh."""
 import pathlib
 import random
 import re
@@ -48,8 +48,8 @@ class Answers(unittest.TestCase):
 
 
     def test_curves_are_the_same_to_the_last_bit(self):
-        """Near a curve's farthest point the distance is flat, so the smallest difference in
-        rounding would move that point."""
+        """Near the farthest point of a curve the distance is nearly constant, so the smallest
+        difference in rounding would move that point."""
         body = {"a": {"points": ["v:0", "v:9", "v:30"], "closed": True}, "b": {"points": ["v:100", "v:90"]}, "measure": "hausdorff"}
         with Daemon("--landmarks", "16") as daemon:
             daemon.put("ball", self.FILES["ball"])
@@ -80,8 +80,8 @@ class Effort(unittest.TestCase):
             return self.processor_seconds(daemon) - before
 
     def test_landmarks_shorten_searches(self):
-        """With landmarks searches need about half the windows. The numbers would be equal if
-        searches got no landmarks."""
+        """With landmarks, searches need about half the windows. The two numbers would be equal if
+        searches did not use landmarks."""
         self.assertLess(self.search(16), 0.75 * self.search(0))
 
 
@@ -89,7 +89,7 @@ class Life(TestCase):
     flags = ("--workers", "1", "--memory-budget", "64MiB", "--max-body", "8MiB")
 
     def fill(self, name):
-        """Builds more fields of the mesh than there is room for."""
+        """Builds more fields of the mesh than the memory budget can hold."""
         faces = self.daemon.put(name, rough()).json["faces"]
         for source in range(0, faces, faces // 20):
             point = f"f:{source}:0.2,0.3,0.5"
@@ -121,7 +121,8 @@ class Life(TestCase):
         wait_until(lambda: self.daemon.metric("workers_background") == 0)
 
     def test_requests_do_not_wait_for_landmarks(self):
-        """Tests a single worker, which the landmarks' thread leaves free."""
+        """Tests a single worker. Landmarks are built on another thread, so the worker stays
+        free."""
         self.daemon.put("slow", sample("terrain", cells=128, amplitude=1))
         built = self.daemon.metric("landmarks_built_total")
         self.daemon.get("/v1/meshes/slow/distance?from=v:0&to=v:1")

@@ -1,5 +1,5 @@
-"""The daemon under load: urgent and patient jobs, overload, deadlines, waits for a field, memory,
-drain, and everything at once."""
+"""Tests the daemon under load: urgent and slow jobs, overload, deadlines, waits for a field,
+memory, drain, and all of these simultaneously."""
 import concurrent.futures
 import contextlib
 import itertools
@@ -36,11 +36,11 @@ class Lanes(TestCase):
         cls.daemon.get("/v1/meshes/square/distance?from=v:0&to=v:2")
 
     def ask(self, source, options=""):
-        """Queries a pair across the mesh whose target no other pair has."""
+        """Queries a pair with distant points. No other query has the same target."""
         return self.daemon.get(f"/v1/meshes/slow/distance?from=v:{source}&to=v:{66000 - source}{options}")
 
     def ask_for_a_field(self, source):
-        """Sends the slowest query: the one for which a field is built."""
+        """Sends the slowest query, which is the query for which a field is built."""
         self.daemon.ask_often("slow", f"v:{source}")
         return self.ask(source)
 
@@ -82,8 +82,8 @@ class Lanes(TestCase):
             self.assertEqual(slow.result().status, 200)
 
     def assert_ended(self, counter, ask):
-        """Asserts that the request ends at a deadline so short that its work begins, as the counter
-        shows, but does not finish."""
+        """Asserts that the request ends at its deadline. The deadline is so short that the work
+        begins, as the counter shows, but does not finish."""
         begun = self.daemon.metric(counter)
         for timeout_ms in (3, 6, 12, 24, 48):
             self.assert_problem(ask(f"timeout_ms={timeout_ms}"), 504, "deadline_exceeded")
@@ -159,7 +159,8 @@ class Waiting(TestCase):
         builds, waits = self.daemon.metric("cache_builds_total"), self.daemon.metric("cache_waits_total")
         # less than ten times the cost of such a field
         hasty = self.daemon.get(url + "&timeout_ms=1500")
-        self.assertIn(hasty.status, (200, 504), hasty)  # 504: slow under sanitizers
+        # the answer is 504 if the daemon is slow, as under sanitizers
+        self.assertIn(hasty.status, (200, 504), hasty)
         self.assertEqual(self.daemon.metric("cache_builds_total"), builds)
         self.assertEqual(self.daemon.get(url).status, 200)
         self.assertEqual(self.daemon.metric("cache_builds_total"), builds + 1)
@@ -251,7 +252,7 @@ class Crowd(TestCase):
 
     def setUp(self):
         self.files = [sample("icosphere", level=4), sample("torus"), sample("grid", columns=64, rows=64)]
-        # m3 is never changed: its fields stay until they are evicted
+        # m3 never changes, so its fields stay until they are evicted
         self.daemon.put("m3", sample("icosphere", level=5))
         self.wrong, self.is_over = [], threading.Event()
         self.counter = itertools.count()
@@ -269,15 +270,16 @@ class Crowd(TestCase):
             self.request("PUT" if body else "DELETE", f"/v1/meshes/m{chance.randrange(3)}", body)
 
     def query(self, seed):
-        """Together with others, queries one point until its field is built and used, then the next
-        point."""
+        """Queries one point until its field is built and used, and then the next point. Several
+        threads do this simultaneously."""
         chance = random.Random(seed)
         while not self.is_over.is_set():
             source = next(self.counter) // 50
             self.request("GET", f"/v1/meshes/m{source % 4}/path?from=v:{source % 300}&to=v:{chance.randrange(300)}")
 
     def test_everything_at_the_same_time(self):
-        """Every answer is an allowed one while fields are built, awaited, used and evicted."""
+        """While fields are built, awaited, used and evicted, every answer is one of the permitted
+        answers."""
         enough, late = time.monotonic() + 3, time.monotonic() + PATIENCE_SECONDS
         threads = [threading.Thread(target=self.change if number < 2 else self.query, args=(number,))
                    for number in range(8)]

@@ -24,7 +24,8 @@ MOEBIUS = THREE + b"v 1 1 0\nv 1 1 1\nf 1 2 3\nf 2 3 4\nf 3 4 5\nf 4 5 1\nf 5 1 
 STRIP = [b"v %d %d 0\n" % (i, i % 2) for i in range(11)] + [b"f %d %d %d\n" % (i, i + 1, i + 2) for i in range(1, 10)]
 NINE_FACES = b"".join(STRIP)
 
-# (name, bytes, reason of invalid_mesh; None: any)
+# Each row has the name, the bytes, and the reason of invalid_mesh. The reason None accepts any
+# reason.
 FILES = [
     ("nothing", b"", "empty"),
     ("a word", b"hello", "unrecognized"),
@@ -84,7 +85,7 @@ TOO_LARGE = 413, "too_large"
 MEDIA_TYPE = 415, "unsupported_media_type"
 OFF_SURFACE = 422, "point_not_on_surface"
 
-# (name, method, path, body, headers, status, code)
+# Each row has the name, method, path, body, headers, status and code.
 REQUESTS = [
     ("unknown path", "GET", "/v2", None, {}, *ABSENT),
     ("path with two slashes", "GET", "//v1/meshes", None, {}, *ABSENT),
@@ -155,8 +156,8 @@ PUT = b"PUT /v1/meshes/raw HTTP/1.1\r\nHost: localhost\r\n"
 OLD_PUT = b"PUT /v1/meshes/raw HTTP/1.0\r\nHost: localhost\r\n"
 GET = b"GET /v1 HTTP/1.1\r\n"
 
-# (name, bytes on the wire, status): requests that a client library would not send. Status 0: the
-# daemon closes the connection without an answer.
+# Requests that a client library would not send. Each row has the name, the bytes, and the status.
+# Status 0 means that the daemon closes the connection without an answer.
 RAW = [
     ("both lengths", PUT + b"Content-Length: 5\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n", 400),
     ("two Content-Lengths", PUT + b"Content-Length: 5\r\nContent-Length: 6\r\n\r\nhello", 400),
@@ -221,7 +222,7 @@ class Malformed(TestCase):
                 self.assertLessEqual(received.count(b"X-Request-Id"), 1, received)
 
     def test_nothing_is_smuggled(self):
-        """Bytes after an ambiguous request are never read as a request."""
+        """The daemon never reads the bytes after an ambiguous request as a request."""
         hidden = b"GET /v1/meshes/smuggled HTTP/1.1\r\nHost: localhost\r\n\r\n"
         both = b"Content-Length: 3\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n"
         twice = b"Content-Length: 0\r\nContent-Length: 60\r\n\r\n"

@@ -1,4 +1,4 @@
-"""Matrices: each entry equals the distance of a single query."""
+"""Tests matrices. Each entry equals the distance of a single query."""
 import gzip
 import json
 import math
@@ -284,7 +284,7 @@ class Limits(TestCase):
         self.assertEqual((len(seen), self.daemon.request("DELETE", job).status), (5, 204))
 
     def test_measure(self):
-        """Prints a figure without a check."""
+        """Prints a measured time and checks nothing."""
         self.daemon.put("terrain", sample("terrain", cells=173))
         document = {"sources": vertices(range(0, 30000, 300)), "targets": vertices(range(7, 30007, 30))}
         begun = time.monotonic()
@@ -316,8 +316,8 @@ class LittleMemory(unittest.TestCase):
         return budget
 
     def test_rows_without_memory_wait_for_other_rows(self):
-        """Rows without room wait for other rows, so several workers need no more memory than
-        one."""
+        """A row waits for other rows while the budget has no room for it. Several workers therefore
+        need no more memory than one worker."""
         with Daemon("--workers", "2") as roomy:
             roomy.put("ball", self.mesh())
             expected = roomy.ask("ball", "matrix", self.document).json

@@ -97,7 +97,8 @@ class Put(TestCase):
 
 
 class Repair(TestCase):
-    """Repairs that need more memory than the uploaded mesh, while all memory is free."""
+    """Tests repairs that need more memory than the uploaded mesh, while the whole budget is
+    free."""
 
     def assert_mended(self, file, options, faces, copies):
         answer = self.daemon.put("mended", file.encode(), options)
@@ -240,7 +241,7 @@ class Content(TestCase):
         self.assert_problem(self.daemon.get("/v1/meshes/torus/content", Accept="text/html"), 406, "not_acceptable")
 
     def test_compressed_answers_have_separate_tags(self):
-        """Two sequences of bytes never share a strong tag; either tag names the mesh."""
+        """Different bytes never have the same strong tag, but both tags identify the mesh."""
         path = "/v1/meshes/torus/content"
         plain, packed = self.daemon.get(path), self.daemon.get(path, Accept_Encoding="gzip")
         self.assertEqual(packed.headers["ETag"], plain.headers["ETag"][:-1] + '-gzip"')
@@ -280,7 +281,7 @@ class Content(TestCase):
         self.assertNotEqual(gzip.decompress(self.daemon.get(path, Accept_Encoding="gzip").body), plain.body)
 
     def test_a_browser_on_this_host_gets_uncompressed_answers(self):
-        """A browser can't decline gzip."""
+        """Browsers always offer gzip, so the daemon must decide from their address."""
         packed = {"Accept_Encoding": "gzip, deflate, br", "Sec_Fetch_Site": "same-origin"}
         for path, is_page in (("/v1/meshes/torus/content", False), ("/", True), ("/openapi.json", True)):
             near = self.daemon.get(path, **packed)

@@ -79,7 +79,8 @@ class Resource(Nurbs):
         self.assertEqual(self.daemon.request("POST", "/v1/nurbs", body).status, 200)
 
     def test_conventions(self):
-        """The torus in the conventions of other programs is the same surface."""
+        """The torus is the same surface if its knots or weights follow the conventions of other
+        programs."""
         canonical = rational_torus()
         flat = [[(point, weight) for point, weight in zip(*rows)] for rows in zip(canonical["controlPoints"], canonical["weights"])]
         multiplied = [[[weight * x for x in point] for point, weight in row] for row in flat]
@@ -156,8 +157,8 @@ class Resource(Nurbs):
         self.assert_problem(self.daemon.get("/v1/nurbs/unread"), 404, "not_found")
 
     def test_without_a_tessellation(self):
-        """A surface of which a part is a line can be evaluated; paths on it are refused, with the
-        reason."""
+        """A surface that collapses to a line in a part of its domain can be evaluated. Paths on
+        this surface are refused with the reason."""
         folded = {"degreeU": 1, "degreeV": 1, "knotsU": [0, 0, 1, 2, 2], "knotsV": [0, 0, 1, 1],
                   "controlPoints": [[[0, 0, 0], [0, 1, 0]], [[1, 0, 0], [1, 1, 0]], [[1, 0, 0], [1, 1, 0]]]}
         answer = self.put("folded", folded)
@@ -224,8 +225,8 @@ class Evaluation(Nurbs):
             self.assertEqual(self.refusal("saddle", "evaluate", document)["pointer"], pointer)
 
     def test_nearest(self):
-        """The nearest point is the global one: from random points the distance to the torus has a
-        closed form."""
+        """Tests that the answer is the globally nearest point. For random points the distance to
+        the torus has a closed form."""
         chance = random.Random(2)
         for _ in range(60):
             x, y, z = (chance.uniform(-4, 4) for _ in range(3))
@@ -253,8 +254,8 @@ class Evaluation(Nurbs):
         self.assertEqual(self.refusal("ring", "nearest", {"point": "p:0,0,0", "xyz": [0, 0, 0]})["pointer"], "/xyz")
 
     def test_nearest_of_several(self):
-        """Above hills and valleys, the distance has several local minima. The answer is the global
-        one: no sample of the surface is nearer."""
+        """Above hills and valleys, the distance has several local minima. The answer must be the
+        global minimum, so no sample of the surface may be nearer."""
         samples = [[i / 60, j / 60] for i in range(61) for j in range(61)]
         points = [point["xyz"] for point in self.ask("hills", "evaluate", {"uv": samples}, "?select=points,xyz")["points"]]
         chance = random.Random(4)
@@ -270,7 +271,7 @@ class Narrow(Nurbs):
     flags = ("--memory-budget", "24MiB", "--max-body", "8MiB")
 
     def test_over_the_budget(self):
-        """A surface that exceeds the budget is refused and leaves nothing behind."""
+        """A surface that exceeds the memory budget is refused and is not stored."""
         self.assertEqual(self.put("small", bumps(8, 4, 0.5, 1)).status, 201)
         self.assert_problem(self.put("large", bumps(250, 250, 0.1, 1)), 507, "insufficient_memory")
         self.assert_problem(self.post("small", "tessellate", {"mesh": "fine", "resolution": [700, 700]}), 507, "insufficient_memory")

@@ -24,8 +24,8 @@ class Curves(Nurbs):
         self.assert_close(answer["ends"][which]["uv"], expected, tolerance)
 
     def test_the_nearer_side_of_a_circle(self):
-        """The path to the farthest point also meets the circle at a right angle; it is never the
-        answer."""
+        """The path to the farthest point also meets the circle at a right angle, but must never be
+        the answer."""
         for angle in (0, PI / 4, PI / 2, PI):
             point = [2 * math.cos(angle), 2 * math.sin(angle)]
             answer = self.ask("plane", "point-curve-distance", {"point": point, "curve": self.CIRCLE})
@@ -48,7 +48,8 @@ class Curves(Nurbs):
         self.assertEqual((beyond["warnings"], beyond["ends"]["curve"]["parameter"]), (["curve_corner"], 1))
 
     def test_closed_polylines(self):
-        """`closed` adds an edge; without it the curve is open there."""
+        """`closed` adds an edge between the last and the first point. Without `closed` the curve
+        has a gap there."""
         corners = [[-1, -1], [1, -1], [1, 1], [-1, 1]]
         for closed, expected in ((True, 1), (False, math.sqrt(2))):
             answer = self.ask("plane", "point-curve-distance", {"point": [-2, 0], "curve": {"polyline": corners, "closed": closed}})
@@ -84,7 +85,8 @@ class Curves(Nurbs):
         self.assertIsNone(answer["ends"]["b"]["angle"])
 
     def test_against_many_pairs_of_points(self):
-        """No sampled pair of points of the two curves is nearer; some are nearly as near."""
+        """No sampled pair of points of the two curves is nearer than the answer, and the nearest
+        sampled pair is almost as near."""
         a, b = wavy(24, 0.25, 0.4, 0.15, 0.02, 5), wavy(24, 0.75, 0.6, 0.15, 0.02, 5)
         answer = self.ask("bumps", "curve-distance", {"a": a, "b": b})
         corners = lambda curve: curve["polyline"][::3]

@@ -44,7 +44,8 @@ class Geodesics(Nurbs):
         self.assertEqual(straight(0, 1, 1), 1)
 
     def test_get(self):
-        """GET returns the answer of POST, and names the parameter of a fault."""
+        """GET returns the same answer as POST. The problem of a wrong request names the
+        parameter."""
         path = "/v1/nurbs/ring/path?from=0.3,2.0&to=2.1,4.0"
         options = {"degree": 4, "control_points": 12, "tolerance": 1e-6, "all_minima": True, "samples": 3}
         for query, body in (("", {}), ("&degree=4&control_points=12&tolerance=1e-6&all_minima=true&samples=3", options)):
@@ -62,7 +63,7 @@ class Geodesics(Nurbs):
         self.assertEqual(problem["parameter"], "to")
 
     def test_the_sphere(self):
-        """Tests great circles beside the poles and through one."""
+        """Tests great circles close to the poles, and a great circle through a pole."""
         chance = random.Random(3)
         for _ in range(12):
             a, b = ([chance.random(), chance.uniform(0.1, 0.9)] for _ in range(2))
@@ -113,7 +114,7 @@ class Geodesics(Nurbs):
         through = self.geodesic("sphere", [0.125, 0.75], [0.625, 0.9])
         self.assertEqual(len(through["knots"]), len(through["control_points"]) + through["degree"] + 1)
         pole = [knot for knot in set(through["knots"]) if through["knots"].count(knot) == through["degree"] + 1]
-        self.assertEqual(len(pole), 3)  # both ends, and the pole
+        self.assertEqual(len(pole), 3)  # the points are both ends and the pole
 
     def test_single_splines_as_in_the_paper(self):
         """Uses one B-spline of a given number of control points: errors decrease, and the curve is
@@ -218,12 +219,12 @@ class Geodesics(Nurbs):
 
 
 class Time(Nurbs):
-    """Work of seconds ends when its client leaves or its deadline passes."""
+    """A request that takes seconds ends when its client disconnects or its deadline passes."""
 
     flags = ("--workers", "2")
     surfaces = {"hills": bumps(60, 60, 0.3, 7)}
     HARD = {"a": wavy(2500, 0.25, 0.25, 0.2, 0.02, 40), "b": wavy(2500, 0.75, 0.75, 0.2, 0.02, 40), "all_minima": True, "tolerance": 1e-14}
-    LATE = 1.0  # seconds of tolerance for a busy machine; the whole work takes many
+    LATE = 1.0  # permitted delay in seconds on a busy machine; the whole request takes much longer
 
     def test_deadlines(self):
         for wanted in (1, 30, 100, 250):

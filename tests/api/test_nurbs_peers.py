@@ -1,8 +1,8 @@
 """Evaluation against verb-nurbs, three and rhino3dm. Each evaluates its own surface and returns it
 as a file.
 
-They are npm packages for this test only: `make nurbs-peers` installs them below the build's
-directory. Without them or without node, the test is skipped.
+The programs are npm packages for this test only, which `make nurbs-peers` installs below the build
+directory. Without these packages or without node, the test is skipped.
 """
 import json
 import math
@@ -19,7 +19,9 @@ PEERS = PROGRAM.parent / "peers"
 SCRIPT = pathlib.Path(__file__).with_name("nurbs_peers.mjs")
 PLACES = 200
 NAMES = ("xyz", "du", "dv", "duu", "duv", "dvv")
-PROMISE = 1e-12  # relative to the largest coordinate of its kind on the surface
+# largest permitted error, relative to the largest coordinate or derivative of the same kind on the
+# surface
+PROMISE = 1e-12
 
 
 def uneven(chance, count, degree, low, high, most):
@@ -43,8 +45,8 @@ def wild(seed, degrees, counts, domain):
 
 
 def surfaces():
-    """Yields name, surface, and points where it is smooth: never on a knot, where each program may
-    choose its one-sided derivatives."""
+    """Yields a name, a surface, and points at which the surface is smooth. No point lies on a knot,
+    because programs choose different one-sided derivatives there."""
     chance = random.Random(1)
     whole = {"torus": rational_torus(), "sphere": rational_sphere(), "bumps": bumps(9, 7, 1, 2),
              "quadric": wild(3, (2, 2), (6, 5), ((0, 1), (0, 1))), "uneven": wild(4, (3, 2), (9, 8), ((-1.5, 7), (2, 2.25))),

@@ -72,8 +72,8 @@ class Tessellations(Nurbs):
         self.assertLess(counts[1] * 5, counts[2])
 
     def test_the_mesh_is_a_mesh(self):
-        """Distances on the mesh converge to those of the surface, from above or below, with the
-        square of its edge length."""
+        """Distances on the mesh converge to the distances on the surface, from above or below. The
+        error decreases with the square of the mesh's edge length."""
         self.tessellate("ring", mesh="near", resolution=[160, 80])
         uv = self.daemon.get("/v1/meshes/near/parameters").json["uv"]
         to = min(range(len(uv)), key=lambda i: math.dist(uv[i], [PI / 2, PI / 2]))

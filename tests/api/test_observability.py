@@ -1,5 +1,5 @@
-"""Operators' tools: the dashboard and the alerts use existing metrics, slow requests are logged,
-trace headers are passed on."""
+"""Tests the tools for operators. The dashboard and the alerts use existing metrics, the daemon logs
+slow requests, and it passes trace headers on."""
 import json
 import pathlib
 import re
@@ -39,7 +39,7 @@ class Documents(Folder):
             self.text = daemon.get("/metrics", Authorization=f"Bearer {key}").body.decode()
 
     def names(self):
-        """Returns the names of the metrics, and for a histogram those of its parts."""
+        """Returns the names of the metrics. A histogram also adds the names of its series."""
         kinds = dict(line.split()[2:4] for line in self.text.splitlines() if line.startswith("# TYPE "))
         parts = {f"{name}_{part}" for name, kind in kinds.items() if kind == "histogram" for part in ("bucket", "sum", "count")}
         return set(kinds) | parts
@@ -99,7 +99,7 @@ class Slow(unittest.TestCase):
     TRACE = "00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01"
 
     def lines(self, *flags):
-        """Returns the log lines of a fast request and of one that takes longer than 5 ms."""
+        """Returns the log lines of a fast request and of a request that takes longer than 5 ms."""
         with Daemon(*flags) as daemon:
             daemon.put("ball", sample("icosphere", level=6), traceparent=self.TRACE, X_Request_Id="slow")
             daemon.request("GET", "/livez", headers={"X-Request-Id": "fast"})

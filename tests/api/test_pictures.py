@@ -11,7 +11,7 @@ import zlib
 
 from harness import SQUARE, TWO_TRIANGLES, TestCase, sample
 
-# looks different from all sides
+# a mesh that looks different from each side
 UNLIKE = b"v 0 0 0\nv 1 0.1 0\nv 0.2 2 0\nv 0.1 0.3 3\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -77,7 +77,7 @@ class PictureTests(TestCase):
         self.assertEqual(png.at(50, 30)[3], 255)
         self.assertEqual(png.at(3, 30)[3], 0)
         area = sum(png.at(x, y)[3] / 255 for x in range(100) for y in range(60))
-        self.assertAlmostEqual(area, 48 * 48, delta=2)  # a margin of a tenth of the shorter side
+        self.assertAlmostEqual(area, 48 * 48, delta=2)  # the margin is a tenth of the shorter side
 
     def test_views_have_names_and_ups(self):
         def seen(query):

@@ -1,4 +1,5 @@
-"""Previews: thinned meshes for display, made in idle time and kept."""
+"""Tests previews, which are simplified meshes for display. The daemon makes them in idle time and
+keeps them."""
 import json
 import struct
 import time
@@ -9,7 +10,8 @@ FACES = 2000
 
 
 def ply(data):
-    """Returns vertices and faces of a binary PLY file, only in the form that the daemon writes."""
+    """Returns the vertices and faces of a binary PLY file. Supports only the form that the daemon
+    writes."""
     head, _, body = data.partition(b"end_header\n")
     counts = {line.split()[1]: int(line.split()[2]) for line in head.decode().splitlines() if line.startswith("element")}
     vertices = [struct.unpack_from("<3d", body, 24 * i) for i in range(counts["vertex"])]

@@ -208,7 +208,8 @@ class Patience(unittest.TestCase):
         with scenario.busy(self.OVERLOADED, (0, {}, {})) as (server, url), geodesicd.Client(url) as client:
             with self.assertRaises(geodesicd.ConnectionFailed):
                 client.create_batch({"query": "fields"})
-            # retried after a refusal, but not where the request may have arrived
+            # the client retries after a refusal, but not if the daemon may have received the
+            # request
             self.assertEqual(len(server.seen), 2)
 
     def test_the_client_waits_for_retry_after(self):

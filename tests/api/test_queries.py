@@ -1,4 +1,4 @@
-"""Distance, path and nearest, on surfaces with answers in closed form."""
+"""Tests distance, path and nearest on surfaces for which the answers have closed forms."""
 import gzip
 import json
 import math
@@ -11,7 +11,7 @@ class ClosedForms(TestCase):
     """Searches each pair on a fresh mesh; the classes below use fields instead."""
 
     counter = "searches_total"
-    source = None  # the end that has a field
+    source = None  # names the end of the pair that has a field
 
     @classmethod
     def setUpClass(cls):
@@ -224,7 +224,8 @@ class Nearest(TestCase):
 
 
 class CompactPoints(TestCase):
-    """JSON accepts a point as text wherever it accepts one as an object, and answers both alike."""
+    """JSON accepts a point as text wherever it accepts a point as an object. The answers are
+    equal."""
 
     POINTS = {"v:0": {"vertex": 0}, "e:0-1:0.5": {"edge": [0, 1], "t": 0.5}, "f:1:0.25,0.25,0.5": {"face": 1, "barycentric": [0.25, 0.25, 0.5]},
               "p:0.5,0.75,1": {"xyz": [0.5, 0.75, 1]}}

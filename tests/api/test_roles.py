@@ -8,7 +8,7 @@ from contract_scene import FIELD, JSON, Scene, send
 from harness import sample, wait_until
 from test_access import Keyed, bearer, digest, key_of, line
 
-READERS = ("reader", "watch")  # may only read; all other keys of the tenant may write
+READERS = ("reader", "watch")  # these keys may only read; all other keys of the tenant may write
 KEYS = (line("writer", "role=write") + line("second", "role=write") + line("reader") + line("watch", "role=operator")
         + f"stranger sha256:{digest(key_of('stranger'))} role=write\n")
 
@@ -69,7 +69,8 @@ class Roles(Keyed):
         self.assertGreater(refused, 2 * 15)
 
     def test_a_stranger_changes_nothing(self):
-        """Tests a key of another tenant that may write: its uploads are its own."""
+        """Tests a key of another tenant with the right to write. Its uploads belong to its own
+        tenant."""
         for operation, security in self.own_operations():
             if not security or operation.method == "get":
                 continue

@@ -1,5 +1,5 @@
-"""The scrub of stored files in idle time: it is slow, reports damage once, and accepts a repair. A
-backup restores lost files."""
+"""Tests the scrub, which checks stored files in idle time. The scrub reads slowly, reports each
+damage once, and accepts a repaired file. A backup restores lost files."""
 import pathlib
 import re
 import shutil
@@ -31,7 +31,7 @@ class Stored(Folder):
         path.write_bytes(content)
 
     def wait_for_a_round(self, daemon):
-        """Waits for the ends of two rounds, so that one whole round began after this call."""
+        """Waits until two rounds have ended, so that the second round began after this call."""
         daemon.wait_for("scrub_rounds_total", daemon.metric("scrub_rounds_total") + 2)
 
     def faults(self, daemon):

@@ -10,13 +10,13 @@ from test_hostile import CHUNKED, GET, PUT
 
 
 class Slow(TestCase):
-    """Clients that keep their connection busy without progress are cut by absolute deadlines; here
-    all at the same time."""
+    """Absolute deadlines end the connections of clients that send bytes without progress. All tests
+    run at the same time."""
 
     flags = ("--http-threads", "1")
 
     def drip(self, start, byte, interval):
-        """Sends the start and then a byte at each interval; returns the seconds until the daemon
+        """Sends `start`, and then one byte at each interval. Returns the seconds until the daemon
         closes the connection."""
         with socket.create_connection(("127.0.0.1", self.daemon.port), timeout=PATIENCE_SECONDS) as connection:
             started = time.monotonic()
@@ -105,7 +105,8 @@ class Crowds(unittest.TestCase):
                     self.assertLess(time.monotonic(), until)
 
     def test_connections_of_all(self):
-        """A client that connects while served clients take all places waits until one is free."""
+        """If the limit of connections is reached, a new client waits until another client
+        disconnects."""
         with Daemon("--max-connections", "4", "--max-address-connections", "0", "--http-threads", "1") as daemon:
             crowd = [socket.create_connection(("127.0.0.1", daemon.port), timeout=PATIENCE_SECONDS) for _ in range(4)]
             for connection in crowd:

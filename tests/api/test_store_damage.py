@@ -80,7 +80,7 @@ class Damage(Stored):
                 self.assertEqual([path for path, mode in modes.items() if mode], [])
                 self.assertGreater(len(list(self.folder.glob("fields/*/*"))), 0)
                 for name in ("geodesicd.db", "batches.db"):
-                    (self.folder / name).chmod(0o644)  # the mode that earlier versions set
+                    (self.folder / name).chmod(0o644)  # earlier versions set this mode
         finally:
             os.umask(mask)
 
@@ -196,7 +196,8 @@ class Damage(Stored):
 
 
 class Earlier(Stored):
-    """A data folder of the version before kinds: two meshes, one of them used."""
+    """Tests a data folder of the version that had only meshes. The folder has two meshes, of which
+    one was used."""
     QUAD = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n"
     ETAGS = {"b.c": "8f4dfe45ae4ca44551131943695e5ea4", "square": "b63e441c952b3224dec8e246512b0075"}
 

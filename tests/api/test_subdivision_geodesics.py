@@ -9,9 +9,9 @@ from subdivisions import DIAGONAL, MIDDLE, MIRROR, Subdivisions
 
 class Trace(Subdivisions):
     def test_the_closed_geodesics_of_the_cube(self):
-        """In the mirror planes y = 0 and x = y a trace closes: on the mesh up to the error of the
-        level, on the surface to 1e-8."""
-        vertex = {"face": 0, "uv": [0, 0]}  # of valence 3, in the plane x = y
+        """In the mirror planes y = 0 and x = y a trace returns to its start. On the mesh the gap is
+        the error of the level; on the surface the gap is at most 1e-8."""
+        vertex = {"face": 0, "uv": [0, 0]}  # a vertex of valence 3 in the plane x = y
         for start, direction, length, plane in [(MIDDLE, [1, 0, 0], MIRROR, (0, 1, 0)), (MIDDLE, [1, 1, 0], DIAGONAL, (1, -1, 0)),
                                                 (vertex, [1, 1, 1], DIAGONAL, (1, -1, 0))]:
             def far(point):
@@ -30,7 +30,8 @@ class Trace(Subdivisions):
                     [path] = answer["paths"]
                     self.assertLess(max(map(far, path["points"])), 1e-9, (rule, level))
                     gap = math.dist(path["points"][-1]["xyz"], path["points"][0]["xyz"])
-                    self.assertLess(gap, 0.2 * before)  # second order: each time divided by sixteen
+                    # the method has second order, so each step divides the gap by sixteen
+                    self.assertLess(gap, 0.2 * before)
                     before = gap
                 self.assertLess(gap, 1e-3)
 
@@ -43,7 +44,8 @@ class Trace(Subdivisions):
             off = [math.dist(a["points"][-1], b["points"][-1]["xyz"]) for a, b in zip(rough, smooth)]
             errors.append(sum(off) / len(off))
         self.assertLess(errors[-1], 1e-3)
-        self.assertLess(errors[-1], errors[0] / 50)  # order 3/2 (engine/doc/021) gives 64
+        # order 3/2 (engine/doc/021) divides the error by 64
+        self.assertLess(errors[-1], errors[0] / 50)
 
     def test_directions_and_geometry(self):
         question = {"start": MIDDLE, "length": 0.3}
@@ -83,7 +85,7 @@ class Trace(Subdivisions):
 
     def test_a_line_ends_where_it_meets_itself(self):
         """With stop_at_self_intersection, the closed geodesic of the mirror plane ends at its
-        start. Each line of a fan ends at a point of itself."""
+        start. Each line of a fan ends where it meets itself."""
         question = {"start": MIDDLE, "length": 20, "level": 4, "stop_at_self_intersection": True}
         [path] = self.ask("cube", "trace", {**question, "directions": [[1, 0, 0]]})["paths"]
         self.assertEqual(path["end_reason"], "self_intersection")
@@ -154,7 +156,8 @@ class Paths(Subdivisions):
             self.assertLess(math.dist(path["points"][-1]["xyz"], answer["to"]["xyz"]), 2 * math.hypot(*way) ** 2)
 
     def test_get(self):
-        """GET returns the answer of POST, and names the parameter of a fault."""
+        """GET returns the same answer as POST. The problem of a wrong request names the
+        parameter."""
         places = (("f:0:0.5,0.5", MIDDLE), ("f:5:0:0.25,1e-1", {"face": 5, "corner": 0, "uv": [0.25, 0.1]}))
         ends = "from={}&to={}".format(*(text for text, _ in places))
         for query, level in (("distance", ""), ("path", ""), ("path", "&level=3")):

@@ -36,7 +36,7 @@ class Resource(Subdivisions):
         self.assertEqual(self.daemon.request("HEAD", "/v1/subdivisions/gone").status, 200)
         self.assertEqual(self.daemon.request("DELETE", "/v1/subdivisions/gone").status, 204)
         self.assertEqual(self.daemon.get("/v1/subdivisions/gone").status, 404)
-        # each kind has its own names
+        # each kind of surface has its own names
         self.assertEqual(self.daemon.get("/v1/meshes/cube").status, 404)
 
     def test_post_makes_a_name(self):
@@ -82,7 +82,8 @@ class Resource(Subdivisions):
         tags = b"".join(b"t crease 2/1/0 %d %d 10\n" % edge for edge in edges)
         self.assertEqual(self.put("sharp-obj", CUBE + tags).status, 201)
         chains = {"creaseIndices": [0, 1, 3, 2, 0, 4, 5, 7, 6, 4, 1, 5, 2, 6, 3, 7], "creaseLengths": [5, 5, 2, 2, 2]}
-        # one chain is 0 1 3 2 0, one 4 5 7 6 4; the others contain the ends of 0 4 but not the edge
+        # one chain is 0 1 3 2 0, another is 4 5 7 6 4; the chains contain the vertices 0 and 4, but
+        # no chain contains the edge 0 4
         chains["creaseIndices"] += [0, 4]
         chains["creaseLengths"] += [2]
         self.assertEqual(self.put("sharp-usd", {**CUBE_USD, **chains, "creaseSharpnesses": [10] * 6}).status, 201)
@@ -98,7 +99,8 @@ class Resource(Subdivisions):
         self.assertEqual(self.put("corner", corner).status, 201)
         self.assertEqual(self.daemon.get("/v1/subdivisions/corner").json["corner_vertices"], 1)
         [point] = self.ask("corner", "evaluate", {"points": [{"face": 0, "uv": [1, 1]}]})["points"]
-        self.assertGreater(point["xyz"][0], 0.7)  # 1/2 without the tag, 1 if infinitely sharp
+        # the value is 1/2 without the tag, and 1 if the corner is infinitely sharp
+        self.assertGreater(point["xyz"][0], 0.7)
         self.assertTrue(point["singular"])
         for name in ("sharp-obj", "sharp-usd", "sharp-each", "corner"):
             self.daemon.request("DELETE", f"/v1/subdivisions/{name}")
@@ -151,7 +153,8 @@ class Resource(Subdivisions):
 
 class Evaluate(Subdivisions):
     def test_the_cube(self):
-        """Checks values that were computed independently and agree with OpenSubdiv."""
+        """Compares with values that were computed independently. OpenSubdiv returns the same
+        values."""
         points = [((0.5, 0.5), (0, 0, 68 / 81)), ((0.5, 0), (0, -395 / 648, 395 / 648)), ((1, 1), (0.5, 0.5, 0.5)),
                   ((0.25, 0.25), (-0.316157085905, -0.316157085905, 0.728989840535)),
                   ((0.1, 0.2), (-0.470313871571, -0.354383536694, 0.629845143176)),
@@ -267,7 +270,8 @@ class Discretize(Subdivisions):
             self.assert_near(list(map(float, line.split()[1:])), xyz, 1e-14)
         binary = self.daemon.get("/v1/meshes/fine/places", Accept="application/octet-stream").body
         self.assertEqual(list(struct.unpack(f"<{4 * 386}d", binary)), [x for place in places["places"] for x in place])
-        # mesh queries work: from the middle of the top to the middle of the bottom
+        # queries of meshes work; this query leads from the middle of the top to the middle of the
+        # bottom
         ends = [next(i for i, xyz in enumerate(found) if math.dist(xyz, [0, 0, z * 68 / 81]) < 1e-9) for z in (1, -1)]
         distance = self.daemon.get(f"/v1/meshes/fine/distance?from=v:{ends[0]}&to=v:{ends[1]}").json["distance"]
         self.assertAlmostEqual(distance, MIRROR / 2, 1)
@@ -283,7 +287,7 @@ class Discretize(Subdivisions):
     def test_tolerance(self):
         made = [self.ask("cube", "tessellate", {"mesh": f"near-{i}", "tolerance": 10 ** -i}, 201) for i in (2, 4)]
         self.assertGreater(made[1]["faces"], 30 * made[0]["faces"])
-        # adjacent faces of many levels without cracks
+        # adjacent faces with different levels have no cracks between them
         creased = CUBE + b"t crease 5/1/0 4 5 7 6 4 10\nt corner 1/1/0 0 10\n"
         self.assertIn(self.put("uneven", creased).status, (200, 201))
         made.append(self.ask("uneven", "tessellate", {"mesh": "near-3", "tolerance": 3e-3}, 201))
@@ -339,10 +343,11 @@ class Kept(TestCase):
         self.assertEqual([answer.status for answer in answers], [200] * 6)
         self.assertEqual(len({answer.body for answer in answers}), 1)
         both = self.memory()
-        self.assertLess(both, 6 * one)  # a further level takes four times as much
+        self.assertLess(both, 6 * one)  # a further level needs four times as much memory
         self.assertEqual(self.trace("a", 6).status, 200)
         self.assertEqual(self.memory(), both)
-        for name in "bcdefgh":  # level 7 of each takes some 50 MB: not all fit
+        # level 7 of each surface needs about 50 MB, so not all levels fit into the budget
+        for name in "bcdefgh":
             self.daemon.request("PUT", f"/v1/subdivisions/{name}", CUBE)
             self.assertEqual(self.trace(name, 7).status, 200)
         self.assertLess(self.memory(), 400 << 20)
@@ -352,7 +357,7 @@ class Kept(TestCase):
         self.assertEqual(self.memory(), 0)
 
     def test_grids_are_cached_too(self):
-        """Most traces need only the positions of the vertices: 24 bytes for each."""
+        """Most traces need only the positions of the vertices, which take 24 bytes each."""
         self.daemon.request("PUT", "/v1/subdivisions/grid", CUBE)
         before = self.memory()
         for level in (5, 5, 7):
@@ -369,7 +374,7 @@ class Kept(TestCase):
         answer = self.daemon.request("POST", "/v1/subdivisions/late/trace?timeout_ms=20",
                                      json.dumps({"start": MIDDLE, "fan": 1, "length": 1, "level": 8}), {"Content-Type": "application/json"})
         slow.join()
-        self.assertIn(answer.status, (200, 504))  # 200 on a fast machine
+        self.assertIn(answer.status, (200, 504))  # a fast machine can return 200
         self.daemon.request("DELETE", "/v1/subdivisions/late")
 
     def test_degenerate_surfaces_are_evaluated_without_normals(self):

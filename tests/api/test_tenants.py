@@ -11,7 +11,7 @@ from test_access import bearer, digest, key_of, keygen
 
 KEYS = ("ann role=write", "bob role=write", "viewer role=read tenant=ann", "second role=write tenant=ann", "plain role=write tenant=",
         "watch role=operator", "watch-ann role=operator tenant=ann")
-ANNS = {"ann", "viewer", "second", "watch-ann"}  # keys of one tenant
+ANNS = {"ann", "viewer", "second", "watch-ann"}  # the keys of one tenant
 PAIR = '{"from": {"vertex": 0}, "to": {"vertex": 2}}'
 
 
@@ -33,8 +33,8 @@ class Tenants(Folder):
         return [mesh["name"] for mesh in self.ask("GET", "/v1/meshes", who).json["meshes"]]
 
     def assert_same_as_nothing(self, method, path, who, body=None):
-        """Asserts that the answer about another tenant's name equals, byte for byte, that about an
-        unused name."""
+        """Asserts that the answer for another tenant's name equals, byte for byte, the answer for
+        an unused name."""
         foreign = self.ask(method, path, who, body, **{"X-Request-Id": "same"})
         absent = self.ask(method, path.replace("it", "no"), who, body, **{"X-Request-Id": "same"})
         self.assertEqual((foreign.status, foreign.body), (404, absent.body), (method, path))
@@ -133,8 +133,8 @@ class Tenants(Folder):
         return answer.headers["Location"]
 
     def test_results_of_one_tenant_do_not_evict_those_of_another(self):
-        """Results of jobs may take an eighth of the budget; results of the tenant with the most are
-        evicted."""
+        """Results of jobs may take an eighth of the memory budget. Beyond that the daemon evicts
+        results of the tenant whose results take the most memory."""
         with self.start("--memory-budget", "32MiB", "--max-body", "4MiB"):
             for who in ("ann", "bob"):
                 self.assertEqual(self.ask("PUT", "/v1/meshes/grid", who, sample("grid", columns=30, rows=30)).status, 201)
@@ -184,7 +184,7 @@ class Tenants(Folder):
             self.assertEqual(self.ask("GET", "/v1/meshes/it/distance?from=v:0&to=v:3", "bob").status, 200)
             self.assertEqual(self.ask("DELETE", "/v1/meshes/it", "bob").status, 204)
             self.assertEqual(self.names("plain"), ["it"])
-        # without keys: the surfaces of no tenant
+        # a daemon without keys lists only the surfaces that belong to no tenant
         with Daemon("--data-dir", str(self.folder)) as daemon:
             self.assertEqual([mesh["faces"] for mesh in daemon.get("/v1/meshes").json["meshes"]], [4])
 

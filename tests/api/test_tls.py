@@ -152,7 +152,8 @@ class Tls(unittest.TestCase):
         kept.close()
 
     def test_a_bad_reload_changes_nothing(self):
-        shutil.copy(self.second[0], self.certificate)  # the second certificate with the first key
+        # installs the second certificate beside the key of the first certificate
+        shutil.copy(self.second[0], self.certificate)
         told = self.daemon.reload()
         self.assertEqual((told["event"], told["level"]), ("reload_failed", "error"))
         self.assertIn("is not that of the certificate", told["message"])

@@ -1,4 +1,4 @@
-"""Vectors between points: log and its inverse, the log map, transport, means."""
+"""Tests vectors between points: `log` and its inverse, the log map, transport, and means."""
 import json
 import math
 import random
@@ -95,8 +95,9 @@ class Vectors(TestCase):
             self.assertEqual(self.asked("square", "log", document, 400)["pointer"], pointer, document)
 
     def test_the_cut_locus(self):
-        """Between the poles of a ball several paths are equally short, and answers about vectors
-        and means report this. Next to the pole one path is shortest, and its direction jumps."""
+        """Between the poles of a ball several paths are equally short, and the answers of vectors
+        and means report this. Next to a pole only one path is shortest, and its direction is
+        discontinuous there."""
         pole, antipode = {"xyz": [0, 0, 1]}, {"xyz": [0, 0, -1]}
         beside = [{"xyz": [x, y, -1]} for x, y in ((0.1, 0.03), (-0.1, -0.02))]
         [vector, *others] = self.asked("ball", "log", {"from": pole, "to": [antipode, *beside]})["vectors"]
@@ -112,8 +113,8 @@ class Vectors(TestCase):
     # --- what log answers ------------------------------------------------------------------------
 
     def vectors_of_log(self):
-        """Returns (mesh, start, targets, vectors) with bent vectors, vectors on a cut locus, of
-        length 0, without a path, and to a vertex without faces."""
+        """Returns (mesh, start, targets, vectors). The targets include points behind corners, on a
+        cut locus, equal to the start, on another component, and a vertex without faces."""
         chance = random.Random(8)
         faces = self.meshes["terrain"]["faces"]
         starts = [("terrain", random_point(chance, faces), [random_point(chance, faces) for _ in range(30)]),

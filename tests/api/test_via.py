@@ -1,4 +1,5 @@
-"""Distance and path via other points: the sum of the single legs."""
+"""Tests distance and path via other points. A leg is the part between two consecutive points. The
+distance is the sum of the distances of the legs."""
 import itertools
 import math
 import random

@@ -1,4 +1,4 @@
-"""Voronoi diagrams and farthest points: closed forms, rules of labels and lines, limits,
+"""Tests Voronoi diagrams and farthest points: closed forms, rules for labels and lines, limits, and
 cancelling."""
 import json
 import math

@@ -5,8 +5,8 @@
 #include "tests/bench/paper.h"
 #include "tests/bench/trial.h"
 
-/* Sets of methods that are measured, each with lists of windows by half-edge
- * and by edge (enum structure). */
+/* Sets of methods that are measured. Each set is measured with one list of windows for each
+ * half-edge, and with one list for each edge (enum structure). */
 enum setting { PLAIN, PLAIN_APART, NO_FILTER, ALL_METHODS, SETTINGS };
 
 const char *setting_name(enum setting setting);
@@ -22,7 +22,7 @@ void ablation_reach(const struct paper_model *model, const struct gd_mesh *mesh,
                     enum setting setting, uint32_t sources);
 
 /* agreement.c: checks that every combination of methods gives the same distances. Prints "ok" and
- * "not ok" lines; false if one is "not ok". */
+ * "not ok" lines. Returns false if any line is "not ok". */
 bool ablation_agreement(void);
 
 #endif

@@ -4,11 +4,12 @@
 #include "tests/bench/ablation.h"
 #include "tests/bench/bench.h"
 
-/* Answers must not depend on the methods, which only avoid work. Tested: meshes with saddles,
- * boundaries, flat parts, ties, slivers and handles; a source of each kind; all sixteen
- * combinations; the whole field, and propagation up to a target. */
+/* Answers must not depend on the methods, because methods only avoid work. The test uses meshes
+ * with saddles, boundaries, flat parts, ties, slivers and handles, and a source of each kind. It
+ * runs all sixteen combinations of methods, for the whole field and for propagation up to a
+ * target. */
 
-#define AGREEMENT 1e-12 /* relative difference of distances */
+#define AGREEMENT 1e-12 /* largest permitted relative difference of distances */
 
 static const char *const meshes[] = {
     "sample:grid,columns=12,rows=9",
@@ -46,13 +47,13 @@ static struct gd__variant combination(int bits)
 
 static double difference(double a, double b)
 {
-    if (a == b || (isnan(a) && isnan(b))) return 0; /* also equal infinities */
+    if (a == b || (isnan(a) && isnan(b))) return 0; /* also covers equal infinities */
     double relative = fabs(a - b) / fmax(fabs(a), fabs(b));
     return isnan(relative) ? HUGE_VAL : relative;
 }
 
-/* Returns the largest relative difference of the distances at all vertices from those with all
- * methods. */
+/* Returns the largest relative difference, over all vertices, between these distances and the
+ * distances with all methods. */
 static double worst_field(const struct gd_mesh *mesh, struct trial_request *request,
                           const double *expected)
 {
@@ -63,7 +64,7 @@ static double worst_field(const struct gd_mesh *mesh, struct trial_request *requ
     return worst;
 }
 
-/* Returns the difference at the target alone, with propagation stopped there. */
+/* Returns the difference at the target only. The propagation stops at the target. */
 static double worst_target(const struct gd_mesh *mesh, struct trial_request *request,
                            uint32_t index, const double *expected)
 {

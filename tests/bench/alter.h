@@ -11,8 +11,8 @@
 GD_MUST_USE enum gd_status alter_subdivide(struct gd_polygons *mesh, uint32_t levels);
 
 /* Moves every vertex along its normal (its faces' mean, weighted by area) by a uniformly random
- * distance of up to `amplitude` mean edges in either direction, from a fixed seed. GD_NO_MEMORY:
- * nothing is changed. */
+ * distance of up to `amplitude` mean edges in either direction, from a fixed seed. On GD_NO_MEMORY
+ * the mesh is unchanged. */
 GD_MUST_USE enum gd_status alter_roughen(struct gd_polygons *mesh, double amplitude);
 
 #endif

@@ -12,10 +12,10 @@
 #include "gd/point.h"
 #include "tests/samples/random.h"
 
-enum { BENCH_USAGE = 2 }; /* exit status; the reason was printed to standard error */
+enum { BENCH_USAGE = 2 }; /* exit status after misuse; the reason was printed to standard error */
 
-/* --- the subcommands, each in a source of its name. `arguments` ends with NULL; returns the exit
- * status.  */
+/* --- the subcommands. Each has its own source file of the same name. `arguments` ends with NULL. A
+ * subcommand returns its exit status. */
 
 int bench_field(char **arguments);
 int bench_pair(char **arguments);
@@ -41,7 +41,8 @@ bool bench_take_count(char ***arguments, const char *name, uint32_t *count);
  * Returns false, after printing a sentence, if they don't exist. */
 bool bench_take_cpu(char ***arguments);
 
-/* Removes the word from the front of the arguments; false: it is not there. */
+/* Removes the word from the front of the arguments. Returns false if the first argument is another
+ * word. */
 bool bench_take_word(char ***arguments, const char *word);
 
 /* Checks that no option remains, and that a mesh remains if `wants_mesh`. Otherwise prints a
@@ -52,20 +53,21 @@ bool bench_arguments_end(char **arguments, bool wants_mesh);
 struct bench_options {
     uint32_t runs; /* --runs: repetitions; set to the subcommand's default before parsing */
     bool repair;   /* --repair: separate non-manifold parts, see gd_mesh_options */
-    /* --subdivide: how often every triangle is split at the midpoints of its edges */
+    /* --subdivide: number of times that every triangle is split at the midpoints of its edges */
     uint32_t levels;
-    /* --noise: afterwards every vertex is moved along its normal by up to this number of mean edge
-     * lengths */
+    /* --noise: largest distance by which every vertex is then moved along its normal, in mean edge
+       lengths */
     double noise;
-    uint32_t landmarks; /* --landmarks: built before pairs are solved */
-    uint32_t threads;   /* --threads: threads of one field; default 1 */
+    /* --landmarks: number of landmarks that are built before pairs are solved */
+    uint32_t landmarks;
+    uint32_t threads; /* --threads: threads of one field; default 1 */
     /* --distances-only: fields that keep only the vertices' distances */
     bool distances_only;
 };
 
-/* Removes all options from the front, in any order, pins the process (--pin PROCESSOR) and selects
- * its kernels (--cpu NAME). A mesh must follow. Returns false, after printing a sentence, on
- * misuse. */
+/* Removes all options from the front, in any order. Pins the process (--pin PROCESSOR) and selects
+ * its kernels (--cpu NAME). A mesh must follow the options. Returns false, after printing a
+ * sentence, on misuse. */
 bool bench_take_options(char ***arguments, struct bench_options *options);
 
 /* --- input.c: meshes -------------------------------------------------------------------------- */
@@ -87,7 +89,7 @@ bool bench_is_sample(const char *argument);
  * The caller frees them. Returns false, after printing a sentence, on failure. */
 bool bench_read(const char *argument, const struct bench_options *options, struct gd_polygons *out);
 
-/* As bench_read, but builds a mesh, which the caller releases. Returns NULL, after printing a
+/* Like bench_read, but builds a mesh, which the caller releases. Returns NULL, after printing a
  * sentence, on failure. `options` may be NULL. */
 struct gd_mesh *bench_open(const char *argument, const struct bench_options *options);
 
@@ -107,8 +109,8 @@ int bench_each_mesh(char **arguments, uint32_t runs,
  * fields is kept for later fields. The process has one such control, without limits. */
 const struct gd_control *bench_control(void);
 
-/* Returns an executor of `threads` threads, including the calling one; NULL for one thread. Ends
- * the program, after printing a sentence, if they can't be started. */
+/* Returns an executor of `threads` threads, including the calling thread. Returns NULL for one
+ * thread. Ends the program, after printing a sentence, if the threads can't be started. */
 const struct gd_executor *bench_executor(uint32_t threads);
 
 /* Allocates memory, or ends the program. */
@@ -120,8 +122,8 @@ void bench_require(enum gd_status status, const struct gd_detail *detail);
 /* Returns the milliseconds since gd_now_ns() was `start`. */
 double bench_ms_since(uint64_t start);
 
-/* Returns the milliseconds of processor time of the calling thread: a measure of its own work, even
- * on a busy machine. */
+/* Returns the milliseconds of processor time of the calling thread. Unlike elapsed time, processor
+ * time also measures the thread's work on a busy machine. */
 double bench_thread_ms(void);
 
 /* Returns the largest resident memory of the process so far, or since bench_forget_peak. */
@@ -134,7 +136,8 @@ void bench_forget_peak(void);
 /* Returns the current resident memory; 0 if the system does not report it. */
 uint64_t bench_resident_bytes(void);
 
-/* Returns the quantile `q` of the values, interpolated linearly; sorts them. count > 0. */
+/* Sorts the values and returns their quantile `q`, interpolated linearly. `count` must be greater
+ * than 0. */
 double bench_quantile(double *values, uint32_t count, double q);
 
 static inline double bench_median(double *values, uint32_t count)
@@ -142,13 +145,13 @@ static inline double bench_median(double *values, uint32_t count)
     return bench_quantile(values, count, 0.5);
 }
 
-/* Writes `"key":"text",`, the text escaped. */
+/* Writes `"key":"text",` and escapes the text. */
 void bench_print_text(const char *key, const char *text);
 
-/* Opens a line's object: the mesh's name and sizes, and a comma. */
+/* Opens the JSON object of a line, and writes the mesh's name and sizes and a comma. */
 void bench_print_mesh(const char *name, const struct gd_mesh *mesh);
 
-/* Closes the line's object, with the peak memory. */
+/* Writes the peak memory and closes the line's object. */
 void bench_print_end(void);
 
 #endif

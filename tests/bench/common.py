@@ -78,8 +78,8 @@ def shared(name, *options):
 
 
 def pin(cpu):
-    """Pins this process and its children to one processor; None: the last permitted one. Returns
-    its number."""
+    """Pins this process and its children to one processor. None selects the last permitted
+    processor. Returns the number of the processor."""
     cpu = max(os.sched_getaffinity(0)) if cpu is None else cpu
     os.sched_setaffinity(0, {cpu})
     return cpu

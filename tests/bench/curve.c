@@ -1,5 +1,6 @@
-/* gd_bench curve: fields of a curve of about a thousand segments, each an exact source: the cost of
- * seeding, and of the field compared with a point's. */
+/* gd_bench curve: measures fields of a curve with about a thousand segments, each of which is an
+ * exact source. Prints the cost of seeding, and the cost of the field relative to the field of a
+ * point. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -8,7 +9,7 @@
 
 enum {
     SEGMENTS = 1000,
-    /* most points that are joined, even if a small mesh then gives fewer segments */
+    /* largest number of points that are joined; on a small mesh this can give fewer segments */
     MOST_POINTS = 64
 };
 
@@ -53,8 +54,8 @@ static bool stop_watch(void *user, double fraction)
     return false;
 }
 
-/* Returns the processor time until a field's first side has been propagated: by then all seeds are
- * checked, sorted by face and emitted. Releasing the cancelled field is not counted. */
+/* Returns the processor time until a field's first side has been propagated. At that time all seeds
+ * are checked, sorted by face and emitted. Releasing the cancelled field is not counted. */
 static double begin(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count)
 {
     struct gd_field *field = NULL;
@@ -81,7 +82,7 @@ static void measure(const char *name, const struct gd_mesh *mesh,
            *whole = values + runs, *point = values + 2 * (size_t)runs;
     gd_curve_seeds(&curve, 0, seeds);
     for (uint32_t i = 0; i < runs; i++) {
-        /* subtracts the cost that a field of one seed has, too */
+        /* subtracts the cost of a field with one seed */
         seeding[i] = begin(mesh, seeds, count) - begin(mesh, seeds, 1);
         whole[i] = build(mesh, seeds, count);
         point[i] = build(mesh, seeds, 1);

@@ -6,7 +6,7 @@
 #include "gd/field.h"
 #include "tests/bench/bench.h"
 
-/* Sums over all runs, and the times of each run: elapsed and processor time. */
+/* The sums over all runs, and the elapsed time and processor time of each run. */
 struct totals {
     double created, propagated, wedges, bytes;
     double *ms, *cpu_ms;
@@ -60,8 +60,8 @@ static void add_distances(const struct gd_mesh *mesh, struct gd_point source, do
     bench_require(status, &detail);
 }
 
-/* Measures field --distances-only: times, and the memory of one call in addition to mesh and
- * answer, from the process' peak during the first call. */
+/* Measures `field --distances-only`: the times, and the memory of one call without the mesh and the
+ * answer. The memory is computed from the peak of the process during the first call. */
 static void measure_distances(const char *name, const struct gd_mesh *mesh,
                               const struct bench_options *options)
 {

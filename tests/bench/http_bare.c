@@ -15,7 +15,8 @@
 
 #define BYTES_MOST (1 << 24)
 
-/* The first call only shows the headers; like the daemon, queues the answer in the second. */
+/* libmicrohttpd calls this twice for a request; the first call has only the headers. Like the
+ * daemon, queues the answer in the second call. */
 static enum MHD_Result on_request(void *user, struct MHD_Connection *connection, const char *url,
                                   const char *method, const char *version, const char *upload,
                                   size_t *upload_size, void **context)

@@ -29,14 +29,14 @@ static const char cube[] =
     "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n"
     "f 5 6 8 7\nf 1 3 4 2\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
 
-/* A surface and the bundle on it. */
+/* A surface and the bundle of lines on it. */
 struct bundle {
     const struct gd_subdivision *surface;
     struct gd_limit_mesh *fine;
     struct gd_limit_point start;
     struct gd_limit_jet jet;
     double length;
-    struct gd_vec3 ends[FAN]; /* ends of the lines on the mesh */
+    struct gd_vec3 ends[FAN]; /* the ends of the lines that are traced on the mesh */
     struct gd_point end_points[FAN];
 };
 
@@ -51,8 +51,8 @@ static struct gd_subdivision *read_surface(const char *bytes, size_t size, enum 
     return surface;
 }
 
-/* Returns the milliseconds of the fastest of several discretizations; `*vertices`: number of
- * vertices of each. */
+/* Returns the milliseconds of the fastest of several discretizations. Sets `*vertices` to the
+ * number of vertices of each. */
 static double discretize(const struct gd_subdivision *surface, uint32_t level, uint32_t *vertices)
 {
     double best = INFINITY;
@@ -69,7 +69,7 @@ static double discretize(const struct gd_subdivision *surface, uint32_t level, u
     return best;
 }
 
-/* Returns the first level with at least so many vertices, and its time. */
+/* Returns the first level with at least so many vertices, and the time of its discretization. */
 static uint32_t choose_level(const struct gd_subdivision *surface, uint32_t least,
                              uint32_t *vertices, double *time)
 {
@@ -118,8 +118,8 @@ static double trace_mesh(struct bundle *bundle)
     return bench_thread_ms() - begun;
 }
 
-/* Returns the milliseconds of the fan on the surface; `*off`: the median distance of its ends from
- * those on the mesh. */
+/* Returns the milliseconds of the fan on the surface. Sets `*off` to the median distance between
+ * these ends and the ends on the mesh. */
 static double trace_smooth(const struct bundle *bundle, double *off)
 {
     double gaps[FAN], begun = bench_thread_ms();
@@ -137,8 +137,8 @@ static double trace_smooth(const struct bundle *bundle, double *off)
     return bench_thread_ms() - begun;
 }
 
-/* Returns the milliseconds of exact shortest paths to the same ends, extrapolated from those that
- * fit into SEARCHES_MS. */
+/* Returns the milliseconds of exact shortest paths to the same ends, extrapolated from the paths
+ * that are found within SEARCHES_MS. */
 static double search_all(const struct bundle *bundle)
 {
     const struct gd_mesh *mesh = gd_limit_mesh_mesh(bundle->fine);

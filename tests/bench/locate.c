@@ -35,8 +35,8 @@ static double nearest_rate(const struct gd_mesh *mesh, const struct question *qu
     return 1e3 * QUESTIONS / bench_ms_since(start);
 }
 
-/* Shoots rays from `around` to `on`: each hits the surface there or before, except that a ray
- * within a flat mesh's plane may miss. */
+/* Shoots rays from `around` to `on`. Each ray hits the surface at `on` or before it, but a ray
+ * within the plane of a flat mesh may miss. */
 static double ray_rate(const struct gd_mesh *mesh, const struct question *questions)
 {
     struct gd_detail detail = {0};

@@ -8,7 +8,8 @@
 #include "gd/workspace.h"
 #include "tests/bench/bench.h"
 
-#define SPARE_BYTES ((size_t)256 << 20) /* the most that the daemon keeps */
+/* the daemon keeps at most this many bytes of freed memory */
+#define SPARE_BYTES ((size_t)256 << 20)
 
 const struct gd_control *bench_control(void)
 {

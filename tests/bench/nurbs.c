@@ -18,7 +18,7 @@
 
 enum { ROWS = 8, COLUMNS = 4 };
 
-/* A surface with two curves; `exact`: the length found by shooting. */
+/* A surface with two curves. `exact` is the length that shooting finds. */
 struct scene {
     const char *name;
     struct gd_parametric *surface;
@@ -57,7 +57,7 @@ static struct gd_parametric *make_bumps(void)
     return surface;
 }
 
-/* Returns the length of the path; `*points` (may be NULL): its number of control points. */
+/* Returns the length of the path. Sets `*points`, if not NULL, to the number of control points. */
 static double solve(const struct scene *scene, const struct gd_domain_curve *from,
                     const struct gd_domain_curve *to, const struct gd_geodesic_options *options,
                     uint32_t *points)
@@ -76,7 +76,8 @@ static double solve(const struct scene *scene, const struct gd_domain_curve *fro
     return length;
 }
 
-/* Returns the length by the geodesic equation; the engine only provides the starting point. */
+/* Returns the length of the solution of the geodesic equation. The engine provides only the
+ * starting point. */
 static double shoot_scene(const struct scene *scene)
 {
     struct gd_geodesics found;
@@ -170,8 +171,8 @@ static struct gd_domain_curve *sample(const struct gd_domain_curve *curve, uint3
     return point;
 }
 
-/* Measures Algorithm 1 with `count` points on each curve. Each pair is solved to an error well
- * below that of the sampling. */
+/* Measures Algorithm 1 with `count` points on each curve. The error of each pair's path is much
+ * smaller than the error of the sampling. */
 static void measure_sampling(const struct scene *scene, uint32_t count)
 {
     const struct gd_geodesic_options options = {.tolerance = 1e-8};

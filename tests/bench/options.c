@@ -78,8 +78,8 @@ bool bench_take_cpu(char ***arguments)
     return true;
 }
 
-/* Pins the process to one processor. Returns false, after printing a sentence, if there is none of
- * that number. */
+/* Pins the process to one processor. Returns false, after printing a sentence, if the machine has
+ * no processor with that number. */
 static bool pin(uint32_t cpu)
 {
     cpu_set_t set;

@@ -20,8 +20,8 @@ struct paper_figures {
 struct paper_model {
     const char *name;
     const char *sample; /* a sample of that size and kind, for bench_open */
-    uint32_t sources;   /* the paper always uses 100 */
-    uint32_t targets;   /* sources of the table of Property 5 */
+    uint32_t sources;   /* number of sources; the paper always uses 100 */
+    uint32_t targets;   /* number of sources in the table of Property 5 */
     const struct paper_figures *printed;
 };
 

@@ -18,7 +18,7 @@ struct course {
 
 /* A task that a program may support. */
 struct question {
-    const char *word; /* the option; NULL: none */
+    const char *word; /* the option; NULL if the task has no option */
     uint32_t arguments;
     bool of_faces;
     bool (*answer)(const struct course *course, const uint32_t *arguments);

@@ -38,19 +38,19 @@ struct peer_lines {
 
 struct peer {
     const char *name; /* name of the program, for messages */
-    /* Creates the solver's surface; NULL: the solver rejects the mesh. */
+    /* Creates the solver's surface. Returns NULL if the solver rejects the mesh. */
     void *(*create)(const struct gd_polygons *triangles);
-    /* Computes the distances of all vertices; false: the solver failed. */
+    /* Computes the distances of all vertices. Returns false if the solver failed. */
     bool (*field)(void *surface, uint32_t source, double *out);
-    /* NULL: pairs are not supported. */
+    /* The member is NULL if the solver does not support pairs. */
     bool (*pair)(void *surface, uint32_t from, uint32_t to, double *out);
-    /* NULL: traces are not supported. */
+    /* The member is NULL if the solver does not support traces. */
     bool (*trace)(void *surface, uint32_t face, double length, struct peer_lines *out);
-    void (*forget)(void *surface); /* frees the last answer; may be NULL */
+    void (*forget)(void *surface); /* frees the last answer; the member may be NULL */
     void (*release)(void *surface);
 };
 
-/* Answers the arguments by the protocol; returns the exit status. */
+/* Runs the task that the arguments select, as described above. Returns the exit status. */
 int peer_run(const struct peer *peer, char **arguments);
 
 #ifdef __cplusplus

@@ -37,7 +37,7 @@ void *create(const gd_polygons *triangles)
     try {
         auto made = std::make_unique<model>();
         std::tie(made->mesh, made->geometry) = makeManifoldSurfaceMeshAndGeometry(faces, positions);
-        /* otherwise computed with the first line */
+        /* computes this before the first line, whose time would include it otherwise */
         made->geometry->requireHalfedgeVectorsInFace();
         made->geometry->requireHalfedgeVectorsInVertex();
         made->geometry->requireVertexAngleSums();
