@@ -17,7 +17,8 @@ import pathlib
 import re
 import sys
 
-# rooms of the engine; gd/ headers have the rank of the room that implements them
+# The rooms of the engine with their ranks. A gd/ header has the rank of the room that implements
+# it.
 ENGINE = {"base": 0, "mesh": 1, "io": 1, "repair": 2, "construction": 3, "window": 2, "kernel": 3, "guide": 4, "wavefront": 5, "partition": 6, "field": 7, "line": 8, "query": 9,
           "transport": 10, "render": 10, "edit": 10, "cut": 11, "subdiv": 11, "loops": 10, "nurbs": 11, "umbrella": 12}
 PUBLIC = {
@@ -48,7 +49,7 @@ SERVER = {"base": 0, "config": 1, "work": 1, "access": 2, "exchange": 3, "http":
 
 RANK = {f"engine/{room}": rank for room, rank in ENGINE.items()} | {f"proto/{room}": rank for room, rank in PROTO.items()} | {f"server/{room}".rstrip("/"): 20 + rank for room, rank in SERVER.items()}
 
-# libraries and the server's struct, and the folders (or files) that alone may include them
+# Libraries and the server's struct, each with the only folders or files that may include it.
 BOUNDARY = {
     r"microhttpd\.h": ["server/http"],
     r"jansson\.h": ["proto", "server/query", "server/api", "clients/c"],
@@ -77,7 +78,7 @@ def sources():
 
 
 def room_of(path):
-    """Returns the room of a source; None: the source is in no room."""
+    """Returns the room of a source, or None if the source is in no room."""
     if path.parts[:2] == ("engine", "include"):
         return ROOM_OF_HEADER.get("gd/" + path.name, f"gd/{path.name}")
     folder = path.parent.as_posix()

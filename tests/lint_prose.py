@@ -24,8 +24,8 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 COLUMNS = 100
 WORDS = 40
 
-# A construction that a reader has to read twice, and its remedy. A pattern begins with a literal,
-# which makes the search quick; BE before it stands for a form of "to be".
+# Constructions that are hard to understand at first reading, each with its remedy. A pattern begins
+# with a literal, which makes the search fast. BE before the literal stands for a form of "to be".
 BE = "BE "
 PHRASES = [
     ("whoever", "name the reader, the client or the program"),
@@ -203,8 +203,8 @@ def texts_of(path, source):
 
 
 def check_columns(path, lines, texts):
-    """Complains about long lines of prose. A table row, the help of a make target, values of YAML
-    and HTML, and an address need not be wrapped."""
+    """Reports long lines of prose. A table row, the help of a make target, values of YAML and HTML,
+    and an address need not be wrapped."""
     prose = sorted({number for text in texts if text.is_comment for number, _ in text.parts})
     for number in prose:
         line = lines[number - 1]
@@ -266,7 +266,7 @@ def is_named_path(code):
 
 
 def check_document_paths(path, texts):
-    """Complains about paths that exist neither from the root nor from the document's folder or the
+    """Reports paths that exist neither from the root nor from the document's folder, nor from the
     folder above it (engine/doc)."""
     places = [pathlib.Path(), path.parent, path.parent.parent, pathlib.Path("engine/include")]
     for text in texts:
@@ -309,7 +309,7 @@ def check_subject(subject):
 
 
 def check_commits():
-    """Checks the commits that main does not have; on main the last one."""
+    """Checks the commits that main does not have. On main, checks the last commit."""
     ahead = run("git", "log", "--no-merges", "--format=%h %s", "main..HEAD")
     log = ahead.stdout or run("git", "log", "-1", "--no-merges", "--format=%h %s").stdout
     for line in log.splitlines():

@@ -41,7 +41,7 @@ MESHES = [
     sample("icosphere", level=5),
     shared("fandisk", "--subdivide", 1),
 ]
-LONG = [  # takes some peers minutes a field
+LONG = [  # some peers need minutes for a field of these meshes
     sample("icosphere", "--noise", 0.3, level=8),
     shared("stanford-bunny", "--subdivide", 2),
 ]
@@ -64,8 +64,8 @@ FIELD, PAIR, TRACE = Discipline("field", [], 1, "sum"), Discipline("pair", ["--p
 
 
 class Course:
-    """A mesh in a form that every solver accepts, and the sources and pairs for which solvers are
-    compared."""
+    """A mesh in a form that every solver accepts. Also has the sources and pairs for which solvers
+    are compared."""
 
     def __init__(self, bench, mesh, folder, options):
         self.mesh, self.path = mesh, pathlib.Path(folder) / "mesh.obj"
@@ -89,7 +89,7 @@ class Course:
 
 
 def turn(course, program, what, timeout):
-    """Starts a program once; returns its answers without the warm-up's."""
+    """Starts a program once. Returns its answers without the answers of the warm-up."""
     lines = run_lines(course.command(program, what), timeout)
     expected = len(course.questions[what])
     if len(lines) != expected + 1:
@@ -102,8 +102,8 @@ def difference(ours, theirs, key):
 
 
 def race(course, ours, peer, what, options):
-    """Runs alternating turns of the engine and the peer; returns the times of both, and how well
-    they agree."""
+    """Runs alternating turns of the engine and the peer. Returns the times of both programs, and
+    the differences of their answers."""
     times = {side: {clock: [] for clock in (what.key, "cpu_ms")} for side in ("ours", "peer")}
     agree, turns, crossings, started = 0, 0, 0, time.monotonic()
     while turns < options.turns and (turns == 0 or time.monotonic() - started < options.patience):
@@ -122,7 +122,7 @@ def p95(values):
 
 
 def summarise(outcome):
-    """Returns medians, p95 and ratios by both clocks, without the single times."""
+    """Returns medians, 95th percentiles and ratios for both clocks, without the single times."""
     times, key = outcome["times"], outcome["key"]
     result = {"turns": outcome["turns"], "agree": outcome["agree"], "crossings": outcome["crossings"]}
     for clock, name in ((key, "wall"), ("cpu_ms", "cpu")):
@@ -144,8 +144,8 @@ def find_peers(build):
 
 
 def can_race(program):
-    """Returns whether the program asks for arguments. CGAL's program reports instead that it was
-    built without CGAL."""
+    """Returns whether the program prints its usage when it gets no arguments. CGAL's program
+    instead prints a message if it was built without CGAL."""
     return subprocess.run([program], stderr=subprocess.DEVNULL).returncode == 2
 
 

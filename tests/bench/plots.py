@@ -5,8 +5,8 @@ log-log plots (SVG) with fitted exponents.
 usage: tests/bench/plots.py [--build DIR] [--pin CPU] [--max-faces N] [--only WORD] [--quick]
 
 Writes growth-time.svg, growth-wedges.svg, growth-bytes.svg and growth.json into the build folder. A
-family ends where its next mesh would take too long or more memory than there is. --quick: tiny
-meshes, `ok` and `not ok` lines.
+family ends when its next mesh would take too long or need more memory than the machine has.
+--quick: tiny meshes, `ok` and `not ok` lines.
 """
 import math
 import os
@@ -18,9 +18,9 @@ import xml.etree.ElementTree
 from common import Checks, Failure, bench_arguments, find_program, machine, number, pin, print_table, run_lines, sample, shared, write_json
 
 GIB = 2**30
-MACHINE_GIB = 24  # the machine for which the largest mesh is estimated
-FIT_FROM = 4000  # faces: below, constant costs dominate
-PATIENCE_MS = 60_000  # a field that would take longer is left out
+MACHINE_GIB = 24  # memory of the machine for which the largest mesh is estimated
+FIT_FROM = 4000  # number of faces; constant costs dominate on smaller meshes
+PATIENCE_MS = 60_000  # fields that would take longer are omitted
 
 
 def doubling(make):
@@ -84,8 +84,8 @@ def runs_for(faces):
 
 
 def fits(points, faces):
-    """Returns whether a mesh of so many faces fits into time and memory, if cost continues to grow
-    as it did last."""
+    """Returns whether a mesh of so many faces fits into time and memory, if the cost grows at the
+    rate of the last two meshes."""
     if not points:
         return True
     last, power = points[-1], fit(points, "peak_bytes")[0] if len(points) > 2 else 1.5
@@ -102,7 +102,8 @@ def expect(points):
 
 
 def measure_family(bench, make, max_faces):
-    """Returns the lines of gd_bench field from the smallest member on, and why the family ended."""
+    """Returns the lines of gd_bench field, beginning with the smallest mesh, and the reason why the
+    family ended."""
     points = []
     while True:
         mesh, next_faces = make(len(points)), expect(points)
@@ -150,7 +151,7 @@ LEFT, RIGHT, TOP, BOTTOM = 90, 330, 50, 60
 
 
 class Axes:
-    """Decades of faces and of a quantity, mapped to the page."""
+    """Maps decades of faces and of a quantity to the page."""
 
     def __init__(self, series, key):
         faces = [point["faces"] for points in series.values() for point in points]

@@ -4,13 +4,14 @@
 #include "tests/bench/ablation.h"
 #include "tests/bench/bench.h"
 
-/* Targets are vertices: for each source one from each tenth of the largest distance. Uniformly
+/* Targets are vertices. Each source has one target in each tenth of the largest distance. Uniformly
  * random pairs would leave the near tenths empty. */
 
 enum { TENTHS = 10 };
 
 struct reach {
-    /* for each source: windows and time, as fractions of those of the whole field */
+    /* the windows and the time of each source, as fractions of the windows and the time of the
+       whole field */
     double *propagated[TENTHS], *ms[TENTHS];
     uint32_t count[TENTHS];
 };

@@ -1,17 +1,20 @@
-/* gd_bench resume: fields that reach R, a quarter of the largest distance, then 2R, then
- * everything: each step is resumed, and also built from the seed. */
+/* gd_bench resume: measures fields that first reach R, a quarter of the largest distance, then 2R,
+ * and then the whole mesh. Each step resumes the previous field, and is also built from the
+ * seed. */
 #include <stdio.h>
 #include <stdlib.h>
 
 #include "gd/field.h"
 #include "tests/bench/bench.h"
 
-enum { STEPS = 3 }; /* from R to 2R, from 2R to all, from R to all */
+/* the steps lead from R to 2R, from 2R to the whole mesh, and from R to the whole mesh */
+enum { STEPS = 3 };
 
 /* Processor time and number of propagated windows of each run. */
 struct figures {
-    double *ms[STEPS][2], *windows[STEPS][2]; /* resumed, built from the seed */
-    double *first_ms;                         /* milliseconds of the field to R */
+    /* element 0 is for the resumed field, element 1 for the field that is built from the seed */
+    double *ms[STEPS][2], *windows[STEPS][2];
+    double *first_ms; /* milliseconds of the field that reaches R */
 };
 
 static struct gd_field *build(const struct gd_mesh *mesh, const struct gd_seed *seed, double radius)
@@ -36,8 +39,8 @@ static double windows_of(const struct gd_field *field)
     return (double)gd_field_statistics(field)->windows_propagated;
 }
 
-/* Resumes the field to the radius, and builds the same field from the seed; returns the resumed
- * one. */
+/* Resumes the field to the radius, and builds the same field from the seed. Returns the resumed
+ * field. */
 static struct gd_field *measure_step(const struct gd_field *partial, const struct gd_seed *seed,
                                      double radius, struct figures *figures, int step, uint32_t run)
 {

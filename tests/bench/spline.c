@@ -24,8 +24,9 @@ static const struct row {
 
 enum { ROWS = sizeof rows / sizeof *rows, POINTS_MOST = 15 };
 
-/* Returns the milliseconds to build the spline: on one thread processor time; on two threads the
- * least elapsed time of all runs, since other programs may run at the same time. */
+/* Returns the milliseconds to build the spline. On one thread this is processor time. On two
+ * threads it is the least elapsed time of all runs, since other programs may run at the same
+ * time. */
 static double build_time(const struct gd_mesh *mesh, const struct gd_spline_request *request)
 {
     double times[RUNS];
@@ -61,8 +62,8 @@ static double sample_time(const struct gd_mesh *mesh, const struct gd_spline_req
     return bench_median(times, RUNS);
 }
 
-/* Sorts points in the order of a curve through them: each is followed by the nearest remaining one
- * in space. */
+/* Sorts points in the order of a curve through them: each point is followed by the nearest
+ * remaining point in space. */
 static void sort_points(const struct gd_mesh *mesh, struct gd_point *points, uint32_t count)
 {
     for (uint32_t i = 1; i < count; i++) {

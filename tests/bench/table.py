@@ -4,8 +4,8 @@ build folder.
 
 usage: tests/bench/table.py [--build DIR] [--pin CPU] [--only WORD] [--quick]
 
---quick measures next to nothing: it checks that every subcommand runs and prints what is promised,
-with `ok` and `not ok` lines.
+With --quick the script measures almost nothing. It checks that every subcommand runs and prints the
+documented members, and prints `ok` and `not ok` lines.
 """
 import sys
 
@@ -34,7 +34,7 @@ SMALL = [
     sample("grid", "--subdivide", 1, columns=6, rows=4),
     sample("torus", "--noise", 0.3, columns=16, rows=8),
 ]
-LARGE = 200_000  # faces from which repetitions are fewer
+LARGE = 200_000  # meshes with at least this number of faces are measured with fewer repetitions
 
 # subcommand: repetitions, repetitions on large meshes
 RUNS = {"field": (20, 5), "pair": (50, 11), "warm": (5, 2), "locate": (5, 2), "load": (7, 5), "curve": (5, 2), "resume": (3, 1), "trace": (2, 1)}

@@ -1,5 +1,5 @@
-/* An executor with its own threads. They wait by spinning, since the tasks of one field follow each
- * other within microseconds. */
+/* An executor with its own threads. The threads wait by spinning, since the tasks of one field
+ * follow each other within microseconds. */
 #include <pthread.h>
 #include <sched.h>
 #include <stdatomic.h>
@@ -8,7 +8,7 @@
 
 #include "tests/bench/bench.h"
 
-#define LOOKS 20000 /* spins before a thread yields */
+#define LOOKS 20000 /* number of spins before a thread yields */
 
 static struct {
     void (*task)(void *context, uint32_t index);
@@ -44,8 +44,8 @@ static void *help(void *unused)
 
 static uint32_t helpers;
 
-/* Runs the tasks. A round also waits until each helper has left it, so that no helper still reads
- * the data of a round when the next one begins. */
+/* Runs the tasks. A round also waits until each helper has left the round. So no helper still reads
+ * the data of a round when the next round begins. */
 static void run(void *user, void (*task)(void *context, uint32_t index), void *context,
                 uint32_t count)
 {

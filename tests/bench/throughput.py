@@ -38,9 +38,9 @@ from common import Checks, Failure, bench_arguments, find_program, machine, numb
 
 PAIRS = 10_000
 SOURCES = 20
-ASKED = 17  # queries from each source, so that its field is cached
+ASKED = 17  # number of queries from each source, so that the source's field is cached
 START_SECONDS = 20
-SIZES = 500  # answers whose sizes are averaged
+SIZES = 500  # number of answers whose sizes are averaged
 # parameters of the request, the required ratio, the intended ratio
 KINDS = {"distance": ("", 0.7, 0.9), "path": ("&geometry=xyz", 0.5, 0.75)}
 PACED_CONNECTIONS = 64
@@ -193,7 +193,7 @@ class Work:
         return result | {"rate": result["requests"] / result["seconds"], "cpu_us": taken / result["requests"] * 1e6}
 
     def load_daemon(self, *arguments):
-        """As `load`, for the daemon, all of whose answers must come from the cache."""
+        """Like `load`, for the daemon. All answers must come from the cache."""
         before = self.daemon.metrics()
         result = self.load(self.daemon, *arguments)
         after = self.daemon.metrics()
@@ -286,7 +286,8 @@ def paced(work, options, rate, is_building):
 
 
 def measure_latency(work, options, rate):
-    """Measures the latency at `rate`, in turns without and with a field being built."""
+    """Measures the latency at `rate`, in alternating turns: without a field being built, and with a
+    field being built."""
     work.large = work.daemon.upload("large", sample_of(options, options.large))
     return [paced(work, options, rate, is_building) for _ in range(options.turns) for is_building in (False, True)]
 

@@ -1,5 +1,5 @@
-/* gd_bench trace: straightest geodesics in edge crossings a second, log maps from a cached field,
- * and means. */
+/* gd_bench trace: measures straightest geodesics in edge crossings a second, log maps from a cached
+ * field, and means. */
 #include <stdio.h>
 #include <stdlib.h>
 

@@ -6,12 +6,14 @@
 #include "tests/bench/bench.h"
 
 struct recorder {
-    struct gd_field *field; /* as gd_field_build makes it, but by the trial's methods */
+    /* equals the result of gd_field_build, but is computed by the trial's methods */
+    struct gd_field *field;
     struct trial *trial;
     double start_ms;
 };
 
-/* A sink: stops the clock, counts, and keeps the wedges as a field does. */
+/* Receives the final wedges of the propagation. Stops the clock, counts the wedges, and stores them
+ * as a field does. */
 static enum gd_status record(void *user, struct gd__wavefront *front)
 {
     struct recorder *recorder = user;
@@ -22,8 +24,8 @@ static enum gd_status record(void *user, struct gd__wavefront *front)
     return gd__field_take(recorder->field, front);
 }
 
-/* Counts the wedges of the final stage: as stored, without gaps, and with the chunks of each edge
- * merged into one list. */
+/* Counts the wedges of the final stage in two ways: as stored without gaps, and after merging the
+ * lists of each edge into one list. */
 static void count_wedges(const struct gd_field *field, struct trial *trial)
 {
     const struct gd_mesh *mesh = field->mesh;

@@ -6,7 +6,9 @@
 
 struct trial_request {
     struct gd_point source;
-    const struct gd_point *target; /* stop when its distance is final; NULL: the whole mesh */
+    /* the propagation stops when this point's distance is final; NULL propagates over the whole
+       mesh */
+    const struct gd_point *target;
     struct gd__variant methods;
     /* receives the distance at every vertex index, NAN at unreferenced ones; may be NULL */
     double *distances;
@@ -15,9 +17,9 @@ struct trial_request {
 struct trial {
     /* processor time of propagation, without the merge at the end */
     double ms;
-    uint64_t produced;   /* windows offered to the lists */
-    uint64_t propagated; /* windows propagated across a face */
-    /* final numbers of wedges: in the lists of the sides; in one merged list per edge */
+    uint64_t produced;   /* number of windows offered to the lists */
+    uint64_t propagated; /* number of windows propagated across a face */
+    /* final number of wedges in the lists of the sides, and in one merged list for each edge */
     uint64_t kept_half, kept_merged;
 };
 

@@ -1,5 +1,5 @@
-/* gd_bench warm: queries of a cached field: distances in random order and in order of faces, one by
- * one and as a batch, and paths. */
+/* gd_bench warm: measures queries of a cached field. Queries distances in random order and in order
+ * of faces, one by one and as a batch, and paths. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -8,10 +8,10 @@
 
 enum { POINTS = 100000, PATHS = 5000 };
 
-/* Queries a second of each run. */
+/* The number of queries a second of each run. */
 struct rates {
     double *random_order, *face_order, *random_batch, *face_batch, *paths;
-    /* over all paths: number of points without both ends; number of paths */
+    /* sums over all paths: the number of points except both ends, and the number of paths */
     double crossings, traced;
 };
 
@@ -47,7 +47,7 @@ static double batch_rate(const struct gd_field *field, const struct gd_point *po
     return 1e3 * POINTS / bench_ms_since(start);
 }
 
-/* Paths a second. An unreachable point has no path to count. */
+/* Returns the number of paths a second. Paths to unreachable points are not counted. */
 static double path_rate(const struct gd_field *field, const struct gd_point *points,
                         struct rates *rates)
 {
@@ -65,7 +65,7 @@ static double path_rate(const struct gd_field *field, const struct gd_point *poi
     return 1e3 * (rates->traced - before) / bench_ms_since(start);
 }
 
-/* Orders points by face in the mesh's order, which is that of memory. */
+/* Orders points by their face in the mesh's order, which is the order in memory. */
 static int by_element(const void *a, const void *b)
 {
     const struct gd_point *p = a, *q = b;

@@ -25,22 +25,22 @@ import harness
 import process
 from figures import conclude, report
 
-# The model's constants; the guide has the same.
-MESH_BYTES = 350  # bytes of a face in memory
-# bytes of an edge; a mesh has 3/2 edges a face
+# The model's constants, which equal the constants in the guide.
+MESH_BYTES = 350  # memory in bytes for each face
+# bytes for each edge; a mesh has 3/2 edges for each face
 FIELD_BYTES = {"terrain": 140, "scan": 370, "smooth": 750}
-RECORD_BYTES = 1300  # bytes of a stored mesh on every node (server/doc/014)
-# share of the memory budget, and most bytes, set aside for released fields
+RECORD_BYTES = 1300  # bytes that every node holds for each stored mesh (server/doc/014)
+# released fields are kept up to this share of the memory budget, and up to this number of bytes
 SPARE_SHARE, SPARE_MOST = 16, 256 << 20
 FULL = 0.9  # share of the budget at which eviction of fields begins
-BUSY = 0.6  # share of the processors beyond which waits grow
+BUSY = 0.6  # waiting times grow if the load exceeds this share of the processors
 GIB = 1 << 30
 
 
 @dataclasses.dataclass
 class Costs:
-    """Processor seconds: of an answer from a cached field, including HAProxy's share; of loading a
-    face and of a search, for a mesh that is not in memory."""
+    """Processor seconds. `hit` is the cost of an answer from a cached field, including HAProxy's
+    share. The other costs concern a mesh that is not in memory: loading one face, and a search."""
     hit: float = 40e-6
     load_face: float = 0.7e-6
     search: float = 3e-3
@@ -104,7 +104,8 @@ def bytes_of_meshes_and_fields(sizes):
 
 
 def fields_that_stay(budget_mib):
-    """Requests far more fields than the budget holds; returns how many stay."""
+    """Requests many more fields than the budget can hold. Returns the number of fields that stay
+    cached."""
     cells, budget = 40, budget_mib << 20
     faces = 2 * cells * cells
     with harness.Daemon("--landmarks", "0", "--memory-budget", str(budget), "--max-body", "4MiB") as daemon:
@@ -160,8 +161,8 @@ def load(port, targets, place, connections, rate, seconds):
 
 
 def cost_of_a_hit(seconds, count=3):
-    """Returns the cost of an answer from memory at a hundredth of the load, and the rate when the
-    machine is saturated: on one node and on three."""
+    """Returns two figures for one node and for three nodes: the cost of an answer from memory at a
+    hundredth of the load, and the rate when the machine is saturated."""
     if not shutil.which("haproxy") or not (harness.PROGRAM.parent / "gd_load").exists():
         print("skip capacity: processor time of answers wants haproxy and gd_load")
         return []

@@ -27,13 +27,15 @@ import weakref
 sys.path.insert(0, str(pathlib.Path(__file__).parent.parent / "api"))
 import harness  # noqa: E402  (the daemon over HTTP)
 
-BOUND_SECONDS = 1.0  # promise: afterwards no node answers with a replaced mesh (server/doc/014)
+# longest time after a replacement during which a node may still answer with the replaced mesh
+# (server/doc/014)
+BOUND_SECONDS = 1.0
 START_SECONDS = 30
 BUILD = harness.PROGRAM.parent
 
 
 def program(name):
-    """Returns the path of a PostgreSQL program; None: it is not installed."""
+    """Returns the path of a PostgreSQL program, or None if it is not installed."""
     found = shutil.which(name)
     return found or next((str(path) for path in sorted(pathlib.Path("/usr/lib/postgresql").glob(f"*/bin/{name}"))), None)
 
@@ -52,7 +54,8 @@ def free_port():
 
 
 def unprivileged():
-    """Returns the user for PostgreSQL, which refuses to run as root. None: the current user."""
+    """Returns the user for PostgreSQL, which refuses to run as root, or None for the current
+    user."""
     if os.geteuid() != 0:
         return None
     for name in ("postgres", "nobody"):
@@ -109,7 +112,7 @@ class Postgres:
         return self.url_at(self.port)
 
     def url_at(self, port):
-        """Returns the URL of the database at another port, that of a relay."""
+        """Returns the URL of the database with another port, for example the port of a relay."""
         return f"postgresql://tester:{self.PASSWORD}@127.0.0.1:{port}/postgres"
 
     def start(self):
@@ -126,13 +129,14 @@ class Postgres:
             time.sleep(0.05)
 
     def stop(self, how=signal.SIGINT):
-        """Stops the server. SIGINT: a clean, fast shutdown; SIGQUIT: as after a crash."""
+        """Stops the server. SIGINT causes a clean, fast shutdown. SIGQUIT leaves the state that a
+        crash leaves."""
         if self.process and self.process.poll() is None:
             self.process.send_signal(how)
             self.process.wait(START_SECONDS)
 
     def query(self, text, check=True):
-        """Returns the result of one statement, its columns separated by |."""
+        """Returns the result of one statement. The columns are separated by |."""
         done = subprocess.run([program("psql"), "-qAtX", "-v", "ON_ERROR_STOP=1", "-c", text, self.url], capture_output=True, text=True)
         if check and done.returncode != 0:
             raise RuntimeError(done.stderr)
@@ -155,8 +159,8 @@ class Postgres:
 
 
 class Node(harness.Daemon):
-    """A daemon that shares the database; `port` is that of a relay between both, if there is
-    one."""
+    """A daemon that shares the database. `port` is the port of the relay between both, if there is
+    a relay."""
 
     def __init__(self, database, *flags, port=None, listen="127.0.0.1:0"):
         super().__init__("--store", database.url_at(port or database.port), *flags, listen=listen)

@@ -1,5 +1,5 @@
-"""HAProxy in front of nodes, with the shipped docker/haproxy.cfg. Only addresses and the
-replacements of a test differ."""
+"""Runs HAProxy in front of nodes with the shipped docker/haproxy.cfg. Only the addresses and the
+replacements of a test differ from the shipped file."""
 import pathlib
 import re
 import subprocess
@@ -15,7 +15,7 @@ from cluster import free_port  # noqa: E402
 from harness import PATIENCE_SECONDS  # noqa: E402
 
 SHIPPED = HERE.parent.parent / "docker/haproxy.cfg"
-DRAIN_DELAY_MS = 3000  # the value that the shipped file expects of the nodes
+DRAIN_DELAY_MS = 3000  # the shipped file expects this drain delay of the nodes
 
 
 class Front:

@@ -1,5 +1,5 @@
-"""Queries sent to a front by several clients at once. Their answers are known beforehand, to the
-last byte."""
+"""Sends queries to a proxy from several clients simultaneously. The expected answers are known
+beforehand to the last byte."""
 import collections
 import http.client
 import json
@@ -13,12 +13,12 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "fault")
 
 from common import mesh  # noqa: E402
 
-SEARCHES = 16  # queries of a source until its field is built
+SEARCHES = 16  # number of queries of a source until its field is built
 
 
 class Questions:
-    """Meshes, pairs of points on each, and one node's answers: by a search, and from a field, which
-    may differ in the last digit."""
+    """Meshes, pairs of points on each mesh, and one node's answers. Each pair has the answer of a
+    search and the answer from a field, which may differ in the last digit."""
 
     def __init__(self, meshes, pairs, seed=1):
         """`meshes`: name -> (file, number of vertices)"""
@@ -101,8 +101,8 @@ class Load:
 
 
 class Uploads:
-    """A client that stores one mesh after the other, each with an edge of a different length, and
-    queries it at once, until `stop`."""
+    """A client that stores one mesh after the other until `stop`, each with an edge of a different
+    length. Queries each mesh immediately."""
 
     def __init__(self, port, prefix):
         self.port, self.prefix = port, prefix
@@ -143,7 +143,8 @@ class Uploads:
             self.verify(name, may_be_refused=True)
 
     def verify(self, name, may_be_refused=False):
-        """Verifies the mesh. `may_be_refused`: its node may have lost the store meanwhile."""
+        """Verifies the mesh. `may_be_refused` permits a refusal, because the mesh's node may have
+        lost the store meanwhile."""
         status, body = self.ask("GET", f"/v1/meshes/{name}/distance?from=v:0&to=v:1")
         if may_be_refused and status == 503:
             return

@@ -1,5 +1,5 @@
-"""Daemons behind a front. Each keeps its port, and can be killed, restarted like an operator would,
-and started again."""
+"""Daemons behind a proxy. Each daemon keeps its port. It can be killed, started again, and
+restarted by SIGTERM as by an operator."""
 import pathlib
 import sys
 
@@ -15,7 +15,8 @@ FLAGS = ("--drain-delay-ms", str(DRAIN_DELAY_MS), "--max-address-connections", "
 
 
 class Member:
-    """A member of the cluster: a daemon and its port; `flags` say where it stores its meshes."""
+    """A member of the cluster, which is a daemon and its port. `flags` select the store for its
+    meshes."""
 
     def __init__(self, *flags):
         self.port, self.flags = free_port(), (*FLAGS, *flags)

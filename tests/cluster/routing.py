@@ -50,7 +50,7 @@ class Cluster:
         self.nodes = [stack.enter_context(self.node(place, number)) for number in range(NODES)]
         ports = [node.port for node in self.nodes]
         self.front = stack.enter_context(Front(ports))
-        # shows to which node a name belongs
+        # a second proxy that shows to which node a name belongs
         self.ring = stack.enter_context(Front(ports, [("hash-balance-factor 150", "hash-balance-factor 0")]))
         self.questions = Questions({f"m{i}": terrain(20, i) for i in range(6 if short else 24)}, 4)
         with harness.Daemon("--landmarks", "0") as alone:
@@ -78,7 +78,8 @@ class Cluster:
             connection.close()
 
     def places(self):
-        """Returns the node of each of many names, by requests for meshes that need not exist."""
+        """Returns the node for each of many names. Sends requests for meshes, which need not
+        exist."""
         return {name: self.ask(f"/v1/meshes/{name}", front=self.ring).headers["X-Served-By"] for name in (f"n{i}" for i in range(NAMES))}
 
     def wait_until(self, count):
@@ -91,8 +92,8 @@ def count(places):
 
 
 def share_and_stay(cluster):
-    """Each mesh has its node, and each node has meshes. Another node helps occasionally, when
-    HAProxy has not finished the preceding request."""
+    """Each mesh belongs to one node, and each node has meshes. Another node occasionally answers,
+    if HAProxy has not finished the preceding request."""
     seen = collections.defaultdict(collections.Counter)
     for path in 3 * cluster.questions.paths:
         answer = cluster.ask(path)
@@ -107,8 +108,8 @@ def share_and_stay(cluster):
 
 
 def lose_a_node(cluster):
-    """Kills a node under load: only its keys move to other nodes, and they return when the node is
-    back."""
+    """Kills a node under load. Only the meshes of this node move to other nodes, and they return
+    when the node runs again."""
     before, victim = cluster.places(), cluster.nodes[1]
     retried = cluster.front.total("haproxy_backend_redispatch_warnings_total")
     with Load(cluster.front.port, cluster.questions) as load:
@@ -147,7 +148,7 @@ def restart_in_turn(cluster):
 
 
 def find_jobs(cluster):
-    """Requests about a job may arrive at any node."""
+    """Requests about a job may arrive at any node and still find the job."""
     ids = []
     for number in range(30):
         path = f"/v1/meshes/m{number % 6}/distance"

@@ -23,11 +23,12 @@ import harness
 from figures import conclude, report
 
 NODES = 3
-PAUSE = 1.5  # seconds of load before and after each event
+PAUSE = 1.5  # the load runs this many seconds before and after each event
 
 
 class Cluster:
-    """The database, the nodes, of which the last connects through a relay, and the front."""
+    """The database, the nodes, and the proxy. The last node connects to the database through a
+    relay."""
 
     def __init__(self, stack, short):
         self.database = stack.enter_context(cluster.Postgres())
@@ -111,7 +112,8 @@ def wait_for_refusal(uploads):
 
 
 def stop_the_database(shared):
-    """All queried surfaces are in memory, so queries continue to be answered."""
+    """Stops the database. All queried surfaces are in memory, so nodes continue to answer
+    queries."""
     with shared.load() as load, shared.upload() as uploads:
         time.sleep(PAUSE)
         shared.database.stop()

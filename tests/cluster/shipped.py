@@ -22,7 +22,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 DOCKER = HERE.parent.parent / "docker"
 PROGRAM = pathlib.Path(os.environ.get("GEODESICD", "build/geodesicd")).resolve()
 OWN = {"keys", "metrics-key"}  # files that an operator makes
-# npm's packages that have the types of documents (make contract-generators)
+# the npm packages that contain the types of documents (make contract-generators)
 TYPES = ("typescript", "@grafana/schema", "kubernetes-types", "@kubernetes-models/prometheus-operator")
 failed = 0
 
@@ -71,7 +71,7 @@ def look_with_their_programs():
 
 
 def dashboard():
-    """Returns the dashboard. Further members of annotations belong to the data source."""
+    """Returns the dashboard without the members of annotations that belong to the data source."""
     document = json.loads((DOCKER / "grafana-dashboard.json").read_text())
     for annotation in document["annotations"]["list"]:
         for name in ("expr", "titleFormat"):

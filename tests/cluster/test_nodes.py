@@ -168,8 +168,8 @@ class Nodes(Shared):
 
 class Acknowledged:
     """Clients that upload and delete their own meshes, one after the other, and record the
-    acknowledged states. A change that was answered with 503 may have happened or not; it is
-    repeated, as the answer says."""
+    acknowledged states. A change that got a 503 may have happened or not. The client repeats it, as
+    the answer says."""
 
     def __init__(self, nodes, clients=4):
         self.nodes, self.over = nodes, threading.Event()
@@ -303,7 +303,7 @@ class Interruptions(Shared):
         far.wait_until(lambda node: node.health() == "degraded", 10)
         self.assertEqual(near.put("changes", TETRAHEDRON).status, 200)
         self.assertEqual(near.request("DELETE", "/v1/meshes/goes").status, 204)
-        # as after a hundred thousand other changes
+        # simulates the state after a hundred thousand other changes
         self.database.query("DELETE FROM geodesicd.surfaces WHERE record IS NULL")
         self.database.query("UPDATE geodesicd.clock SET version = version + 200000, forgotten = version + 100000")
         relay.mend()

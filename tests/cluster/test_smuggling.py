@@ -34,8 +34,8 @@ def path_of(uri):
 
 
 class Observed:
-    """A daemon behind HAProxy, and the requests that each has seen. `port`: where HAProxy sends
-    requests; None: to the daemon."""
+    """A daemon behind HAProxy, and the requests that each of both has logged. HAProxy sends
+    requests to `port`, or to the daemon if `port` is None."""
 
     def __init__(self, daemon, port=None):
         self.daemon, self.front = daemon, Front([port or daemon.port], OBSERVED)
@@ -54,8 +54,8 @@ class Observed:
         return received
 
     def forwarded(self):
-        """Yields (method, path, id or None) of each request that the proxy forwarded; without an
-        id, the library instead of the daemon wrote the answer."""
+        """Yields (method, path, id or None) of each request that the proxy forwarded. If the id is
+        None, libmicrohttpd wrote the answer instead of the daemon."""
         found = re.findall(rb"^.*?request (\S+) (\S+) (\S+) (-?\d+) (\S+)$", pathlib.Path(self.front.log.name).read_bytes(), re.M)
         return [(method.decode(), path_of(uri.decode("latin-1")), None if token == b"-" else token.decode())
                 for method, uri, server, _, token in found if server == b"node1"]
@@ -108,19 +108,19 @@ class Smuggling(unittest.TestCase):
         self.assertGreaterEqual(len(set(cases)), 250)
         for number, text in enumerate(cases):
             observed.ask(text)
-            if number % 8 == 7:  # another client, over the connections that the cases used
+            if number % 8 == 7:  # another client uses the connections that the cases used
                 answer = observed.ask(GET + b"X-Request-Id: stranger-%d\r\nConnection: close\r\n\r\n" % number)
                 self.assertEqual(re.findall(rb"(?i)x-request-id: (\S+)", answer), [b"stranger-%d" % number], text)
         observed.settle()
         self.assertIsNone(observed.difference())
         forwarded, read = observed.forwarded(), observed.read()
-        # at least the requests before the attacks
+        # the daemon must have read at least the requests before the attacks
         self.assertGreaterEqual(len(read), len(cases) // 2)
         print(f"      behind haproxy: {len(cases)} cases, {len(forwarded)} requests passed on, {len(read)} read by the daemon, 0 by one side only")
 
     def test_a_lax_reader_is_noticed(self):
-        """Repeats the comparison with a reader that ignores lengths: it sees a request inside a
-        body."""
+        """Repeats the comparison with a server that ignores lengths, and so reads a request inside
+        a body."""
 
         class Lax(Relay):
             def _pump(self, source, sink):

@@ -21,7 +21,7 @@ class Spread(Shared):
         told = wait(nodes[0], begun.json["id"], 90)
         self.assertEqual((told["state"], told["done"], told["failed"]), ("done", count, 0))
         found = results(nodes[1], told["id"])
-        # every item, once, in order
+        # every item occurs once, and the items are in order
         self.assertEqual([one["item"] for one in found], list(range(count)))
         shares = [node.metric("batch_items_answered_total") for node in nodes[:2]]
         print(f"# {count} items over three daemons, one killed: every answer once; the two others gave {shares}")

@@ -39,7 +39,7 @@ SQUARE = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n"
 
 
 class Store:
-    """buildah, with its images in the test's own folder."""
+    """Runs buildah with its images in the test's own folder."""
 
     def __init__(self, place):
         self.place = place
@@ -79,7 +79,7 @@ class Store:
 
 
 class Life:
-    """A running container: its key, if it printed one, and its log."""
+    """A running container, with its log and the key that it may have printed."""
 
     def __init__(self, command, port, environment=None):
         self.port, self.key, self.log, self.begun = port, None, [], time.monotonic()

@@ -28,11 +28,12 @@ from harness import TETRAHEDRON
 FINE, FRESH, LASTING = 0, 1, 2
 REFUSED = {503: ("overloaded", "draining", "store_unavailable"), 507: ("insufficient_memory", "insufficient_storage")}
 PATIENCE_SECONDS = 20
-MOST_TRIALS = 3000  # trials of a request: more would mean that call paths never end
-# members that differ between two answers to one request
+# largest number of trials of a request; more trials would mean that call paths never end
+MOST_TRIALS = 3000
+# members that differ between two answers to the same request
 VOLATILE = re.compile(rb'"(?:elapsed_ms|age_s|uptime_s|requested_at|created|created_at|started_at|finished_at|expires_at|id|job|trace_id|build_ms)":'
                       rb'\s*(?:"[^"]*"|[-+.0-9eE]+)')
-# etags of a derived mesh and of its source, which differ in each trial
+# the etags of a derived mesh and of its source differ in each trial
 ETAG = re.compile(rb'"etag":"[^"]*"')
 QUERIES = {"/v1/meshes/{name}/distance": "?from=v:0&to=e:1-2:0.5", "/v1/meshes/{name}/path": "?from=v:0&to=e:1-2:0.5",
            **{f"/v1/{kind}/{{name}}/nearest": "?point=p:0.2,0.1,-0.5" for kind in ("meshes", "nurbs", "subdivisions")},
@@ -125,8 +126,8 @@ def all_requests(document):
 
 
 class Scene:
-    """A daemon and the surfaces of the requests. They are made anew before each trial, so that no
-    answer comes from a cache."""
+    """A daemon and the surfaces of the requests. The surfaces are created again before each trial,
+    so that no answer comes from a cache."""
 
     def __init__(self, place, library):
         control = place / "control"
@@ -205,7 +206,7 @@ class Scene:
         return job
 
     def ask(self, request, path):
-        """Returns the answer; None: the connection was closed without one."""
+        """Returns the answer, or None if the connection was closed without an answer."""
         try:
             return self.daemon.request(request.method, path, request.body, request.headers)
         except GONE as reason:
@@ -255,7 +256,7 @@ def essence(request, answer):
 
 
 def is_refusal(answer):
-    """Returns whether the answer is a problem with a sentence, of the kinds for lacking
+    """Returns whether the answer is a problem with a detail sentence, and with a code for lacking
     resources."""
     if answer.status not in REFUSED:
         return False
@@ -293,7 +294,7 @@ def try_once(scene, request, order, tally):
     if not scene.is_alive:
         return failed
     right = scene.ask(request, scene.prepare(request) if request.is_change else path)
-    # the daemon does not retry a failed field build for a second
+    # after a failed field build the daemon waits a second before it tries again
     if right is not None and is_refusal(right):
         right = scene.ask(request, scene.prepare(request))
     tally.trials += failed
@@ -305,8 +306,8 @@ def try_once(scene, request, order, tally):
 
 
 def sweep(scene, request, tally):
-    """Runs trials until no allocation fails any more: with single failures, and with lasting
-    ones."""
+    """Runs trials until no allocation fails any more, first with single failures, and then with
+    lasting failures."""
     for order in (FRESH, LASTING):
         known = bytes(scene.control.stacks)
         for _ in range(MOST_TRIALS):
@@ -325,8 +326,8 @@ def held(scene, request):
 
 
 def try_request(scene, request, tally):
-    """Sweeps once, and repeats while each sweep leaves more blocks: a cache grows once, a leak
-    every time."""
+    """Sweeps once, and repeats the sweep as long as each sweep leaves more blocks. A cache grows
+    only once, but a leak grows every time."""
     known, before = bytes(scene.control.stacks), held(scene, request)
     for _ in range(3):
         ctypes.memmove(ctypes.byref(scene.control.stacks), known, len(known))

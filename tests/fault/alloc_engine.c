@@ -105,7 +105,7 @@ static void settle(const struct operation *operation)
     gd_spare_memory(0);
 }
 
-/* Runs the operation with the order; returns whether a call failed. */
+/* Runs the operation while calls fail by `order`. Returns whether a call failed. */
 static bool try_one(const struct operation *operation, struct result expected,
                     struct allocator_order order)
 {
@@ -131,7 +131,7 @@ static bool try_one(const struct operation *operation, struct result expected,
 
 /* --- all of one operation --------------------------------------------------------------------- */
 
-/* Repeats trials of one kind of order until no call fails any more. */
+/* Repeats trials with one kind of `order` until no call fails any more. */
 static void try_each(const struct operation *operation, struct result expected, const char *kind,
                      struct allocator_order order)
 {

@@ -14,13 +14,13 @@
 enum order { ORDER_FINE, ORDER_FRESH, ORDER_LASTING };
 
 struct control {
-    /* FRESH: fails the first call on a call path on which none has failed; LASTING: also fails all
-     * later calls */
+    /* FRESH makes the first call fail whose call path has had no failure; LASTING also makes all
+       later calls fail */
     _Atomic uint32_t order;
-    _Atomic uint32_t failures; /* since alloc.py set it to 0 */
+    _Atomic uint32_t failures; /* number of failures since alloc.py set this to 0 */
     _Atomic int64_t blocks;    /* held */
     struct stacks stacks;      /* call paths that have failed */
-    struct stacks sites;       /* return addresses of calls that have failed */
+    struct stacks sites;       /* the return addresses of calls that have failed */
 };
 
 static struct control *control;
@@ -32,7 +32,7 @@ __attribute__((constructor)) static void open_control(void)
     const char *path = getenv("ALLOC_CONTROL");
     int file = path ? open(path, O_RDWR | O_CLOEXEC) : -1;
     if (file < 0) return;
-    stacks_here(); /* loads the libraries that it needs */
+    stacks_here(); /* the first call loads the libraries that stacks_here needs */
     void *pages = mmap(NULL, sizeof *control, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
     close(file);
     if (pages != MAP_FAILED) control = pages;

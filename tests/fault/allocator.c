@@ -15,7 +15,7 @@ static _Atomic long blocks, mapped;
 void allocator_open(struct allocator_book *shared)
 {
     book = shared;
-    stacks_here(); /* loads the libraries that it needs */
+    stacks_here(); /* the first call loads the libraries that stacks_here needs */
 }
 
 void allocator_arm(struct allocator_order what)
@@ -53,7 +53,7 @@ static __attribute__((noinline)) bool fails(const void *site)
 
 #define FAILS() fails(__builtin_return_address(0))
 
-/* Counts a block and returns it. */
+/* Counts the block as held and returns it. */
 static void *held(void *block)
 {
     if (block) blocks++;
@@ -130,8 +130,8 @@ int __wrap_munmap(void *at, size_t size)
     return __real_munmap(at, size);
 }
 
-/* Maps to a target that is already mapped. As on Linux, a failure has already unmapped the old
- * contents there. */
+/* Handles mremap to a target that is already mapped. As on Linux, a failed call has already
+ * unmapped the target. */
 void *__wrap_mremap(void *at, size_t size, size_t wanted, int flags, ...)
 {
     va_list arguments;

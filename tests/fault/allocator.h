@@ -14,11 +14,11 @@ struct allocator_book {
     struct stacks sites;  /* return addresses of the failed calls */
 };
 
-/* Which calls fail after allocator_arm. All zero: none. */
+/* Selects the calls that fail after allocator_arm. If all members are zero, no call fails. */
 struct allocator_order {
-    unsigned long nth; /* the nth call, from 1; 0: none by number */
-    bool fresh;        /* the first call on a call path on which none has failed */
-    bool lasting;      /* and all later calls */
+    unsigned long nth; /* the number of the call that fails, from 1; 0 selects no call by number */
+    bool fresh;        /* makes the first call fail whose call path has had no failure */
+    bool lasting;      /* also makes all later calls fail */
 };
 
 void allocator_open(struct allocator_book *book);
@@ -27,7 +27,7 @@ void allocator_arm(struct allocator_order order);
 /* Returns how many calls failed since allocator_arm. No later call fails. */
 unsigned long allocator_disarm(void);
 
-/* Number of blocks and of mapped bytes that are held. */
+/* The numbers of held blocks and of mapped bytes. */
 struct allocator_live {
     long blocks, mapped;
 };

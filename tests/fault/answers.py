@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Answers in memory: clients request large answers of every kind and do not read them; others
-request many lists at once. Resident memory stays within the budget plus 10 % and 64 MiB. /livez and
-small queries are always answered. Each large answer is accepted or refused with 507, and unread
-answers are released.
+"""Tests answers in memory. Clients request large answers of every kind and do not read them. Other
+clients request many lists simultaneously. Resident memory stays within the budget plus 10 % and 64
+MiB. /livez and small queries are always answered. Each large answer is accepted or refused with
+507, and unread answers are released.
 
     tests/fault/answers.py [--budget MIB] [--clients N] [--only KIND] [--short]
 
@@ -28,16 +28,16 @@ MIB = 1 << 20
 SLACK = 64 * MIB
 LISTS = 20
 LIVEZ_MS = 50
-CUT_SECONDS = 45  # the library's timer of 30 seconds, and a margin
-# kinds that take long while other tests run
+CUT_SECONDS = 45  # the timer of 30 seconds in libmicrohttpd, and a margin
+# kinds of requests that take long while other tests run
 LONG = ("spline", "picture", "voronoi", "evaluate", "exp", "queries", "derived file", "preview", "limit trace")
 JSON = {"Content-Type": "application/json"}
 FLAGS = ("--max-body", "16MiB", "--workers", "2", "--http-threads", "2", "--landmarks", "0")
 
 
 def loose_triangles(count):
-    """Returns a binary STL file of triangles that do not touch each other. So each triangle is a
-    boundary loop of its own."""
+    """Returns a binary STL file of triangles that do not touch each other. Each triangle therefore
+    has its own boundary loop."""
     triangles = b"".join(struct.pack("<12fH", 0, 0, 0, 2 * i, 0, 0, 2 * i + 1, 0, 0, 2 * i, 1, 0, 0) for i in range(count))
     return b"\0" * 80 + struct.pack("<I", count) + triangles
 
@@ -80,7 +80,8 @@ def ask_unread(daemon, request):
     connection.connect(("127.0.0.1", daemon.port))
     try:
         connection.sendall(mix.encode(request))
-    except (BrokenPipeError, ConnectionResetError):  # refused before the body was read
+    # the daemon refused the request before it read the body
+    except (BrokenPipeError, ConnectionResetError):
         connection.close()
     return connection
 
@@ -102,7 +103,7 @@ def status_of(connection):
 
 
 def ask_small(daemon):
-    """Sends queries of another client; returns how many are not answered."""
+    """Sends queries as another client. Returns the number of queries that get no answer."""
     asked = [daemon.get("/v1/meshes/ring/distance?from=v:0&to=v:500"), daemon.get("/v1/meshes/ring/path?from=v:3&to=v:77"),
              daemon.ask("ring", "matrix", {"sources": in_ring(4), "targets": in_ring(4)})]
     return sum(answer.status != 200 for answer in asked)
@@ -113,7 +114,7 @@ def held_by_answers(daemon):
 
 
 class Trial:
-    """One daemon, and the observations of it."""
+    """A daemon and the measurements of it."""
 
     def __init__(self, daemon, budget, options):
         self.daemon, self.budget, self.options, self.held = daemon, budget, options, []
@@ -226,7 +227,7 @@ def try_answers(trial, cells):
 
 
 def try_kept(trial):
-    """Tries saved results of jobs, and pages of a batch's answers."""
+    """Tests saved results of jobs, and pages of a batch's answers."""
     daemon = trial.daemon
     count = int((trial.budget / 24 / 19) ** 0.5)
     those = [{"vertex": i % 24} for i in range(count)]
@@ -240,8 +241,8 @@ def try_kept(trial):
 
 
 def try_lists(trial, meshes, triangles):
-    """Tries meshes with very many boundaries: their descriptions, simultaneous lists, and /livez
-    while clients send requests without end."""
+    """Tests meshes with very many boundaries: their descriptions, simultaneous lists, and /livez
+    while clients send requests continuously."""
     daemon, body = trial.daemon, loose_triangles(triangles)
     with watched(daemon) as watch:
         statuses = [daemon.put(f"loose{number}", body).status for number in range(meshes)]

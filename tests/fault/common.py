@@ -1,5 +1,5 @@
-"""Helpers of the fault tests: distinguishable meshes, daemons to kill, the resources that a daemon
-holds."""
+"""Helpers of the fault tests: distinguishable meshes, daemons that can be killed, and the resources
+that a daemon holds."""
 import http.client
 import os
 import pathlib
@@ -29,8 +29,8 @@ def build_shim(name, folder):
 
 
 class Shimmed(Daemon):
-    """A daemon under an optional preloaded library. That library uses files that the sandbox does
-    not know."""
+    """A daemon under an optional preloaded library. The daemon runs without its sandbox, which
+    would forbid the library's files."""
 
     def __init__(self, folder, *flags, library=None, environment=None):
         saved = dict(os.environ)
@@ -66,8 +66,8 @@ def check(folder):
 
 
 class Ledger:
-    """Records the acknowledged states, and the states that unacknowledged changes may have caused;
-    None: absent."""
+    """Records the acknowledged states, and the states that unacknowledged changes may have caused.
+    The state None means that the mesh is absent."""
 
     def __init__(self):
         self.acknowledged, self.possible = {}, {}
@@ -80,8 +80,8 @@ class Ledger:
         self.possible[name] = []
 
     def faults(self, found):
-        """Yields names whose state is neither the acknowledged one nor that of an unacknowledged
-        change."""
+        """Yields the names whose state is neither the acknowledged state nor the state after an
+        unacknowledged change."""
         wrong = []
         for name in set(self.acknowledged) | set(self.possible) | set(found):
             allowed = [self.acknowledged.get(name), *self.possible.get(name, [])]

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Deadlines: expensive queries of every kind on large surfaces, each with a random deadline, mostly
-too short. The overrun is the time from the deadline to the answer, by the clock of the daemon's log
-and by the client's. An upload cannot name a deadline, so uploads go to daemons with a short
-`--timeout-ms`.
+"""Tests deadlines. Sends expensive queries of every kind on large surfaces, each with a random
+deadline that is mostly too short. The overrun is the time from the deadline to the answer, by the
+clock of the daemon's log and by the client's. An upload cannot name a deadline, so uploads go to
+daemons with a short `--timeout-ms`.
 
     tests/fault/deadline.py [--count N] [--clients N] [--seed N] [--only KIND,KIND] [--short]
 

@@ -26,11 +26,11 @@ import time
 from common import Ledger, Shimmed, build_shim, check, edges, harness, mesh
 from figures import conclude, report
 
-SLOW_MS = 20  # longer than any query of this test
+SLOW_MS = 20  # a time longer than any query of this test
 
 
 class Trial:
-    """A daemon on a folder with two meshes, whose disk fails on order."""
+    """A daemon on a folder with two meshes. Its disk fails when the test requests a failure."""
 
     def __init__(self, place, number, library, *flags):
         self.folder, self.order_file = place / f"data{number}", place / f"order{number}"
@@ -50,7 +50,7 @@ class Trial:
 
     @property
     def fired(self):
-        """Returns whether the last order has made a call fail."""
+        """Returns whether the last requested failure has happened."""
         return self.order_file.with_name(self.order_file.name + ".fired").exists()
 
     def expect(self, what, got, *allowed):
@@ -78,7 +78,7 @@ class Trial:
                 self.expect(f"{when}: distance on {name}", answer.json.get("distance"), edge)
 
     def end(self):
-        """Restarts the daemon, and checks that everything acknowledged is there."""
+        """Restarts the daemon, and checks that all acknowledged changes are stored."""
         self.order("fine")
         self.expect("exit status", self.daemon.stop(), 0)
         if (result := check(self.folder)).returncode:
@@ -239,8 +239,8 @@ def time_searches(daemon, count):
 
 
 def wait_for_no_disk(place, library):
-    """Queries do not wait for the disk, however many uploads and deletes do. Returns the median in
-    milliseconds."""
+    """Checks that queries do not wait for the disk while many uploads and deletes wait for it.
+    Returns the median time of a query in milliseconds."""
     trial = Trial(place, "waiting", library)
     trial.daemon.put("ball", harness.sample("icosphere", level=3))
     trial.order(f"slow {SLOW_MS}")
@@ -257,10 +257,10 @@ def wait_for_no_disk(place, library):
 
 
 def come_and_go(place, library):
-    """A mesh that is loaded while it is deleted or replaced is found or not; it is never reported
-    as damaged."""
+    """Loads a mesh while it is deleted or replaced. The mesh is found or absent, but is never
+    reported as damaged."""
     files = [harness.sample("grid", columns=40 + number, rows=40) for number in range(6)]
-    # room for one or two meshes
+    # the budget has room for one or two meshes
     trial = Trial(place, "coming", library, "--memory-budget", "4MiB", "--max-body", "1MiB")
     for number, file in enumerate(files):
         trial.daemon.put(f"g{number}", file)

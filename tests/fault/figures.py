@@ -1,5 +1,5 @@
-"""Figures that prove a promise. Each is a line `# figure ` followed by JSON, which tests/run.py
-passes on and table.py gathers."""
+"""Prints the figures that prove a documented limit ("promise"). Each figure is a line `# figure `
+followed by JSON. tests/run.py passes these lines on, and table.py collects them."""
 import json
 import math
 
@@ -19,6 +19,7 @@ def conclude(name, held):
 
 
 def quantile(values, share):
-    """Returns the least value that is not below that share of the values; NaN without values."""
+    """Returns the smallest value that is at least as large as `share` of the values. Returns NaN if
+    there are no values."""
     ordered = sorted(values)
     return ordered[max(0, math.ceil(share * len(ordered)) - 1)] if ordered else math.nan

@@ -19,7 +19,7 @@ from figures import conclude, report
 
 MESHES = {"a": mesh(1.5), "b": mesh(0.75, 4000), "same": mesh(1.5), "c": mesh(2.25, 300)}
 FLAGS = ("--persist-fields", "--landmarks", "2")
-SOURCES = ("v:0", "f:0:0.2,0.3,0.5")  # sources of the fields that the answers use
+SOURCES = ("v:0", "f:0:0.2,0.3,0.5")  # the sources of the fields that the answers use
 
 
 def grid(cells):
@@ -33,7 +33,7 @@ def grid(cells):
 
 
 LARGE = grid(33)
-SEARCH = "distance?from=v:2&to=v:3"  # uses other points, so that landmarks are used
+SEARCH = "distance?from=v:2&to=v:3"  # this query has other points, so that it uses landmarks
 QUERIES = (f"distance?from={SOURCES[0]}&to=v:1", f"path?from={SOURCES[1]}&to=v:3", SEARCH)
 
 

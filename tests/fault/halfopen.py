@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Half-open heads: clients, from several addresses, begin a request and do not finish it; each cut
-connection is replaced at once. Meanwhile other clients request /livez over new connections: none
-may fail. Then the clients finish a request and keep the connection without another one.
+"""Tests unfinished request heads. Clients from several addresses begin a request and do not finish
+it. Each client replaces a closed connection at once. Meanwhile other clients request /livez over
+new connections, and no such request may fail. Later the clients finish a request and keep the
+connection idle.
 
     tests/fault/halfopen.py [--heads N] [--addresses N] [--seconds S] [--most N] [--short]
 
@@ -20,11 +21,11 @@ from figures import conclude, quantile, report
 
 HEAD = b"GET /livez HTTP/1.1\r\nHost: localhost\r\nX: "
 WHOLE = b"GET /livez HTTP/1.1\r\nHost: localhost\r\n\r\n"
-PATIENCE = 5  # seconds that a probe waits
+PATIENCE = 5  # a probe waits for its answer at most this many seconds
 
 
 class Crowd(threading.Thread):
-    """Keeps `count` connections open, from addresses of the loopback net."""
+    """Keeps `count` connections open from addresses of the loopback network."""
 
     def __init__(self, port, count, addresses, text):
         super().__init__(daemon=True)
@@ -75,7 +76,8 @@ class Crowd(threading.Thread):
 
 
 def probe(port):
-    """Returns how long a new client waits for its answer; infinity: there is none."""
+    """Returns the seconds that a new client waits for its answer, or infinity if no answer
+    arrives."""
     began = time.monotonic()
     try:
         with socket.create_connection(("127.0.0.1", port), timeout=PATIENCE) as connection:

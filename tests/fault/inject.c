@@ -33,8 +33,8 @@
 
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static char order[64];
-static long countdown; /* calls until the failure begins */
-static long long room; /* bytes, once the disk is full */
+static long countdown; /* number of calls until the failure begins */
+static long long room; /* remaining room in bytes after the disk has become full */
 
 #define REAL(type, name, ...)                                                                      \
     static type (*real_##name)(__VA_ARGS__);                                                       \
@@ -58,7 +58,7 @@ static int is_our_file(int file)
     return is_ours(path) || (root && strcmp(path, root) == 0);
 }
 
-/* Reads the order, under the lock. Returns whether it is of that kind. */
+/* Reads the order file while the lock is held. Returns whether the order has that kind. */
 static int is_ordered(const char *kind)
 {
     char now[sizeof order] = "";
@@ -118,7 +118,7 @@ SYNC(fdatasync)
 
 /* --- single calls ----------------------------------------------------------------------------- */
 
-/* Returns whether the current call is the one that the order of that kind makes fail. */
+/* Returns whether the current call must fail by an order of that kind. */
 static int is_due(const char *kind)
 {
     pthread_mutex_lock(&lock);
@@ -135,7 +135,8 @@ static int breaks(int ours)
     return 1;
 }
 
-/* Returns how many of `size` bytes a read or write transfers; 0: the call is interrupted. */
+/* Returns how many of `size` bytes a read or write transfers. 0 means that the call is
+ * interrupted. */
 static size_t part_of(int file, size_t size)
 {
     if (size < 2 || !is_our_file(file)) return size;
@@ -293,7 +294,7 @@ time_t time(time_t *out)
 
 /* --- room ------------------------------------------------------------------------------------- */
 
-/* Returns whether there is no room for a write that ends at `end`. */
+/* Returns whether the disk has no room for a write that ends at `end`. */
 static int is_full(int file, long long end)
 {
     struct stat facts;

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""kill -9 in the middle of uploads, replacements and deletes: no acknowledged change is lost,
-nothing is torn, and the next start succeeds. The page cache survives a kill; replay.py tests power
-cuts.
+"""Kills the daemon by SIGKILL during uploads, replacements and deletes. No acknowledged change is
+lost, no change is stored in part, and the next start succeeds. The page cache survives a kill;
+replay.py tests power cuts.
 
     tests/fault/kill.py [--loops N] [--seed N]
 """
@@ -16,7 +16,7 @@ from common import GONE, Ledger, Shimmed, check, edges, mesh
 from figures import conclude, report
 
 CLIENTS = 3
-NAMES = 3  # names of each client; no other client changes them
+NAMES = 3  # number of names of each client; no other client changes these names
 
 
 def change(daemon, ledger, number, chance, until):

@@ -37,12 +37,14 @@ struct request {
     size_t size;
 };
 
-/* A connection. It is idle, or busy: first it sends, then it reads head and body. */
+/* A connection. It is idle or busy. A busy connection first sends its request, and then reads the
+ * head and the body of the answer. */
 struct client {
     int descriptor;
     bool is_busy, is_probe;
     struct request asked;
-    size_t sent, have; /* bytes of the request, and of the answer's head */
+    /* number of sent bytes of the request, and of received bytes of the answer's head */
+    size_t sent, have;
     uint64_t due_ns, left;
     bool has_head;
     unsigned status;
@@ -58,9 +60,9 @@ static struct {
     struct sockaddr_in address;
     struct request *requests;
     size_t request_count, next_request;
-    struct client *clients; /* the last one is the probe */
+    struct client *clients; /* the last client sends the probes */
     size_t client_count;
-    uint64_t interval_ns, counted_ns, end_ns; /* interval 0: a closed loop */
+    uint64_t interval_ns, counted_ns, end_ns; /* the interval is 0 in a closed loop */
     int epoll;
     uint64_t statuses[STATUSES], without_connection, broken;
     struct latencies fulfilled, refused, probed;

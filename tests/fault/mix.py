@@ -72,7 +72,7 @@ class Mix:
         return getattr(self, kind)(mesh)
 
     def learn(self, request, answer):
-        """Adds the field of an answer, or removes a field that is gone."""
+        """Adds the field of an answer, or removes a field that no longer exists."""
         if request.kind == "field" and answer.status in (200, 201):
             self.fields.append(f"{request.path}/{answer.json['id']}")
         if answer.status in (404, 410) and "/fields/" in request.path:
@@ -132,7 +132,7 @@ class Mix:
         return self.ask("path", mesh, "path", **{"from": self.point(mesh), "to": self.point(mesh), "via": self.points(mesh, 1)})
 
     def often(self, mesh):
-        """Repeats the same source, so that its field answers."""
+        """Repeats the same source, so that the daemon answers from its field."""
         return self.get("often", f"meshes/{mesh}/path?from=v:7&to=f:{self.chance.randrange(self.faces[mesh])}:0.2,0.3,0.5&geometry=xyz",
                         **{"Accept-Encoding": "gzip"})
 

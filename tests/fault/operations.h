@@ -29,19 +29,20 @@ void digest_mesh(struct digest *digest, const struct gd_mesh *mesh);
 struct answer {
     size_t size; /* size of the outputs, which are contiguous */
     void (*digest)(struct digest *digest, const void *out);
-    void (*discard)(void *out); /* NULL: the answer holds no memory */
+    void (*discard)(void *out); /* NULL if the answer holds no memory */
 };
 
 struct operation {
     const char *name;
     const struct answer *answer;
     enum gd_status (*run)(void *out);
-    enum gd_status status; /* what `run` returns if no allocation fails */
-    /* frees what the call may keep for the next call; NULL: nothing */
+    enum gd_status status; /* the status that `run` returns if no allocation fails */
+    /* frees the memory that the call may keep for the next call; NULL if the call keeps no
+       memory */
     void (*settle)(void);
 };
 
-/* `open` makes the inputs, which live until the program ends. */
+/* A list of operations. `open` makes their inputs, which exist until the program ends. */
 struct operations {
     void (*open)(void);
     const struct operation *items;

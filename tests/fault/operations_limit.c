@@ -212,7 +212,7 @@ static enum gd_status evaluate_loop(void *out)
     return gd_limit_evaluate(on_octahedron, &places[3], out, NULL);
 }
 
-/* Evaluates into an array of its own, since the array is unspecified on failure. */
+/* Evaluates into a separate array, because its contents are unspecified on failure. */
 static enum gd_status evaluate_many(void *out)
 {
     struct gd_limit_jet *array = malloc(PLACES * sizeof *array);

@@ -29,7 +29,8 @@ static const char broken_text[] =
     "24 25\n"
     "v 40 0 0\nv 41 0 0\nv 40 1 0\nv 41 1 0\nf 26 27 28\nf 27 28 29\n";
 
-/* Repeated faces at an edge of more than two faces, and one apart from all others. */
+/* Repeated faces at an edge of more than two faces, and a repeated face that touches no other
+ * face. */
 static const char refused_text[] =
     "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 -1 0\nf 1 2 3\nf 2 1 4\nf 3 1 2\nf 1 3 2\n";
 static const char twice_text[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\nf 1 2 3\n";

@@ -30,9 +30,10 @@ TIMES = 5
 WARM = 0.5
 ASKED = {"goodput": 0.9, "refusal": 10, "livez": 50}
 ASKED_SHORT = {"goodput": 0.1, "refusal": 250, "livez": 500}
-CLOSED_CONNECTIONS, OPEN_CONNECTIONS = 16, 1500  # more than the queue holds
-# Kinds of similar cost: the random number of rare, expensive requests would differ between
-# measurements.
+# the second number of connections is larger than the queue
+CLOSED_CONNECTIONS, OPEN_CONNECTIONS = 16, 1500
+# The kinds have similar cost, because the random number of rare, expensive requests would differ
+# between measurements.
 WEIGHTS = {"matrix": 3, "to_set": 3, "field": 3, "path": 2, "log": 1}
 FLAGS = ("--memory-budget", f"{BUDGET}", "--max-body", "16MiB", "--workers", "2", "--http-threads", "2", "--landmarks", "0", "--queue-length", "32")
 

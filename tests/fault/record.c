@@ -47,7 +47,7 @@ static int is_ours(const char *path)
     return strncmp(path, root, size) == 0 && (path[size] == '/' || !path[size]);
 }
 
-/* Gets the path of a descriptor; false if it is outside RECORD_ROOT. */
+/* Gets the path of a descriptor. Returns false if the path is outside RECORD_ROOT. */
 static int path_of(int file, char path[4096])
 {
     char link[64];

@@ -35,8 +35,8 @@ HEAD = re.compile(rb"(\w) (\d+) (-?\d+) \[(.*?)\] \[(.*?)\]\n")
 
 
 def mark(log, text):
-    """Adds an entry of the test between those of the daemon. The daemon answers after its syncs, so
-    the order is right."""
+    """Adds an entry of the test between the entries of the daemon. The daemon answers after its
+    syncs, so the order is correct."""
     with open(log, "ab") as file:
         file.write(b"A 0 0 [%s] []\n" % text.encode())
 
@@ -59,7 +59,7 @@ class Scenario:
 
     def die_at_the_start(self):
         """Kills the daemon after it has made a folder whose name is not durable yet. Returns false
-        if it had none to make."""
+        if the daemon made no folder."""
         environment = {**os.environ, **self.environment, "LD_PRELOAD": str(self.library), "RECORD_KILL": "M",
                        "GEODESICD_SANDBOX": "off"}
         process = subprocess.Popen([PROGRAM, "--data-dir", self.folder, "--listen", "127.0.0.1:0"], env=environment,
@@ -118,7 +118,7 @@ def read_log(log):
 
 
 class File:
-    """Contents as on the disk, and the writes since."""
+    """The contents of a file on the disk, and the writes that are not synced yet."""
 
     def __init__(self):
         self.durable, self.pending = b"", []
@@ -204,7 +204,8 @@ class Disk:
             for name, node in folder.names(lost, chance).items():
                 if isinstance(node, Folder):
                     write_folder(node, path / name)
-                elif not name.endswith("-shm"):  # -shm is shared memory, which SQLite makes anew
+                # the -shm file is shared memory, which SQLite creates again
+                elif not name.endswith("-shm"):
                     (path / name).write_bytes(node.content(lost, chance))
 
         write_folder(self.top, pathlib.Path(root))

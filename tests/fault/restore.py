@@ -25,7 +25,8 @@ def command(folder, *flags):
 
 
 def fill(folder):
-    """Fills a store with meshes of 100 to 400 KB; returns what a daemon finds in it."""
+    """Fills a store with meshes of 100 to 400 KB. Returns the meshes that a daemon lists for this
+    store."""
     with Shimmed(folder) as daemon:
         for number in range(MESHES):
             assert daemon.put(f"m{number}", mesh(1 + number / 16, 100_000 + 10_000 * number)).status == 201
@@ -35,7 +36,7 @@ def fill(folder):
 
 
 def interrupt(arguments, seconds):
-    """Runs the command and kills it after that time; returns whether it had ended."""
+    """Runs the command and kills it after that time. Returns whether the command ended before."""
     process = subprocess.Popen(arguments, stdout=subprocess.DEVNULL)
     try:
         return process.wait(seconds) == 0
@@ -46,8 +47,8 @@ def interrupt(arguments, seconds):
 
 
 def what_starts(folder, whole):
-    """Returns how a daemon starts on the folder: refused, empty (the restore had not begun), whole,
-    or in part."""
+    """Returns the state in which a daemon finds the folder: refused, empty (the restore had not
+    begun), whole, or in part."""
     if not any(folder.glob("*")):
         return "empty"
     try:
@@ -80,7 +81,7 @@ class Trial:
             if state not in ("refused", "empty", "whole"):
                 self.wrong.append(f"restore {number}: {state}")
             if state == "whole":
-                break  # killed after its last file was durable
+                break  # the command was killed after its last file was durable
         else:
             again = subprocess.run(command(folder, "--restore", str(self.source)), capture_output=True, text=True)
             if again.returncode:

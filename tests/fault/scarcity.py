@@ -35,7 +35,7 @@ def expect(wrong, what, got, *allowed):
 
 
 def ask(daemon, wrong, when):
-    """Checks that a query's answer is right, and that an upload and a removal work."""
+    """Checks that a query's answer is correct, and that an upload and a removal work."""
     expect(wrong, f"{when}: distance", daemon.get("/v1/meshes/a/distance?from=v:0&to=v:1").json.get("distance"), 1.5)
     expect(wrong, f"{when}: upload", daemon.put("new", mesh(2.5)).status, 201)
     expect(wrong, f"{when}: removal", daemon.request("DELETE", "/v1/meshes/new").status, 204)
@@ -55,7 +55,7 @@ def finish(daemon, folder, wrong):
 
 
 def settle(daemon, wrong, when):
-    """Waits until only the test's own connection is left."""
+    """Waits until only the test's own connection is open."""
     until = time.monotonic() + PATIENCE_SECONDS
     while (connections := daemon.metric("connections")) > 1 and time.monotonic() < until:
         time.sleep(0.02)
@@ -77,7 +77,7 @@ def few_descriptors():
 
 def crowd(daemon, wrong, cpu_most, *upload_statuses):
     """Connects more clients than descriptors: connected ones are answered, the others wait.
-    `cpu_most`: most processor time for each second of waiting."""
+    `cpu_most` limits the processor time for each second of waiting."""
     with contextlib.ExitStack() as stack:
         clients = [stack.enter_context(socket.create_connection(("127.0.0.1", daemon.port), timeout=PATIENCE_SECONDS)) for _ in range(CLIENTS)]
         for client in clients:
@@ -96,8 +96,7 @@ def crowd(daemon, wrong, cpu_most, *upload_statuses):
 
 
 def start_with_few(place):
-    """The daemon admits only as many connections as leave it the descriptors that it needs
-    itself."""
+    """The daemon limits its connections, so that it keeps the descriptors that it needs itself."""
     wrong = []
     with few_descriptors():
         daemon = start(place, "few")
@@ -107,9 +106,9 @@ def start_with_few(place):
 
 
 def run_out(place):
-    """No descriptors are left for files either, as if the whole system had none. Uploads are
-    refused during this time only. An HTTP thread of libmicrohttpd that has no connection repeats
-    accept at once, so it may use a whole processor during this time."""
+    """No descriptors are left for files either, as if the whole system had run out of descriptors.
+    Uploads are refused during this time only. An HTTP thread of libmicrohttpd that has no
+    connection repeats accept at once, so it may use a whole processor during this time."""
     wrong, daemon = [], start(place, "none")
     limits = resource.prlimit(daemon.process.pid, resource.RLIMIT_NOFILE)
     resource.prlimit(daemon.process.pid, resource.RLIMIT_NOFILE, (descriptors(daemon) + 8, limits[1]))

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Clients that read a long answer steadily but slowly: none is cut above 16 KiB a second; a client
-that stops reading is cut. The clients' receive buffers differ in size. So the kernels buffer
-different amounts between daemon and client.
+"""Tests clients that read a long answer steadily but slowly. The daemon never disconnects a client
+that reads more than 16 KiB a second. It disconnects a client that stops reading. The clients'
+receive buffers differ in size. So the kernels buffer different amounts between daemon and client.
 
     tests/fault/slow_reader.py [--seconds S]
 """
@@ -15,7 +15,7 @@ from common import Daemon, harness
 from figures import conclude, report
 
 RATES = (24_000, 50_000)
-BUFFERS = (0, 4096, 1 << 20)  # bytes; 0: the system's
+BUFFERS = (0, 4096, 1 << 20)  # sizes in bytes; 0 selects the system's default
 LEVELS = (6, 7)  # levels of the meshes: 4 and 16 MB
 PIECE = 0.25  # seconds between two reads
 
@@ -31,8 +31,8 @@ def ask(port, path, buffer=0):
 
 
 def read_steadily(port, path, size, rate, buffer, seconds):
-    """Reads `rate` bytes a second. Returns after how many seconds the client was cut; None: it read
-    everything, or was served for `seconds`."""
+    """Reads `rate` bytes a second. Returns after how many seconds the daemon closed the connection.
+    Returns None if the client read the whole answer, or read for `seconds`."""
     began, taken = time.monotonic(), 0
     with ask(port, path, buffer) as connection:
         while taken < size and (passed := time.monotonic() - began) < seconds:
@@ -50,7 +50,7 @@ def read_steadily(port, path, size, rate, buffer, seconds):
 
 
 def stop_reading(port, path, seconds):
-    """Returns after how many seconds a client that reads nothing is cut."""
+    """Returns after how many seconds the daemon disconnects a client that reads nothing."""
     began = time.monotonic()
     with ask(port, path) as connection:
         while (passed := time.monotonic() - began) < seconds:

@@ -26,12 +26,13 @@ from figures import conclude, report
 MIB = 1 << 20
 BUDGET = 128 * MIB
 SAMPLES = 240
-ROWS = 24  # rows of the printed series
-FULL = 0.9  # share of the budget that counts as used up
-DRIFT = 0.05  # share of the budget: larger growth over the measured time is a leak
-SHORT_SECONDS = 600  # in a shorter soak the caches still fill
+ROWS = 24  # number of rows of the printed series
+FULL = 0.9  # the budget counts as used up from this share on
+DRIFT = 0.05  # growth by more than this share of the budget over the measured time is a leak
+SHORT_SECONDS = 600  # in a soak shorter than this, the caches may still be filling
 TRIM_SECONDS = 11  # period in which the daemon returns free heap memory to the system
-# bytes that the allocator may keep: more than a new daemon holds, and not counted by the daemon
+# bytes that the allocator may keep beyond the memory of a new daemon; the daemon does not count
+# them
 EMPTY_SLACK = 48 * MIB
 FLAGS = ("--memory-budget", f"{BUDGET}", "--workers", "2", "--http-threads", "2", "--max-body", "16MiB", "--max-jobs", "200", "--job-ttl-s", "60", "--scrub-s", "60",
          "--persist-fields")
@@ -40,8 +41,8 @@ Sample = collections.namedtuple("Sample", "seconds requests resident counted des
 
 
 class Client(threading.Thread):
-    """Sends requests until it is stopped. `statuses` counts the answers; `faults` lists what must
-    not happen."""
+    """Sends requests until it is stopped. `statuses` counts the answers; `faults` lists the
+    violations."""
 
     def __init__(self, daemon, requests, pause):
         super().__init__()
@@ -73,8 +74,8 @@ def take(daemon, begun, clients):
 
 
 def take_at_rest(daemon, clients):
-    """Returns the fewest resources held while no other request runs: a closed connection may linger
-    for a moment."""
+    """Returns the fewest resources that the daemon holds while no other request runs. Samples
+    several times, because a closed connection may remain for a moment."""
     def one():
         time.sleep(0.05)
         return take(daemon, time.monotonic(), clients)
@@ -135,8 +136,8 @@ def draw(series, path):
 
 
 def warmed(series):
-    """Returns the samples after the warm-up; all after the first quarter if the budget never was
-    used up."""
+    """Returns the samples after the warm-up. If the budget was never used up, returns all samples
+    after the first quarter."""
     full = next((sample.seconds for sample in series if sample.counted >= FULL * BUDGET), 0)
     return [sample for sample in series if sample.seconds >= max(full, series[-1].seconds / 4)]
 

@@ -16,7 +16,7 @@ struct stacks {
     _Atomic uint64_t keys[STACKS_SLOTS];
 };
 
-/* Adds a key; returns whether it was new. A full set regards all keys as known. */
+/* Adds a key and returns whether the key was new. A full set regards all keys as known. */
 static inline bool stacks_add(struct stacks *stacks, uint64_t key)
 {
     key += !key;
@@ -42,8 +42,8 @@ static inline bool stacks_has(struct stacks *stacks, uint64_t key)
     return false;
 }
 
-/* Returns a hash of the return addresses from the caller's caller on. Its first call in a process
- * allocates. */
+/* Returns a hash of the return addresses, beginning with the caller's caller. The first call in a
+ * process allocates memory. */
 static inline uint64_t stacks_here(void)
 {
     void *frames[STACKS_DEPTH];

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""An unread log: standard error is a pipe, a socket (as under systemd) or a stopped terminal, and
-is no longer read once the daemon listens. Requests and /livez are answered nevertheless, and
-SIGTERM ends the daemon; the log, when it is read later, contains the exact number of missing lines.
+"""Tests an unread log. Standard error is a pipe, a socket (as under systemd) or a stopped terminal,
+and the test stops reading it once the daemon listens. Requests and /livez are answered
+nevertheless, and SIGTERM ends the daemon; the log, when it is read later, contains the exact number
+of missing lines.
 
     tests/fault/stuck_log.py [--requests N]
 """
@@ -24,8 +25,9 @@ from common import PROGRAM
 from figures import conclude, quantile, report
 
 CLIENTS = 8
-PATIENCE_SECONDS = 10  # patience of a client: a slower answer counts as none
-# the daemon has nothing to drain: one second for its log, the rest as margin for a busy machine
+PATIENCE_SECONDS = 10  # a client waits this long; a later answer counts as no answer
+# the daemon has nothing to drain; it may need one second for its log, and the rest is a margin for
+# a busy machine
 END_SECONDS = 10
 BLOCK = 1 << 16
 
@@ -49,7 +51,7 @@ SINKS = {"pipe": open_pipe, "socket": open_socket, "terminal": open_terminal}
 
 
 class Stuck:
-    """A daemon whose log is read up to `listening`, and then only on demand."""
+    """A daemon whose log the test reads up to the line `listening`, and later only on demand."""
 
     def __init__(self, kind):
         self.reader, writer = SINKS[kind]()
@@ -90,7 +92,7 @@ class Stuck:
         return next(int(float(line.split()[1])) for line in lines if line.startswith("geodesicd_log_lines_dropped_total"))
 
     def end(self):
-        """Returns the seconds from SIGTERM to the end; infinity: it does not end."""
+        """Returns the seconds from SIGTERM to the end, or infinity if the daemon does not end."""
         begun = time.monotonic()
         self.process.send_signal(signal.SIGTERM)
         try:
@@ -100,7 +102,7 @@ class Stuck:
         return time.monotonic() - begun if self.process.returncode == 0 else float("inf")
 
     def read_rest(self):
-        """Reads until the writer is gone, or no more bytes arrive."""
+        """Reads until the writer has closed the log, or no more bytes arrive."""
         while select.select([self.reader], [], [], 1)[0]:
             try:
                 block = os.read(self.reader, BLOCK)

@@ -27,7 +27,7 @@ from test_access import bearer, digest, key_of
 
 RATIO = 3
 TIMES = 5
-CLIENTS = 600  # clients of the flood: more than the queue has places
+CLIENTS = 600  # number of clients of the flood, which is larger than the queue
 FLAGS = ("--memory-budget", "2GiB", "--workers", "2", "--http-threads", "2", "--landmarks", "0", "--timeout-ms", "30000")
 # `ann-jobs`: a second key of the victim's tenant
 VICTIM, FLOOD, SAME, WATCH = "ann", "bob", "ann-jobs", "watch"

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Files of other programs: uploads every mesh file under a folder, queries random points of each,
-and checks the laws of a distance.
+"""Tests files of other programs. Uploads every mesh file under a folder, queries random points of
+each, and checks the laws of a distance.
 
     tests/fault/wild.py FOLDER [--only WORD] [--points N] [--list]
 
@@ -22,7 +22,7 @@ import sys
 from common import GONE, Daemon
 
 SUFFIXES = {".obj", ".ply", ".off", ".stl", ".glb", ".gltf", ".3mf", ".coff", ".noff"}
-TOLERANCE = 1e-9  # relative; README promises this
+TOLERANCE = 1e-9  # relative tolerance, as README promises
 COLUMNS = ("files", "answered", "repaired", "refused", "laws broken", "5xx")
 
 
@@ -48,7 +48,7 @@ class Questions:
         return answer.json
 
     def distance(self, a, b):
-        """Returns the distance; infinity between points that no path joins."""
+        """Returns the distance, or infinity if no path joins the points."""
         found = self.ask(f"distance?from={a}&to={b}")["distance"]
         return math.inf if found is None else found
 
@@ -93,8 +93,8 @@ def check_laws(questions, points):
 
 
 def upload(daemon, path):
-    """Returns the first accepted upload's answer, else the first answer, and whether the upload was
-    repaired."""
+    """Returns the answer of the first accepted upload, and whether the upload was repaired. If no
+    upload is accepted, returns the first answer."""
     body = path.read_bytes()
     first = daemon.put("wild", body)
     if first.status < 400 or first.status >= 500:

@@ -1,7 +1,7 @@
-/* Fuzzes the decoders of NURBS files and of curves in their domains. The first byte picks the
- * decoder (files, or the three queries about shortest paths), the rest is its input. An accepted
- * surface has finite points everywhere in its domain, with unit normals; an accepted curve lies in
- * the domain of its surface. */
+/* Fuzzes the decoders of NURBS files and of curves in their domains. The first byte selects the
+ * decoder (files, or the three queries about shortest paths). The remaining bytes are the decoder's
+ * input. An accepted surface has finite points everywhere in its domain, with unit normals; an
+ * accepted curve lies in the domain of its surface. */
 #include <math.h>
 
 #include "proto/json/decode.h"
@@ -64,8 +64,8 @@ static void read_file(const uint8_t *data, size_t size)
 
 /* --- questions -------------------------------------------------------------------------------- */
 
-/* Returns a surface that is straight in one direction and periodic in the other; made once,
- * reachable until the program ends. */
+/* Returns a surface that is straight in one direction and periodic in the other direction. The
+ * surface is made once and kept until the program ends. */
 static const struct gd_parametric *vase(void)
 {
     static struct gd_parametric *surface;

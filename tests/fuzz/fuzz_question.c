@@ -1,6 +1,6 @@
-/* Fuzzes the decoders of JSON queries about meshes. The first byte picks the decoder, the rest is
- * its input. A refusal has a sentence; an accepted query is freed. fuzz_request.c and fuzz_set.c
- * also answer queries about pairs and sets. */
+/* Fuzzes the decoders of JSON queries about meshes. The first byte selects the decoder. The
+ * remaining bytes are the decoder's input. A refusal has a sentence; an accepted query is freed.
+ * fuzz_request.c and fuzz_set.c also answer queries about pairs and sets. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -119,7 +119,7 @@ static bool (*const decoders[])(const json_t *document,
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     if (size == 0) return 0;
-    char *text = malloc(size); /* no byte more, so that overruns are detected */
+    char *text = malloc(size); /* allocates exactly `size` bytes, so that overruns are detected */
     promise(text != NULL);
     memcpy(text, data + 1, size - 1);
     struct proto_problem problem;

@@ -1,6 +1,7 @@
-/* Fuzzes the records of the store: its manifests and the rows of its database. The first byte says
- * whether the text is used unchanged or gets the right checksum, so that the code behind the
- * checksum is reached, too. A parsed record must be written back as the same record. */
+/* Fuzzes the records of the store: its manifests and the rows of its database. The first byte
+ * selects whether the text is used unchanged or gets the correct checksum. With the correct
+ * checksum the fuzzer also reaches the code after the check. Writing a parsed record must produce
+ * the same record. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -43,7 +44,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         length += SERVER_SHA256_HEX - 1;
         text[length++] = '\n';
     }
-    char *exact = malloc(length ? length : 1); /* no byte more, so that overruns are detected */
+    /* allocates no additional byte, so that overruns are detected */
+    char *exact = malloc(length ? length : 1);
     promise(exact != NULL);
     memcpy(exact, text, length);
     free(text);

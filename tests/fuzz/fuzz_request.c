@@ -1,5 +1,6 @@
-/* Fuzzes the decoders of requests, and their answers. The first byte picks the decoder, the rest is
- * its input. An accepted request is located on a mesh and answered; the answer must be JSON. */
+/* Fuzzes the decoders of requests, and their answers. The first byte selects the decoder. The
+ * remaining bytes are the decoder's input. An accepted request is located on a mesh and answered;
+ * the answer must be JSON. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,7 +19,7 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* Returns a cube of two sizes of triangles; made once, never freed: reachable until the program
+/* Returns a cube with triangles of two sizes. The mesh is made once and kept until the program
  * ends. */
 static const struct gd_mesh *cube(void)
 {
@@ -33,7 +34,7 @@ static const struct gd_mesh *cube(void)
     return mesh;
 }
 
-/* Answers the first leg, and frees the stops. */
+/* Answers the query for the first two stops, and frees the stops. */
 static void answer(struct proto_points *stops)
 {
     struct proto_located_points located;
@@ -119,7 +120,8 @@ static void fuzz_matrix(const char *text, size_t size)
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     if (size == 0) return 0;
-    char *text = malloc(size); /* the rest and a NUL, no byte more, so that overruns are detected */
+    /* allocates exactly the remaining bytes and a NUL, so that overruns are detected */
+    char *text = malloc(size);
     promise(text != NULL);
     memcpy(text, data + 1, size - 1);
     text[size - 1] = '\0';

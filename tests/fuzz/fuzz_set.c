@@ -1,6 +1,7 @@
-/* Fuzzes the decoders of sets and of queries about them. The first byte picks the decoder (field
- * requests, or distances to a set), the rest is its input. An accepted set is located on a mesh,
- * its field is built and evaluated: the distance to a set is the least over its members. */
+/* Fuzzes the decoders of sets and of queries about them. The first byte selects the decoder (field
+ * requests, or distances to a set). The remaining bytes are the decoder's input. The fuzzer locates
+ * an accepted set on a mesh, builds its field and evaluates it. The distance to a set must be the
+ * least distance to its members. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,13 +12,12 @@
 #include "proto/queries/field.h"
 #include "tests/fuzz/promise.h"
 
-/* limits of answered sets, because each member here needs its own field */
+/* only sets within these limits are answered, because each member needs its own field */
 enum { MOST_MEMBERS = 24, MOST_POINTS = 24 };
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* Returns an open box with a roof ridge; made once, never freed: reachable until the program
- * ends. */
+/* Returns an open box with a roof ridge. The mesh is made once and kept until the program ends. */
 static const struct gd_mesh *house(void)
 {
     static struct gd_mesh *mesh;
@@ -31,7 +31,7 @@ static const struct gd_mesh *house(void)
     return mesh;
 }
 
-/* Builds a field; NULL if the engine refuses because of rounding. */
+/* Builds a field. Returns NULL if the engine refuses because of rounding. */
 static struct gd_field *build(const struct gd_seed *seeds, uint32_t count, double radius)
 {
     const struct gd_field_request request = {.seeds = seeds, .seed_count = count, .radius = radius};
@@ -128,7 +128,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     struct proto_problem problem;
     if (size == 0) return 0;
-    char *text = malloc(size); /* no byte more, so that overruns are detected */
+    char *text = malloc(size); /* allocates no additional byte, so that overruns are detected */
     promise(text != NULL);
     memcpy(text, data + 1, size - 1);
     json_t *document = proto_decode_document(text, size - 1, &problem);

@@ -1,6 +1,6 @@
 /* Fuzzes the readers of control meshes: OBJ with its tags, and OpenUSD's attributes as JSON. The
- * first byte picks the scheme and the format, the rest is the file. An accepted surface is
- * evaluated in the middle of some faces; results are finite. */
+ * first byte selects the scheme and the format. The remaining bytes are the file. An accepted
+ * surface is evaluated in the middle of some faces; the results must be finite. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -50,7 +50,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         .format = data[0] & 1 ? GD_FORMAT_ANY : GD_FORMAT_OBJ,
         .has_scheme = data[0] & 2,
         .scheme = data[0] & 4 ? GD_SCHEME_LOOP : GD_SCHEME_CATMULL_CLARK};
-    char *file = malloc(size); /* no byte more, so that overruns are detected */
+    char *file = malloc(size); /* allocates no additional byte, so that overruns are detected */
     promise(file != NULL);
     memcpy(file, data + 1, size - 1);
     struct gd_control_mesh control_mesh;

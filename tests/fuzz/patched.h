@@ -1,5 +1,6 @@
-/* Helpers of the fuzzers of stored images. Their input is a list of patches (three bytes of offset,
- * one of value) to a real image, so that most of it stays plausible. */
+/* Helpers of the fuzzers of stored images. Their input is a list of patches to a real image, so
+ * that most of the image stays plausible. A patch has three bytes of offset and one byte of
+ * value. */
 #ifndef FUZZ_PATCHED_H
 #define FUZZ_PATCHED_H
 
@@ -8,12 +9,12 @@
 
 #include "gd/mesh.h"
 
-/* Returns a pyramid over a square that is open below, with saddles where its sides are pushed in;
- * made once. */
+/* Returns a pyramid over a square, without its base. Its sides are pushed in, which makes saddles.
+ * The mesh is made once. */
 const struct gd_mesh *patched_surface(void);
 
-/* Returns the image with the input's patches, malloc'ed. Sets *left to its size: an input that
- * begins with 255 cuts bytes off. */
+/* Returns a copy of the image, allocated by malloc, with the input's patches. Sets *left to the
+ * size of the copy. An input that begins with 255 removes bytes from the end. */
 char *patched_copy(const void *image, size_t length, const uint8_t *data, size_t size,
                    size_t *left);
 

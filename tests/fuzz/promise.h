@@ -1,4 +1,5 @@
-/* Promises that fuzzers check: a violated promise ends the run, and the fuzzer keeps the input. */
+/* Invariants ("promises") that fuzzers check. A violation ends the run, and the fuzzer keeps the
+ * input. */
 #ifndef FUZZ_PROMISE_H
 #define FUZZ_PROMISE_H
 
@@ -10,7 +11,7 @@ void promise(int holds);
 /* Checks that the text is JSON without duplicate members. Frees the writer. */
 void promise_json(struct proto_writer *writer);
 
-/* Checks that the refusal has a sentence and is encoded as JSON. */
+/* Checks that the problem has a detail sentence and is encoded as JSON. */
 void promise_sentence(const struct proto_problem *problem);
 
 #endif

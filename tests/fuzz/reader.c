@@ -1,5 +1,6 @@
-/* Common part of the fuzzers of the readers: accepted polygons keep the readers' promises, and
- * survive a round trip through every writer that keeps doubles. */
+/* Common part of the fuzzers of the readers. Accepted polygons must satisfy the readers'
+ * invariants. Writing them by a writer that keeps doubles, and reading the result, must give the
+ * same polygons. */
 #include "tests/fuzz/reader.h"
 #include "tests/fuzz/promise.h"
 

@@ -5,8 +5,8 @@
 
 #include "gd/io.h"
 
-/* Reads the bytes in that format (GD_FORMAT_ANY: recognized first) and checks the result; aborts if
- * a promise is broken. Returns 0. */
+/* Reads the bytes in that format and checks the result. GD_FORMAT_ANY first recognizes the format.
+ * Aborts if an invariant is violated. Returns 0. */
 int fuzz_reader(enum gd_format format, const uint8_t *data, size_t size);
 
 #define FUZZ_READER(FORMAT)                                                                        \

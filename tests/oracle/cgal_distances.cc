@@ -31,7 +31,8 @@ using Vertex = Mesh::Vertex_index;
 
 struct cgal_surface {
     Mesh mesh;
-    std::vector<Vertex> vertex_of; /* per position; null_vertex(): unreferenced */
+    /* the vertex of each position; null_vertex() if no face uses the position */
+    std::vector<Vertex> vertex_of;
     std::vector<uint32_t> position_of;
     std::unique_ptr<Solver> solver;
 

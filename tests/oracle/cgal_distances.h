@@ -14,13 +14,13 @@ bool cgal_is_available(void);
 
 struct cgal_surface;
 
-/* Copies a surface of oriented manifold triangles. Returns NULL if CGAL is not available or refuses
- * them. */
+/* Copies a surface of oriented manifold triangles. Returns NULL if CGAL is not available or rejects
+ * the triangles. */
 struct cgal_surface *cgal_surface_create(const struct gd_polygons *triangles);
 void cgal_surface_free(struct cgal_surface *surface);
 
-/* Computes distances from one vertex to all. `out` has position_count elements: INFINITY where
- * there is no path, NAN at vertices without triangles. Returns false if CGAL gave up. */
+/* Computes distances from one vertex to all vertices. `out` has position_count elements: INFINITY
+ * where there is no path, NAN at vertices without triangles. Returns false if CGAL failed. */
 bool cgal_surface_solve(struct cgal_surface *surface, uint32_t source, double *out);
 
 /* Writes CGAL's path from a vertex to the source of the last solution. The caller frees `line` by

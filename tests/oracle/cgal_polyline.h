@@ -21,7 +21,7 @@ struct polyline_point {
     double t;
 };
 
-/* Grows as points are added. All zero: empty. */
+/* A polyline that grows when points are added. If all members are zero, the polyline is empty. */
 struct polyline {
     struct polyline_point *points; /* owned */
     uint32_t count, capacity;
@@ -29,7 +29,7 @@ struct polyline {
 };
 
 void polyline_add(struct polyline *line, struct polyline_point point);
-void polyline_free(struct polyline *line); /* sets it to all zero */
+void polyline_free(struct polyline *line); /* also sets all members to zero */
 
 /* Returns the length in long double. Returns NAN unless consecutive points share a triangle and the
  * ends are the two vertices, in either order. O(count x triangles). */

@@ -1,8 +1,8 @@
-/* gd_sweep [--sources N] MESH...: compares the engine with CGAL: distances of all vertices from N
- * random ones. A MESH is a file, or a sample as "name:key=value,key=value". Non-manifold parts are
- * separated (repair_split) for both. Where the distances differ by more than 1e-9, the paths decide
- * (cgal_polyline.h). Prints `ok`, `not ok` or `skip` for each mesh. `not ok` means that the engine
- * was wrong, or that the paths could not decide. */
+/* gd_sweep [--sources N] MESH...: compares the engine with CGAL by the distances of all vertices
+ * from N random vertices. A MESH is a file, or a sample as "name:key=value,key=value". Non-manifold
+ * parts are separated (repair_split) for both. Where the distances differ by more than 1e-9, the
+ * paths decide (cgal_polyline.h). Prints `ok`, `not ok` or `skip` for each mesh. `not ok` means
+ * that the engine was wrong, or that the paths could not decide. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -39,7 +39,7 @@ static const char *const verdict_texts[VERDICTS] = {"CGAL is too long", "CGAL is
 struct sweep {
     const char *name;
     const struct gd_mesh *mesh;
-    struct gd_polygons triangles; /* the engine's: oriented and repaired */
+    struct gd_polygons triangles; /* the engine's triangles, which are oriented and repaired */
     struct cgal_surface *cgal;
     double *ours, *theirs;
     uint64_t compared, unreachable, exceptions[VERDICTS];

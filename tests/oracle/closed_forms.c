@@ -15,11 +15,11 @@ enum { BOX_FACES = 6 };
 struct roll {
     double map[2][3], shift[2];
     int face;
-    unsigned passed; /* bit f: face f has been in the plane */
+    unsigned passed; /* bit f is set if face f has been in the plane */
 };
 
-/* The edges rolled over so far, in the plane. Of each edge: the end on the right and the end on the
- * left of the path. */
+/* The edges over which the box has rolled, in the plane. Each edge has an end on the right and an
+ * end on the left of the path. */
 struct hinges {
     double end[BOX_FACES][2][2];
     int count;
@@ -204,7 +204,7 @@ double closed_form_prism(double radius, uint32_t sides, const double p[3], const
  * an image of corner (i mod 2) + 2 (j mod 2). */
 static void lay_down(const double weight[4], double out[2])
 {
-    static const int lattice[4][4][2] = {/* by the corner that the face lacks */
+    static const int lattice[4][4][2] = {/* indexed by the corner that the face lacks */
                                          {{0, 0}, {1, 0}, {0, 1}, {1, 1}},
                                          {{0, 2}, {0, 0}, {0, 1}, {1, 1}},
                                          {{2, 0}, {1, 0}, {0, 0}, {1, 1}},
