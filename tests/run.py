@@ -20,14 +20,15 @@ import time
 
 OK = re.compile(r"^ok\b(?!.*# SKIP)", re.M | re.I)
 NOT_OK = re.compile(r"^not ok\b(?!.*# SKIP)", re.M)
-# cmocka prints "not ok" for skipped tests
+# also matches "not ok", which cmocka prints for skipped tests
 SKIP = re.compile(r"^((not )?ok\b.*# SKIP|skip\b)", re.M | re.I)
 
 
 def run(command, timeout):
     started = time.monotonic()
     environment = dict(os.environ, CMOCKA_MESSAGE_OUTPUT="TAP")
-    # sanitizers' allocators return NULL like malloc: some tests need failed allocations
+    # makes the allocators of sanitizers return NULL as malloc does, because some tests need failed
+    # allocations
     environment.setdefault("ASAN_OPTIONS", "allocator_may_return_null=1:detect_stack_use_after_return=1")
     try:
         done = subprocess.run(shlex.split(command), env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
@@ -37,7 +38,8 @@ def run(command, timeout):
         output = (late.stdout or b"").decode(errors="replace") + f"\nno end after {timeout} s\n"
         status = -1
     passed, failed, skipped = (len(pattern.findall(output)) for pattern in (OK, NOT_OK, SKIP))
-    if status != 0 and not failed:  # crashed, timed out, or a sanitizer reported an error
+    # the program crashed or timed out, or a sanitizer reported an error
+    if status != 0 and not failed:
         failed = 1
     return command, output, passed, failed, skipped, time.monotonic() - started
 

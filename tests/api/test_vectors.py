@@ -113,8 +113,9 @@ class Vectors(TestCase):
     # --- what log answers ------------------------------------------------------------------------
 
     def vectors_of_log(self):
-        """Returns (mesh, start, targets, vectors). The targets include points behind corners, on a
-        cut locus, equal to the start, on another component, and a vertex without faces."""
+        """Returns (mesh, start, targets, vectors). Some vectors belong to paths that bend at
+        vertices, lie on a cut locus, or have length 0. Some targets have no vector, because no path
+        leads to them or because they are vertices without faces."""
         chance = random.Random(8)
         faces = self.meshes["terrain"]["faces"]
         starts = [("terrain", random_point(chance, faces), [random_point(chance, faces) for _ in range(30)]),

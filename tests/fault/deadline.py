@@ -129,7 +129,7 @@ class Asker:
 
 
 def collect(daemon, askers):
-    """Returns the overruns, once the log has the last line."""
+    """Waits until the log has the last line, and returns the overruns."""
     asked = {mark: what for asker in askers for mark, what in asker.asked.items()}
     until = time.monotonic() + 10
     while True:
@@ -147,7 +147,7 @@ def ask_all(options, those, kinds):
         askers = []
         for number in range(options.clients):
             requests = Expensive(random.Random(f"{options.seed} {number}"), those, faces)
-            for mesh in faces:  # a field of each mesh for requests about fields
+            for mesh in faces:  # creates a field of each mesh for requests about fields
                 request = requests.field(mesh)
                 requests.learn(request, daemon.request(request.method, request.path, request.body, request.headers))
             askers.append(Asker(daemon, number, requests, kinds[number:] + kinds[:number]))
@@ -157,7 +157,7 @@ def ask_all(options, those, kinds):
 
 
 def upload_all(options, those):
-    """Measures uploads, whose deadline is the server's."""
+    """Measures uploads, which use the deadline of the server."""
     overruns = []
     for deadline in (2, 5, 10, 20, 40):
         with Daemon(*FLAGS, "--timeout-ms", str(deadline)) as daemon:
@@ -173,7 +173,8 @@ def upload_all(options, those):
 
 def large_all(options):
     """Measures the tessellation of a subdivision surface into three million triangles, with
-    deadlines from 50 ms to 2 s, so that some pass in each of its long steps."""
+    deadlines from 50 ms to 2 s. Some deadlines therefore pass in each long step of the
+    tessellation."""
     with Daemon(*FLAGS, "--memory-budget", "4GiB", "--max-faces", "4000000") as daemon:
         daemon.request("PUT", "/v1/subdivisions/cube", mix.CUBE)
         asker = Asker(daemon, 0, None, None)

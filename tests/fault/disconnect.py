@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Clients that vanish at a random byte of the handshake, of the request or of the answer, by a
-reset or by an ordinary end, with and without TLS. Afterwards the daemon holds no more connections,
-threads, descriptors and references to meshes or fields than before. Leaked references are found at
-the end: after everything has been removed, all of its memory must be free.
+"""Tests clients that disconnect at a random byte of the handshake, of the request or of the answer.
+They disconnect by a reset or by an ordinary close, with and without TLS. Afterwards the daemon
+holds no more connections, threads, descriptors and references to meshes or fields than before.
+At the end the test removes all data. All memory of the data must then be free, which detects leaked
+references.
 
     tests/fault/disconnect.py [--count N] [--tls-count N] [--clients N] [--seed N]
 """
@@ -29,8 +30,9 @@ from test_tls import make_certificate
 
 PATIENCE_SECONDS = 60
 SETTLE_SECONDS = 15
-ANSWER_BYTES = 30000  # most bytes of an answer that are read
-# longest waits for an answer to begin and to continue; then the client leaves, too
+ANSWER_BYTES = 30000  # largest number of bytes of an answer that a client reads
+# longest times that a client waits for an answer to begin and to continue; afterwards the client
+# disconnects
 WAIT_SECONDS, SILENCE_SECONDS = 0.3, 0.005
 FLAGS = ("--memory-budget", "128MiB", "--max-body", "16MiB", "--workers", "2", "--http-threads", "2", "--job-ttl-s", "1")
 RESET = struct.pack("ii", 1, 0)  # SO_LINGER: close by a reset at once
@@ -61,7 +63,8 @@ class TlsDaemon(Daemon):
 
 
 class Vanisher:
-    """Connects, sends a request, and vanishes. `ends` counts the kinds of ends."""
+    """Connects, sends a request, and disconnects. `ends` counts the connections by the way in which
+    they ended."""
 
     def __init__(self, daemon, seed, those, faces):
         self.daemon, self.chance, self.ends = daemon, random.Random(seed), collections.Counter()
@@ -127,8 +130,8 @@ class Vanisher:
 
 
 def settle(daemon, names, least):
-    """Waits, for less time than an idle connection has, until these metrics are that small. Returns
-    those that are not."""
+    """Waits until these metrics are at most `least`, for a shorter time than the timeout of an idle
+    connection. Returns the metrics that are still larger."""
     until = time.monotonic() + SETTLE_SECONDS
     while True:
         held = process.metrics(daemon)
@@ -156,7 +159,7 @@ def at_rest(daemon):
 
 
 def try_all(daemon, label, count, clients, seed):
-    """Vanishes `count` times; returns whether all promises hold."""
+    """Disconnects `count` times. Returns whether all checks pass."""
     chance = random.Random(seed)
     before = at_rest(daemon)
     those = mix.surfaces(16, 2, 10)

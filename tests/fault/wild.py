@@ -111,7 +111,7 @@ def reason_of(problem):
 
 
 def try_file(daemon, path, points):
-    """Returns the column in which the file counts, and the sentence that says why."""
+    """Returns the table column in which the file is counted, and the sentence with the reason."""
     answer, is_repaired = upload(daemon, path)
     if answer.status >= 500:
         return "5xx", answer.json["detail"]

@@ -1,5 +1,5 @@
-/* Fuzzes 3MF packages: the input is the XML of the model part, which is put into an archive
- * unchanged; an input that begins like an archive is the package itself. */
+/* Fuzzes 3MF packages. The input is the XML of the model part, which the fuzzer puts into an
+ * archive unchanged. An input that begins like an archive is used as the package itself. */
 #include <string.h>
 
 #include "tests/fuzz/reader.h"

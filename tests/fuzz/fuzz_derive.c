@@ -1,5 +1,6 @@
 /* Fuzzes edits: any edits of a small mesh are refused with a specific error, or result in a mesh
- * whose vertices have origins on the original. The bytes are a few edits, then random polygons. */
+ * whose vertices have origins on the original. The input consists of a few edits, followed by
+ * random polygons. */
 #include <math.h>
 #include <string.h>
 
@@ -17,7 +18,7 @@ static struct gd_edit_step read_step(const uint8_t **data, size_t *size, uint32_
     struct gd_edit_step step = {.kind = (enum gd_edit_kind)(soup_next(data, size) % KINDS)};
     uint8_t a = soup_next(data, size), b = soup_next(data, size);
     switch (step.kind) {
-    case GD_EDIT_SIMPLIFY: /* the distance below is in lattice steps */
+    case GD_EDIT_SIMPLIFY: /* the limit of the distance is in lattice steps */
         step.simplify = (struct gd_simplify_options){a % 64, b / 2 * 0.015625, b & 1};
         break;
     case GD_EDIT_COMPONENTS:
@@ -48,7 +49,7 @@ static void check_origins(const struct gd_mesh *mesh, const struct gd_edited *ed
     }
 }
 
-/* Checks the promises of a single step of that kind. */
+/* Checks the invariants of a single edit of that kind. */
 static void check_step(const struct gd_mesh *mesh, const struct gd_edit_step *step,
                        const struct gd_edited *edited, const struct gd_mesh_summary *after)
 {

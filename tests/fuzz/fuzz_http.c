@@ -21,9 +21,9 @@
 
 enum {
     ANSWER_BYTES = 1 << 16,
-    REFRESH = 128,   /* inputs after which the mesh is uploaded again */
-    SILENCE_MS = 10, /* silence of a daemon that waits for more bytes */
-    TRIES = 600,     /* attempts to connect, one every tenth of a second */
+    REFRESH = 128,   /* the mesh is uploaded again after this number of inputs */
+    SILENCE_MS = 10, /* after this silence the daemon is assumed to wait for more bytes */
+    TRIES = 600,     /* number of attempts to connect, one every tenth of a second */
 };
 
 static const char last[] = "GET /livez HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
@@ -68,8 +68,8 @@ static void start(void)
 
 /* --- a client --------------------------------------------------------------------------------- */
 
-/* Connects so that closing leaves nothing behind: one client in TIME_WAIT for each input would use
- * up the ports. */
+/* Connects with a socket that closes by a reset. Otherwise each input would leave a socket in
+ * TIME_WAIT, and these sockets would use up the ports. */
 static int join(void)
 {
     const struct sockaddr *address = (const struct sockaddr *)&server->config.listen.socket;
@@ -86,8 +86,8 @@ static int join(void)
     return client;
 }
 
-/* Sends in two pieces, and reads until the daemon closes. Returns the size of the answer in
- * `answer`. */
+/* Sends the bytes in two pieces, and reads until the daemon closes the connection. Returns the size
+ * of the answer in `answer`. */
 static size_t exchange(const char *bytes, size_t size, bool asks_more,
                        char answer[ANSWER_BYTES + 1])
 {
@@ -135,7 +135,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     }
     size_t length = exchange((const char *)data + 1, size - 1, data[0] & 1, answer);
     promise(length == 0 || strncmp(answer, "HTTP/1.1 ", 9) == 0);
-    /* no body has a CR LF */
+    /* no body of an answer contains CR LF */
     promise(strstr(answer, "HTTP/1.1 500 Internal Server Error\r\n") == NULL);
     return 0;
 }

@@ -51,7 +51,8 @@ static void ask_everywhere(const struct gd_field *field)
             if (gd_field_gradient(field, &point, &gradient) == GD_OK) promise(!isinf(gradient.x));
         }
     }
-    for (uint32_t a = 0; a < 9; a++) { /* every edge, in both directions: its chunks are merged */
+    /* queries every edge in both directions, which merges the edge's chunks of wedges */
+    for (uint32_t a = 0; a < 9; a++) {
         for (uint32_t b = 0; b < 9; b++) {
             struct gd_wedge *wedges;
             uint32_t count;

@@ -27,7 +27,7 @@ static const char *image(size_t *size)
     return bytes;
 }
 
-/* Searches with damaged landmarks may fail, but must report it. */
+/* Searches with damaged landmarks may fail, but must report the failure. */
 static void search_with(const struct gd_landmarks *landmarks)
 {
     static const double place[3] = {0.2, 0.3, 0.5};

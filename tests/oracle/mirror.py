@@ -20,7 +20,8 @@ import sys
 TRACED = 5.384418260817481  # tests/unit/subdiv/test_limit_trace.c, tests/api/subdivisions.py
 CUBE = ([[x, y, z] for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)],
         [[4, 5, 7, 6], [0, 2, 3, 1], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]])
-TIP, REACH = 4, 4  # the vertex; control points per row of a sector
+# index of the extraordinary vertex, and number of control points in a row of a sector
+TIP, REACH = 4, 4
 
 
 def combine(terms):
@@ -71,7 +72,7 @@ def sectors_of(points, faces):
                 sector.update({(i, j): points[a], (i + 1, j): points[b], (i + 1, j + 1): points[c], (i, j + 1): points[d]})
                 if i == 0:
                     begin = (d, c)
-                # the next face in the row: its side that continues (a, b) begins at b
+                # finds the next face in the row; its side that continues (a, b) begins at b
                 face, k = left[c, b]
                 side = (b, face[(k + 2) % 4])
         sectors.append(sector)
@@ -89,7 +90,9 @@ def refine(sectors, one):
     def rule(k, i, j):
         def p(x, y):
             return at(sectors, k, i // 2 + x, j // 2 + y)
-        if (i, j) == (0, 0):  # a vertex of three faces: weights 5/12, 1/6 each, 1/36 each
+        # a vertex of three faces has the weights 5/12 for itself, 1/6 for each neighbour, and 1/36
+        # for each opposite corner
+        if (i, j) == (0, 0):
             ring = [(one / 6, s[1, 0]) for s in sectors] + [(one / 36, s[1, 1]) for s in sectors]
             return combine([(5 * one / 12, p(0, 0))] + ring)
         if i % 2 and j % 2:
@@ -134,7 +137,7 @@ def section(one, quad, sqrt, end):
     for _ in range(2):
         points, faces = refine_mesh(points, faces)
     sectors = sectors_of(points, faces)
-    # the sector whose diagonal lies in the plane, and the spoke that does
+    # finds the sector whose diagonal lies in the plane, and the spoke that lies in the plane
     diagonal = next(k for k in range(3) if all(abs(sectors[k][n, n][0] - sectors[k][n, n][1]) < 1e-9 for n in range(REACH)))
     spoke = next(k for k in range(3) if all(abs(sectors[k][n, 0][0] - sectors[k][n, 0][1]) < 1e-9 for n in range(REACH)))
     total = 0 * one

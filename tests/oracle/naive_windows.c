@@ -15,8 +15,10 @@ struct naive_side {
 struct naive_mesh {
     double (*position)[3];
     uint32_t (*corner)[3];
-    struct naive_side (*across)[3]; /* across corners k and k + 1; face NONE: boundary */
-    bool *is_convex;                /* per vertex: inner vertex with a total angle below 2 pi */
+    /* across[f][k] is the side of the face that shares corners k and k + 1 of face f; its face is
+       NONE on the boundary */
+    struct naive_side (*across)[3];
+    bool *is_convex; /* true for each inner vertex with a total angle below 2 pi */
     uint32_t vertex_count, face_count;
 };
 
@@ -47,7 +49,7 @@ static quadruple quadruple_sqrt(quadruple x)
 #include "tests/oracle/naive_windows_solver.h"
 
 struct naive_field {
-    struct extended_solver *extended; /* one is set, depending on the precision */
+    struct extended_solver *extended; /* only the solver of the selected precision is set */
     struct quadruple_solver *quadruple;
 };
 

@@ -19,7 +19,8 @@
 struct naive_mesh;
 struct naive_field;
 
-/* 64 bits of mantissa; 113 bits, about 20 times slower. */
+/* NAIVE_EXTENDED has 64 bits of mantissa. NAIVE_QUADRUPLE has 113 bits, and is about 20 times
+ * slower. */
 enum naive_precision { NAIVE_EXTENDED, NAIVE_QUADRUPLE };
 
 /* A point of a face. The largest weight is ignored and computed as 1 minus the other two, so that
@@ -32,7 +33,7 @@ struct naive_point {
 
 struct naive_source {
     struct naive_point point;
-    double offset; /* added to every distance from the source */
+    double offset; /* this is added to every distance from the source */
 };
 
 /* Copies a manifold triangle mesh, whose faces may have any orientation. Returns NULL if out of
@@ -42,7 +43,7 @@ struct naive_mesh *naive_mesh_create(const double (*positions)[3], uint32_t posi
 void naive_mesh_free(struct naive_mesh *mesh); /* NULL is allowed */
 
 /* Computes distances from the nearest source. Distances up to `radius`, which may be INFINITY, are
- * exact; larger ones are upper bounds. The mesh must outlive the field. Returns NULL if out of
+ * exact. Larger distances are upper bounds. The mesh must outlive the field. Returns NULL if out of
  * memory, or if there are more than NAIVE_WINDOWS_MOST windows. */
 struct naive_field *naive_field_solve(const struct naive_mesh *mesh, enum naive_precision precision,
                                       const struct naive_source *sources, uint32_t source_count,
@@ -51,7 +52,7 @@ void naive_field_free(struct naive_field *field); /* NULL is allowed */
 
 enum { NAIVE_WINDOWS_MOST = 4000000 };
 
-/* Returns the distance of a point; INFINITY: no path. */
+/* Returns the distance of a point, or INFINITY if there is no path. */
 long double naive_field_distance(const struct naive_field *field, const struct naive_point *point);
 long double naive_field_vertex_distance(const struct naive_field *field, uint32_t vertex);
 

@@ -20,17 +20,20 @@ struct NAME(shape) {
  * origin. */
 struct NAME(window) {
     struct NAME(vector) right, left; /* ends of the side */
-    struct NAME(vector) edge;        /* left - right: keeps the digits of short edges far away */
-    struct NAME(vector) from, to;    /* the directions: images of the vertices that limit them */
-    REAL sigma;                      /* distance of the source */
-    uint32_t origin;                 /* vertex of the source, or NONE */
-    uint32_t parent;                 /* the window on the previous face, or NONE */
-    uint32_t face, side;             /* the face that the window enters, and its side */
-    bool swapped;                    /* `right` is corner side + 1 */
-    uint32_t next;                   /* next window that entered the face, or NONE */
+    /* the vector from the right to the left end; it is stored because the difference of distant
+       positions would lose the digits of short edges */
+    struct NAME(vector) edge;
+    /* the limits of the directions, as images of the vertices that define them */
+    struct NAME(vector) from, to;
+    REAL sigma;          /* distance of the window's source from the field's source */
+    uint32_t origin;     /* vertex of the source, or NONE */
+    uint32_t parent;     /* the window on the previous face, or NONE */
+    uint32_t face, side; /* the face that the window enters, and its side */
+    bool swapped;        /* `right` is corner side + 1 */
+    uint32_t next;       /* the next window that entered the same face, or NONE */
 };
 
-/* A source, in one of the faces that contain it. */
+/* A source, described in one of the faces that contain it. */
 struct NAME(seed) {
     uint32_t face;
     REAL weight[3];
@@ -39,7 +42,7 @@ struct NAME(seed) {
 
 /* A window to propagate, or a vertex that becomes a source. */
 struct NAME(event) {
-    REAL key; /* lower bound of the distances that it can give */
+    REAL key; /* lower bound of the distances that the event can produce */
     uint32_t index;
     bool is_vertex;
 };
@@ -47,14 +50,15 @@ struct NAME(event) {
 struct NAME(solver) {
     const struct naive_mesh *mesh;
     struct NAME(shape) * shape;
-    REAL *distance; /* distances of vertices: upper bounds, exact at the end */
+    /* the distances of vertices; they are upper bounds until the end, and then exact */
+    REAL *distance;
     struct NAME(window) * window;
     uint32_t window_count, window_capacity;
     struct NAME(event) * heap;
     uint32_t heap_count, heap_capacity;
     struct NAME(seed) * seed;
     uint32_t seed_count;
-    uint32_t *entered; /* per face: the first window that entered it, or NONE */
+    uint32_t *entered; /* for each face, the first window that entered the face, or NONE */
     bool failed;
 };
 
@@ -219,7 +223,8 @@ static struct NAME(event) NAME(pop)(struct NAME(solver) * solver)
 
 /* --- windows ---------------------------------------------------------------------------------- */
 
-/* Returns where the direction meets the window's side: 0 at its right end, 1 at its left end. */
+/* Returns the parameter at which the direction meets the window's side. The parameter is 0 at the
+ * right end and 1 at the left end. */
 static REAL NAME(place_on_side)(const struct NAME(window) * window, struct NAME(vector) direction)
 {
     REAL t = -NAME(cross)(direction, window->right) / NAME(cross)(direction, window->edge);
@@ -252,8 +257,8 @@ static REAL NAME(least_on_side)(const struct NAME(window) * window, REAL begin, 
     return NAME(length)(NAME(add)(window->right, NAME(scaled)(t, window->edge)));
 }
 
-/* Returns whether the window's path has been in the face before. A shortest path enters a face only
- * once. */
+/* Returns whether the window has already passed through the face. A shortest path enters a face
+ * only once. */
 static bool NAME(returns)(const struct NAME(solver) * solver, const struct NAME(window) * window)
 {
     uint32_t first = window->side, at = window->face;
@@ -331,8 +336,8 @@ static void NAME(emit_from_vertex)(struct NAME(solver) * solver, uint32_t vertex
     }
 }
 
-/* Offers the parts of the window on the other two sides of the face. `reach`, `back`: vectors from
- * right and left to the apex. */
+/* Queues the parts of the window on the other two sides of the face, unless they are useless.
+ * `reach` and `back` are the vectors from the right and from the left end to the apex. */
 static void NAME(offer_children)(struct NAME(solver) * solver, const struct NAME(window) * window,
                                  const uint32_t corner[3], struct NAME(vector) apex,
                                  struct NAME(vector) reach, struct NAME(vector) back)
@@ -395,7 +400,8 @@ static void NAME(propagate_all)(struct NAME(solver) * solver, long double radius
 
 /* --- sources ---------------------------------------------------------------------------------- */
 
-/* Computes the weights, the largest one from the others. Returns how many are zero. */
+/* Computes the weights. The largest weight is 1 minus the others. Returns the number of zero
+ * weights. */
 static int NAME(complete)(const struct naive_point *point, REAL out[3])
 {
     REAL weight[3] = {point->weight[0], point->weight[1], point->weight[2]};
@@ -485,7 +491,7 @@ static struct NAME(solver) * NAME(solve)(const struct naive_mesh *mesh,
 }
 
 /* Returns the distance through a window, or INFINITY if the window does not see the point.
- * `weight`: the point's weights in the face that the window enters. */
+ * `weight` are the point's weights in the face that the window enters. */
 static REAL NAME(through_window)(const struct NAME(solver) * solver,
                                  const struct NAME(window) * window, const REAL weight[3])
 {

@@ -39,7 +39,7 @@ struct Place {
 
 /* A face of a refinement level with the parameters of its corners. */
 struct Piece {
-    gd_limit_point first; /* its face and corner */
+    gd_limit_point first; /* the face and the corner in the control mesh */
     std::vector<Place> corners;
 };
 
@@ -107,7 +107,7 @@ std::unique_ptr<Far::TopologyRefiner> refiner_of(const gd_control_mesh *mesh, gd
 }
 
 /* Returns the control mesh's faces. Polygons that are split into quads have no corner parameters
- * yet; their parts get them by children_of. */
+ * yet; children_of computes the parameters of their parts. */
 std::vector<Piece> pieces_of(const Far::TopologyLevel &level, int regular)
 {
     static const Place quad[4] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}},
@@ -179,8 +179,8 @@ bool has_normal(const Far::TopologyLevel &level, int vertex, int regular)
     return true;
 }
 
-/* Returns whether OpenSubdiv uses the right mask. It applies the mask of smooth vertices at ends of
- * creases, and the mask of corners at vertices of two edges. */
+/* Returns whether OpenSubdiv uses the correct mask at the vertex. It applies the mask of smooth
+ * vertices at ends of creases, and the mask of corners at vertices of two edges. */
 bool is_exact(const Far::TopologyLevel &level, int vertex)
 {
     int sharp = 0;

@@ -27,10 +27,10 @@ void opensubdiv_free(struct opensubdiv_surface *surface);
 /* A vertex of a uniform refinement, as a corner of one of its faces. */
 struct opensubdiv_vertex {
     struct gd_limit_point place;
-    struct gd_vec3 position, normal; /* by the limit masks; the normal has any length */
-    /* false on a crease, where each side has its own normal, and on irregular boundaries */
+    struct gd_vec3 position, normal; /* computed by the limit masks; the normal is not normalized */
+    /* false on irregular boundaries, and on a crease, where each side has its own normal */
     bool has_normal;
-    bool is_exact; /* false: OpenSubdiv used another vertex type's mask */
+    bool is_exact; /* false if OpenSubdiv used the mask of another vertex type */
 };
 
 /* Computes the vertices of all faces at `level` >= 1, one for each corner. *out is owned by the
@@ -38,7 +38,7 @@ struct opensubdiv_vertex {
 size_t opensubdiv_vertices(const struct opensubdiv_surface *surface, int level,
                            struct opensubdiv_vertex **out);
 
-/* Computes position and derivatives at a place from patches. */
+/* Computes position and derivatives at a point of the surface from OpenSubdiv's patches. */
 void opensubdiv_evaluate(const struct opensubdiv_surface *surface,
                          const struct gd_limit_point *place, struct gd_limit_jet *out);
 

@@ -1,6 +1,6 @@
-/* Compares limit surfaces with OpenSubdiv's, if libosd-dev is installed: positions and normals at
- * all vertices of uniform refinements, by its limit masks, and positions and derivatives between
- * them, by its patches of level 10. */
+/* Compares limit surfaces with OpenSubdiv's, if libosd-dev is installed. OpenSubdiv's limit masks
+ * give positions and normals at all vertices of uniform refinements. Its patches of level 10 give
+ * positions and derivatives at other points. */
 #include "tests/oracle/opensubdiv.h"
 
 #include "tests/unit/subdiv/surfaces.h"
@@ -12,8 +12,8 @@ struct pair {
     struct gd_subdivision *ours;
     struct opensubdiv_surface *theirs;
     double size;
-    /* Relative to the size: of positions, first and second derivatives; or of positions, unit
-     * normals, and positions that OpenSubdiv approximates. */
+    /* Largest differences relative to the size. They concern positions, first and second
+       derivatives; or positions, unit normals, and positions that OpenSubdiv approximates. */
     double worst[3];
     size_t count;
 };
@@ -90,8 +90,8 @@ static double inside(struct rng *rng)
 }
 
 /* Returns the sign of OpenSubdiv's second derivatives. OpenSubdiv 3.5 gives them the wrong sign in
- * the middle one of four triangles, whose axes are turned by half a turn. The engine's agree with
- * finite differences of first derivatives (test_evaluate.c). */
+ * the middle one of four triangles, whose axes are turned by half a turn. The engine's second
+ * derivatives agree with finite differences of first derivatives (test_evaluate.c). */
 static double sign_of(const struct gd_limit_jet *ours, const struct gd_limit_jet *theirs)
 {
     return gd_vec3_dot(ours->dvv, theirs->dvv) < 0 ? -1 : 1;
@@ -122,7 +122,7 @@ static void compare_places(struct pair *pair, const struct gd_control_mesh *mesh
     pair->count += (size_t)count;
 }
 
-/* Errors by rounding. Each halving of (u,v) amplifies those of derivatives. */
+/* Permitted rounding errors. Each halving of (u,v) amplifies the errors of derivatives. */
 static const double promised[2][3] = {{1e-13, 1e-11, 1e-2}, {1e-13, 1e-11, 1e-9}};
 
 static void check_pair(const char *name, const char *what, struct pair *pair, const double most[3])
@@ -135,7 +135,7 @@ static void check_pair(const char *name, const char *what, struct pair *pair, co
     }
 }
 
-/* Largest differences of a group of surfaces. */
+/* The largest differences over a group of surfaces. */
 struct tally {
     double vertices[3], places[3];
     size_t surfaces, count;
@@ -199,8 +199,8 @@ static void compare_samples(const char *group, const struct sample *samples, siz
 
 /* --- meshes ----------------------------------------------------------------------------------- */
 
-/* Writes two fans of n faces around vertices 0 and 1 above and below a ring, without symmetry:
- * triangles, or kites (Catmull-Clark), whose other vertices have three faces. */
+/* Writes two fans of n faces around vertices 0 and 1, above and below a ring, without symmetry. The
+ * faces are triangles, or kites for Catmull-Clark. The other vertices of kites have three faces. */
 static void make_fans(uint32_t n, bool triangles, char *text, size_t size)
 {
     FILE *out = fmemopen(text, size, "w");
@@ -326,8 +326,8 @@ static void polygons(void **state)
     print_tally("polygons of 3 to 9 sides", &tally);
 }
 
-/* At the end of a crease OpenSubdiv approximates by another vertex type's mask. The difference
- * falls with every level. */
+/* At the end of a crease OpenSubdiv approximates the limit by the mask of another vertex type. The
+ * difference decreases with every level. */
 static void approximated(void **state)
 {
     require_opensubdiv();

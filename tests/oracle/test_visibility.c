@@ -29,10 +29,11 @@ static void test_square(void **state)
     (void)state;
     const double square[4][2] = {{1, 1}, {3, 1}, {3, 3}, {1, 3}};
     struct visibility_scene scene = {square, (uint32_t[2]){0, 4}, 1};
-    check_close(distance(&scene, 0, 2, 4, 2), 2 * sqrt(2) + 2, 1e-15); /* around two corners */
-    /* straight, through a corner */
+    /* the path leads around two corners */
+    check_close(distance(&scene, 0, 2, 4, 2), 2 * sqrt(2) + 2, 1e-15);
+    /* the path is straight and passes through a corner */
     check_close(distance(&scene, 2, 0, 4, 2), 2 * sqrt(2), 1e-15);
-    /* between opposite corners */
+    /* the path connects opposite corners */
     check_close(distance(&scene, 1, 1, 3, 3), 4, 1e-15);
     check_close(distance(&scene, 0, 1, 4, 1), 4, 1e-15);     /* along a side */
     check_close(distance(&scene, 2, 1, 2, 3), 4, 1e-15);     /* from wall to wall */
@@ -50,8 +51,9 @@ static void test_concave(void **state)
     check_close(distance(&scene, 2, 1, 5, 1), sqrt(10) + 1 + sqrt(10), 1e-15);
 }
 
-/* Solves the same scenes as surfaces by unfolding. The two solvers share no data: one gets only the
- * polygons in the plane, the other only the surface with its prisms. */
+/* Solves the same scenes as surfaces by unfolding. The two solvers share no data. The visibility
+ * graph gets only the polygons in the plane. The other solver gets only the surface with its
+ * prisms. */
 static void test_against_unfolding(void **state)
 {
     (void)state;

@@ -16,17 +16,21 @@ struct place {
 struct face {
     uint32_t corner[3];
     uint32_t original;
-    real weight[3][3];  /* barycentric coordinates of each corner in the original face */
-    uint32_t across[3]; /* the face across the edge opposite to each corner; NONE: boundary */
-    bool passed;        /* passed by the current unfolding; no shortest path enters a face twice */
+    real weight[3][3]; /* barycentric coordinates of each corner in the original face */
+    /* the face across the edge opposite to each corner, or NONE at the boundary */
+    uint32_t across[3];
+    /* true if the current unfolding contains the face, because no shortest path enters a face twice
+       */
+    bool passed;
 };
 
 struct unfold_mesh {
     real (*position)[3];
     struct face *face;
     uint32_t vertex_count, face_count, face_capacity;
-    real *distance; /* upper bounds, exact at the end */
-    bool linked;    /* `across` is up to date */
+    /* the distances of vertices; they are upper bounds until the end, and then exact */
+    real *distance;
+    bool linked; /* `across` is up to date */
 };
 
 static const uint32_t NONE = UINT32_MAX;
@@ -91,8 +95,8 @@ static real determinant(const real a[3], const real b[3], const real c[3])
            a[2] * (b[0] * c[1] - b[1] * c[0]);
 }
 
-/* Converts barycentric coordinates of the original face to those of a part. Returns the smallest
- * one. */
+/* Converts barycentric coordinates in the original face to coordinates in a part. Returns the
+ * smallest coordinate. */
 static real weights_in(const struct face *part, const real weight[3], real out[3])
 {
     real total = determinant(part->weight[0], part->weight[1], part->weight[2]), least = INFINITY;
@@ -121,8 +125,8 @@ static struct face *part_around(struct unfold_mesh *mesh, uint32_t original, con
     return best;
 }
 
-/* Adds a copy of `face` with `vertex` as its corner k. `weight`: the vertex in the original
- * face. */
+/* Adds a copy of `face` with `vertex` as its corner k. `weight` are the vertex' weights in the
+ * original face. */
 static void add_part(struct unfold_mesh *mesh, const struct face *face, int k, uint32_t vertex,
                      const real weight[3])
 {
@@ -198,7 +202,8 @@ static real between(const struct unfold_mesh *mesh, uint32_t a, uint32_t b)
     return hypotl(hypotl(p[0] - q[0], p[1] - q[1]), p[2] - q[2]);
 }
 
-/* Returns the position of c on the left of the line from a to b, whose positions are given. */
+/* Returns the position of c on the left of the line from a to b. The positions of a and b are
+ * given. */
 static struct place lay_left(const struct unfold_mesh *mesh, uint32_t a, uint32_t b, uint32_t c,
                              struct place at_a, struct place at_b)
 {
@@ -232,7 +237,7 @@ static real distance_to_segment(struct place a, struct place b)
 }
 
 /* Returns whether, for every point of the edge, a path through the cone is longer than a known
- * one. */
+ * path. */
 static bool is_hopeless(const struct unfold_mesh *mesh, const struct cone *cone)
 {
     real length = hypotl(cone->at_left.x - cone->at_right.x, cone->at_left.y - cone->at_right.y);

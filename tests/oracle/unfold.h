@@ -3,10 +3,10 @@
  *
  * A shortest path is a chain of straight segments between vertices; a path may bend at any vertex.
  * Unfolding finds the segments: from the first vertex, every sequence of faces that a cone of
- * directions can pass is laid out in the plane, depth first. A sequence ends where it would be
- * longer than a known path to every point of the edge ahead. Points that are not vertices are
- * inserted by splitting their face or edge, which changes no distance. Suitable for some hundred
- * faces. */
+ * directions can pass is laid out in the plane, depth first. A sequence ends where a path through
+ * it would be longer than a known path to every point of the next edge. Points that are not
+ * vertices are inserted by splitting their face or edge, which changes no distance. Suitable for
+ * some hundred faces. */
 #ifndef TESTS_ORACLE_UNFOLD_H
 #define TESTS_ORACLE_UNFOLD_H
 
@@ -25,8 +25,8 @@ void unfold_free(struct unfold_mesh *mesh);
  * Weights of exactly zero place the point on an edge or a vertex. */
 uint32_t unfold_insert(struct unfold_mesh *mesh, uint32_t face, const double barycentric[3]);
 
-/* Computes distances from one vertex to all. `out` has position_count + insertions elements:
- * INFINITY where there is no path. */
+/* Computes distances from one vertex to all vertices. `out` has position_count + insertions
+ * elements: INFINITY where there is no path. */
 void unfold_distances(struct unfold_mesh *mesh, uint32_t source, long double *out);
 
 #endif

@@ -1,6 +1,6 @@
-/* Shortest paths in a plane among polygonal obstacles, by the visibility graph: O(n^3) to build,
- * then Dijkstra's algorithm. Orientations must be exact in double precision. Coordinates should
- * therefore be multiples of some 2^-k with few bits. */
+/* Computes shortest paths in a plane among polygonal obstacles. Builds the visibility graph in
+ * O(n^3), and then runs Dijkstra's algorithm. Orientations must be exact in double precision.
+ * Coordinates should therefore be multiples of some 2^-k with few bits. */
 #ifndef TESTS_ORACLE_VISIBILITY_H
 #define TESTS_ORACLE_VISIBILITY_H
 

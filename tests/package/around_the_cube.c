@@ -1,4 +1,5 @@
-/* A user's program: the distance between opposite corners of a unit cube, which is sqrt(5). */
+/* An example of a user's program. It computes the distance between opposite corners of a unit cube,
+ * which is sqrt(5). */
 #include <stdio.h>
 
 #include <gd/geodesic.h>

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks the engine's libraries as other programs use them: installed, found by pkg-config.
+"""Checks the engine's libraries as other programs use them: installed, and found by pkg-config.
 
 usage: tests/package/libraries.py [--build FOLDER]
 
@@ -20,7 +20,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 SOURCE = HERE.parent.parent
 PARTS = ("geodesic", "geodesic-tools", "geodesic-smooth")
 UMBRELLA = {"geodesic": "geodesic", "geodesic-tools": "tools", "geodesic-smooth": "smooth"}
-# The libraries that each library needs: those of other projects, and those of any system.
+# The libraries that each library needs: libraries of other projects, and libraries of every system.
 NEEDED = {"geodesic": {"libstdc++.so.6", "libz.so.1", "libminizip.so.1", "libexpat.so.1"}, "geodesic-tools": {"libgeodesic.so.0", "libz.so.1", "libOpenMeshCore.so.9.0", "libOpenMeshTools.so.9.0", "libstdc++.so.6"}, "geodesic-smooth": {"libgeodesic.so.0"}}
 SYSTEM = re.compile(r"(libc|libm|libgcc_s|ld-linux.*)\.so\.\d+")
 LANGUAGES = {"C": ["cc", "-std=c17", "-x", "c"], "C++": ["c++", "-std=c++17", "-x", "c++"]}
@@ -42,7 +42,7 @@ def run(*command, **options):
 
 
 class Installed:
-    """A tree made by `make install-libraries`, and its checks."""
+    """A folder filled by `make install-libraries`, and the checks of its files."""
 
     def __init__(self, prefix):
         self.prefix, self.failed = prefix, 0

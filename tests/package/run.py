@@ -5,9 +5,9 @@ removed.
     tests/package/run.py [--build DIR] [--chroot]
 
 Packages the files in DIR, so run `make build client-c` first. --chroot: installs the hardened
-packages of `make deb` in a fresh Debian (mmdebstrap, as root), starts the daemon as its unit says,
-sends requests, and removes everything again. Parts whose programs are missing (debhelper, lintian,
-pkg-config) are skipped with a message.
+packages of `make deb` in a fresh Debian (mmdebstrap, as root), starts the daemon by the command of
+its systemd unit, sends requests, and removes everything again. Parts whose programs are missing
+(debhelper, lintian, pkg-config) are skipped with a message.
 """
 import argparse
 import math
@@ -132,7 +132,7 @@ def look_at_packages(report, build):
 
 
 def dependencies(packages):
-    """Returns the names of the other packages that these depend on."""
+    """Returns the names of the other packages on which these packages depend."""
     fields = ",".join(run("dpkg-deb", "--field", package, "Depends") for package in packages)
     return sorted({word.split()[0] for word in fields.split(",") if word.split()} - set(EXPECTED))
 
@@ -158,7 +158,8 @@ class Fresh:
         return {path for path in inside if not path.startswith(skipped)}
 
 
-# Runs the unit by hand: its user, its settings, its command; then a demo, by the installed command.
+# Runs the command of the systemd unit with the unit's user and settings. Then runs a demo by the
+# installed command.
 SESSION = r"""
 set -eu
 unit=/lib/systemd/system/geodesicd.service

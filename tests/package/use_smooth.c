@@ -1,5 +1,5 @@
-/* A program that uses libgeodesic-smooth, in C and in C++: the distance of two opposite corners of
- * a unit square on its limit surface, which passes through them. */
+/* A program in C and C++ that uses libgeodesic-smooth. It computes the distance of two opposite
+ * corners of a unit square on the square's limit surface, which passes through the corners. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

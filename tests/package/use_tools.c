@@ -1,5 +1,5 @@
-/* A program that uses libgeodesic-tools, in C and in C++: the length of the vector from one corner
- * of a unit square to the opposite one. */
+/* A program in C and C++ that uses libgeodesic-tools. It computes the length of the vector from one
+ * corner of a unit square to the opposite corner. */
 #include <stdio.h>
 
 #include <gd/tools.h>

@@ -1,6 +1,6 @@
-/* Sources and corners of curves very close to edges and vertices of a plane, some closer than
- * windows can resolve. Target points are equally close. Distances equal the Euclidean ones, and
- * paths have these lengths. GD_SCENES: number of fields of each kind (400). */
+/* Tests sources and corners of curves very close to edges and vertices of a plane. Some are closer
+ * than windows can resolve. Target points are equally close. Distances must equal Euclidean
+ * distances, and paths must have these lengths. GD_SCENES: number of fields of each kind (400). */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -12,7 +12,7 @@
 
 enum { SCENES = 400, POINTS_MOST = 4, PLACES = 40, POINT_DIGITS = 8, CURVE_DIGITS = 16 };
 
-/* A turned square of 8 x 8 cells. In two thirds of the scenes its inner vertices are displaced. */
+/* A rotated square of 8 x 8 cells. In two thirds of the scenes its inner vertices are displaced. */
 struct plane {
     struct gd_polygons polygons;
     struct gd_mesh *mesh;

@@ -1,5 +1,6 @@
-/* Distances between curves: compared with closed forms, with the distance in the other direction
- * (from another field), and with samples, which bound it from one side. */
+/* Compares distances between curves with closed forms and with the distance in the opposite
+ * direction, which uses another field. Also compares them with samples, which bound the distance
+ * from one side. */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -65,15 +66,15 @@ static struct gd_curve_distance least(const struct gd_field *field, const struct
 }
 
 struct sums {
-    /* Largest relative values. `excess`: by how much the farthest distance exceeds the sampled
-     * one. */
+    /* The largest relative differences. `excess` is the amount by which the farthest distance
+       exceeds the sampled distance. */
     double asymmetry, excess;
     double slant; /* largest deficit of an angle below a right angle */
     int meetings, pairs;
 };
 
-/* Records the angle of the shortest path with a curve. Below a right angle the path could be
- * shorter. */
+/* Records the angle between the shortest path and a curve. If the angle were less than a right
+ * angle, the path could be shorter. */
 static void check_angle(const struct gd_curve *curve, double angle, struct sums *sums)
 {
     assert_true(isnan(angle) == (curve->count == 1));
@@ -188,7 +189,7 @@ static struct gd_curve line(const struct gd_mesh *mesh, double x0, double y0, do
     return curve;
 }
 
-/* Segments in a plane: separate, touching, crossing. */
+/* Tests segments in a plane that are separate, touch or cross. */
 static void lines_in_the_plane(void **state)
 {
     (void)state;
@@ -197,9 +198,9 @@ static void lines_in_the_plane(void **state)
     } cases[] = {
         /* b is perpendicular to a, above it */
         {{0.1, 0.2, 1.9, 0.2}, {0.7, 0.5, 0.7, 0.9}, 0.3, 1. / 3, 0, M_PI / 2, M_PI, 0.7},
-        /* crossing at right angles */
+        /* the segments cross at right angles */
         {{0.1, 0.4, 1.9, 0.4}, {0.5, 0.1, 0.5, 0.9}, 0, 2. / 9, 3. / 8, NAN, NAN, 0.5},
-        /* nearest at their ends */
+        /* the nearest points are ends of the segments */
         {{0.1, 0.1, 0.4, 0.1},
          {0.7, 0.5, 1.3, 1.3},
          0.5,
@@ -238,7 +239,7 @@ static void lines_in_the_plane(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* The two boundaries of a cylinder; and a curve that is not the field's. */
+/* Tests the two boundaries of a cylinder. Also passes a curve other than the field's curve. */
 static void boundaries(void **state)
 {
     (void)state;

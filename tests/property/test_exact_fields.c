@@ -1,5 +1,5 @@
-/* Fields with sources very close to vertices, compared with the solver by naive windows: at
- * vertices, inside faces and close to the same vertex. */
+/* Compares fields with sources very close to vertices with the solver by naive windows. The targets
+ * are vertices, points inside faces, and points close to the same vertex. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,7 +11,7 @@
 enum { FIELDS = 6, PLACES = 24, NEAR = 6, SETS_MOST = 5 };
 
 static const double SNAP = 1e-14;     /* in edge lengths */
-static const double ROUNDING = 1e-11; /* relative, of two compared distances */
+static const double ROUNDING = 1e-11; /* permitted relative difference of two compared distances */
 
 static struct gd_field *build_field(struct exact_unit *unit)
 {
@@ -59,7 +59,7 @@ static void check_field(struct exact_scene *scene, uint32_t vertex, const struct
     exact_conclude(&unit, tally);
 }
 
-/* Random sources on ordinary surfaces, which test both solvers. */
+/* Uses random sources on ordinary surfaces, which test both solvers. */
 static void general_position(uint64_t number, struct exact_tally *tally)
 {
     struct exact_scene scene;
@@ -163,7 +163,8 @@ static void rounded_vertices(uint64_t number, struct exact_tally *tally)
     uint32_t turn = (uint32_t)(number / 4 % 3);
     enum exact_kind kind = (enum exact_kind)(number % EXACT_KINDS);
     struct exact_scene scene;
-    if (kind == EXACT_GRADED) turn = 0; /* far from the origin its small faces would degenerate */
+    /* far from the origin the small faces of this kind would degenerate */
+    if (kind == EXACT_GRADED) turn = 0;
     exact_scene_open_at(kind, number, offsets[turn], &scene);
     for (int i = 0; i < FIELDS; i++) {
         uint32_t vertex = exact_random_vertex(&scene);
@@ -180,7 +181,7 @@ static void rounded_vertices(uint64_t number, struct exact_tally *tally)
 
 /* --- snapping --------------------------------------------------------------------------------- */
 
-/* A point given by weights is moved by at most 1e-14 edge lengths. */
+/* Checks that the engine moves a point that is given by weights by at most 1e-14 edge lengths. */
 static void check_weights(struct exact_scene *scene, struct exact_tally *tally)
 {
     struct rng *rng = &scene->rng;
@@ -209,8 +210,9 @@ static void check_weights(struct exact_scene *scene, struct exact_tally *tally)
     exact_conclude(&unit, tally);
 }
 
-/* A position becomes its nearest surface point, up to 1e-14 edge lengths and the rounding of its
- * coordinates. The reported distance is that between the position and this point. */
+/* Checks that the engine replaces a position by the nearest surface point, up to 1e-14 edge lengths
+ * and the rounding of the coordinates. The reported distance must be the distance between the
+ * position and this point. */
 static void check_position(struct exact_scene *scene, struct exact_tally *tally)
 {
     uint32_t index = exact_random_vertex(scene);
@@ -262,7 +264,8 @@ static void compare_pair(struct exact_unit *unit, struct exact_truth *truth,
     gd_pair_answer_free(&answer);
 }
 
-/* A source close to a vertex; targets are the vertex and points as close to it. */
+/* Uses a source close to a vertex. The targets are the vertex and points equally close to the
+ * vertex. */
 static void short_distances(uint64_t number, struct exact_tally *tally)
 {
     struct exact_scene scene;

@@ -1,5 +1,5 @@
-/* Points close to vertices and edges as targets, ends of curves, members of sets, starts of traces,
- * vectors and splines. */
+/* Tests points close to vertices and edges as targets, as ends of curves, as members of sets, and
+ * as starts of traces, vectors and splines. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -113,8 +113,8 @@ static struct naive_point between(const struct naive_point *a, const struct naiv
     return out;
 }
 
-/* Returns the smallest distance of a segment from the source: by samples, then golden-section
- * search around the best sample. */
+/* Returns the smallest distance of a segment from the source. Takes samples, and then runs a
+ * golden-section search around the best sample. */
 static long double to_segment(const struct exact_truth *truth, const struct naive_point *a,
                               const struct naive_point *b)
 {
@@ -383,8 +383,8 @@ static void check_spline(struct exact_unit *unit, const struct gd_spline *spline
     gd_spline_line_free(&line);
 }
 
-/* Returns whether consecutive points keep a distance. The engine treats points as equal if they are
- * closer than 1e-12 of their neighbours' distance. */
+/* Returns whether no two consecutive points count as equal. The engine treats points as equal if
+ * they are closer than 1e-12 of their neighbours' distance. */
 static bool are_apart(const struct exact_scene *scene, const struct gd_point *points,
                       uint32_t count)
 {

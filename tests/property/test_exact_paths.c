@@ -1,4 +1,4 @@
-/* Paths into the smallest faces, and the same distance computed by every operation of the
+/* Tests paths into the smallest faces. Also computes the same distance by every operation of the
  * engine. */
 #include <math.h>
 #include <stdlib.h>
@@ -9,7 +9,8 @@
 
 enum { SOURCES = 3, TARGETS = 4, LANES_MOST = 24, LANDMARKS = 4 };
 
-static const double ONE_LANE = 1e-12; /* relative difference of two operations */
+/* permitted relative difference between the results of two operations */
+static const double ONE_LANE = 1e-12;
 
 static struct gd_field *field_from(struct exact_unit *unit, const struct gd_point *point,
                                    double radius, const struct gd_point *target)
@@ -95,7 +96,7 @@ static void graded_paths(uint64_t number, struct exact_tally *tally)
 
 /* --- one pair, all operations ----------------------------------------------------------------- */
 
-/* Distances of a pair by each operation. */
+/* The distance of a pair by each operation. */
 struct lanes {
     struct exact_unit unit;
     struct gd_point from, to;
@@ -180,7 +181,8 @@ static void by_distances_only(struct lanes *lanes, const struct gd_point *from,
     free(distance);
 }
 
-/* Compares all distances with the first one (1e-12), and that one with the exact distance. */
+/* Compares all distances with the first distance (1e-12), and the first distance with the exact
+ * distance. */
 static void compare(struct lanes *lanes)
 {
     for (uint32_t i = 1; i < lanes->count; i++) {

@@ -80,7 +80,8 @@ static uint64_t differences(const struct gd_field *a, const struct gd_field *b, 
     return total;
 }
 
-/* Compares a whole field, one with a radius and one with a target. Returns the number of wedges. */
+/* Compares a whole field, a field with a radius and a field with a target. Returns the number of
+ * wedges. */
 static uint64_t compare(const struct gd_mesh *mesh, const char *name, struct gd_point source,
                         struct gd_point target)
 {
@@ -127,7 +128,7 @@ static void test_kernels_agree(void **state)
         assert_non_null(sample);
         assert_int_equal(sample->generate(surfaces[i].values, &polygons), GD_OK);
         struct gd_mesh *mesh = test_mesh(&polygons);
-        /* a source at a vertex, on an edge, in a face */
+        /* the source is at a vertex, on an edge, or in a face */
         for (int corners = 1; corners <= 3; corners++) {
             struct gd_point source = test_point(mesh, place_of_kind(&polygons, &rng, corners));
             struct gd_point target = test_point(mesh, test_random_place(&polygons, &rng));

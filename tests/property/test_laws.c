@@ -1,5 +1,5 @@
-/* Laws of the metric on surfaces without known distances, and changes of a mesh that preserve
- * distances. */
+/* Tests the laws of the metric on surfaces without known distances. Also tests changes of a mesh
+ * that preserve distances. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -58,11 +58,11 @@ static void test_metric(void **state)
 }
 
 /* On steep surfaces a vertex emits windows repeatedly as its distance falls, and stored wedges must
- * not block newer windows. Distances between all vertices are the same in both directions. */
+ * not block newer windows. Distances between all vertices must be the same in both directions. */
 static void test_steep(void **state)
 {
     (void)state;
-    /* cells, amplitude, seed */
+    /* each row has cells, amplitude and seed */
     static const double steep[][3] = {{8, 20, 1}, {12, 30, 2}, {16, 30, 3}, {20, 10, 5}};
     for (size_t i = 0; i < sizeof steep / sizeof *steep; i++) {
         struct gd_polygons polygons;
@@ -165,7 +165,7 @@ static void test_scale(void **state)
     }
 }
 
-/* Returns the same place in the renumbered mesh. */
+/* Returns the same point in the renumbered mesh. */
 static struct test_place renumbered(const struct gd_polygons *before,
                                     const struct gd_polygons *after, struct test_place place,
                                     const uint32_t *vertex_map, const uint32_t *face_map)
@@ -205,7 +205,7 @@ static void test_renumbering_and_orientation(void **state)
     }
 }
 
-/* Returns the same place after sample_subdivide. */
+/* Returns the same point after sample_subdivide. */
 static struct test_place in_quarter(struct test_place place)
 {
     const double *w = place.weight;

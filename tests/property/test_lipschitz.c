@@ -1,10 +1,10 @@
-/* Lipschitz continuity, Property 4 of Y.-J. Liu, "Exact geodesic metric in 2-manifold triangle
- * meshes using edge-based data structures": for any set A, |d_A(x) - d_A(y)| <= d(x, y). Sets are
- * random points and a curve, with offsets. Tested at random points inside faces, on every mesh of a
- * folder (tests/support/shared.h).
+/* Tests Lipschitz continuity, which is Property 4 of Y.-J. Liu, "Exact geodesic metric in
+ * 2-manifold triangle meshes using edge-based data structures": for any set A, |d_A(x) - d_A(y)| <=
+ * d(x, y). Sets are random points and a curve, with offsets. The law is tested at random points
+ * inside faces, on every mesh of a folder (tests/support/shared.h).
  *
  * With offsets d_A(x) = min over the members of offset + d(x, member). This is a minimum of
- * functions that obey the law, and obeys it too. */
+ * functions that obey the law, and therefore obeys the law, too. */
 #include <dirent.h>
 #include <math.h>
 #include <stdio.h>
@@ -21,9 +21,10 @@ static const double promise = 1e-9;
 enum {
     SETS = 2,
     MOST_MEMBERS = 12,
-    /* within a face the straight segment bounds d(x, y), which makes the law sharpest */
+    /* number of pairs within one face, where the length of the straight segment bounds d(x, y)
+       best */
     PAIRS_IN_A_FACE = 400,
-    PAIRS = 12, /* of any two points, with d(x, y) from a search */
+    PAIRS = 12, /* number of pairs of arbitrary points, with d(x, y) from a search */
     PATH_LENGTH = 4096,
     NAME_LENGTH = 256
 };
@@ -90,7 +91,7 @@ static struct gd_field *random_set(const struct gd_mesh *mesh, struct rng *rng)
 /* --- the law ---------------------------------------------------------------------------------- */
 
 struct tally {
-    /* nearly_equal: pairs at which the law holds almost with equality */
+    /* `nearly_equal` is the number of pairs at which the law holds almost with equality */
     uint32_t pairs, nearly_equal;
     double worst; /* largest violation relative to the distances */
 };

@@ -1,6 +1,6 @@
-/* Compares the engine with the brute-force solver on thousands of small random surfaces:
+/* Compares the engine with the brute-force solver on thousands of small random surfaces. They have
  * boundaries, saddles, slivers, components of very different size, inconsistent orientations,
- * unreferenced vertices, several sources. */
+ * unreferenced vertices, and several sources. */
 #include "tests/oracle/unfold.h"
 
 #include <math.h>
@@ -15,7 +15,7 @@ static const double promise = 1e-9;
 
 enum { MAX_SOURCES = 2, TARGETS = 5 };
 
-/* A random test case: a mesh, sources, targets. */
+/* A random test case, which has a mesh, sources and targets. */
 struct question {
     struct gd_polygons polygons;
     uint32_t source_count;
@@ -23,7 +23,8 @@ struct question {
     double offsets[MAX_SOURCES];
 };
 
-/* Returns a random mesh. `squeeze` < 1: one axis is scaled by a random factor between it and 1. */
+/* Returns a random mesh. If `squeeze` is less than 1, one axis is scaled by a random factor between
+ * `squeeze` and 1. */
 static struct gd_polygons random_polygons(struct rng *rng, double squeeze)
 {
     struct gd_polygons polygons, small;
@@ -60,7 +61,8 @@ static struct question random_question(uint64_t seed, double squeeze)
     return question;
 }
 
-/* Returns the exact distances of all vertices, then of the targets. The caller frees them. */
+/* Returns the exact distances of all vertices, followed by the distances of the targets. The caller
+ * frees them. */
 static double *exact_answers(const struct question *question)
 {
     const struct gd_polygons *polygons = &question->polygons;
@@ -181,7 +183,7 @@ static void test_random_surfaces(void **state)
     print_message("# 6000 random surfaces: worst error %.2g\n", compare_all(6000, 1));
 }
 
-/* One axis is scaled by factors down to 1e-5: needles and caps almost without area. */
+/* Scales one axis by factors down to 1e-5, which makes needles and caps almost without area. */
 static void test_slivers(void **state)
 {
     (void)state;

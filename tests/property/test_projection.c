@@ -1,8 +1,8 @@
 /* Reproduces Figure 1 of "Geodesic Hermite splines on triangular meshes": Hermite curves in space
  * that are projected onto the surface (to the nearest point, and along two view directions),
- * compared with splines on the surface. Projected curves jump: their widest gap does not shrink
- * with finer sampling. A projection along a direction may also miss the surface. Splines on the
- * surface have neither defect. */
+ * compared with splines on the surface. Projected curves are discontinuous, because their widest
+ * gap does not shrink with finer sampling. A projection along a direction may also miss the
+ * surface. Splines on the surface have neither defect. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -50,8 +50,8 @@ static void scene_free(struct scene *scene)
 
 /* --- the curve in space ----------------------------------------------------------------------- */
 
-/* Returns the Catmull-Rom tangent at point i for centripetal parameters; at the ends the natural
- * one. */
+/* Returns the Catmull-Rom tangent at point i for centripetal parameters; at the ends returns the
+ * tangent of a natural spline. */
 static struct gd_vec3 tangent(const struct gd_vec3 *p, const double *u, int i)
 {
     if (i > 0 && i + 1 < POINTS)
@@ -177,7 +177,8 @@ static void check(struct scene *scene)
     scene_free(scene);
 }
 
-/* Around the rim of a thin plate, from face to face: the curve in space crosses the plate. */
+/* Uses points around the rim of a thin plate, from face to face. The curve in space crosses the
+ * plate. */
 static void thin_plate(void **state)
 {
     (void)state;
@@ -188,7 +189,7 @@ static void thin_plate(void **state)
     check(&scene);
 }
 
-/* Around the hole of a torus: the curve in space crosses the hole. */
+/* Uses points around the hole of a torus. The curve in space crosses the hole. */
 static void torus(void **state)
 {
     (void)state;
@@ -199,7 +200,7 @@ static void torus(void **state)
     check(&scene);
 }
 
-/* From ear to ear and down the bunny's back. */
+/* Uses points from ear to ear and down the back of the bunny model. */
 static void bunny(void **state)
 {
     (void)state;

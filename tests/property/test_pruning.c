@@ -1,4 +1,4 @@
-/* Compares pruned searches with whole fields: a pair's distance and path, with and without
+/* Compares pruned searches with whole fields by the distance and path of pairs, with and without
  * landmarks. GD_PAIRS: total number of pairs (2,200). */
 #include "tests/support/test.h"
 
@@ -27,7 +27,7 @@ struct trial {
 static void compare(struct trial *trial, const struct gd_point *from, const struct gd_point *to,
                     double expected)
 {
-    for (int k = 0; k < 4; k++) { /* with and without landmarks, in both directions */
+    for (int k = 0; k < 4; k++) { /* runs with and without landmarks, in both directions */
         const struct gd_point *a = k & 2 ? to : from, *b = k & 2 ? from : to;
         struct gd_pair_answer answer = {0};
         struct gd_detail detail = {0};

@@ -1,6 +1,6 @@
-/* A resumed field has the distances of a field that was built at once. Tested on random surfaces
- * and on real scans. Seeds are points, with and without offsets, and segments. Fields are resumed
- * from small radii and from targets, in one step and in several, by each kernel. */
+/* Tests that a resumed field has the distances of a field that was built in one call. Uses random
+ * surfaces and real scans. Seeds are points, with and without offsets, and segments. Fields are
+ * resumed from small radii and from targets, in one step and in several, by each kernel. */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -121,7 +121,7 @@ static double check_point(const struct scene *scene, const struct gd_field *fiel
         return 0;
     }
     check_ok(status, NULL);
-    /* no path, or none within the reach */
+    /* there is no path, or its length exceeds the reach of the field */
     if (isinf(expected) || isinf(distance)) {
         assert_true(isinf(expected) && isinf(distance));
         return 0;
@@ -159,7 +159,7 @@ static double check_field(struct scene *scene, const struct gd_field *field)
 
 /* --- tests ------------------------------------------------------------------------------------ */
 
-/* Resumes to twice the radius, to the end, and in several steps. */
+/* Resumes a field to twice its radius, to the whole mesh, and in several steps. */
 static double check_scene(struct scene *scene)
 {
     static const double parts[] = {0.001, 0.03, 0.15, 0.4, 0.7, 0.97};
@@ -184,7 +184,7 @@ static double check_scene(struct scene *scene)
     return worst;
 }
 
-/* A field with a target ends at a bound that shrank during propagation. */
+/* Tests a field with a target, which ends at a bound that decreased during propagation. */
 static double check_targets(struct scene *scene)
 {
     double worst = 0;
@@ -192,7 +192,8 @@ static double check_targets(struct scene *scene)
         struct gd_point target =
             test_point(scene->mesh, test_random_place(&scene->polygons, &scene->rng));
         struct gd_field *field = build(scene, 0, &target);
-        if (isinf(gd_field_reach(field))) { /* another component: the field is complete */
+        /* the target is on another component, so the field is complete */
+        if (isinf(gd_field_reach(field))) {
             gd_field_release(field);
             continue;
         }
@@ -239,7 +240,7 @@ static void terrains(void **state)
     print_message("# worst relative error %.1e\n", worst);
 }
 
-/* Flat faces with many ties, slivers, and very small and very large meshes. */
+/* Tests flat faces with many ties, slivers, and very small and very large meshes. */
 static void boxes_and_slivers(void **state)
 {
     (void)state;
@@ -258,7 +259,7 @@ static void boxes_and_slivers(void **state)
     print_message("# worst relative error %.1e\n", worst);
 }
 
-/* Each kernel gives the same distances bit for bit. */
+/* Tests that all kernels compute the same distances bit for bit. */
 static void kernels_agree(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
-/* Segments as sources. Distances to curves are compared with closed forms and with fields in the
- * opposite direction: the distance of a point from a curve must equal the minimum, along the curve,
- * of the point's own field. */
+/* Tests segments as sources. Compares distances to curves with closed forms and with fields in the
+ * opposite direction. The distance of a point from a curve must equal the minimum of the point's
+ * own field along the curve. */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -64,8 +64,8 @@ static struct gd_point between(const struct gd_mesh *mesh, const struct gd_seed 
     return gd__point_of_face(mesh, home.face, weight);
 }
 
-/* Returns the minimum of a field along a segment by bisection. Parts are skipped if the field's
- * slope of at most 1 bounds them from below. */
+/* Returns the minimum of a field along a segment by bisection. The slope of the field is at most 1,
+ * which gives a lower bound for each part. Skips parts whose bound exceeds the minimum so far. */
 static double least_along(const struct gd_mesh *mesh, const struct gd_field *field,
                           const struct gd_seed *segment, double best)
 {
@@ -103,8 +103,8 @@ static double least_along_curve(const struct gd_mesh *mesh, const struct gd_fiel
     return best;
 }
 
-/* Checks that an offset of 0.7 increases all distances by 0.7. Segments and their own ends then tie
- * up to rounding. */
+/* Checks that an offset of 0.7 increases all distances by 0.7. Segments and their own ends then
+ * have the same distances up to rounding. */
 static void check_offset(const struct gd_mesh *mesh, const struct gd_field *field,
                          const struct gd_polygons *polygons, struct rng *rng)
 {
@@ -157,8 +157,8 @@ static double check_against_points(const struct gd_mesh *mesh, const struct gd_p
 
 /* --- tests ------------------------------------------------------------------------------------ */
 
-/* Appends random segments: each begins at a random point of a random face and ends at another point
- * of it. */
+/* Appends random segments. Each segment begins at a random point of a random face and ends at
+ * another point of the same face. */
 static void put_random_segments(const struct gd_mesh *mesh, const struct gd_polygons *polygons,
                                 int count, struct rng *rng)
 {
@@ -167,7 +167,7 @@ static void put_random_segments(const struct gd_mesh *mesh, const struct gd_poly
                           b = {.face = a.face};
         for (int end = 0; end < 2; end++) {
             double *weight = end ? b.weight : a.weight, sum = 0;
-            /* in the face, on an edge, or at a corner */
+            /* the point lies in the face, on an edge, or at a corner */
             uint32_t zeros = rng_below(rng, 3), first = rng_below(rng, 3);
             for (uint32_t k = 0; k < 3; k++)
                 weight[(first + k) % 3] = k < zeros ? 0 : 0.01 + rng_unit(rng);
@@ -194,7 +194,7 @@ static void put_random_chain(const struct gd_mesh *mesh, const struct gd_polygon
     }
 }
 
-/* A few segments on small random surfaces with boundaries, saddles and slivers. */
+/* Tests a few segments on small random surfaces with boundaries, saddles and slivers. */
 static void random_segments(void **state)
 {
     (void)state;
@@ -216,7 +216,8 @@ static void random_segments(void **state)
     print_message("# worst relative error %.1e\n", worst);
 }
 
-/* All kernels do the same operations in the same order: distances are equal bit for bit. */
+/* Tests that all kernels compute the same distances bit for bit. They do the same operations in the
+ * same order. */
 static void kernels_agree(void **state)
 {
     (void)state;
@@ -248,7 +249,7 @@ static void kernels_agree(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* Distances to segments in a plane, at several scales. */
+/* Tests distances to segments in a plane at several scales. */
 static void planes(void **state)
 {
     (void)state;
@@ -288,7 +289,7 @@ static struct gd_point point_near(const struct gd_mesh *mesh, struct gd_vec3 pla
 }
 
 /* Checks distances along the line that leaves a joint at a right angle. There the linear wedges of
- * both segments end. bend[]: the ends and the corner of the curve. Returns the largest relative
+ * both segments end. `bend` has the ends and the corner of the curve. Returns the largest relative
  * error. */
 static double check_opposite(const struct gd_mesh *mesh, const struct gd_field *field,
                              const struct gd_point *joint, struct gd_vec3 across,
@@ -314,7 +315,8 @@ static double check_opposite(const struct gd_mesh *mesh, const struct gd_field *
     return worst;
 }
 
-/* Straight lines, and lines with a corner of 3e-4 to 3e-12 radians, across edges of a plane. */
+/* Tests straight lines across edges of a plane, and lines with a corner of 3e-4 to 3e-12
+ * radians. */
 static void joints(void **state)
 {
     (void)state;
@@ -352,7 +354,7 @@ static void joints(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* A segment whose ends have no common face, or are equal, is refused. */
+/* Tests that the engine rejects a segment whose ends have no common face or are equal. */
 static void invalid_segments_are_refused(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* Shared meshes (tests/support/shared.h): known distances (the folder's data/reference.json), and
- * laws. */
+/* Tests the shared meshes (tests/support/shared.h) by known distances, which are in the folder's
+ * data/reference.json, and by laws of the metric. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -43,7 +43,8 @@ static const char *list_end(const char *text)
     return text;
 }
 
-/* Reads the next reference before `end`. Returns where to continue, or NULL if there is none. */
+/* Reads the next reference before `end`. Returns the position after the reference, or NULL if there
+ * is no further reference. */
 static const char *scan_reference(const char *text, const char *end, struct reference *out)
 {
     const char *source = strstr(text, "\"source\":");

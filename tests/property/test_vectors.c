@@ -1,6 +1,6 @@
-/* log, exp, transport, traces, means and splines at points 1e-15 to 1e-9 edge lengths from vertices
- * and edges. None fails, exp undoes log, and traces from points close together stay close.
- * GD_SCENES: points of each kind (300). */
+/* Tests log, exp, transport, traces, means and splines at points 1e-15 to 1e-9 edge lengths from
+ * vertices and edges. No operation may fail, exp must invert log, and traces that start close to
+ * each other must stay close to each other. GD_SCENES: points of each kind (300). */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -102,8 +102,8 @@ static bool is_straight(const struct gd_trace *trace)
     return trace->end == GD_TRACE_END_LENGTH;
 }
 
-/* Checks exp of the log from one point to another. Returns the distance of its end from `to`.
- * `bound`: the largest allowed distance for a straight trace. */
+/* Checks exp of the log from one point to another. Returns the distance of the end from `to`.
+ * `bound` is the largest permitted distance for a straight trace. */
 static double check_log(const struct gd_mesh *mesh, const struct gd_point *from,
                         const struct gd_point *to, double bound)
 {
@@ -139,8 +139,8 @@ static double check_far_logs(const struct scene *scene)
     return check_log(scene->mesh, &from, &to, 1e-10);
 }
 
-/* Both points are close to the same vertex. The error is the rounding of points in faces, not a
- * fraction of the edge. */
+/* Tests two points that are close to the same vertex. The error is the rounding of points in faces,
+ * not a fraction of the edge length. */
 static double check_near_logs(const struct scene *scene)
 {
     uint32_t slot = rng_below(scene->rng, 3 * scene->polygons->polygon_count);

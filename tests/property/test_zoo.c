@@ -1,5 +1,5 @@
-/* Degenerate shapes: distances equal a closed form or the brute-force solver's up to 1e-9, or the
- * mesh is refused. */
+/* Tests degenerate shapes. Distances must equal a closed form or the distances of the brute-force
+ * solver up to 1e-9, or the engine must reject the mesh. */
 #include "tests/samples/zoo.h"
 
 #include <math.h>
@@ -22,7 +22,8 @@ enum {
     MAX_PLACES = SOURCES + TARGETS
 };
 
-/* Returns a distance in the chart. `values` are the parameters of the shape. */
+/* Returns the distance of two points in the chart, which is the unfolded surface. `values` are the
+ * parameters of the shape. */
 typedef double closed_form(const double *values, const double p[3], const double q[3]);
 
 /* --- closed forms ----------------------------------------------------------------------------- */
@@ -33,8 +34,8 @@ static double plane(const double *values, const double p[3], const double q[3])
     return hypot(p[0] - q[0], p[1] - q[1]);
 }
 
-/* A path from one side of the pillow to the other crosses one of the four rims. The distance is
- * that to the point reflected in this rim. */
+/* A path from one side of the pillow to the other crosses one of the four rims. Its length is the
+ * distance to the point reflected in this rim. */
 static double pillow(const double *values, const double p[3], const double q[3])
 {
     double best = INFINITY;
@@ -65,7 +66,7 @@ struct animal {
     const char *name;
     zoo_maker *make;
     double values[MAX_VALUES];
-    closed_form *distance; /* NULL: compares with the brute-force solver */
+    closed_form *distance; /* the closed form, or NULL to compare with the brute-force solver */
 };
 
 struct refused {
@@ -171,7 +172,7 @@ static void test_refused(void **state)
 
 /* --- answered --------------------------------------------------------------------------------- */
 
-/* Places on a shape: sources first, beginning with the shape's centre. */
+/* Points on a shape. The sources come first, beginning with the shape's centre. */
 struct places {
     struct test_place at[MAX_PLACES];
 };
@@ -194,7 +195,7 @@ static struct places choose_places(const struct zoo_shape *shape, struct rng *rn
     return places;
 }
 
-/* distance[s][t]: from source s to target t. */
+/* distance[s][t] is the distance from source s to target t. */
 struct answers {
     double distance[SOURCES][TARGETS];
 };

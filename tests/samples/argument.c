@@ -10,7 +10,7 @@ void sample_defaults(const struct sample *sample, double values[SAMPLE_PARAMETER
     for (int i = 0; sample->parameters[i].name; i++) values[i] = sample->parameters[i].value;
 }
 
-/* Returns the index of the parameter that `argument` ("key=value") sets, or -1. *text: the
+/* Returns the index of the parameter that `argument` ("key=value") sets, or -1. Sets *text to the
  * value. */
 static int parameter_of(const struct sample *sample, const char *argument, const char **text)
 {

@@ -80,7 +80,7 @@ static uint32_t lattice_vertex(struct sample_builder *builder, const struct samp
 }
 
 /* Adds the square between `cell` and its neighbour along `axis`, counter-clockwise seen from the
- * neighbour. `side` 0: the lower neighbour, 1: the upper one. */
+ * neighbour. `side` 0 selects the lower neighbour, 1 the upper neighbour. */
 static void add_square(struct sample_builder *builder, const struct sample_voxels *voxels,
                        uint32_t *vertices, const uint32_t cell[3], int axis, uint32_t side)
 {

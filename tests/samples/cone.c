@@ -3,8 +3,8 @@
 #include "tests/samples/builder.h"
 #include "tests/samples/samples.h"
 
-/* Makes a fan with corners at z = +amplitude and -amplitude in turn. The outermost ring comes
- * first, the apex last. */
+/* Makes a fan whose corners are alternately at z = +amplitude and z = -amplitude. The vertices of
+ * the outermost ring are first, and the apex is last. */
 static enum gd_status make_fan(double radius, double apex, double amplitude, uint32_t sectors,
                                uint32_t rings, struct gd_polygons *out)
 {

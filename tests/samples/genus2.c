@@ -12,8 +12,8 @@ static bool is_slab(const struct sample_voxels *voxels, const uint32_t cell[3])
     return row != 1 || column % 2 == 0;
 }
 
-/* Moves each vertex halfway to the mean of its neighbours. `sum`: memory, one element per
- * vertex. */
+/* Moves each vertex halfway to the mean of its neighbours. `sum` is scratch memory with one element
+ * for each vertex. */
 static void smooth(struct gd_polygons *mesh, double (*sum)[4])
 {
     for (uint32_t v = 0; v < mesh->position_count; v++)

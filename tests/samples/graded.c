@@ -16,7 +16,7 @@ static void add_vertex_of_ring(struct sample_builder *builder, const struct samp
     sample_add_vertex(builder, r * cos(angle), r * sin(angle), ring ? r * (1 - r) * height : 0);
 }
 
-/* Adds the rings inside the rim, and the apex. `is_back`: sectors run clockwise seen from
+/* Adds the rings inside the rim, and the apex. If `is_back`, the sectors run clockwise seen from
  * outside. */
 static void add_patch(struct sample_builder *builder, const struct sample_grading *grading,
                       bool is_back, struct rng *rng)

@@ -13,14 +13,15 @@
 static const int64_t width = 1 << 20, height = 3 << 18;
 static const double scale = 0x1p-20;
 
-/* More than half of the rectangle's perimeter: the way around a prism is shorter than the way over
- * it. */
+/* The height is more than half of the rectangle's perimeter, so a path around a prism is always
+ * shorter than a path over the prism. */
 static const double prism_height = 2;
 
 enum {
     MIN_CORNERS = 3,
     MAX_CORNERS = 9,
-    FIRST_CORNER = 6 /* number of the first corner, after the rectangle's corners, p and q */
+    /* number of the first corner of an obstacle; the rectangle's corners, p and q precede it */
+    FIRST_CORNER = 6
 };
 
 /* A disc that contains one obstacle. Discs are disjoint. */
@@ -57,7 +58,7 @@ static void throw_discs(struct disc *discs, uint32_t count, struct rng *rng)
     }
 }
 
-/* Adds a polygon in the disc, star-shaped about its centre. A convex one has its corners on the
+/* Adds a polygon in the disc, star-shaped about its centre. A convex polygon has its corners on the
  * circle. Returns the number of corners. */
 static uint32_t cut_polygon(struct triangulation *plane, struct disc disc, bool convex,
                             struct rng *rng)

@@ -23,13 +23,13 @@ static inline double rng_unit(struct rng *rng)
     return (double)(rng_next(rng) >> 11) * 0x1p-53;
 }
 
-/* Uniform in [low,high). */
+/* Returns a number uniformly distributed in [low,high). */
 static inline double rng_between(struct rng *rng, double low, double high)
 {
     return low + (high - low) * rng_unit(rng);
 }
 
-/* Uniform in 0 … count - 1; count > 0. */
+/* Returns a number uniformly distributed in 0 … count - 1. `count` must be greater than 0. */
 static inline uint32_t rng_below(struct rng *rng, uint32_t count)
 {
     return (uint32_t)(((rng_next(rng) >> 32) * count) >> 32);

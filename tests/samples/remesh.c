@@ -20,7 +20,7 @@ struct decimation {
     struct surface *surface;
     const struct remeshing *remeshing;
     uint64_t seed;
-    uint32_t *age; /* per vertex: number of moves */
+    uint32_t *age; /* number of moves of each vertex */
     struct candidate *heap;
     size_t count, capacity;
     bool failed; /* out of memory */

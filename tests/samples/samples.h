@@ -21,7 +21,7 @@
 enum { SAMPLE_PARAMETERS = 7 };
 
 struct sample_parameter {
-    const char *name; /* NULL: end of the list */
+    const char *name; /* the name is NULL at the end of the list */
     double value;     /* the default */
     double least, most;
     bool whole; /* an integer */
@@ -29,8 +29,8 @@ struct sample_parameter {
 
 struct sample {
     const char *name, *sentence;
-    struct sample_parameter parameters[SAMPLE_PARAMETERS + 1]; /* the last one has no name */
-    /* `values`: one for each parameter */
+    struct sample_parameter parameters[SAMPLE_PARAMETERS + 1]; /* the last parameter has no name */
+    /* `values` has one value for each parameter */
     enum gd_status (*generate)(const double *values, struct gd_polygons *out);
 };
 
@@ -62,15 +62,15 @@ GD_MUST_USE enum gd_status sample_torus(uint32_t columns, uint32_t rows, double 
 GD_MUST_USE enum gd_status sample_cone(double radius, double height, uint32_t sectors,
                                        uint32_t rings, struct gd_polygons *out);
 
-/* As sample_cone, with the apex at the origin and corners at z = +amplitude and -amplitude in turn.
- * The flat sectors are congruent. The apex is a saddle, with a total angle above 2 pi.
- * GD_INVALID_ARGUMENT: an odd number of sectors. */
+/* Like sample_cone, but the apex is at the origin, and the corners are alternately at z =
+ * +amplitude and z = -amplitude. The flat sectors are congruent. The apex is a saddle, with a total
+ * angle above 2 pi. Returns GD_INVALID_ARGUMENT if the number of sectors is odd. */
 GD_MUST_USE enum gd_status sample_saddle(double radius, double amplitude, uint32_t sectors,
                                          uint32_t rings, struct gd_polygons *out);
 
-/* Rings around an apex, each smaller than the next outer one by `ratio`. Two patches share a rim of
- * radius 1, back to back. Near its apex a patch rises by `bend` times the radius. Positions and
- * heights have random errors of up to `noise` times the radius. */
+/* Rings around an apex. Each ring is smaller than the next outer ring by the factor `ratio`. Two
+ * patches share a rim of radius 1, back to back. Near its apex a patch rises by `bend` times the
+ * radius. Positions and heights have random errors of up to `noise` times the radius. */
 struct sample_grading {
     uint32_t patches; /* 1 or 2 */
     uint32_t sectors, rings;
@@ -101,7 +101,7 @@ GD_MUST_USE enum gd_status sample_tangle(uint32_t faces, uint64_t seed, struct g
 
 /* Models like those of the tables in Y.-J. Liu's paper (named below), section 5.2, remeshed in the
  * cube [-1,1]^3: an eight (genus 2), a ball, a pot with a handle (genus 1), and a scan with lumps
- * and folds. Also GD_INVALID_ARGUMENT, see sample_remesh. */
+ * and folds. They can also return GD_INVALID_ARGUMENT, see sample_remesh. */
 GD_MUST_USE enum gd_status sample_eight(const struct remeshing *remeshing, uint64_t seed,
                                         struct gd_polygons *out);
 GD_MUST_USE enum gd_status sample_ball(const struct remeshing *remeshing, uint64_t seed,
@@ -118,13 +118,13 @@ GD_MUST_USE enum gd_status sample_scan(const struct remeshing *remeshing, uint64
 struct sample_obstacles {
     struct gd_polygons mesh;
     uint32_t p, q;   /* vertices of the ground, at the left and at the right */
-    uint32_t count;  /* number of obstacles; convex and concave ones alternate */
+    uint32_t count;  /* number of obstacles; convex and concave obstacles alternate */
     uint32_t *first; /* count + 1 offsets into `corners` */
     /* counter-clockwise; multiples of 2^-20, so that orientations are exact in double */
     double (*corners)[2];
 };
 
-/* `level`: number of subdivisions, which change no distance. */
+/* `level` is the number of subdivisions, which change no distance. */
 GD_MUST_USE enum gd_status sample_obstacles(uint32_t count, uint32_t level, uint64_t seed,
                                             struct sample_obstacles *out);
 void sample_obstacles_free(struct sample_obstacles *obstacles);

@@ -145,7 +145,7 @@ static bool turns_a_face(const struct surface *surface, uint32_t vertex, const d
     return false;
 }
 
-/* Removes the slot's face and joins the faces across its other two edges. `kept`: the vertex that
+/* Removes the slot's face and joins the faces across its other two edges. `kept` is the vertex that
  * replaces the destination. */
 static void zip(struct surface *surface, uint32_t slot, uint32_t kept)
 {

@@ -15,9 +15,9 @@ struct surface {
     double (*positions)[3];
     uint32_t vertex_count, face_slots; /* sizes of the arrays, including removed elements */
     uint32_t faces;                    /* number of remaining faces */
-    uint32_t *corners;                 /* three per face; GD_NONE: a removed face */
+    uint32_t *corners;                 /* three for each face; GD_NONE for a removed face */
     uint32_t *twin;                    /* per slot */
-    /* per vertex: a slot that starts there; GD_NONE: a removed vertex */
+    /* for each vertex, a slot that starts there; GD_NONE for a removed vertex */
     uint32_t *outgoing;
 };
 
@@ -54,7 +54,7 @@ double surface_length(const struct surface *surface, uint32_t slot);
 uint32_t surface_valence(const struct surface *surface, uint32_t vertex);
 
 /* Takes ownership of the arrays of a closed 2-manifold triangle mesh, which is left empty.
- * GD_NO_MEMORY: the mesh is unchanged. */
+ * On GD_NO_MEMORY the mesh is unchanged. */
 GD_MUST_USE enum gd_status surface_start(struct gd_polygons *mesh, struct surface *out);
 
 /* Moves the mesh to *out without removed elements. The caller frees it by gd_polygons_free. */

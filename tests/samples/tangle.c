@@ -9,8 +9,8 @@
 #include "tests/samples/samples.h"
 #include "tests/samples/transform.h"
 
-/* Returns the face other than `but` with the edge a-b in either direction, or GD_NONE. *apex: its
- * third corner. */
+/* Returns the face other than `but` with the edge a-b in either direction, or GD_NONE. Sets *apex
+ * to its third corner. */
 static uint32_t face_across(const struct gd_polygons *mesh, uint32_t but, uint32_t a, uint32_t b,
                             uint32_t *apex)
 {
@@ -76,8 +76,8 @@ static void flip_edge(struct gd_polygons *mesh, uint32_t face)
     set_face(mesh, other, d, b, c);
 }
 
-/* Returns whether the vertex' faces form one fan: then at most two of its edges are on the
- * boundary. */
+/* Returns whether the vertex' faces form one fan. In one fan at most two edges of the vertex are on
+ * the boundary. */
 static bool is_one_fan(const struct gd_polygons *mesh, uint32_t vertex)
 {
     uint32_t faces = 0, ends = 0, unused;
@@ -105,7 +105,7 @@ static void tear_face(struct gd_polygons *mesh, uint32_t face)
     if (mesh->polygon_count > 0 && is_one_fan(mesh, moved[0]) && is_one_fan(mesh, moved[1]) &&
         is_one_fan(mesh, moved[2]))
         return;
-    mesh->polygon_count++; /* the face stays, as the last one */
+    mesh->polygon_count++; /* the face stays and is the last face */
 }
 
 static enum gd_status make_start(struct rng *rng, struct gd_polygons *out)

@@ -1,4 +1,5 @@
-/* Each sample is accepted as a mesh and has the expected topology and area. */
+/* Tests that the engine accepts each sample as a mesh, and that the mesh has the expected topology
+ * and area. */
 #include "tests/samples/samples.h"
 
 #include <math.h>
@@ -15,7 +16,8 @@ struct expectation {
     uint32_t faces;
     int64_t genus;
     uint32_t boundaries, saddles;
-    double area, area_error; /* relative error; 1: not checked */
+    /* expected area and permitted relative error; an error of 1 disables the check */
+    double area, area_error;
 };
 
 static const struct expectation expectations[] = {
@@ -89,7 +91,7 @@ static double volume(const struct gd_polygons *mesh)
     return sum / 6;
 }
 
-/* Each list of parameters ends with one that has no name. */
+/* Tests that each list of parameters ends with a parameter without a name. */
 static void test_lists_of_parameters_end(void **state)
 {
     (void)state;
@@ -132,8 +134,8 @@ static double unevenness(const struct gd_polygons *polygons)
     return sqrt(squares / count - (sum / count) * (sum / count)) / (sum / count);
 }
 
-/* Unevenness grows with fewer passes and more contrast. The surface fits its cube. An odd number of
- * faces is refused. */
+/* Tests that unevenness grows with fewer passes and more contrast, that the surface fits its cube,
+ * and that an odd number of faces is rejected. */
 static void test_remeshing(void **state)
 {
     (void)state;
@@ -177,7 +179,8 @@ static void test_defaults(void **state)
     assert_null(sample_find("no such sample"));
 }
 
-/* Random surfaces are manifold, and each kind that other tests need occurs. */
+/* Tests that random surfaces are manifold, and that each kind of surface that other tests need
+ * occurs. */
 static void test_tangles(void **state)
 {
     (void)state;
@@ -200,8 +203,8 @@ static void test_tangles(void **state)
     assert_in_range(unreferenced, 10, 250);
 }
 
-/* Ground, walls and roofs are one surface whose only boundary is the rectangle. The ground and the
- * roofs together have the rectangle's area. */
+/* Tests that ground, walls and roofs are one surface whose only boundary is the rectangle. The
+ * ground and the roofs together must have the rectangle's area. */
 static void test_obstacles(void **state)
 {
     (void)state;

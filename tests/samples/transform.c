@@ -71,7 +71,8 @@ void sample_flip_faces(struct gd_polygons *mesh, double probability, uint64_t se
     }
 }
 
-/* Returns a random permutation of 0 … count - 1, which the caller frees; NULL if out of memory. */
+/* Returns a random permutation of 0 … count - 1, which the caller frees, or NULL if out of
+ * memory. */
 static uint32_t *permutation(uint32_t count, struct rng *rng)
 {
     uint32_t *order = malloc((count + 1) * sizeof *order);
@@ -114,7 +115,7 @@ enum gd_status sample_renumber(struct gd_polygons *mesh, uint64_t seed, uint32_t
     return status;
 }
 
-/* A half-edge. `slot`: the corner at which it begins. */
+/* A half-edge. `slot` is the corner at which the half-edge begins. */
 struct half {
     uint32_t low, high, slot;
 };
@@ -126,7 +127,7 @@ static int half_compare(const void *a, const void *b)
     return (x->high > y->high) - (x->high < y->high);
 }
 
-/* Returns all half-edges, sorted by edge; NULL if out of memory. */
+/* Returns all half-edges, sorted by edge, or NULL if out of memory. */
 static struct half *sorted_halves(const struct gd_polygons *mesh)
 {
     uint32_t count = 3 * mesh->polygon_count;
@@ -140,8 +141,8 @@ static struct half *sorted_halves(const struct gd_polygons *mesh)
     return halves;
 }
 
-/* Appends the midpoint of each edge to `positions`, which has room. middle[slot]: its index.
- * Returns the number of positions. */
+/* Appends the midpoint of each edge to `positions`, which must have room. Sets middle[slot] to the
+ * index of the midpoint. Returns the number of positions. */
 static uint32_t add_middles(double (*positions)[3], uint32_t count, const struct half *halves,
                             uint32_t half_count, uint32_t *middle)
 {

@@ -126,7 +126,8 @@ static bool cross(const struct triangulation *t, uint32_t a, uint32_t b, uint32_
            opposite(turn(t, c, d, a), turn(t, c, d, b));
 }
 
-/* Writes the edges that cross a-b to `edges`, which has room for all. Returns their number. */
+/* Writes the edges that cross a-b to `edges`, which must have room for all of them. Returns their
+ * number. */
 static uint32_t edges_across(const struct triangulation *t, uint32_t a, uint32_t b,
                              uint32_t (*edges)[2])
 {

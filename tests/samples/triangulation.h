@@ -14,12 +14,12 @@ struct triangulation {
     uint32_t triangle_count;
 };
 
-/* > 0: a, b, c are counter-clockwise; 0: they are collinear. */
+/* Returns a positive number if a, b, c are counter-clockwise, and 0 if they are collinear. */
 int64_t triangulation_orientation(const int64_t a[2], const int64_t b[2], const int64_t c[2]);
 
-/* Starts with the rectangle's corners (0,0), (width,0), (width,height), (0,height) as points 0 to 3
- * and room for `capacity` more. Returns false if out of memory. The caller frees the triangulation
- * by triangulation_free in any case. */
+/* Starts with the rectangle's corners (0,0), (width,0), (width,height), (0,height) as points 0 to
+ * 3. Reserves memory for `capacity` more points. Returns false if out of memory. The caller frees
+ * the triangulation by triangulation_free in any case. */
 bool triangulation_start(struct triangulation *triangulation, int64_t width, int64_t height,
                          uint32_t capacity);
 void triangulation_free(struct triangulation *triangulation);

@@ -29,7 +29,7 @@ static enum gd_status finish(struct sample_builder *builder, uint32_t centre, st
     return status;
 }
 
-/* Makes a shape of a generator's mesh, if the generator succeeded. */
+/* Makes a shape from the generated mesh if the generator succeeded. */
 static enum gd_status adopt(enum gd_status status, struct gd_polygons mesh, uint32_t centre,
                             struct zoo_shape *out)
 {

@@ -1,8 +1,8 @@
-/* Zoo: degenerate shapes that often break geodesic programs. Some of them have no well-defined
- * distances; the engine must refuse those.
+/* Zoo: degenerate shapes that often break geodesic programs. Some shapes have no well-defined
+ * distances, and the engine must reject them.
  *
- * Each maker's comment begins with its parameters, which `values` holds in this order. Every maker
- * returns GD_OK or GD_NO_MEMORY. */
+ * The comment of each maker function begins with the names of its parameters. `values` has the
+ * parameters in this order. Every maker returns GD_OK or GD_NO_MEMORY. */
 #ifndef TESTS_SAMPLES_ZOO_H
 #define TESTS_SAMPLES_ZOO_H
 
@@ -11,11 +11,11 @@
 
 struct zoo_shape {
     struct gd_polygons mesh;
-    /* per vertex: its position on the unfolded surface, for closed forms; NULL: the surface is not
-     * folded */
+    /* for each vertex, the position on the unfolded surface, for closed forms; NULL if the surface
+       is not folded */
     double (*chart)[3];
     uint32_t centre; /* the vertex at which the shape is degenerate */
-    double offset;   /* added to each coordinate; subtracting it is exact */
+    double offset;   /* this is added to each coordinate; subtracting it is exact */
 };
 
 typedef enum gd_status zoo_maker(const double *values, struct zoo_shape *out);
@@ -69,7 +69,7 @@ zoo_maker zoo_box;
 zoo_maker zoo_octahedron;
 
 /* seed, stretch, columns, rows: a grid with about half of its vertices moved by up to 1.5 cells, so
- * that parts of it fold over. Then stretched along x. */
+ * that parts of it fold over. The grid is then stretched along x. */
 zoo_maker zoo_crumpled;
 
 /* seed, faces, scale, offset: sample_tangle, scaled, then moved along each axis. */

@@ -9,7 +9,8 @@
 
 static const double promise = 1e-9;
 
-enum { SECTIONS = 4 /* sections of an edge; check_edges tests their ends */ };
+/* number of sections of an edge; check_edges tests the ends of the sections */
+enum { SECTIONS = 4 };
 
 /* --- members ---------------------------------------------------------------------------------- */
 
@@ -289,7 +290,8 @@ static struct gd_point point_of_edge(const struct gd_mesh *mesh, uint32_t edge, 
     return (struct gd_point){.kind = GD_POINT_EDGE, .element = edge, .weight = {t}};
 }
 
-/* Returns the nearest member; UINT32_MAX if no member or several are nearest. */
+/* Returns the nearest member, or UINT32_MAX if there is no nearest member or if there are
+ * several. */
 static uint32_t owner_of(const struct diagram *diagram, const struct gd_point *point)
 {
     double least;

@@ -1,12 +1,13 @@
-/* Diagram: builds Voronoi diagrams and checks what holds for all of them. A failed check fails the
- * running test. */
+/* Diagram: builds Voronoi diagrams and checks the properties of all Voronoi diagrams. A failed
+ * check fails the running test. */
 #ifndef TESTS_SUPPORT_DIAGRAM_H
 #define TESTS_SUPPORT_DIAGRAM_H
 
 #include "gd/voronoi.h"
 #include "tests/support/test.h"
 
-/* Members: points, or curves of points and the segments between them. All zero is the empty set. */
+/* A set of members. A member is a point, or a curve of points and the segments between them. If all
+ * fields of the struct are zero, the set is empty. */
 struct member_set {
     struct gd_seed *seeds;
     uint32_t *member_of_seed;
@@ -15,8 +16,8 @@ struct member_set {
 
 void member_set_put_point(struct member_set *set, struct gd_point point, double offset);
 
-/* Adds a curve. Consecutive points must lie in one face; for a closed curve the last and the first,
- * too. */
+/* Adds a curve. Consecutive points must lie in one face. For a closed curve this also applies to
+ * the last and the first point. */
 void member_set_put_curve(struct member_set *set, const struct gd_point *points, uint32_t count,
                           bool closed, double offset);
 
@@ -32,7 +33,8 @@ void member_set_free(struct member_set *set);
 struct diagram {
     const struct gd_mesh *mesh;
     const struct member_set *set;
-    struct gd_field *field, **alone; /* fields of all members, and of each member alone */
+    /* the field of all members, and the field of each single member */
+    struct gd_field *field, **alone;
     struct gd_voronoi voronoi;
     double size; /* largest distance of a vertex from a member */
 };
@@ -44,11 +46,12 @@ void diagram_free(struct diagram *diagram);
 
 /* Returns the number of ends of bisectors at a point, within rounding. */
 uint32_t diagram_ends_at(const struct diagram *diagram, const struct gd_point *point);
-double diagram_length(const struct diagram *diagram); /* sum over all bisectors */
+/* returns the sum of the lengths of all bisectors */
+double diagram_length(const struct diagram *diagram);
 
 /* Checks bisectors: both members are equidistant at each vertex, no member is nearer, and ends are
  * on the boundary or where three bisectors end. Checks that labels name nearest members. Checks
- * edges: where the nearest member changes, a bisector crosses. */
+ * that a bisector crosses an edge where the nearest member changes. */
 void check_diagram(const struct diagram *diagram);
 
 #endif

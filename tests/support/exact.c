@@ -27,7 +27,7 @@ static enum gd_status make_graded(struct rng *rng, struct gd_polygons *out)
     return sample_graded(&grading, rng_next(rng), out);
 }
 
-/* Uses as many rings as needed to avoid faces that the engine refuses as degenerate. */
+/* Uses as many rings as needed to avoid faces that the engine rejects as degenerate. */
 static enum gd_status make_tube(struct rng *rng, struct gd_polygons *out)
 {
     double radius = pow(10, rng_between(rng, -8.3, -6));
@@ -149,7 +149,7 @@ uint32_t exact_random_vertex(struct exact_scene *scene)
     return scene->polygons.corners[rng_below(&scene->rng, 3 * scene->polygons.polygon_count)];
 }
 
-/* Returns a random face at the vertex. *corner: the vertex' corner in this face. */
+/* Returns a random face at the vertex. Sets *corner to the vertex' corner in this face. */
 static uint32_t face_around(struct exact_scene *scene, uint32_t vertex, uint32_t *corner)
 {
     uint32_t slots = 3 * scene->polygons.polygon_count, slot = rng_below(&scene->rng, slots);

@@ -11,7 +11,7 @@
 #include "tests/samples/random.h"
 #include "tests/samples/samples.h"
 
-/* Relative error that the API promises. */
+/* The largest relative error that the API permits. */
 #define EXACT_PROMISE 1e-9
 
 /* Suites use the kinds below EXACT_KINDS in turn. The thinnest tubes have a radius of 5e-9 of their
@@ -61,7 +61,8 @@ struct gd_point exact_beside_vertex(struct exact_scene *scene, uint32_t vertex, 
 /* Returns a point of a face at that distance from the inner part of an edge. */
 struct gd_point exact_beside_edge(struct exact_scene *scene, double least, double most);
 
-uint32_t exact_random_vertex(struct exact_scene *scene); /* index of a vertex that has a face */
+/* Returns the index of a vertex that has a face. */
+uint32_t exact_random_vertex(struct exact_scene *scene);
 
 /* --- comparison ------------------------------------------------------------------------------- */
 
@@ -85,7 +86,8 @@ double exact_distance(struct exact_truth *truth, const struct gd_point *point);
  * quadruple precision. */
 double exact_error(struct exact_truth *truth, const struct gd_point *point, double distance);
 
-/* Returns the difference of two distances relative to the larger one; 0 if both are infinite. */
+/* Returns the difference of two distances relative to the larger distance, or 0 if both are
+ * infinite. */
 double exact_relative(double a, double b);
 
 #endif

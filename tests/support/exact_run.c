@@ -16,9 +16,9 @@ enum { JOBS_MOST = 64, CASES_TOLD = 5, TEXT = 256 };
 
 /* Settings and counters of the report of failures. */
 static struct {
-    const char *section, *folder; /* folder NULL: standard output */
+    const char *section, *folder; /* if `folder` is NULL, the report goes to standard output */
     bool verbose, quiet;
-    uint64_t told[2]; /* numbers of reported failures: all, and those near the source only */
+    uint64_t told[2]; /* number of all reported failures, and number of failures near the source */
     uint64_t scene;
 } report;
 
@@ -147,8 +147,8 @@ static void tell(const struct exact_unit *unit)
     if (list != stdout) fclose(list);
 }
 
-/* Returns the error. Where a law allows more than the promise (absolute rounding), the error is
- * scaled by the promise over the allowed error. */
+/* Returns the error. A law may allow more than EXACT_PROMISE, because of absolute rounding. The
+ * error is then scaled by EXACT_PROMISE divided by the allowed error. */
 static double weighed(const struct exact_answer *answer)
 {
     return fmin(answer->error, answer->excess * EXACT_PROMISE);

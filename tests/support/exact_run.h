@@ -19,15 +19,16 @@
  * wrong. */
 struct exact_tally {
     uint64_t asked, failed, wrong;
-    uint64_t wrong_near; /* units that are wrong only within 1e-6 edge lengths of a source */
-    double worst;        /* largest relative error, except within 1e-6 edge lengths of a source */
+    /* number of units that are wrong only within 1e-6 edge lengths of a source */
+    uint64_t wrong_near;
+    double worst; /* largest relative error, except within 1e-6 edge lengths of a source */
     double worst_near;
     uint64_t scene; /* the current scene */
 };
 
 enum exact_flag {
     EXACT_HOLDS,
-    EXACT_MAY_FAIL /* errors are counted and allowed; wrong values are not */
+    EXACT_MAY_FAIL /* the section may have failed calls, which are counted, but no wrong values */
 };
 
 struct exact_section {
@@ -40,8 +41,9 @@ struct exact_section {
 int exact_main(int argc, char **argv, const struct exact_section *sections, uint32_t count);
 
 struct exact_answer {
-    double excess; /* error divided by the allowed error: wrong above 1 */
-    double error;  /* relative */
+    /* the error divided by the permitted error; the value is wrong if this exceeds 1 */
+    double excess;
+    double error; /* relative */
     double answered, expected;
     struct gd_point point;
 };
@@ -50,11 +52,12 @@ struct exact_answer {
  * is zero. */
 struct exact_unit {
     const struct exact_scene *scene;
-    const struct gd_seed *seeds; /* the sources, for reports */
+    const struct gd_seed *seeds; /* the sources, which reports print */
     uint32_t seed_count;
-    struct exact_answer worst;  /* value with the largest excess */
-    struct exact_answer nearby; /* the same, within 1e-6 edge lengths of a source */
-    const char *failure;        /* name of the failed call; NULL: none */
+    struct exact_answer worst; /* the value with the largest excess */
+    /* the value with the largest excess among values within 1e-6 edge lengths of a source */
+    struct exact_answer nearby;
+    const char *failure; /* name of the failed call, or NULL if no call failed */
     enum gd_status status;
     struct gd_point failed_at;
 };
@@ -64,8 +67,8 @@ void exact_answer(struct exact_unit *unit, struct exact_truth *truth, const stru
 void exact_failure(struct exact_unit *unit, const char *call, enum gd_status status,
                    const struct gd_point *point);
 
-/* Adds a value that a law compares with another one, `expected`. `excess`: as in struct
- * exact_answer. */
+/* Adds a value that a law compares with the value `expected`. `excess` has the meaning of the
+ * member in struct exact_answer. */
 void exact_law(struct exact_unit *unit, const struct gd_point *point, double answered,
                double expected, double excess);
 void exact_conclude(struct exact_unit *unit, struct exact_tally *tally);

@@ -5,7 +5,8 @@
 #include "gd/curve.h"
 #include "gd/field.h"
 
-/* Builds the field of some seeds up to a radius; 0: all of it. The caller releases it. */
+/* Builds the field of some seeds up to a radius. A radius of 0 builds the whole field. The caller
+ * releases the field. */
 struct gd_field *test_field(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count,
                             double radius);
 struct gd_field *test_field_from(const struct gd_mesh *mesh, struct gd_point point);

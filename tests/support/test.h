@@ -1,6 +1,6 @@
-/* Shared by the engine's tests: cmocka, comparison by relative error, and places on a mesh in a
- * form that the engine, the oracles and the closed forms all use. The environment variable
- * GEODESICD_CPU selects the kernels (gd/cpu.h). */
+/* Declarations that the engine's tests share: cmocka, comparison by relative error, and points of a
+ * mesh in a form that the engine, the oracles and the closed forms all use. The environment
+ * variable GEODESICD_CPU selects the kernels (gd/cpu.h). */
 #ifndef TESTS_SUPPORT_TEST_H
 #define TESTS_SUPPORT_TEST_H
 
@@ -63,10 +63,10 @@ void test_place_position(const struct gd_polygons *polygons, struct test_place p
 struct gd_point test_point(const struct gd_mesh *mesh, struct test_place place);
 struct gd_point test_vertex(const struct gd_mesh *mesh, uint32_t index);
 struct gd_point test_point_near(const struct gd_mesh *mesh, double x, double y,
-                                double z); /* the nearest point of the surface */
+                                double z); /* returns the nearest point of the surface */
 
-/* Returns the file's bytes, which end with a NUL and which the caller frees; NULL if the file can't
- * be read. */
+/* Returns the file's bytes, which end with a NUL and which the caller frees. Returns NULL if the
+ * file can't be read. */
 char *test_read_file(const char *path, size_t *size);
 
 #endif

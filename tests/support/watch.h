@@ -5,10 +5,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* All zero: before the call, never cancels. */
+/* If all members are zero, the struct is ready for a call and never cancels it. */
 struct test_watch {
     double last;          /* the last reported fraction */
-    uint32_t calls, most; /* cancels at call number `most`; 0: never */
+    uint32_t calls, most; /* cancels at callback number `most`; 0 never cancels */
 };
 
 /* Callback for struct gd_control's `progress`; `user` is a struct test_watch. Fails the test unless
