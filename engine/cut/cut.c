@@ -23,9 +23,8 @@ static enum gd_status check_ends(const struct gd_mesh *mesh, const struct gd_cur
     bool is_first = !is_on_boundary(mesh, first);
     if (!is_first && is_on_boundary(mesh, last)) return GD_OK;
     return gd_fail(detail, GD_INVALID_ARGUMENT,
-                   "an open curve cuts only from boundary to boundary, and its %s point lies on "
-                   "none; close the curve, "
-                   "or end it on boundary edges",
+                   "the %s point of the open curve is not on a boundary; close the curve, or move "
+                   "both ends to boundary edges",
                    is_first ? "first" : "last");
 }
 
@@ -57,7 +56,8 @@ static enum gd_status try(struct attempt *attempt, const struct gd_mesh *mesh,
     if (!status) status = gd__seam_make(&attempt->arrangement, &attempt->seam);
     if (!status && attempt->seam.cuts == 0)
         return gd_fail(detail, GD_INVALID_ARGUMENT,
-                       "the curve cuts nothing: it encloses no area, or runs along the boundary");
+                       "the curve cuts nothing, because it encloses no area or follows the "
+                       "boundary; choose another curve");
     return status ? status
                   : gd__refine(&attempt->arrangement, &attempt->seam, &attempt->refined,
                                &attempt->flat_face);
@@ -75,11 +75,11 @@ static enum gd_status try_snaps(struct attempt *attempt, const struct gd_mesh *m
     if (status != GD_RUNAWAY) return status;
     if (attempt->flat_face == GD_NONE)
         return gd_fail(detail, GD_TOO_LARGE,
-                       "the curve crosses itself too often; cut along simpler ones in turn");
+                       "the curve crosses itself too often; cut along several simpler curves, one "
+                       "after the other");
     return gd_fail(detail, GD_INVALID_ARGUMENT,
-                   "the curve cuts face %u, which is nearly flat, into pieces that are too flat to "
-                   "measure on; lead it "
-                   "around that face, or upload the mesh with repair=split",
+                   "the curve cuts the sliver face %u into pieces whose area is too small; avoid "
+                   "that face, or upload the mesh with repair=split",
                    mesh->index_of_face[attempt->flat_face]);
 }
 

@@ -91,10 +91,14 @@ static enum gd_status check_header(const struct gd_mesh *mesh, const struct head
     if (header->vertex_count != mesh->vertex_count || header->edge_count != mesh->edge_count ||
         header->wedge_bytes > size || header->wedge_bytes % GD__CHUNK_UNIT != 0 ||
         header->seed_count == 0 || header->seed_count > size / sizeof(struct gd__seed))
-        return gd_fail(detail, GD_INDEX, "the image's counts are impossible");
+        return gd_fail(
+            detail, GD_INDEX,
+            "the counts in the field image's header do not fit the mesh; compute the field again");
     if (layout_of(header->vertex_count, header->edge_count, header->wedge_bytes, header->seed_count)
             .size != size)
-        return gd_fail(detail, GD_TRUNCATED, "the image's size is not what its counts make");
+        return gd_fail(detail, GD_TRUNCATED,
+                       "the field image's size does not match the counts in its header; compute "
+                       "the field again");
     return GD_OK;
 }
 
@@ -213,17 +217,18 @@ enum gd_status gd_field_open_image(const struct gd_mesh *mesh, const struct gd_f
 {
     struct header header;
     if (image->size < sizeof header)
-        return gd_fail(detail, GD_TRUNCATED, "the image ends within its header");
+        return gd_fail(detail, GD_TRUNCATED,
+                       "the field image ends within its header; compute the field again");
     memcpy(&header, image->bytes, sizeof header);
     enum gd_status status = check_header(mesh, &header, image->size, detail);
     if (status) return status;
     struct gd_field *field = gd__field_create(mesh);
     if (!field) return gd_fail_status(detail, GD_NO_MEMORY);
     point_into(field, image->bytes, &header);
-    status =
-        are_indices_sound(field)
-            ? gd__field_index_seeds(field)
-            : gd_fail(detail, GD_INDEX, "the image names elements that the mesh does not have");
+    status = are_indices_sound(field) ? gd__field_index_seeds(field)
+                                      : gd_fail(detail, GD_INDEX,
+                                                "the field image refers to elements that the mesh "
+                                                "does not have; compute the field again");
     if (status) {
         gd_field_release(field);
         return status;

@@ -105,15 +105,17 @@ static enum gd_status link_uses(struct gd__3mf *package, uint32_t *order)
     qsort_r(order, package->object_count, sizeof *order, compare_objects, package);
     for (uint32_t i = 1; i < package->object_count; i++) {
         if (compare_objects(&order[i - 1], &order[i], package) == 0)
-            return gd_fail(package->detail, GD_SYNTAX, "object %u is there twice",
+            return gd_fail(package->detail, GD_SYNTAX,
+                           "object %u is defined twice; give each object its own id",
                            package->objects[order[i]].id);
     }
     for (uint32_t i = 0; i < package->use_count; i++) {
         struct gd__3mf_use *use = &package->uses[i];
         use->object = find_object(package, order, use->part, use->id);
         if (use->object == GD_NONE)
-            return gd_fail(package->detail, GD_SYNTAX,
-                           "a component or item names object %u, which is not there", use->id);
+            return gd_fail(
+                package->detail, GD_SYNTAX,
+                "a component or item refers to object %u, which the file does not define", use->id);
     }
     return GD_OK;
 }
@@ -133,8 +135,10 @@ static enum gd_status add_up(struct gd__3mf *package, uint32_t i)
     for (uint32_t u = object->first_use; u < object->first_use + object->use_count; u++) {
         uint32_t other = package->uses[u].object;
         if (package->objects[other].part == object->part && other >= i)
-            return gd_fail(package->detail, GD_SYNTAX,
-                           "object %u is made of one that is not defined before it", object->id);
+            return gd_fail(
+                package->detail, GD_SYNTAX,
+                "object %u has a component that is not defined before it; reorder the objects",
+                object->id);
         object->vertices = saturated(object->vertices + package->objects[other].vertices);
         object->triangles = saturated(object->triangles + package->objects[other].triangles);
     }
@@ -179,15 +183,15 @@ static enum gd_status check_sum(const struct gd__3mf *package, const struct sum 
 {
     if (sum->triangles == 0)
         return gd_fail(package->detail, GD_EMPTY,
-                       "the build has %u items, and none of them has a triangle",
+                       "the build has %u items, but none of them contains a triangle",
                        package->item_count);
     if (sum->triangles > package->limits.max_faces)
         return gd_fail(package->detail, GD_TOO_LARGE,
-                       "the build has more than %u triangles, the configured maximum",
+                       "the build has more than the configured maximum of %u triangles",
                        package->limits.max_faces);
     if (sum->vertices > package->limits.max_vertices)
         return gd_fail(package->detail, GD_TOO_LARGE,
-                       "the build has more than %u vertices, the configured maximum",
+                       "the build has more than the configured maximum of %u vertices",
                        package->limits.max_vertices);
     return GD_OK;
 }
@@ -302,7 +306,8 @@ static enum gd_status open_package(const struct gd__scan *scan,
                             .is_counting = is_counting};
     if (!out->zip)
         return gd_fail(scan->detail, GD_SYNTAX,
-                       "the archive is damaged or cut short: its directory can't be read");
+                       "the archive is damaged or truncated: its directory can't be read; send the "
+                       "file again");
     return read_parts(out);
 }
 

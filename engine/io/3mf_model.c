@@ -146,7 +146,7 @@ static uint32_t whole_of(struct model *model, const char **attributes, const cha
     double number = -1;
     if (!text || !parse_numbers(text, 1, &number) || !(number >= 0 && number < UINT32_MAX) ||
         number != floor(number)) {
-        fail(model, GD_SYNTAX, "the attribute %s is no whole number", name);
+        fail(model, GD_SYNTAX, "the attribute %s is not a whole number", name);
         return 0;
     }
     return (uint32_t)number;
@@ -171,7 +171,9 @@ static void begin_model(struct model *model, const char **attributes)
     part->unit = unit ? 0 : 1;
     for (size_t i = 0; unit && i < sizeof units / sizeof units[0]; i++)
         if (strcmp(unit, units[i].name) == 0) part->unit = units[i].millimetres;
-    if (part->unit == 0) fail(model, GD_SYNTAX, "the unit is none of 3MF's");
+    if (part->unit == 0)
+        fail(model, GD_SYNTAX,
+             "the unit is unknown; use micron, millimeter, centimeter, inch, foot or meter");
 }
 
 static void begin_object(struct model *model, const char **attributes)
@@ -187,7 +189,8 @@ static void begin_object(struct model *model, const char **attributes)
                                     .first_triangle = package->triangle_count,
                                     .first_use = package->use_count};
     if (package->object_count == GD__3MF_OBJECTS)
-        return fail(model, GD_UNSUPPORTED, "more than %d objects", GD__3MF_OBJECTS);
+        return fail(model, GD_UNSUPPORTED, "the file has more than %d objects; merge some of them",
+                    GD__3MF_OBJECTS);
     if (!gd__3mf_grow((void **)&package->objects, package->object_count, &package->object_capacity,
                       sizeof object))
         return fail_memory(model);
@@ -202,7 +205,8 @@ static void begin_vertex(struct model *model, const char **attributes)
     double xyz[3];
     for (int axis = 0; axis < 3; axis++) xyz[axis] = number_of(model, attributes, axes[axis]);
     if (package->vertex_count == package->limits.max_vertices)
-        return fail(model, GD_TOO_LARGE, "more than %u vertices, the configured maximum",
+        return fail(model, GD_TOO_LARGE,
+                    "the file has more than the configured maximum of %u vertices",
                     package->limits.max_vertices);
     if (!package->is_counting) {
         if (!gd__3mf_grow((void **)&package->positions, package->vertex_count,
@@ -222,11 +226,13 @@ static void begin_triangle(struct model *model, const char **attributes)
     for (int k = 0; k < 3; k++) {
         corners[k] = whole_of(model, attributes, names[k]);
         if (corners[k] >= vertices)
-            fail(model, GD_INDEX, "a triangle names vertex %u of its object, which has %u",
+            fail(model, GD_INDEX,
+                 "a triangle refers to vertex %u, but its object has %u vertices, numbered from 0",
                  corners[k], vertices);
     }
     if (package->triangle_count == package->limits.max_faces)
-        return fail(model, GD_TOO_LARGE, "more than %u triangles, the configured maximum",
+        return fail(model, GD_TOO_LARGE,
+                    "the file has more than the configured maximum of %u triangles",
                     package->limits.max_faces);
     if (!package->is_counting) {
         if (!gd__3mf_grow((void **)&package->triangles, package->triangle_count,
@@ -247,10 +253,11 @@ static void read_place(struct model *model, const char **attributes, struct gd__
     *out = gd__unmoved;
     if (!text) return;
     if (!parse_numbers(text, 12, numbers))
-        return fail(model, GD_SYNTAX, "the transform is not twelve numbers");
+        return fail(model, GD_SYNTAX, "the attribute transform does not have twelve numbers");
     for (int i = 0; i < 12; i++)
         if (!isfinite(numbers[i]))
-            return fail(model, GD_NON_FINITE, "a number of the transform is not finite");
+            return fail(model, GD_NON_FINITE,
+                        "the attribute transform has a number that is not finite");
     memcpy(out->columns, numbers, sizeof numbers);
 }
 
@@ -262,15 +269,19 @@ static void add_use(struct model *model, const char **attributes)
     struct gd__3mf_use use = {.part = model->part, .id = whole_of(model, attributes, "objectid")};
     read_place(model, attributes, &use.place);
     if (path && model->part != 0)
-        return fail(model, GD_UNSUPPORTED, "only the first model part may name other parts");
+        return fail(model, GD_UNSUPPORTED, "only the root model part may refer to other parts");
     if (package->use_count == GD__3MF_OBJECTS)
-        return fail(model, GD_UNSUPPORTED, "more than %d components and items", GD__3MF_OBJECTS);
+        return fail(model, GD_UNSUPPORTED,
+                    "the file has more than %d components and items; merge some of them",
+                    GD__3MF_OBJECTS);
     enum gd_status status = path ? gd__3mf_name_part(package, path, &use.part) : GD_OK;
     if (status == GD_OK && !gd__3mf_grow((void **)&package->uses, package->use_count,
                                          &package->use_capacity, sizeof use))
         status = GD_NO_MEMORY;
     if (status == GD_NO_MEMORY) return fail_memory(model);
-    if (status != GD_OK) return fail(model, status, "too many parts, or too long a path");
+    if (status != GD_OK)
+        return fail(model, status,
+                    "the file refers to too many parts, or the path of a part is too long");
     package->uses[package->use_count++] = use;
 }
 
@@ -323,7 +334,8 @@ static void XMLCALL refuse_doctype(void *user, const char *name, const char *sys
     (void)system;
     (void)public;
     (void)has_subset;
-    fail((struct model *)user, GD_UNSUPPORTED, "a document type is not allowed in 3MF");
+    fail((struct model *)user, GD_UNSUPPORTED,
+         "3MF does not allow a document type declaration; remove the DOCTYPE line");
 }
 
 static void XMLCALL begin_relationship(void *user, const char *name, const char **attributes)
@@ -349,10 +361,10 @@ static void fail_xml(struct model *model)
 {
     enum XML_Error error = XML_GetErrorCode(model->parser);
     if (error == XML_ERROR_NO_MEMORY)
-        fail(model, GD_TOO_LARGE, "the names of elements take more than %zu bytes",
+        fail(model, GD_TOO_LARGE, "the names of elements and attributes take more than %zu bytes",
              GD__3MF_XML_BYTES);
     else
-        fail(model, GD_SYNTAX, "the XML is broken: %s", XML_ErrorString(error));
+        fail(model, GD_SYNTAX, "the XML is not well-formed: %s", XML_ErrorString(error));
 }
 
 /* Parses a part to its end. */
@@ -368,17 +380,20 @@ static void parse(struct model *model)
         if (!buffer || model->status != GD_OK) break;
         if (!gd__zip_read(zip, buffer, CHUNK_BYTES, &size))
             return fail(model, GD_SYNTAX,
-                        "the archive is damaged here, encrypted, or not compressed by deflate");
+                        "this part of the archive is damaged, encrypted, or not compressed by "
+                        "deflate; write the file again");
         done += (XML_Index)size;
         if (XML_ParseBuffer(model->parser, (int)size, size == 0) == XML_STATUS_ERROR)
             return fail_xml(model);
         if (done - XML_GetCurrentByteIndex(model->parser) > LONGEST_TOKEN)
-            return fail(model, GD_UNSUPPORTED, "a tag has more than %ld bytes",
+            return fail(model, GD_UNSUPPORTED, "a tag is longer than %ld bytes",
                         (long)LONGEST_TOKEN);
     }
     if (model->status == GD_OK && size > 0) fail_memory(model);
     if (model->status == GD_OK && !gd__zip_end(zip))
-        fail(model, GD_SYNTAX, "the archive is damaged: the checksum is another");
+        fail(model, GD_SYNTAX,
+             "the archive is damaged: the checksum of this part does not match; send the file "
+             "again");
 }
 
 /* Parses the file of the archive whose name is the part's name. GD_EMPTY: there is no such file. */
@@ -389,7 +404,8 @@ static enum gd_status read_part(struct model *model, XML_StartElementHandler beg
     if (!gd__zip_begin(package->zip, model->name, &size)) return GD_EMPTY;
     if (size / GD__3MF_INFLATION > package->size)
         return gd_fail(package->detail, GD_TOO_LARGE,
-                       "the archive has %zu bytes, but a part of it %llu: more than %d times",
+                       "the archive has %zu bytes, but one of its parts expands to %llu bytes; at "
+                       "most %d times the archive's size is allowed",
                        package->size, (unsigned long long)size, GD__3MF_INFLATION);
     xml_bytes = 0;
     model->parser = XML_ParserCreate_MM(NULL, &memory, NULL);
@@ -424,6 +440,7 @@ enum gd_status gd__3mf_read_model(struct gd__3mf *package, uint32_t part)
     enum gd_status status = read_part(&model, begin_element);
     if (status != GD_EMPTY) return status;
     struct gd__word word = {name, strlen(name)};
-    return gd_fail(package->detail, GD_SYNTAX, "the archive has no part '%s'",
+    return gd_fail(package->detail, GD_SYNTAX,
+                   "the archive lacks the part '%s', to which the model refers",
                    gd__excerpt(word).text);
 }

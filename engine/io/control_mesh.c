@@ -40,7 +40,7 @@ static enum gd_status read_counts(struct gd__scan *scan, struct counts *out)
             status = gd__scan_unexpected(scan, "a count");
         if (status || i == 2) break;
         if (gd__scan_left(scan) == 0 || *scan->at != '/')
-            return gd__scan_unexpected(scan, "counts as in 2/1/0");
+            return gd__scan_unexpected(scan, "counts such as 2/1/0");
         scan->at++;
     }
     return status;
@@ -53,9 +53,10 @@ static enum gd_status read_vertex(const struct tag *tag, uint32_t *out)
     enum gd_status status = gd__scan_integer(tag->scan, &vertex);
     if (status) return status;
     if (vertex < 0 || vertex >= tag->mesh->polygons.position_count)
-        return gd__scan_fail(tag->scan, place, GD_INDEX,
-                             "the tag names vertex %lld; they are counted from 0 to %u",
-                             (long long)vertex, tag->mesh->polygons.position_count - 1);
+        return gd__scan_fail(
+            tag->scan, place, GD_INDEX,
+            "the tag refers to vertex %lld, but the vertices are numbered from 0 to %u",
+            (long long)vertex, tag->mesh->polygons.position_count - 1);
     *out = (uint32_t)vertex;
     return GD_OK;
 }
@@ -72,8 +73,8 @@ static enum gd_status check_counts(const struct tag *tag, int64_t least, int64_t
     if (counts->whole >= least && (counts->real == 1 || counts->real == items) && counts->text == 0)
         return GD_OK;
     return gd__scan_fail(tag->scan, tag->place, GD_SYNTAX,
-                         "the tag has %lld whole and %lld real numbers: one sharpness for all or "
-                         "one each is expected",
+                         "the tag has %lld integers and %lld real numbers; give one sharpness for "
+                         "all items, or one for each item",
                          (long long)counts->whole, (long long)counts->real);
 }
 
@@ -87,7 +88,7 @@ static enum gd_status check_length(const struct tag *tag)
 {
     if ((uint64_t)tag->counts.whole <= gd__scan_left(tag->scan)) return GD_OK;
     return gd__scan_fail(tag->scan, tag->place, GD_TRUNCATED,
-                         "the tag declares %lld numbers, which do not follow",
+                         "the tag declares %lld integers, but its line ends before them",
                          (long long)tag->counts.whole);
 }
 
@@ -148,7 +149,8 @@ static enum gd_status read_boundary(const struct tag *tag)
     if (status) return status;
     if (number < 0 || number > 2)
         return gd__scan_fail(tag->scan, tag->place, GD_SYNTAX,
-                             "interpolateboundary is 0, 1 or 2, not %lld", (long long)number);
+                             "interpolateboundary must be 0, 1 or 2, but is %lld",
+                             (long long)number);
     tag->mesh->boundary = rules[number];
     return GD_OK;
 }
@@ -163,8 +165,8 @@ static enum gd_status read_tag(struct gd__scan *scan, struct gd_control_mesh *me
     if (gd__word_is(name, "crease")) return read_crease(&tag);
     if (gd__word_is(name, "corner")) return read_corner(&tag);
     if (gd__word_is(name, "interpolateboundary")) return read_boundary(&tag);
-    return gd__scan_fail(scan, tag.place, GD_UNSUPPORTED, "the tag '%s' is not supported",
-                         gd__excerpt(name).text);
+    return gd__scan_fail(scan, tag.place, GD_UNSUPPORTED,
+                         "the tag '%s' is not supported; remove it", gd__excerpt(name).text);
 }
 
 static enum gd_status read_tags(const void *bytes, size_t size,

@@ -67,41 +67,39 @@ static const struct {
 
 #define UTF16_BEGINNING ((size_t)1 << 16) /* bytes of UTF-16 that are searched for a signature */
 
-#define TEXT_BEGINNING                                                                             \
-    ((size_t)1                                                                                     \
-     /* number of bytes of text searched for a signature; blanks and comments may precede it */
-     << 20)
+/* number of bytes of text searched for a signature; blanks and comments may precede it */
+#define TEXT_BEGINNING ((size_t)1 << 20)
 
 static enum gd_format recognise_beginning(struct gd__scan beginning)
-     {
-         for (size_t i = 0; i < sizeof signatures / sizeof signatures[0]; i++) {
-             if (signatures[i].recognise(beginning)) return signatures[i].format;
-         }
-         return GD_FORMAT_ANY;
-     }
+{
+    for (size_t i = 0; i < sizeof signatures / sizeof signatures[0]; i++) {
+        if (signatures[i].recognise(beginning)) return signatures[i].format;
+    }
+    return GD_FORMAT_ANY;
+}
 
-     /* Returns GD_FORMAT_ANY also if there is no memory. */
-     static enum gd_format recognise_utf16(const void *bytes, size_t size)
-     {
-         char *text;
-         size_t length;
-         enum gd_status status = gd__utf16_decode(
-             bytes, size < UTF16_BEGINNING ? size : UTF16_BEGINNING, NULL, &text, &length);
-         if (status != GD_OK) return GD_FORMAT_ANY;
-         enum gd_format format =
-             length ? recognise_beginning(gd__scan_begin(text, length, NULL)) : GD_FORMAT_ANY;
-         free(text);
-         return format;
-     }
+/* Returns GD_FORMAT_ANY also if there is no memory. */
+static enum gd_format recognise_utf16(const void *bytes, size_t size)
+{
+    char *text;
+    size_t length;
+    enum gd_status status = gd__utf16_decode(bytes, size < UTF16_BEGINNING ? size : UTF16_BEGINNING,
+                                             NULL, &text, &length);
+    if (status != GD_OK) return GD_FORMAT_ANY;
+    enum gd_format format =
+        length ? recognise_beginning(gd__scan_begin(text, length, NULL)) : GD_FORMAT_ANY;
+    free(text);
+    return format;
+}
 
-     enum gd_format gd_format_recognise(const void *bytes, size_t size)
-     {
-         struct gd__scan whole = gd__scan_begin(bytes, size, NULL), beginning = whole;
-         if (size > TEXT_BEGINNING) beginning.end = beginning.begin + TEXT_BEGINNING;
-         if (size == 0) return GD_FORMAT_ANY;
-         if (gd__stl_has_binary_size(&whole) && !gd__glb_recognise(beginning) &&
-             !gd__3mf_recognise(beginning))
-             return GD_FORMAT_STL;
-         return gd__is_utf16(bytes, size) ? recognise_utf16(bytes, size)
-                                          : recognise_beginning(beginning);
-     }
+enum gd_format gd_format_recognise(const void *bytes, size_t size)
+{
+    struct gd__scan whole = gd__scan_begin(bytes, size, NULL), beginning = whole;
+    if (size > TEXT_BEGINNING) beginning.end = beginning.begin + TEXT_BEGINNING;
+    if (size == 0) return GD_FORMAT_ANY;
+    if (gd__stl_has_binary_size(&whole) && !gd__glb_recognise(beginning) &&
+        !gd__3mf_recognise(beginning))
+        return GD_FORMAT_STL;
+    return gd__is_utf16(bytes, size) ? recognise_utf16(bytes, size)
+                                     : recognise_beginning(beginning);
+}

@@ -153,7 +153,7 @@ static enum gd_status check_extensions(const struct gd__gltf *gltf)
     uint32_t end = gd__json_next(&gltf->json, list);
     for (uint32_t name = list + 1; name < end; name = gd__json_next(&gltf->json, name)) {
         if (!gd__json_is(&gltf->json, name, '"'))
-            return gd__gltf_fail(gltf, name, GD_SYNTAX, "the name of an extension is no string");
+            return gd__gltf_fail(gltf, name, GD_SYNTAX, "the name of an extension is not a string");
         if (!leaves_shape(&gltf->json, name)) return refuse_extension(gltf, name);
     }
     return GD_OK;

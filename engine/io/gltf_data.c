@@ -17,10 +17,10 @@ static enum gd_status fail_external(const struct gd__gltf *gltf, uint32_t uri)
 {
     struct gd__word name = {gd__json_at(&gltf->json, uri) + 1, 0};
     while (name.at[name.length] != '"') name.length++;
-    return gd__gltf_fail(
-        gltf, uri, GD_UNSUPPORTED,
-        "the buffer is another file, '%s': send a GLB, or a glTF whose buffers are data: URIs",
-        gd__excerpt(name).text);
+    return gd__gltf_fail(gltf, uri, GD_UNSUPPORTED,
+                         "the buffer refers to another file, '%s'; send a GLB, or a glTF whose "
+                         "buffers are data: URIs",
+                         gd__excerpt(name).text);
 }
 
 /* Returns the text after ";base64," of a data: URI, up to its quote. */
@@ -34,7 +34,8 @@ static enum gd_status encoded_part(const struct gd__gltf *gltf, uint32_t uri,
     if (quote - at < 5 || memcmp(at, "data:", 5) != 0) return fail_external(gltf, uri);
     const char *found = memchr(at, ',', (size_t)(quote - at));
     if (!found || found - at < 12 || memcmp(found + 2 - sizeof mark, mark, sizeof mark - 1) != 0)
-        return gd__gltf_fail(gltf, uri, GD_UNSUPPORTED, "the data: URI is not in base64");
+        return gd__gltf_fail(gltf, uri, GD_UNSUPPORTED,
+                             "the data: URI is not encoded in base64; encode its bytes in base64");
     *out = (struct gd__gltf_bytes){found + 1, (size_t)(quote - found - 1)};
     return GD_OK;
 }
@@ -43,7 +44,7 @@ static enum gd_status decode_uri(struct gd__gltf *gltf, uint32_t uri, struct gd_
 {
     struct gd__gltf_bytes encoded = {0};
     if (!gd__json_is(&gltf->json, uri, '"'))
-        return gd__gltf_fail(gltf, uri, GD_SYNTAX, "'uri' is no string");
+        return gd__gltf_fail(gltf, uri, GD_SYNTAX, "'uri' is not a string");
     enum gd_status status = encoded_part(gltf, uri, &encoded);
     if (status != GD_OK) return status;
     char *decoded = malloc(gd__base64_bytes(encoded.size));
@@ -52,7 +53,7 @@ static enum gd_status decode_uri(struct gd__gltf *gltf, uint32_t uri, struct gd_
     if (!gd__base64_read(encoded.at, encoded.size, decoded, &size)) {
         free(decoded);
         return gd__gltf_fail(gltf, uri, GD_SYNTAX,
-                             "the data: URI is broken: a character is none of base64");
+                             "the data: URI contains a character that base64 does not allow");
     }
     *out = (struct gd__gltf_buffer){.bytes = {decoded, size}, .decoded = decoded};
     return GD_OK;
@@ -67,9 +68,9 @@ static enum gd_status find_bytes(struct gd__gltf *gltf, uint32_t number,
              uri = gd__json_member(&gltf->json, buffer, "uri");
     if (uri != GD__NO_VALUE) return decode_uri(gltf, uri, out);
     if (number > 0 || !gltf->binary.at)
-        return gd__gltf_fail(
-            gltf, buffer, GD_UNSUPPORTED,
-            "the buffer has no bytes: neither a data: URI nor the binary part of a GLB");
+        return gd__gltf_fail(gltf, buffer, GD_UNSUPPORTED,
+                             "the buffer has no bytes; add a data: URI, or put the bytes into the "
+                             "binary chunk of a GLB");
     *out = (struct gd__gltf_buffer){.bytes = gltf->binary};
     return GD_OK;
 }
@@ -86,7 +87,7 @@ static enum gd_status load_buffer(struct gd__gltf *gltf, uint32_t number,
     if (status != GD_OK) return status;
     if (size > loaded->bytes.size)
         return gd__gltf_fail(gltf, buffer, GD_TRUNCATED,
-                             "the buffer's 'byteLength' is %llu, but it has %zu bytes",
+                             "the buffer's 'byteLength' is %llu, but the buffer has only %zu bytes",
                              (unsigned long long)size, loaded->bytes.size);
     *out = (struct gd__gltf_bytes){loaded->bytes.at, (size_t)size};
     return GD_OK;
@@ -121,11 +122,11 @@ static enum gd_status buffer_of(const struct gd__gltf *gltf, uint32_t view, uint
 {
     uint32_t named = gd__json_member(&gltf->json, view, "buffer");
     if (named == GD__NO_VALUE)
-        return gd__gltf_fail(gltf, view, GD_SYNTAX, "the view names no buffer");
+        return gd__gltf_fail(gltf, view, GD_SYNTAX, "the buffer view lacks the member 'buffer'");
     if (is_compressed(gltf, view))
         return gd__gltf_fail(
             gltf, view, GD_UNSUPPORTED,
-            "the bytes are compressed by meshopt: store the file without compression");
+            "the bytes are compressed by meshopt; export the file without compression");
     return gd__gltf_index(gltf, named, &gltf->buffers, out);
 }
 
@@ -144,7 +145,7 @@ static enum gd_status open_view(struct gd__gltf *gltf, uint32_t value, struct vi
     if (status != GD_OK) return status;
     if (offset > bytes.size || size > bytes.size - offset)
         return gd__gltf_fail(gltf, value, GD_TRUNCATED,
-                             "the view ends at byte %llu of a buffer of %zu",
+                             "the buffer view ends at byte %llu, but its buffer has %zu bytes",
                              (unsigned long long)(offset + size), bytes.size);
     *out = (struct view){value, {bytes.at + offset, (size_t)size}, (size_t)stride};
     return GD_OK;
@@ -189,7 +190,7 @@ enum gd_status gd__gltf_accessor_count(const struct gd__gltf *gltf, uint32_t val
     enum gd_status status = gd__gltf_whole(gltf, value, "count", 0, UINT32_MAX - 1, &count);
     if (status != GD_OK) return status;
     if (count == 0)
-        return gd__gltf_fail(gltf, value, GD_SYNTAX, "the accessor has no 'count' of at least 1");
+        return gd__gltf_fail(gltf, value, GD_SYNTAX, "the accessor needs a 'count' of at least 1");
     *out = (uint32_t)count;
     return GD_OK;
 }
@@ -206,7 +207,8 @@ static enum gd_status read_type(struct gd__gltf_accessor *accessor, bool is_posi
     bool fits = is_position ? component_size(type) > 0 && type != 5125 : is_index_type(type);
     if (!fits || shape == GD__NO_VALUE || !gd__json_says(&gltf->json, shape, wanted))
         return gd__gltf_fail(gltf, accessor->value, GD_SYNTAX,
-                             "%s are a %s of another kind than this accessor",
+                             "the 'type' or 'componentType' of this accessor does not suit %s, "
+                             "which need the type %s",
                              is_position ? "positions" : "indices", wanted);
     uint32_t normalized = gd__json_member(&gltf->json, accessor->value, "normalized");
     accessor->is_normalized =
@@ -227,12 +229,14 @@ static enum gd_status find_elements(const struct gd__gltf *gltf, uint32_t object
     if (status != GD_OK) return status;
     if (stride < size)
         return gd__gltf_fail(gltf, view->value, GD_SYNTAX,
-                             "'byteStride' is %zu for elements of %zu bytes", stride, size);
+                             "'byteStride' is %zu, which is too small for elements of %zu bytes",
+                             stride, size);
     uint64_t end = offset + (uint64_t)(count - 1) * stride + size;
     if (end > view->bytes.size)
-        return gd__gltf_fail(gltf, object, GD_TRUNCATED,
-                             "%u elements end at byte %llu of a view of %zu", count,
-                             (unsigned long long)end, view->bytes.size);
+        return gd__gltf_fail(
+            gltf, object, GD_TRUNCATED,
+            "the %u elements end at byte %llu, but their buffer view has %zu bytes", count,
+            (unsigned long long)end, view->bytes.size);
     *out = view->bytes.at + offset;
     return GD_OK;
 }
@@ -270,8 +274,9 @@ static enum gd_status read_sparse_type(const struct gd__gltf *gltf, uint32_t spa
     if (indices != GD__NO_VALUE)
         status = gd__gltf_whole(gltf, indices, "componentType", 0, UINT16_MAX, &type);
     if (status == GD_OK && !is_index_type(type))
-        status = gd__gltf_fail(gltf, sparse, GD_SYNTAX,
-                               "sparse indices have no component type that indices have");
+        status =
+            gd__gltf_fail(gltf, sparse, GD_SYNTAX,
+                          "the 'componentType' of the sparse indices must be 5121, 5123 or 5125");
     *out = (uint32_t)type;
     return status;
 }
@@ -356,10 +361,10 @@ static enum gd_status find_next(struct gd__gltf_accessor *accessor, const char *
     double index =
         load(accessor->sparse_indices + (size_t)sparse * index_size, accessor->sparse_type);
     if (index < place || index >= accessor->count)
-        return gd__gltf_fail(
-            accessor->gltf, accessor->value, GD_SYNTAX,
-            "sparse indices have to grow and to be less than 'count'; number %u is %g", sparse,
-            index);
+        return gd__gltf_fail(accessor->gltf, accessor->value, GD_SYNTAX,
+                             "sparse indices must increase and be less than 'count', but sparse "
+                             "index number %u is %g",
+                             sparse, index);
     if (index > place) return GD_OK;
     *out = accessor->sparse_values + (size_t)sparse * size;
     accessor->sparse_next++;

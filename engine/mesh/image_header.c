@@ -42,13 +42,18 @@ enum gd_status gd__image_header_check(const struct gd_mesh *mesh,
 {
     if (memcmp(image_header->magic, magic, sizeof image_header->magic) != 0 ||
         image_header->byte_order != byte_order)
-        return gd_fail(detail, GD_UNRECOGNIZED, "the bytes are no %s image of a machine like this",
+        return gd_fail(detail, GD_UNRECOGNIZED,
+                       "the bytes are not a %s image that this machine can read; write the image "
+                       "again on this machine",
                        magic);
     if (image_header->version != version)
-        return gd_fail(detail, GD_UNRECOGNIZED,
-                       "the image has version %u, this program reads version %u",
-                       image_header->version, version);
+        return gd_fail(
+            detail, GD_UNRECOGNIZED,
+            "the image has version %u, but this program reads version %u; write the image again",
+            image_header->version, version);
     if (image_header->fingerprint != fingerprint_of(mesh))
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "the image belongs to another mesh");
+        return gd_fail(
+            detail, GD_INVALID_ARGUMENT,
+            "the image was written for another mesh; pass the mesh for which it was written");
     return GD_OK;
 }

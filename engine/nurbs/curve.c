@@ -233,14 +233,14 @@ static enum gd_status check_places(const struct gd_parametric *surface, const do
             return gd_fail(detail, GD_INVALID_ARGUMENT,
                            "point %u of the curve has a coordinate that is not finite", i);
         if (!gd_parametric_contains(surface, points[i][0], points[i][1]))
-            return gd_fail(
-                detail, GD_INVALID_ARGUMENT,
-                "point %u of the curve, (%.17g, %.17g), lies outside the surface's domain", i,
-                points[i][0], points[i][1]);
+            return gd_fail(detail, GD_INVALID_ARGUMENT,
+                           "point %u of the curve, (%.17g, %.17g), lies outside the surface's "
+                           "domain; move it inside",
+                           i, points[i][0], points[i][1]);
         if (is_far(surface, points[i]))
             return gd_fail(detail, GD_INVALID_ARGUMENT,
-                           "point %u of the curve, (%.17g, %.17g), lies more than %d periods away "
-                           "from the domain",
+                           "point %u of the curve, (%.17g, %.17g), is more than %d periods away "
+                           "from the domain; move it closer",
                            i, points[i][0], points[i][1], GD_DOMAIN_CURVE_PERIODS_MAX);
     }
     return GD_OK;
@@ -286,11 +286,13 @@ enum gd_status gd_domain_curve_point(const struct gd_parametric *surface, double
     const double at[1][2] = {{u, v}};
     if (!gd_parametric_contains(surface, u, v))
         return gd_fail(detail, GD_INVALID_ARGUMENT,
-                       "the point (%.17g, %.17g) lies outside the surface's domain", u, v);
+                       "the point (%.17g, %.17g) lies outside the surface's domain; move it inside",
+                       u, v);
     if (is_far(surface, at[0]))
-        return gd_fail(detail, GD_INVALID_ARGUMENT,
-                       "the point (%.17g, %.17g) lies more than %d periods away from the domain", u,
-                       v, GD_DOMAIN_CURVE_PERIODS_MAX);
+        return gd_fail(
+            detail, GD_INVALID_ARGUMENT,
+            "the point (%.17g, %.17g) is more than %d periods away from the domain; move it closer",
+            u, v, GD_DOMAIN_CURVE_PERIODS_MAX);
     return nurbs_curve_make(surface, 0, (double[]){0, 1}, at, 1, NULL, out, detail);
 }
 
@@ -301,12 +303,12 @@ enum gd_status gd_domain_curve_bspline(const struct gd_parametric *surface,
 {
     uint32_t degree = spline->degree, count = spline->count;
     if (degree < 1 || degree > GD__DEGREE_MAX)
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "a curve's degree is between 1 and %d",
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "the curve's degree must be between 1 and %d",
                        GD__DEGREE_MAX);
     if (count < degree + 1 || count > GD_DOMAIN_CURVE_COUNT_MAX)
         return gd_fail(detail, GD_INVALID_ARGUMENT,
-                       "a curve of degree %u has between %u and %d points", degree, degree + 1,
-                       GD_DOMAIN_CURVE_COUNT_MAX);
+                       "a curve of degree %u must have between %u and %d points", degree,
+                       degree + 1, GD_DOMAIN_CURVE_COUNT_MAX);
     enum gd_status status = check_places(surface, spline->points, count, detail);
     if (!status) status = gd__knots_check(degree, count, spline->knots, detail);
     return status ? status
@@ -322,14 +324,15 @@ enum gd_status gd_domain_curve_polyline(const struct gd_parametric *surface,
     const double(*corners)[2] = polyline->corners;
     uint32_t count = polyline->count;
     if (count < 2 || count > GD_DOMAIN_CURVE_COUNT_MAX)
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "a polyline has between 2 and %d corners",
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "a polyline must have between 2 and %d corners",
                        GD_DOMAIN_CURVE_COUNT_MAX);
     enum gd_status status = check_places(surface, corners, count, detail);
     if (status) return status;
     for (uint32_t i = 1; i < count; i++)
         if (corners[i][0] == corners[i - 1][0] && corners[i][1] == corners[i - 1][1])
             return gd_fail(detail, GD_INVALID_ARGUMENT,
-                           "corners %u and %u of the polyline are one place", i - 1, i);
+                           "corners %u and %u of the polyline are equal; leave one of them out",
+                           i - 1, i);
     double *knots = malloc((count + 2) * sizeof *knots);
     if (!knots) return gd_fail_status(detail, GD_NO_MEMORY);
     for (uint32_t i = 0; i < count; i++) knots[i + 1] = i;
@@ -353,7 +356,9 @@ enum gd_status gd_domain_curve_iso(const struct gd_parametric *surface, enum gd_
     }
     if (gd__surface_pole(surface, k, at))
         return gd_fail(detail, GD_INVALID_ARGUMENT,
-                       "the line %c = %.17g is a pole: one point of the surface", "uv"[k], at);
+                       "the line %c = %.17g is a pole, which is a single point of the surface; "
+                       "choose another line",
+                       "uv"[k], at);
     return gd_domain_curve_bspline(
         surface,
         &(struct gd_domain_bspline){1, (double[]){along->low, along->low, along->high, along->high},

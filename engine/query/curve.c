@@ -102,9 +102,10 @@ static enum gd_status query_curve_join(struct drawing *drawing, uint32_t i, uint
                       control, &answer, drawing->detail);
     if (status) return status;
     if (!answer.path.count)
-        status =
-            gd_fail(drawing->detail, GD_INVALID_ARGUMENT,
-                    "points %u and %u of the curve lie on components that no path joins", i, j);
+        status = gd_fail(drawing->detail, GD_INVALID_ARGUMENT,
+                         "points %u and %u of the curve lie on different connected components; use "
+                         "points of one component",
+                         i, j);
     for (uint32_t k = 0; k < answer.path.count && !status; k++)
         status = query_curve_add(drawing, &answer.path.points[k]);
     gd_pair_answer_free(&answer);
@@ -140,10 +141,10 @@ static enum gd_status draw_vertices(struct drawing *drawing)
         if (status) return status;
         if (i && last != point.element &&
             gd__side_between(drawing->mesh, last, point.element) == GD_NONE)
-            return gd_fail(
-                drawing->detail, GD_NO_SUCH_EDGE,
-                "vertices %u and %u of the curve share no edge; consecutive ones have to",
-                request->vertices[i - 1].index, vertex.index);
+            return gd_fail(drawing->detail, GD_NO_SUCH_EDGE,
+                           "vertices %u and %u of the curve share no edge; consecutive vertices "
+                           "must be the ends of an edge",
+                           request->vertices[i - 1].index, vertex.index);
         status = query_curve_add(drawing, &point);
         last = point.element;
         if (!status && (i + 1) % PORTION == 0)
@@ -159,8 +160,10 @@ static enum gd_status draw_boundary(struct drawing *drawing)
     const struct gd_mesh *mesh = drawing->mesh;
     uint32_t loop = drawing->request->boundary, count = mesh->summary.boundaries;
     if (loop >= count)
-        return gd_fail(drawing->detail, GD_OUT_OF_RANGE,
-                       "there is no boundary %u: the mesh has %u, numbered from 0", loop, count);
+        return gd_fail(
+            drawing->detail, GD_OUT_OF_RANGE,
+            "boundary %u does not exist; the mesh has %u boundary loops, numbered from 0", loop,
+            count);
     uint32_t first = mesh->origin[mesh->boundary_side[loop]], vertex = first;
     enum gd_status status = GD_OK;
     do {
@@ -185,7 +188,8 @@ static enum gd_status query_curve_draw(struct drawing *drawing)
 {
     if (drawing->request->kind == GD_CURVE_BOUNDARY) return draw_boundary(drawing);
     if (!drawing->request->count)
-        return gd_fail(drawing->detail, GD_INVALID_ARGUMENT, "a curve has at least one point");
+        return gd_fail(drawing->detail, GD_INVALID_ARGUMENT,
+                       "the curve has no points; give at least one point");
     return drawing->request->kind == GD_CURVE_POINTS
                ? draw_points(drawing, drawing->request->landmarks)
                : draw_vertices(drawing);

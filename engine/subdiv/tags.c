@@ -12,11 +12,12 @@ static enum gd_status check_tag(const struct gd__net *net, const char *what, uin
                                 uint32_t vertex, double sharpness, struct gd_detail *detail)
 {
     if (vertex >= net->point_count)
-        return gd_fail(detail, GD_OUT_OF_RANGE, "%s %u names vertex %u, of which there are %u",
+        return gd_fail(detail, GD_OUT_OF_RANGE,
+                       "%s %u refers to vertex %u, but the mesh has %u vertices, numbered from 0",
                        what, index, vertex, net->point_count);
     if (!(sharpness >= 0))
         return gd_fail(detail, GD_INVALID_ARGUMENT,
-                       "%s %u has the sharpness %g: it must be a number of at least 0", what, index,
+                       "%s %u has the sharpness %g; a sharpness must be at least 0", what, index,
                        sharpness);
     return GD_OK;
 }
@@ -41,8 +42,10 @@ static enum gd_status apply_crease(const struct gd_crease *crease, uint32_t inde
     const struct gd__edge_key *edge =
         bsearch(&key, edges, net->side_count, sizeof *edges, compare_key);
     if (!edge) {
-        gd_fail(detail, GD_NO_SUCH_EDGE, "crease %u is of vertices %u and %u, which share no edge",
-                index, crease->vertices[0], crease->vertices[1]);
+        gd_fail(
+            detail, GD_NO_SUCH_EDGE,
+            "crease %u has the vertices %u and %u, which share no edge; name both ends of an edge",
+            index, crease->vertices[0], crease->vertices[1]);
         gd_detail_add(detail, GD_ELEMENT_EDGE, a, b);
         return GD_NO_SUCH_EDGE;
     }
@@ -61,7 +64,8 @@ static enum gd_status apply_corner(const struct gd_corner *corner, uint32_t inde
     if (status) return status;
     if (faces[corner->vertex] == 0)
         return gd_fail(detail, GD_UNREFERENCED_VERTEX,
-                       "corner %u is vertex %u, which belongs to no face", index, corner->vertex);
+                       "corner %u refers to vertex %u, which belongs to no face; remove the corner",
+                       index, corner->vertex);
     net->corner[corner->vertex] = sharpness_of(corner->sharpness);
     return GD_OK;
 }
@@ -72,11 +76,11 @@ static enum gd_status apply_boundary(enum gd_interpolate_boundary rule, const ui
     for (uint32_t side = 0; side < net->side_count; side++) {
         if (net->twin[side] != GD_NONE) continue;
         if (rule == GD_INTERPOLATE_NONE)
-            return gd_fail(detail, GD_UNSUPPORTED,
-                           "the mesh has a boundary (at vertices %u and %u), next to which the "
-                           "boundary rule \"none\" has "
-                           "no surface: choose edgeOnly or edgeAndCorner",
-                           net->origin[side], gd__side_end(net, side));
+            return gd_fail(
+                detail, GD_UNSUPPORTED,
+                "the mesh has a boundary edge between vertices %u and %u, where the boundary rule "
+                "\"none\" defines no surface; choose edgeOnly or edgeAndCorner",
+                net->origin[side], gd__side_end(net, side));
         uint32_t point = net->origin[side];
         if (rule == GD_INTERPOLATE_EDGE_AND_CORNER && faces[point] == 1)
             net->corner[point] = INFINITY;

@@ -24,11 +24,12 @@ static enum gd_status check_apart(const struct gd__spline_work *work)
     for (uint32_t i = 0; i < work->path_count; i++) {
         if (work->paths[i].path.length > GD_TOL_SAME_POINT * longest) continue;
         if (i + 1 == work->request->count)
-            return control_points_refuse(
-                work, i,
-                "point %u is there again as point %u; a closed spline joins its ends by itself", 0);
+            return control_points_refuse(work, i,
+                                         "point %u equals point %u; leave one of them out, because "
+                                         "a closed spline joins its ends",
+                                         0);
         return control_points_refuse(
-            work, i + 1, "points %u and %u of the spline are the same place; leave one out", i);
+            work, i + 1, "points %u and %u of the spline are equal; leave one of them out", i);
     }
     return GD_OK;
 }

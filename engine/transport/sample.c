@@ -150,18 +150,20 @@ static enum gd_status sample_check(const struct gd_spline_sampling *sampling,
                (sampling->spacing != 0) + (sampling->parameters != NULL);
     if (ways != 1)
         return gd_fail(detail, GD_INVALID_ARGUMENT,
-                       "say exactly one of samples, tolerance, spacing and parameters (and not 0)");
+                       "give exactly one of samples, tolerance, spacing and parameters, with a "
+                       "value other than 0");
     if (!(isfinite(sampling->tolerance) && sampling->tolerance >= 0 &&
           isfinite(sampling->spacing) && sampling->spacing >= 0))
         return gd_fail(detail, GD_INVALID_ARGUMENT,
-                       "tolerance and spacing are finite lengths, more than 0");
+                       "tolerance and spacing must be finite lengths greater than 0");
     if (sampling->evaluation == GD_SPLINE_DE_CASTELJAU && !sampling->per_segment &&
         !sampling->parameters)
         return gd_fail(detail, GD_INVALID_ARGUMENT,
-                       "de Casteljau's construction samples at given parameters or at equal steps "
-                       "of the parameter");
+                       "de Casteljau's algorithm needs given parameters or equal steps of the "
+                       "parameter; use samples or parameters");
     if (sampling->parameters && !sampling->count)
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "give at least one parameter");
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "the list of parameters is empty; give at least one parameter");
     return GD_OK;
 }
 

@@ -1,5 +1,5 @@
 /* Compares the kernels that find the shortest decimal digits of doubles. A kernel with SIMD lanes
- * must find the digits that the plain kernel finds. It may leave out rare values, which
+ * must find the digits that the plain kernel finds. The SIMD kernel may skip rare values, which
  * gd__decimals_set converts. */
 #include "tests/support/test.h"
 
@@ -47,7 +47,8 @@ static double random_double(uint64_t *state, long turn)
     return value;
 }
 
-/* Returns how many values the kernel leaves out although the plain kernel finds their digits. */
+/* Returns the number of values that the kernel skips although the plain kernel finds their
+ * digits. */
 static uint32_t assert_agreement(gd__decimals_kernel *kernel, const double *values, uint32_t count)
 {
     struct gd__decimals plain, found;
@@ -81,8 +82,8 @@ static void lanes_agree_with_plain_code(void **state)
     }
 }
 
-/* A value that is left out costs time but is still converted correctly. Of random numbers with all
- * bits significant, the lanes leave out one in 30 million, because it is too close to a tie. */
+/* A skipped value costs time but is still converted correctly. Of random numbers with all bits
+ * significant, the SIMD lanes skip one in 30 million, because the number is too close to a tie. */
 static void lanes_leave_out_few_values(void **state)
 {
     (void)state;

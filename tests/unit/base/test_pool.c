@@ -9,7 +9,7 @@
 
 #define ITEM 64
 
-/* Returns the number of chunks. The first bytes of each chunk point to the next one. */
+/* Returns the number of chunks. The first bytes of each chunk point to the next chunk. */
 static uint32_t chunks_of(const struct gd__pool *pool)
 {
     uint32_t count = 0;
@@ -71,7 +71,8 @@ static void a_restart_makes_one_chunk(void **state)
 static void a_restart_keeps_one_large_chunk(void **state)
 {
     (void)state;
-    const size_t item = (size_t)1 << 20; /* only reserved: untouched memory costs nothing */
+    /* the memory is only reserved, because untouched memory costs nothing */
+    const size_t item = (size_t)1 << 20;
     struct gd__pool pool = {0};
     gd__pool_restart(&pool, item, NULL);
     for (int i = 0; i < 250; i++) assert_non_null(gd__pool_take(&pool, 0));
@@ -89,7 +90,7 @@ static void a_restart_keeps_one_large_chunk(void **state)
     gd__pool_destroy(&pool);
 }
 
-/* After a restart, less work fits into a smaller budget. */
+/* After a restart, a smaller amount of work fits into a smaller budget. */
 static void little_work_fits_a_small_budget(void **state)
 {
     (void)state;

@@ -76,8 +76,8 @@ static size_t grow(struct gd__region *region, size_t size)
     return region->used;
 }
 
-/* A region grows in place up to its expected size. Beyond, it grows by moving its pages,
- * repeatedly. */
+/* A region grows in place up to its expected size. Beyond this size, each growth moves its
+ * pages. */
 static void grows(void **state)
 {
     (void)state;
@@ -98,7 +98,7 @@ static void grows(void **state)
     gd__region_destroy(&region); /* destroying it twice is harmless */
 }
 
-/* The budget includes the memory that its owner holds elsewhere. A refused request changes
+/* The budget includes the memory that the region's owner holds elsewhere. A refused request changes
  * nothing. */
 static void respects_the_budget(void **state)
 {
@@ -107,7 +107,8 @@ static void respects_the_budget(void **state)
     struct gd__budget budget = {.control = &control, .held = 4 * MEGABYTE};
     struct gd__region region = {0};
     check_ok(gd__region_open(&region, MEGABYTE, &budget), NULL);
-    check_ok(gd__region_reserve(&region, 6 * MEGABYTE), NULL); /* exactly the rest of the budget */
+    /* requests exactly the rest of the budget */
+    check_ok(gd__region_reserve(&region, 6 * MEGABYTE), NULL);
     region.used = 6 * MEGABYTE;
     struct gd__region before = region;
     assert_int_equal(gd__region_reserve(&region, 8), GD_BUDGET);
@@ -137,7 +138,7 @@ static void reopens_empty(void **state)
     check_ok(gd__region_open(&region, MEGABYTE, &budget), NULL);
     assert_ptr_equal(region.base, base);
     assert_int_equal(region.used, 0);
-    /* although its pages are still mapped */
+    /* the request fails although the region's pages are still mapped */
     assert_int_equal(gd__region_reserve(&region, 2 * MEGABYTE), GD_BUDGET);
     check_filled(region.base, grow(&region, MEGABYTE));
     gd__region_destroy(&region);
@@ -153,7 +154,7 @@ static void refuses_more_than_the_maximum(void **state)
     gd__region_destroy(&region);
 }
 
-/* *used: how many bytes of it are filled. */
+/* Sets *used to the number of filled bytes. */
 static struct gd__kept make_kept(size_t size, size_t *used)
 {
     struct gd__region region = {0};
@@ -194,7 +195,8 @@ static void keeps_spare_memory(void **state)
     size_t spare = gd__region_spare();
     struct gd__region region = {0};
     check_ok(gd__region_open(&region, MEGABYTE, NULL), NULL);
-    assert_ptr_equal(region.base, kept[11].base); /* the most recently released one */
+    /* the region gets the most recently released memory */
+    assert_ptr_equal(region.base, kept[11].base);
     assert_true(region.used == 0 && gd__region_spare() < spare);
     check_filled(region.base, grow(&region, 3 * MEGABYTE));
     gd__region_destroy(&region);
@@ -221,7 +223,8 @@ static void works_with_little_address_space(void **state)
     enum gd_status status = gd__region_open(&region, MEGABYTE, NULL),
                    full = gd__region_reserve(&region, 300 * MEGABYTE);
     size_t size = status ? 0 : grow(&region, 20 * MEGABYTE);
-    scarce.rlim_cur = MEGABYTE; /* less than is in use: every further mapping fails */
+    /* the limit is less than the used address space, so every further mapping fails */
+    scarce.rlim_cur = MEGABYTE;
     int limited = setrlimit(RLIMIT_AS, &scarce);
     enum gd_status none = gd__region_open(&more, MEGABYTE, NULL);
     assert_int_equal(setrlimit(RLIMIT_AS, &before), 0);

@@ -36,7 +36,7 @@ static void held_memory_reduces_the_budget(void **state)
     check_ok(gd_control_afford(&own, 600), NULL);
     assert_int_equal(gd_control_afford(&own, 601), GD_BUDGET);
     assert_int_equal(gd_control_check(&own, 0), GD_DEADLINE);
-    /* no memory is left for the part; a budget of 0 would mean no limit */
+    /* no memory is left for the part, but its budget must not be 0, which would mean no limit */
     own = gd__share_control(&share, 1000);
     assert_int_equal(gd_control_afford(&own, 2), GD_BUDGET);
     own = gd__share_control(&share, 5000);

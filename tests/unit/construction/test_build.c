@@ -94,7 +94,7 @@ static void it_can_be_cancelled_at_every_report(void **state)
 }
 
 /* Returns a sphere, a square and four defects: a bow tie, a cap, an edge with too many faces, and a
- * duplicate face. Each loop over the elements takes several slices. */
+ * duplicate face. Each loop over the elements checks the control several times. */
 static struct gd_polygons new_damaged_sphere(void)
 {
     struct gd_polygons sphere;

@@ -12,7 +12,7 @@ static double angle_at(const struct gd_mesh *mesh, uint32_t h)
     return atan2(gd_vec3_length(gd_vec3_cross(u, v)), gd_vec3_dot(u, v));
 }
 
-/* Checks mesh->beyond: the apex of the face across the edge opposite to `v`. */
+/* Checks mesh->beyond, which is the apex of the face across the edge opposite to `v`. */
 static void expect_beyond(const struct gd_mesh *mesh, uint32_t v, uint32_t entry)
 {
     uint32_t a = mesh->fan[entry].tip, b = gd__side_apex(mesh, mesh->fan[entry].side),

@@ -52,7 +52,7 @@ static void well_shaped_triangles_are_preferred(void **state)
     gd__ring_make((const double(*)[3])kite, vertex, 4, corner);
     assert_true(gd__interval_cut(&table, corner, 0, 4, &edges, triangle));
     gd__edge_set_free(&edges);
-    for (int i = 0; i < 2; i++) { /* both contain 0-2, the shorter diagonal */
+    for (int i = 0; i < 2; i++) { /* both triangulations contain the shorter diagonal 0-2 */
         bool has[4] = {false};
         for (int k = 0; k < 3; k++) has[triangle[i][k]] = true;
         assert_true(has[0] && has[2]);

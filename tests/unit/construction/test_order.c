@@ -24,7 +24,8 @@ static void internal_order_follows_space(void **state)
     double apart = 0;
     for (uint32_t e = 0; e < a->edge_count; e++)
         apart += fabs((double)a->origin[2 * e] - a->origin[2 * e + 1]);
-    assert_true(apart / a->edge_count < 0.15 * a->vertex_count); /* 1/3 in a random order */
+    /* in a random order the mean would be 1/3 */
+    assert_true(apart / a->edge_count < 0.15 * a->vertex_count);
     gd_mesh_release(a);
     gd_mesh_release(b);
 }

@@ -2,8 +2,8 @@
 #include "tests/samples/samples.h"
 #include "tests/samples/transform.h"
 
-/* A band of BAND quads. `twisted`: the band makes half a turn before its ends are joined. `closed`:
- * its cross-section is a closed triangle. */
+/* A band of BAND quads. If `twisted`, the band makes half a turn before its ends are joined. If
+ * `closed`, the cross-section of the band is a closed triangle. */
 enum { BAND = 12 };
 
 static struct gd_polygons band(bool twisted, bool closed, double positions[3 * BAND][3],
@@ -94,7 +94,8 @@ static void each_component_has_its_own_majority(void **state)
     struct gd_polygons polygons, other;
     assert_int_equal(sample_icosphere(1, 1.0, &polygons), GD_OK);
     assert_int_equal(sample_icosphere(1, 3.0, &other), GD_OK);
-    sample_flip_faces(&other, 1, 1); /* a component whose faces are all turned over stays so */
+    /* if all faces of a component are reversed, they stay reversed */
+    sample_flip_faces(&other, 1, 1);
     assert_int_equal(sample_append(&polygons, &other), GD_OK);
     struct gd_mesh *mesh = build(&polygons);
     assert_int_equal(gd_mesh_summary(mesh)->flipped_faces, 0);

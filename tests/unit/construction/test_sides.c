@@ -176,7 +176,8 @@ static void a_shuffled_fan_is_built_fast(void **state)
     for (uint32_t i = 0; i < FACES; i++) {
         double angle = 2 * M_PI * i / FACES;
         memcpy(positions[i + 1], (double[3]){cos(angle), sin(angle), i % 2}, sizeof *positions);
-        uint32_t at = (uint32_t)(i * UINT64_C(61803) % FACES); /* coprime: a permutation */
+        /* the factor and FACES are coprime, so this is a permutation */
+        uint32_t at = (uint32_t)(i * UINT64_C(61803) % FACES);
         memcpy(corners[at], (uint32_t[3]){0, i + 1, (i + 1) % FACES + 1}, sizeof *corners);
     }
     struct gd_polygons polygons = {.positions = positions,

@@ -58,7 +58,8 @@ static void components_are_counted_one_by_one(void **state)
     struct gd_mesh *mesh = build(&polygons);
     assert_int_equal(mesh->summary.components, 2);
     assert_int_equal(mesh->summary.genus, 1);
-    const struct gd_component *c = mesh->component; /* in order of their lowest faces */
+    /* components are in the order of their lowest faces */
+    const struct gd_component *c = mesh->component;
     assert_int_equal(c[0].faces, 12);
     assert_int_equal(c[0].vertices, 12);
     assert_int_equal(c[0].edges, 23);
@@ -115,7 +116,7 @@ static void boundary_loops_come_in_order_of_their_lowest_vertex(void **state)
     }
     assert_int_equal(lowest[0], 0);
     double z = gd_mesh_position(mesh, (struct gd_vertex){0}).z;
-    uint32_t expected = 0; /* the first vertex of the other boundary */
+    uint32_t expected = 0; /* finds the first vertex of the other boundary */
     while (polygons.positions[expected][2] == z) expected++;
     assert_int_equal(lowest[1], expected);
     gd_mesh_release(mesh);

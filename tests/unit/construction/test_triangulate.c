@@ -2,7 +2,7 @@
 
 #include "tests/unit/mesh/shapes.h"
 
-/* Checks the mesh's area, which equals a flat polygon's if its triangles do not overlap. */
+/* Checks the mesh's area, which equals the flat polygon's area if the triangles do not overlap. */
 static void expect_area(const struct gd_polygons *polygons, uint32_t faces, double area)
 {
     struct gd_mesh *mesh = build(polygons);
@@ -92,8 +92,8 @@ static void a_polygon_without_a_free_diagonal_is_refused(void **state)
     expect_elements(&detail, GD_ELEMENT_FACE, 1, ONE_ELEMENT(2, 0), "face 2 with 4 corners");
 }
 
-/* Cutting the best-shaped ear first leaves a quad whose diagonals are both edges already. Another
- * order of cutting succeeds. */
+/* Cutting off the best-shaped ear first leaves a quad whose two diagonals are edges of other faces.
+ * Another order of cutting succeeds. */
 static void the_order_of_cutting_does_not_decide_whether_it_succeeds(void **state)
 {
     (void)state;
@@ -125,8 +125,8 @@ static void polygons_that_are_not_flat_are_cut_up(void **state)
     cube_positions[6][2] -= 0.3;
 }
 
-/* Every other corner is reflex, and all other ears are blocked or thin: the worst case for ear
- * clipping. */
+/* Every second corner is reflex, and all other ears are blocked or thin. This is the worst case for
+ * ear clipping. */
 static void a_star_of_thousands_of_corners_is_cut_up(void **state)
 {
     (void)state;

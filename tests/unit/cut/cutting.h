@@ -1,5 +1,5 @@
-/* Shared by the tests of cut: makes a cut, builds its pieces by the ordinary builder, and checks
- * what holds for every cut. */
+/* Helpers of the tests of cut. They make a cut, build its pieces by the ordinary builder, and check
+ * the properties of every cut. */
 #ifndef TESTS_UNIT_CUT_CUTTING_H
 #define TESTS_UNIT_CUT_CUTTING_H
 
@@ -97,7 +97,7 @@ struct place {
 
 struct border { /* a side without a neighbouring face in its piece */
     struct place from, to;
-    bool is_turned; /* from and to were exchanged, so that the lesser one is first */
+    bool is_turned; /* `from` and `to` were exchanged, so that the smaller index comes first */
 };
 
 struct borders {
@@ -204,12 +204,13 @@ static inline uint32_t distinct(struct place *places, uint32_t count)
 /* --- what holds for every cut ----------------------------------------------------------------- */
 
 struct seam {
-    /* pairs of borders; ends of these borders, except those on the mesh's boundary */
+    /* number of pairs of borders, and number of ends of these borders except ends on the mesh's
+       boundary */
     uint32_t edges, vertices;
     double rest; /* total length of borders without a twin */
 };
 
-/* Counts the twins. Each border has at most one, which runs the opposite way. */
+/* Counts the twins. Each border has at most one twin, which runs in the opposite direction. */
 static inline struct seam seam_of(const struct gd_cut *cut)
 {
     struct borders borders = borders_of(cut);

@@ -47,7 +47,7 @@ static void the_waist_of_a_box(void **state)
     gd_mesh_release(mesh);
 }
 
-/* A curve of face points only. */
+/* Tests a curve that consists only of points inside faces. */
 static void a_hole_in_one_face(void **state)
 {
     (void)state;
@@ -146,11 +146,11 @@ static void polygons_on_a_grid(void **state)
     static const struct {
         double corners[6][2];
         uint32_t count, pieces;
-        double areas[2]; /* of all pieces except the outermost */
+        double areas[2]; /* the areas of all pieces except the outermost piece */
     } polygons[] = {
-        /* through vertices and along edges */
+        /* leads through vertices and along edges */
         {{{0.25, 0.25}, {0.75, 0.25}, {0.75, 0.75}, {0.25, 0.75}}, 4, 2, {0.25}},
-        /* through vertices and faces */
+        /* leads through vertices and faces */
         {{{0.25, 0.25}, {0.75, 0.5}, {0.5, 0.75}}, 3, 2, {0.09375}},
         /* through faces */
         {{{0.1, 0.1}, {0.9, 0.1}, {0.9, 0.9}, {0.1, 0.9}}, 4, 2, {0.64}},
@@ -201,7 +201,7 @@ static void a_corner_is_moved_to_a_vertex(void **state)
 
 /* --- random curves ---------------------------------------------------------------------------- */
 
-/* Returns a random point of the component; GD_NONE: of any component. */
+/* Returns a random point of the component, or of any component if it is GD_NONE. */
 static struct gd_point random_point(const struct gd_mesh *mesh, uint32_t component, struct rng *rng)
 {
     for (;;) {
@@ -293,8 +293,8 @@ static void random_curves_on_samples(void **state)
     }
 }
 
-/* Slivers, saddles and boundaries at every scale, and far from the origin, where the positions of
- * new vertices have larger rounding errors. */
+/* Tests slivers, saddles and boundaries at every scale, and far from the origin, where the
+ * positions of new vertices have larger rounding errors. */
 static void random_curves_on_tangles(void **state)
 {
     (void)state;
@@ -366,8 +366,10 @@ static void curves_that_cut_nothing(void **state)
     expect_refusal(mesh, boundary, "cuts nothing");
     expect_refusal(mesh, (struct gd_curve){inner, 2, true}, "cuts nothing");
     expect_refusal(mesh, (struct gd_curve){inner, 1, true}, "cuts nothing");
-    expect_refusal(mesh, (struct gd_curve){inner, 2, false}, "its first point lies on none");
-    expect_refusal(mesh, (struct gd_curve){rim, 2, false}, "its last point lies on none");
+    expect_refusal(mesh, (struct gd_curve){inner, 2, false},
+                   "the first point of the open curve is not on a boundary");
+    expect_refusal(mesh, (struct gd_curve){rim, 2, false},
+                   "the last point of the open curve is not on a boundary");
     expect_refusal(mesh, (struct gd_curve){apart, 2, true}, "do not lie within one face");
     gd_curve_free(&boundary);
     gd_mesh_release(mesh);

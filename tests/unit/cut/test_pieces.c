@@ -1,6 +1,6 @@
 #include "cutting.h"
 
-/* A square curve on the grid, x and y in [0.15, 0.65], which leaves two pieces. */
+/* Returns a square curve on the grid with x and y in [0.15, 0.65], which leaves two pieces. */
 static struct gd_curve square_in_a_grid(const struct gd_mesh *mesh)
 {
     const struct gd_point points[] = {point_at(mesh, 0.15, 0.15, 0), point_at(mesh, 0.65, 0.15, 0),
@@ -28,7 +28,7 @@ static void the_piece_that_holds_a_point(void **state)
     struct gd_curve curve = square_in_a_grid(mesh);
     struct rng rng = {7};
     for (int i = 0; i < 200; i++) {
-        /* a vertex, or a point of an edge or a face */
+        /* the point is a vertex, or lies on an edge or in a face */
         double x = i % 2 ? rng_unit(&rng) : rng_below(&rng, 6) / 5.0,
                y = i % 3 ? rng_unit(&rng) : rng_below(&rng, 6) / 5.0;
         bool is_inside = x > 0.15 && x < 0.65 && y > 0.15 && y < 0.65;
@@ -116,7 +116,7 @@ static void a_crossed_face_belongs_to_the_piece_with_most_of_it(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Of two spheres the curve cuts one. The other one stays the same, bit for bit. */
+/* The curve cuts one of two spheres. The other sphere stays the same, bit for bit. */
 static void other_components_stay(void **state)
 {
     (void)state;

@@ -52,8 +52,8 @@ static void check_tiling(const struct gd__planar *planar)
 
 #define L GD__LATTICE
 
-/* Sites on a circle, where all diagonals are equally likely. Inserting a chord that crosses most of
- * them needs many flips. */
+/* Uses sites on a circle, where all diagonals are equally likely. Inserting a chord that crosses
+ * most diagonals needs many flips. */
 static void a_segment_across_many_diagonals(void **state)
 {
     (void)state;
@@ -123,7 +123,7 @@ static void random_segments(void **state)
     }
 }
 
-/* The four corners of a flat rhombus: the short diagonal gives larger angles. */
+/* Uses the four corners of a flat rhombus, whose short diagonal gives larger angles. */
 static void flips_widen_angles(void **state)
 {
     (void)state;
@@ -165,7 +165,8 @@ static void invalid_sites_are_refused(void **state)
     gd__planar_free(&planar);
     begin(&planar, &budget, line, 6);
     check_ok(gd__planar_triangulate(&planar), NULL);
-    assert_int_equal(gd__planar_fix(&planar, 3, 5), GD_RUNAWAY); /* passes through a site */
+    /* the segment passes through a site */
+    assert_int_equal(gd__planar_fix(&planar, 3, 5), GD_RUNAWAY);
     assert_int_equal(gd__planar_begin(&planar, UINT32_MAX), GD_TOO_LARGE);
     gd__planar_free(&planar);
 }

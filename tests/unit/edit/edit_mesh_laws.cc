@@ -108,7 +108,7 @@ const char *edit_mesh_check_rest(const struct gd_mesh *mesh, const struct gd_pol
 }
 
 struct Stop {
-    int left; /* checks until the call is stopped */
+    int left; /* number of checks until the call is stopped */
 };
 
 static bool count_down(void *user, double)

@@ -1,5 +1,5 @@
-/* The part of test_edit_mesh.c that is C++. Each function returns the first broken law, NULL if
- * all hold. */
+/* The C++ part of test_edit_mesh.c. Each function returns the first violated law, or NULL if all
+ * laws hold. */
 #ifndef TESTS_UNIT_EDIT_EDIT_MESH_LAWS_H
 #define TESTS_UNIT_EDIT_EDIT_MESH_LAWS_H
 
@@ -12,7 +12,7 @@ extern "C" {
 /* Checks the copy of a mesh against a mesh that OpenMesh builds from its polygons by add_face. */
 const char *edit_mesh_check_copy(const struct gd_mesh *mesh, const struct gd_polygons *polygons);
 
-/* Deletes all faces but every third one, and checks the faces that are kept. */
+/* Keeps every third face, deletes the others, and checks the remaining faces. */
 const char *edit_mesh_check_rest(const struct gd_mesh *mesh, const struct gd_polygons *polygons);
 
 /* Stops a copy at each check of the control in turn. */

@@ -1,4 +1,4 @@
-/* Shared by the tests of edit: helpers and checks of what holds for every edit. */
+/* Helpers of the tests of edit, and checks of the properties of every edit. */
 #ifndef TESTS_UNIT_EDIT_EDITS_H
 #define TESTS_UNIT_EDIT_EDITS_H
 

@@ -5,7 +5,8 @@ struct example {
     const char *name;
     double positions[6][3];
     uint32_t count, corners[9];
-    uint32_t crossed[3]; /* one more than gd__find_crossings returns; 0: none */
+    /* the expected result of gd__find_crossings plus one, or 0 if no crossing is expected */
+    uint32_t crossed[3];
 };
 
 #define FLAT                                                                                       \

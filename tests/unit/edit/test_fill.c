@@ -33,7 +33,7 @@ static void a_tube_becomes_closed(void **state)
     assert_int_equal(after->euler_characteristic, 2);
     assert_int_equal(after->flipped_faces, 0);
     assert_int_equal(after->degenerate_faces, 0);
-    /* two regular polygons of 40 corners */
+    /* the filled holes are two regular polygons with 40 corners */
     check_close(after->area, before->area + 2 * 20 * sin(acos(-1) / 20), 1e-9);
     assert_true(after->vertices > before->vertices);
     check_old_faces(mesh, &edited);
@@ -53,7 +53,7 @@ static void long_loops_stay_open(void **state)
     gd_mesh_release(mesh);
 }
 
-/* A tetrahedron without one face: filling adds a single triangle. */
+/* Fills the hole of a tetrahedron without one face, which adds a single triangle. */
 static void the_smallest_hole(void **state)
 {
     (void)state;
@@ -130,9 +130,9 @@ static void the_holes_of_a_scan(void **state)
     gd_mesh_release(mesh);
 }
 
-enum { BAND = 60 }; /* vertices of a border of a band */
+enum { BAND = 60 }; /* number of vertices of each border of a band */
 
-/* Writes a band: a closed curve, and its copy moved by `way`. */
+/* Writes a band between a closed curve and a copy of the curve that is moved by `way`. */
 static void band_write(struct gd_vec3 (*curve)(double angle), struct gd_vec3 way,
                        struct gd_polygons *out)
 {
@@ -241,7 +241,7 @@ static void a_pinched_hole_is_named(void **state)
     gd_mesh_release(mesh);
 }
 
-/* A boundary of a single face is not filled: the filling would be the same face again. */
+/* The boundary of a single face is not filled, because the filling would be the same face again. */
 static void the_boundary_of_a_single_face_stays_open(void **state)
 {
     (void)state;

@@ -8,7 +8,7 @@ static struct gd_edited simplified(const struct gd_mesh *mesh, struct gd_simplif
     return edited;
 }
 
-/* Checks what holds for any request. Returns the result as a mesh. */
+/* Checks the properties that every request must have. Returns the result as a mesh. */
 static struct gd_mesh *check_simplified(const struct gd_mesh *mesh, const struct gd_edited *edited)
 {
     const struct gd_mesh_summary *before = gd_mesh_summary(mesh);
@@ -47,8 +47,8 @@ static void topology_and_origins_are_kept(void **state)
     check_sample("terrain", (double[SAMPLE_PARAMETERS]){40, 0.4, 7}, 700);
 }
 
-/* Closed form: four times the faces of a sphere quarter the distance. A flat mesh has distance
- * 0. */
+/* Compares with a closed form: with four times as many faces, a sphere has a quarter of the
+ * distance. A flat mesh has distance 0. */
 static void the_distance_is_that_of_the_surface(void **state)
 {
     (void)state;
@@ -56,7 +56,8 @@ static void the_distance_is_that_of_the_surface(void **state)
     double before = INFINITY;
     for (uint32_t faces = 100; faces <= 1600; faces *= 4) {
         struct gd_edited edited = simplified(sphere, (struct gd_simplify_options){.faces = faces});
-        /* sagitta of an equilateral triangle of that area, times four for irregular triangles */
+        /* the limit is four times the sagitta of an equilateral triangle of that area, because the
+           triangles are irregular */
         double area = 4 * acos(-1) / faces;
         assert_true(edited.largest_distance <= 4 * (4 * area / (3 * sqrt(3))) / 2);
         assert_true(edited.largest_distance < before / 2);
@@ -88,7 +89,7 @@ static void a_bound_of_the_distance_holds(void **state)
     gd_mesh_release(mesh);
 }
 
-/* A cylinder that is pressed flat: its faces, and its rims too, lie in one plane, so that quadrics
+/* Tests a cylinder that is pressed flat. Its faces and rims lie in one plane, so that quadrics
  * measure no error. */
 static void a_bound_holds_at_folds(void **state)
 {

@@ -53,7 +53,8 @@ static void the_number_is_bounded(void **state)
     assert_string_equal(detail.text,
                         "there are 3 components, and at most 2 become meshes at a time");
     assert_int_equal(parts.bytes, 7);
-    check_ok(gd_edited_split(&edited, 3, &late, &parts, NULL), NULL); /* ends before a check */
+    /* the call ends before a check */
+    check_ok(gd_edited_split(&edited, 3, &late, &parts, NULL), NULL);
     gd_edited_parts_free(&parts);
     gd_edited_free(&edited);
     gd_mesh_release(mesh);

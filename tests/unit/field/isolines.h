@@ -1,4 +1,5 @@
-/* Shared by the tests of isolines: traces an isoline and checks what holds for every line. */
+/* Helpers of the tests of isolines. They trace an isoline and check the properties of every
+ * line. */
 #ifndef TESTS_UNIT_FIELD_ISOLINES_H
 #define TESTS_UNIT_FIELD_ISOLINES_H
 

@@ -1,5 +1,5 @@
-/* Distances in a plane between points that are close to each other and to a vertex or an edge. They
- * equal the Euclidean distance to more digits than barycentric weights have. */
+/* Distances in a plane between points that are close to each other and to a vertex or an edge. The
+ * distances equal Euclidean distances to more digits than barycentric weights have. */
 #include <math.h>
 
 #include "gd/field.h"
@@ -9,8 +9,8 @@
 
 enum { ROUNDS = 400 };
 
-/* Builds six triangles around vertex 0 at the origin. *corner: the other vertices, at multiples of
- * 60 degrees. */
+/* Builds six triangles around vertex 0 at the origin. Sets *corner to the other vertices, at
+ * multiples of 60 degrees. */
 static struct gd_mesh *open_hexagon(double (*corner)[2])
 {
     double positions[7][3] = {{0, 0, 0}};
@@ -76,7 +76,8 @@ static void round_a_vertex(void **state)
     gd_mesh_release(mesh);
 }
 
-/* From sector 0 to sector 1 across the middle of their common edge, far from any vertex. */
+/* Measures from sector 0 to sector 1 across the middle of their common edge, far from any
+ * vertex. */
 static void across_an_edge(void **state)
 {
     (void)state;
@@ -89,7 +90,8 @@ static void across_an_edge(void **state)
         struct place from = place_at(mesh, corner, 0, a, 0.375),
                      to = place_at(mesh, corner, 1, 0.375, b);
         double x = a * corner[0][0] - b * corner[2][0], y = a * corner[0][1] - b * corner[2][1];
-        from.x = x, from.y = y, to.x = to.y = 0; /* computed from differences, not from positions */
+        /* the distance is computed from differences, not from positions */
+        from.x = x, from.y = y, to.x = to.y = 0;
         check(mesh, &from, &to);
     }
     gd_mesh_release(mesh);

@@ -156,8 +156,8 @@ static bool has_seed(const struct gd_field *field, uint32_t face)
     return false;
 }
 
-/* Returns a weighted sum of the members of the paths' last legs. The sum differs if any leg
- * differs. */
+/* Returns a weighted sum of the members of the paths' last segments (`leg`). The sum differs if any
+ * segment differs. */
 static double legs_sum(const struct gd_field *field, const struct gd_point *points)
 {
     double sum = 0;
@@ -205,7 +205,8 @@ static void kernels_agree(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* Appends a chunk with only wedge `i` of `chunk` and gaps beside it. The form depends on `at`. */
+/* Appends a chunk that has only wedge `i` of `chunk`, with gaps on both sides. The form of the
+ * chunk depends on `at`. */
 static uint32_t append_part(char *wedges, uint32_t at, uint32_t previous,
                             const struct gd__chunk *chunk, uint32_t i)
 {
@@ -266,12 +267,12 @@ static void long_chains_give_the_same(void **state)
                              .face_seeds = field->face_seeds,
                              .face_seed_count = field->face_seed_count};
     print_message("# chains of up to %u chunks\n", longest);
-    assert_true(longest > 10); /* more than a group of wedges */
+    assert_true(longest > 10); /* the longest chain exceeds one group of wedges */
     for (uint32_t i = 0; i < POINTS; i++) {
         struct gd__leg a = gd__field_leg(field, &points[i]), b = gd__field_leg(&split, &points[i]);
         assert_memory_equal(&a.distance, &b.distance, sizeof a.distance);
         if (a.kind != GD__LEG_WEDGE || b.kind != GD__LEG_WEDGE) continue;
-        struct gd_path p, q; /* the leg may be another one of equal length */
+        struct gd_path p, q; /* the last segment may differ if its path has equal length */
         check_ok(gd_field_path(field, &points[i], &p), NULL);
         check_ok(gd_field_path(&split, &points[i], &q), NULL);
         check_close(q.length, p.length, 1e-12);

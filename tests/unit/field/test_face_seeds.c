@@ -8,7 +8,7 @@
 #include "mesh/segment.h"
 #include "tests/samples/samples.h"
 
-/* A field that has nothing but seeds. */
+/* A field that has only seeds. */
 static struct gd_field field;
 static struct gd_polygons polygons;
 static struct gd_mesh *mesh;
@@ -118,7 +118,7 @@ static void faces_of_four_digits(void **state)
     free(field.seeds);
 }
 
-/* Refuses segments whose ends are equal or have no common face. */
+/* Tests that segments are rejected if their ends are equal or have no common face. */
 static void segments_without_a_common_face_are_refused(void **state)
 {
     (void)state;

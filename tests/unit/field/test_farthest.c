@@ -265,7 +265,8 @@ static void check_borders(const struct gd_mesh *mesh, uint32_t cells, int quarte
 }
 
 /* The farthest point lies between two points and a segment, between a point and two segments, or on
- * the boundary between a point and a segment. Tested within one face and across many. */
+ * the boundary between a point and a segment. The test does this within one face and across many
+ * faces. */
 static void between_points_and_segments(void **state)
 {
     (void)state;
@@ -323,7 +324,7 @@ static double greatest_over_pillow(const double seed[2][3])
     return best;
 }
 
-/* Interpolates the chart coordinates of a place in a face. */
+/* Interpolates the chart coordinates of a point in a face. */
 static void in_chart(const struct zoo_shape *shape, const struct test_place *place, double out[3])
 {
     double z = 0;
@@ -370,7 +371,7 @@ static void farthest_on_a_pillow(void **state)
 
 /* --- any surface ------------------------------------------------------------------------------ */
 
-/* Checks that no random point is farther, including points close to the farthest one. Counts the
+/* Checks that no random point is farther, including points close to the farthest point. Counts the
  * kind of the farthest point in `kinds`. */
 static void check_farthest(const struct gd_field *field, const struct gd_polygons *polygons,
                            struct rng *rng, uint32_t kinds[3])
@@ -384,7 +385,8 @@ static void check_farthest(const struct gd_field *field, const struct gd_polygon
     gd_point_describe(mesh, &point, &d);
     for (int k = 0; k < 20000; k++) {
         struct test_place place = test_random_place(polygons, rng);
-        if (k % 2) { /* in a face of the farthest point, close to it */
+        /* the point lies in a face of the farthest point, close to the farthest point */
+        if (k % 2) {
             double near = pow(10, -1 - rng_between(rng, 0, 6));
             place = (struct test_place){.face = d.face.index};
             double toward[3] = {rng_between(rng, 0, 1), rng_between(rng, 0, 1),

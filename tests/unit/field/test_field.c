@@ -49,14 +49,14 @@ static void example_1(void **state)
 
 /* --- chunks ----------------------------------------------------------------------------------- */
 
-/* Totals over all chunks of a field. */
+/* The totals over all chunks of a field. */
 struct chunks {
     uint64_t edges, chunks, wedges, gaps, bytes;
     uint32_t longest; /* longest chain */
 };
 
-/* Checks a chunk: all wedges are of one side, starts begin at 0 and ascend, sources exist, and a
- * gap has only a start. */
+/* Checks that all wedges of a chunk belong to one side, that their starts begin at 0 and ascend,
+ * that sources exist, and that a gap has only a start. */
 static void check_chunk(const struct gd_field *field, uint32_t at, struct chunks *sum)
 {
     const struct gd__chunk *chunk = gd__field_chunk(field, at);
@@ -98,8 +98,8 @@ static struct chunks check_chains(const struct gd_field *field)
     return sum;
 }
 
-/* Checks the merged list of an edge: sorted, disjoint and within the edge. Adjacent wedges have
- * equal distances where they meet. */
+/* Checks that the merged list of an edge is sorted, disjoint and within the edge, and that adjacent
+ * wedges have equal distances where they meet. */
 static void check_merged(const struct gd_field *field, uint32_t edge, uint64_t *wedges,
                          uint64_t *joints)
 {
@@ -119,11 +119,12 @@ static void check_merged(const struct gd_field *field, uint32_t edge, uint64_t *
         if (list[i].b0 > list[i - 1].b1) continue;
         if (fmin(list[i - 1].b1 - list[i - 1].b0, list[i].b1 - list[i].b0) <=
             4 * length * GD__WEDGE_UNIT)
-            continue; /* the width is of the order of the ends' rounding */
+            continue; /* the width is not larger than the rounding of the ends */
         double before = list[i - 1].sigma + list[i - 1].d1, behind = list[i].sigma + list[i].d0;
         double round = fmin(ends[0] + list[i].b0, ends[1] + length - list[i].b0);
         if (fmin(before, behind) > round * (1 - 1e-9))
-            continue; /* a path past an end of the edge is shorter: no wedge stores it */
+            /* a path around an end of the edge is shorter, and no wedge stores such a path */
+            continue;
         check_close(before, behind, 1e-8);
         ++*joints;
     }
@@ -241,8 +242,8 @@ static void wedges_partition_their_edge(void **state)
     check_wedges_of("torus", &polygons, 22);
 }
 
-/* Seeds on an edge also create wedges that cover this edge: a vertex, a point of the edge, and a
- * segment along it. */
+/* Tests that a seed on an edge also creates wedges that cover this edge. The seed is a vertex, a
+ * point of the edge, or a segment along the edge. */
 static void seeds_on_an_edge_cover_it(void **state)
 {
     (void)state;

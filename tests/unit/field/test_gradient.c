@@ -42,7 +42,7 @@ static void in_the_plane(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* On any surface the path's first segment runs against the gradient. */
+/* On any surface the path's first segment runs opposite to the gradient. */
 static void paths_start_against_the_gradient(void **state)
 {
     (void)state;

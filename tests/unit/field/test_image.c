@@ -108,7 +108,7 @@ static void refuses_other_images(void **state)
                             &opened, &detail),
         GD_UNRECOGNIZED);
     image[0] ^= 1;
-    image[8] = 1; /* the previous version */
+    image[8] = 1; /* sets the previous version */
     assert_int_equal(
         gd_field_open_image(mesh, &(struct gd_field_image){image, size, count_release, &released},
                             &opened, &detail),
@@ -198,12 +198,12 @@ static void refuses_impossible_chains(void **state)
     uint32_t first = newest;
     while (image_chunk(first)->previous != GD_NONE) first = image_chunk(first)->previous;
     assert_true(chunks >= 2);
-    image_chunk(newest)->previous = newest; /* a cycle of one chunk */
+    image_chunk(newest)->previous = newest; /* makes a cycle of one chunk */
     assert_int_equal(try_damaged(&rng), GD_INDEX);
-    image_chunk(first)->previous = newest; /* a cycle of the whole chain */
+    image_chunk(first)->previous = newest; /* makes a cycle of the whole chain */
     assert_int_equal(try_damaged(&rng), GD_INDEX);
     static const uint32_t beyond[] = {0, 1, 100, 1u << 30};
-    for (int i = 0; i < 4; i++) { /* chunks that begin beyond the wedges */
+    for (int i = 0; i < 4; i++) { /* makes chunks that begin beyond the wedges */
         image_newest()[edge] = units + beyond[i];
         assert_int_equal(try_damaged(&rng), GD_INDEX);
         image_chunk(newest)->previous = units + beyond[i];
@@ -226,7 +226,7 @@ static void refuses_impossible_counts_and_sources(void **state)
         image_chunk(newest)->count = counts[i];
         assert_int_equal(try_damaged(&rng), GD_INDEX);
     }
-    uint32_t last = 0; /* the last chunk: one more wedge lies beyond the array */
+    uint32_t last = 0; /* gives the last chunk one more wedge, which lies beyond the array */
     for (uint32_t e = 0; e < mesh->edge_count; e++)
         if (field->newest[e] != GD_NONE && field->newest[e] > last) last = field->newest[e];
     image_chunk(last)->count++;
@@ -240,8 +240,8 @@ static void refuses_impossible_counts_and_sources(void **state)
     assert_int_equal(try_damaged(&rng), GD_OK);
 }
 
-/* A reached vertex needs a side or a source to lead paths back. A vertex that was not reached must
- * not be a source. */
+/* A reached vertex needs a side or a source as its predecessor, from which paths are traced. A
+ * vertex that was not reached must not be a source. */
 static void refuses_impossible_predecessors(void **state)
 {
     (void)state;
@@ -259,14 +259,15 @@ static void refuses_impossible_predecessors(void **state)
     assert_int_equal(try_damaged(&rng), GD_INDEX);
     struct gd__wedges w = gd__chunk_wedges(image_chunk(image_newest()[longest_chain(&chunks)]));
     gd__wedge_put(&w, 0, w.start[0], 1, 1, vertex);
-    assert_int_equal(try_damaged(&rng), GD_OK); /* a wrong source, but a valid one */
+    assert_int_equal(try_damaged(&rng), GD_OK); /* sets a source that is wrong but valid */
     gd__wedge_put(&w, 0, w.start[0], 1, 1, vertex);
     predecessors[vertex] = (struct gd__predecessor){.side = GD_NONE, .source = GD_NONE};
     distances[vertex] = GD__FAR;
     assert_int_equal(try_damaged(&rng), GD_INDEX);
 }
 
-/* Valid but wrong chains: shared by two edges, cut short, starts out of order, invalid numbers. */
+/* Tests chains that are valid but wrong: shared by two edges, truncated, with unordered starts, or
+ * with invalid numbers. */
 static void wrong_wedges_never_lead_outside(void **state)
 {
     (void)state;
@@ -307,7 +308,7 @@ static void wrong_wedges_never_lead_outside(void **state)
     assert_true(opened > 150);
 }
 
-/* With any byte damaged, the image is refused, or all queries stay within its arrays. */
+/* Damages any byte. Either the image is rejected, or all queries stay within its arrays. */
 static void damage_never_leads_outside(void **state)
 {
     (void)state;

@@ -62,7 +62,7 @@ static void circles_in_the_plane(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* Levels whose lines pass through vertices, touch edges in vertices, or end in corners. */
+/* Tests levels whose lines pass through vertices, touch edges in vertices, or end in corners. */
 static void levels_through_vertices(void **state)
 {
     (void)state;
@@ -143,8 +143,8 @@ static void circles_about_an_apex(void **state)
     }
 }
 
-/* Two seeds: two lines while their circles are disjoint, then a single one whose arcs meet on the
- * bisector. */
+/* Two seeds have two lines while their circles are disjoint. At larger levels there is a single
+ * line, whose arcs meet on the bisector. */
 static void two_seeds_in_the_plane(void **state)
 {
     (void)state;
@@ -188,7 +188,7 @@ static void two_seeds_in_the_plane(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* Circles and holes inside a face that cross no edge. */
+/* Tests circles and holes inside a face that cross no edge. */
 static void loops_within_one_face(void **state)
 {
     (void)state;
@@ -226,7 +226,8 @@ static void loops_within_one_face(void **state)
     gd_mesh_release(mesh);
 }
 
-/* On a cube, about the middle of a face. Expected lengths follow from the cube's net. */
+/* Tests isolines on a cube about the middle of a face. The expected lengths follow from the cube's
+ * net. */
 static void on_a_cube(void **state)
 {
     (void)state;
@@ -242,9 +243,10 @@ static void on_a_cube(void **state)
                       holes = trace(field, 1.9);
     assert_true(on_top.line_count == 1 && over.line_count == 1 && holes.line_count == 1);
     check_close(on_top.lines[0].length, 0.8 * M_PI, promise);
-    /* no corner is within reach: the surface is flat up to this level */
+    /* no corner is nearer than this level, so the surface is flat up to this level */
     check_close(over.lines[0].length, 1.2 * M_PI, promise);
-    /* around the middle of the opposite face: four arcs about images of the seed at distance 2 */
+    /* the line around the middle of the opposite face has four arcs about images of the seed at
+       distance 2 */
     double t = 1 - sqrt(1.9 * 1.9 / 2 - 1), quarter = 2 * 1.9 * asin(t / 1.9);
     check_close(holes.lines[0].length, 4 * quarter, promise);
     gd_isoline_free(&on_top);

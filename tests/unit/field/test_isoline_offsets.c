@@ -1,4 +1,4 @@
-/* Isolines of segments and curves, against closed forms. */
+/* Compares isolines of segments and curves with closed forms. */
 #include "isolines.h"
 
 #include "gd/curve.h"
@@ -54,7 +54,8 @@ static double check_offset(const struct gd_field *field, double level, double le
     return error;
 }
 
-/* Two straight segments and two half circles, at several scales and far from the origin. */
+/* Tests lines of two straight segments and two half circles, at several scales and far from the
+ * origin. */
 static void offsets_of_a_segment(void **state)
 {
     (void)state;
@@ -84,7 +85,7 @@ static void offsets_of_a_segment(void **state)
     print_message("# offsets of a segment: lengths off by %.1e at most\n", worst);
 }
 
-/* Segments along edges and parallel to them. Some levels have lines along edges. */
+/* Tests segments along edges and parallel to edges. Some levels have lines along edges. */
 static void offsets_along_edges(void **state)
 {
     (void)state;
@@ -110,7 +111,8 @@ static void offsets_along_edges(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* Outside a convex polygon: parallel sides, and arcs that sum to a full turn. Inside: a polygon. */
+/* Outside a convex polygon the line has parallel sides, and arcs that sum to a full turn. Inside,
+ * the line is a polygon. */
 static void offsets_of_a_polygon(void **state)
 {
     (void)state;
@@ -141,7 +143,7 @@ static void offsets_of_a_polygon(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* Inside a rectangle's boundary up to the ridge. Some lines run along rows of edges. */
+/* Tests lines inside a rectangle's boundary up to the ridge. Some lines run along rows of edges. */
 static void offsets_of_a_boundary(void **state)
 {
     (void)state;

@@ -50,7 +50,7 @@ static void lay_flat(const struct gd_mesh *mesh, uint32_t face, const struct gd_
     at[1] = gd_vec3_dot(from, y);
 }
 
-/* Returns a random point of a face. `at`: its coordinates in the arcs' frame. */
+/* Returns a random point of a face. Sets `at` to the point's coordinates in the arcs' frame. */
 static struct gd_point random_in_face(const struct gd_mesh *mesh, uint32_t face, struct rng *rng,
                                       double at[2])
 {
@@ -322,7 +322,7 @@ static void along_a_ridge(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* Two circles touch inside a face, and a third one passes through the same point. */
+/* Two circles touch inside a face, and a third circle passes through the same point. */
 static void circles_that_touch(void **state)
 {
     (void)state;
@@ -348,7 +348,7 @@ static void circles_that_touch(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* Lines along edges, through vertices, along ridges, and combinations of these. */
+/* Tests lines along edges, through vertices, along ridges, and combinations of these. */
 static void levels_that_tie(void **state)
 {
     (void)state;

@@ -8,8 +8,8 @@
 
 enum { SEEDS = 6, POINTS = 400 };
 
-/* The nearest seed's own field has the same distance, and no other seed's field has a smaller one.
- * The path ends in that seed. */
+/* The nearest seed's own field has the same distance, and no other seed's field has a smaller
+ * distance. The path ends in the nearest seed. */
 static void the_nearest_seed_gives_the_distance(void **state)
 {
     (void)state;

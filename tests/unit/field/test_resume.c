@@ -1,5 +1,5 @@
-/* Tests of resumed fields other than their distances (tests/property/test_resume.c): refusals, the
- * partial field, images, control, memory. */
+/* Tests resumed fields: refused calls, the partial field, images, control and memory.
+ * tests/property/test_resume.c tests their distances. */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -11,7 +11,7 @@
 #include "tests/samples/samples.h"
 #include "tests/support/watch.h"
 
-enum { SEEDS = 5 }; /* two points, and a segment with its two ends */
+enum { SEEDS = 5 }; /* the seeds are two points, and a segment with its two ends */
 
 static struct gd_polygons polygons;
 static struct gd_mesh *mesh;
@@ -125,7 +125,7 @@ static void reports_reach_and_work(void **state)
     gd_field_release(whole);
 }
 
-/* Resuming propagates little more than the windows beyond the radius. */
+/* Resuming a field propagates few windows in addition to the windows beyond the radius. */
 static void continues_where_it_ended(void **state)
 {
     (void)state;
@@ -176,7 +176,7 @@ static uint32_t turns_after(const struct gd_mesh *ball, double radius)
     return turns;
 }
 
-/* An executor rebuilds a small field by two tasks instead of resuming it. */
+/* With an executor, a small field is rebuilt by two tasks instead of resumed. */
 static void an_executor_rebuilds_small_fields(void **state)
 {
     (void)state;

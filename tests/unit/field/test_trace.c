@@ -1,5 +1,6 @@
-/* Paths into faces that are much smaller than their neighbours, and past them. Every path is found,
- * lies on the surface and is as long as the distance. GD_SCENES: patches of each kind (60). */
+/* Tests paths that lead into or past faces that are much smaller than their neighbours. Every path
+ * must be found, lie on the surface and be as long as the distance. GD_SCENES: patches of each kind
+ * (60). */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -14,8 +15,8 @@ enum { SCENES = 60, SOURCES = 8, TARGETS = 25, PAIR_EVERY = 5 };
 
 static const double promise = 1e-9;
 
-/* ratio: range of the ratio of sizes; depth: powers of ten between the rim and the smallest
- * ring. */
+/* `ratio` is the range of the ratio of sizes. `depth` is the number of powers of ten between the
+ * rim and the smallest ring. */
 struct kind {
     double ratio[2];
     double depth;

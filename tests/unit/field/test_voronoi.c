@@ -38,8 +38,8 @@ static struct gd_mesh *square(uint32_t cells)
     return mesh;
 }
 
-/* The bisector of two points of a plane is their perpendicular bisector: the line x = 1/2, or an
- * inclined one. */
+/* The bisector of two points of a plane is their perpendicular bisector, which is the line x = 1/2
+ * or an inclined line. */
 static void two_points_in_the_plane(void **state)
 {
     (void)state;
@@ -98,7 +98,7 @@ static void three_points_in_the_plane(void **state)
     }
 }
 
-/* Four cells meet in the middle of a square: in a face, on an edge or at a vertex. */
+/* Four cells meet in the middle of a square, which lies in a face, on an edge or at a vertex. */
 static void four_corners_meet_in_the_middle(void **state)
 {
     (void)state;
@@ -149,8 +149,8 @@ static void offsets_bend_the_bisector(void **state)
     }
 }
 
-/* Two opposite points of a surface that is symmetric about the plane between them: the bisector
- * lies in that plane. */
+/* Uses two opposite points of a surface that is symmetric about the plane between them. The
+ * bisector lies in that plane. */
 static void opposite_points_of_symmetric_surfaces(void **state)
 {
     (void)state;
@@ -252,8 +252,8 @@ static void members_without_a_region(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Points behind the apex of a saddle, whose paths bend there, are equidistant from two members if
- * the apex is. The diagram assigns them to one of the two. */
+/* Paths to points behind the apex of a saddle bend at the apex. If the apex is equidistant from two
+ * members, these points are equidistant, too. The diagram assigns them to one of both members. */
 static void ties_behind_a_saddle(void **state)
 {
     (void)state;

@@ -11,7 +11,7 @@
 #include "tests/support/shared.h"
 
 static const double promise = 1e-9;
-/* tolerance of polylines, and the largest error of their lengths at ties */
+/* the tolerance of polylines, and the largest permitted error of their lengths at ties */
 static const double fine = 1e-6;
 
 static void free_diagram(struct diagram *diagram, struct member_set *set)
@@ -100,7 +100,7 @@ static double parabola(double x)
     return 0.5 * x * sqrt(1 + 4 * x * x) + 0.25 * asinh(2 * x);
 }
 
-/* Two segments: the number of bisectors and their total length. */
+/* Tests the number of bisectors of two segments and the total length of the bisectors. */
 static void two_segments_in_the_plane(void **state)
 {
     (void)state;
@@ -111,15 +111,17 @@ static void two_segments_in_the_plane(void **state)
     } cases[] = {
         {{{0.5, 0.75, 0.5, 0.75}, {0, 0.25, 1, 0.25}}, 1, 2 * parabola(0.5)},
         {{{0, 0.2, 1, 0.2}, {0, 0.7, 1, 0.7}}, 1, 1},
-        {{{0, 0.25, 1, 0.25}, {0, 0.75, 1, 0.75}}, 1, 1}, /* along edges, like the bisector */
-        {{{0, 0, 1, 0}, {0, 0, 0, 1}}, 1, M_SQRT2},       /* with a common corner */
+        /* the segments run along edges, like the bisector */
+        {{{0, 0.25, 1, 0.25}, {0, 0.75, 1, 0.75}}, 1, 1},
+        {{{0, 0, 1, 0}, {0, 0, 0, 1}}, 1, M_SQRT2}, /* the segments have a common corner */
         {{{0, 0.5, 1, 0.5}, {0.5, 0, 0.5, 1}}, 2, 2 * M_SQRT2},
         {{{0.1, 0.1, 0.9, 0.2}, {0.2, 0.6, 0.8, 0.9}}, 1, 0},
         {{{0.3, 0.41, 0.7, 0.43}, {0.55, 0.37, 0.52, 0.83}}, 2, 0},
-        {{{0.3, 0.3, 0.7, 0.3}, {0.5, 0.3, 0.5, 0.8}}, 1, 0}, /* one ends on the other */
+        /* one segment ends on the other segment */
+        {{{0.3, 0.3, 0.7, 0.3}, {0.5, 0.3, 0.5, 0.8}}, 1, 0},
         {{{0.3, 0.3, 0.7, 0.3}, {0.7, 0.3, 0.7, 0.8}},
          1,
-         0}, /* a common end, beyond which points are equidistant */
+         0}, /* the segments have a common end, beyond which points are equidistant */
         {{{0.5, 0.5, 0.5, 0.5}, {0.2, 0.5, 0.8, 0.5}}, 0, 0},
         {{{0.47, 0.31, 0.47, 0.31}, {0.2, 0.31, 0.8, 0.31}}, 0, 0},
         {{{0.2, 0.5, 0.8, 0.5}, {0.5, 0.5, 0.5, 0.5}}, 0, 0}, /* a point on a segment has no cell */
@@ -142,8 +144,8 @@ static void two_segments_in_the_plane(void **state)
     }
 }
 
-/* The bisectors of a triangle's sides meet in the incentre. Those of a square's sides meet in its
- * centre. */
+/* The bisectors of a triangle's sides meet in the incentre. The bisectors of a square's sides meet
+ * in the square's centre. */
 static void sides_of_polygons(void **state)
 {
     (void)state;
@@ -193,8 +195,8 @@ static void a_boundary_and_a_point(void **state)
 
 /* --- members and seeds ------------------------------------------------------------------------ */
 
-/* Seeds of the same member have no bisector. Member numbers may be unused. Too large ones are
- * refused. */
+/* Seeds of the same member have no bisector. Member numbers may be unused. Too large member numbers
+ * are rejected. */
 static void members_by_seed(void **state)
 {
     (void)state;

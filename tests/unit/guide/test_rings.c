@@ -44,8 +44,8 @@ static void close_scene(struct scene *scene)
     gd_field_release(scene->of_to);
 }
 
-/* Checks the lower bound of each vertex on a path that is not longer than `bound`: it is at most
- * the exact distance. Returns the number of these vertices. */
+/* Checks that the lower bound of each vertex is at most the exact distance, if a path through the
+ * vertex is not longer than `bound`. Returns the number of these vertices. */
 static uint32_t check_bounds(struct scene *scene, double bound)
 {
     uint32_t passed = 0;

@@ -1,5 +1,5 @@
-/* Makes glTF documents for tests: valid, with a replacement, or as GLB. In their text ' stands for
- * ". */
+/* Makes glTF documents for tests. They are valid, have one replacement, or have the form GLB. In
+ * their text ' stands for ". */
 #ifndef TESTS_UNIT_IO_GLTF_TEXT_H
 #define TESTS_UNIT_IO_GLTF_TEXT_H
 
@@ -13,7 +13,8 @@ struct file {
     size_t size;
 };
 
-/* Returns the text with the first `find` replaced and each ' as "; NULL: replaces nothing. */
+/* Returns the text with the first `find` replaced, and with each ' replaced by ". If `find` is
+ * NULL, only the quotes are replaced. */
 static inline char *replaced(const char *text, const char *find, const char *by)
 {
     size_t room = strlen(text) + (by ? strlen(by) : 0) + 1;

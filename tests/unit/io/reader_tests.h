@@ -1,4 +1,5 @@
-/* Tests that every reader shares: tables of valid and invalid input, and truncated input. */
+/* Tests that are the same for every reader. They use tables of valid and invalid input, and
+ * truncated input. */
 #ifndef TESTS_UNIT_IO_READER_TESTS_H
 #define TESTS_UNIT_IO_READER_TESTS_H
 

@@ -1,7 +1,7 @@
-/* Shared by the tests of readers: tables of inputs with the expected mesh or error.
+/* Helpers of the tests of readers. Tables have inputs with the expected mesh or error.
  *
- * Meshes are compared as text: "x y z; x y z | i j k; i j k l", vertices before the bar, polygons
- * after it. */
+ * Meshes are compared as text in the form "x y z; x y z | i j k; i j k l". Vertices are before the
+ * bar, and polygons are after it. */
 #ifndef TESTS_UNIT_IO_READING_H
 #define TESTS_UNIT_IO_READING_H
 
@@ -32,8 +32,9 @@ struct bad_input {
     const char *bytes;
     size_t size;
     enum gd_status status;
-    uint64_t place;   /* line or byte; 0: none, or not checked */
-    const char *says; /* part of the message; NULL: not checked */
+    /* the expected line or byte; 0 if the error has no place or the place is not checked */
+    uint64_t place;
+    const char *says; /* part of the expected message, or NULL if the message is not checked */
 };
 
 /* Reads an exact copy of the bytes, so that AddressSanitizer detects reads beyond them. */
@@ -118,11 +119,12 @@ struct skipped_input {
     const char *bytes;
     size_t size;
     const char *mesh;
-    uint32_t count, place; /* number of skipped elements; line or byte of the first */
+    /* the number of skipped elements, and the line or byte of the first skipped element */
+    uint32_t count, place;
 };
 
-/* Checks that each input is refused, but is read if the caller passes a counter for skipped
- * elements. */
+/* Checks that each input is rejected without a counter for skipped elements, and is read with such
+ * a counter. */
 static inline void check_skipped(enum gd_format format, const struct skipped_input *inputs,
                                  size_t count)
 {

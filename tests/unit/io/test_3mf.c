@@ -35,11 +35,11 @@ static const struct good_package good[] = {
     {{{PART, ONE}}, TRIANGLE_MESH},
     {{{"_rels/.rels", RELS("/3D/other.model")}, {"3D/other.model", ONE}}, TRIANGLE_MESH},
     {{{"_rels/.rels", RELS("3d/OTHER.model")}, {"3D/other.model", ONE}}, TRIANGLE_MESH},
-    /* a placed item: a quarter turn about z, then a translation */
+    /* an item is placed by a quarter turn about z and then a translation */
     {{{PART, MODEL "<resources>" OBJECT("7") "</resources>" BUILD(
                  ITEM("\"7\" transform=\" 0 1 0 -1 0 0\n 0 0 1 5 6 7 \""))}},
      "5 6 7; 5 7 7; 4 6 7 | 0 1 2"},
-    /* a mirrored item: the face's orientation is reversed */
+    /* an item is mirrored, so the face's orientation is reversed */
     {{{PART, MODEL "<resources>" OBJECT("7") "</resources>" BUILD(
                  ITEM("\"7\" transform=\"-1 0 0 0 1 0 0 0 1 0 0 0\""))}},
      "0 0 0; -1 0 0; 0 1 0 | 0 2 1"},
@@ -50,13 +50,13 @@ static const struct good_package good[] = {
                       "</object></resources>" BUILD(
                           ITEM("\"2\" transform=\"2 0 0 0 2 0 0 0 2 0 0 0\""))}},
      "0 0 0; 2 0 0; 0 2 0; 0 0 2; 2 0 2; 0 2 2 | 0 1 2; 3 4 5"},
-    /* ignored: supports, objects without an item, elements of other namespaces */
+    /* the reader ignores supports, objects without an item, and elements of other namespaces */
     {{{PART, "<model xmlns=\"" CORE "\" xmlns:b=\"beams\"><resources><object id=\"3\" "
              "type=\"support\">" MESH "</object>" OBJECT("1") OBJECT(
                  "2") "<object id=\"4\"><mesh>" VERTICES "<b:triangle v1=\"9\"/></mesh></object>"
                       "</resources>" BUILD(ITEM("\"3\"") ITEM("\"1\"") ITEM("\"4\""))}},
      TRIANGLE_MESH},
-    /* a prefix for an unknown namespace, and one for the core namespace */
+    /* one prefix belongs to an unknown namespace, and one to the core namespace */
     {{{PART, MODEL
        "<resources><m:colorgroup m:id=\"4\"/>" OBJECT("1") "</resources>" BUILD(ITEM("\"1\""))}},
      TRIANGLE_MESH},
@@ -87,11 +87,17 @@ struct bad_package {
     }
 
 static const struct bad_package bad[] = {
-    {{{"readme.txt", "hello"}}, GD_SYNTAX, 0, "no part '3D/3dmodel.model'"},
-    {{{"_rels/.rels", RELS("/../../etc/passwd")}, {PART, ONE}}, GD_SYNTAX, 0, "no part"},
-    {{{"_rels/.rels", RELS("http://elsewhere/a.model")}, {PART, ONE}}, GD_SYNTAX, 0, "no part"},
-    {{{"_rels/.rels", "<a>"}, {PART, ONE}}, GD_SYNTAX, 1, "_rels/.rels, line 1: the XML is broken"},
-    {{{PART, "<model"}}, GD_SYNTAX, 1, "the XML is broken"},
+    {{{"readme.txt", "hello"}}, GD_SYNTAX, 0, "lacks the part '3D/3dmodel.model'"},
+    {{{"_rels/.rels", RELS("/../../etc/passwd")}, {PART, ONE}}, GD_SYNTAX, 0, "lacks the part"},
+    {{{"_rels/.rels", RELS("http://elsewhere/a.model")}, {PART, ONE}},
+     GD_SYNTAX,
+     0,
+     "lacks the part"},
+    {{{"_rels/.rels", "<a>"}, {PART, ONE}},
+     GD_SYNTAX,
+     1,
+     "_rels/.rels, line 1: the XML is not well-formed"},
+    {{{PART, "<model"}}, GD_SYNTAX, 1, "the XML is not well-formed"},
     {{{PART, "no XML"}}, GD_SYNTAX, 1, NULL},
     {{{PART, "<!DOCTYPE a [<!ENTITY b \"bbbb\"><!ENTITY c \"&b;&b;&b;&b;\">]>" ONE}},
      GD_UNSUPPORTED,
@@ -102,11 +108,11 @@ static const struct bad_package bad[] = {
     {{{PART, MODEL "<resources>" OBJECT("2") "</resources>" BUILD(ITEM("\"1\""))}},
      GD_SYNTAX,
      0,
-     "object 1, which is not there"},
+     "object 1, which the file does not define"},
     {{{PART, MODEL "<resources>" OBJECT("1") OBJECT("1") "</resources>" BUILD(ITEM("\"1\""))}},
      GD_SYNTAX,
      0,
-     "object 1 is there twice"},
+     "object 1 is defined twice"},
     {{{PART, "<model unit=\"cubit\"/>"}}, GD_SYNTAX, 1, "unit"},
     {{WITH_OBJECT("<object id=\"one\"/>")}, GD_SYNTAX, 3, "attribute id"},
     {{WITH_OBJECT("<object id=\"-1\"/>")}, GD_SYNTAX, 3, NULL},
@@ -122,7 +128,7 @@ static const struct bad_package bad[] = {
                   "<triangle v1=\"0\" v2=\"1\" v3=\"3\"/></mesh></object>")},
      GD_INDEX,
      3,
-     "names vertex 3 of its object, which has 3"},
+     "refers to vertex 3, but its object has 3 vertices"},
     {{WITH_OBJECT("<object id=\"1\"><mesh>" VERTICES
                   "<triangle v1=\"0\" v2=\"1\" v3=\"0.5\"/></mesh></object>")},
      GD_SYNTAX,
@@ -147,7 +153,7 @@ static const struct bad_package bad[] = {
                         "objectid=\"1\"/></components></object></resources>" BUILD(ITEM("\"1\""))}},
      GD_SYNTAX,
      0,
-     "no part 'gone.model'"},
+     "lacks the part 'gone.model'"},
 };
 
 static enum gd_status read_package(const struct zip_file files[ZIP_FILES], size_t size,
@@ -234,7 +240,8 @@ static void survives_truncation(void **state)
     }
 }
 
-/* Each object of a chain has two components of the previous one: 2^30 triangles. */
+/* Each object of a chain has two components, which both refer to the previous object. The last
+ * object therefore has 2^30 triangles. */
 static void bounds_components(void **state)
 {
     (void)state;

@@ -1,7 +1,7 @@
 #include "io/base64.h"
 #include "tests/unit/io/reading.h"
 
-/* RFC 4648, section 10. */
+/* The test vectors of RFC 4648, section 10. */
 static const char *const known[][2] = {{"", ""},
                                        {"f", "Zg=="},
                                        {"fo", "Zm8="},
@@ -54,8 +54,8 @@ static void refuses_invalid_texts(void **state)
     }
 }
 
-/* Round trip of all lengths up to 100. AddressSanitizer checks that no byte is written beyond the
- * buffer. */
+/* Encodes and decodes data of all lengths up to 100. AddressSanitizer checks that no byte is
+ * written beyond the buffer. */
 static void reads_written_text(void **state)
 {
     (void)state;

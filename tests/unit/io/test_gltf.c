@@ -2,8 +2,9 @@
 
 #include "tests/unit/io/gltf_text.h"
 
-/* The buffer: corners of a square as floats; two triangles as indices of 16, 8 and 32 bits; the
- * square as bytes; indices and values of a sparse accessor that moves two corners. */
+/* The buffer contains the corners of a square as floats, and two triangles as indices of 16, 8 and
+ * 32 bits. It also contains the square as bytes, and the indices and values of a sparse accessor
+ * that moves two corners. */
 static const struct __attribute__((packed)) {
     float corners[4][3];
     uint16_t shorts[6];
@@ -71,7 +72,8 @@ static void reads_every_mode(void **state)
                "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 1 2 0; 2 3 0");
     check_both(MESH("{'attributes':{'POSITION':0},'indices':9,'mode':6}"),
                "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 2 0 1; 0 2 1; 2 3 1");
-    /* indices 0 1 2 0 2: in a strip or fan the last triangle repeats a corner and is dropped */
+    /* the indices are 0 1 2 0 2; in a strip or fan the last triangle repeats a corner and is
+       dropped */
     check_both(MESH("{'attributes':{'POSITION':0},'indices':4,'mode':5}"),
                "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 0 1 2; 1 0 2");
     check_both(MESH("{'attributes':{'POSITION':0},'indices':4,'mode':6}"),
@@ -87,8 +89,8 @@ static void leaves_points_and_lines_out(void **state)
         "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 0 1 2; 0 2 3");
 }
 
-/* Two primitives share an accessor, and a third one repeats a position. Equal positions become one
- * vertex. */
+/* Two primitives share an accessor, and a third primitive repeats a position. Equal positions
+ * become one vertex. */
 static void welds_equal_positions(void **state)
 {
     (void)state;
@@ -174,7 +176,8 @@ static void places_by_nodes(void **state)
                "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 0 1 2; 0 2 3");
 }
 
-/* A transformation that mirrors reverses the faces, so that the outside stays outside. */
+/* A mirroring transformation reverses the orientation of the faces, so that the outside stays
+ * outside. */
 static void turns_mirrored_faces(void **state)
 {
     (void)state;
@@ -195,7 +198,8 @@ static void ignores_other_content(void **state)
                square);
     check_both(SCENE("'materials':[{'name':'\\u00e4 { [ \\\" '}],'images':[{'uri':'picture.png'}]"),
                square);
-    /* Draco data, and the same data uncompressed; the reader uses the latter */
+    /* the document has Draco data and the same data uncompressed; the reader uses the uncompressed
+       data */
     check_both(MESH("{'attributes':{'POSITION':0},'indices':1,'extensions':{'KHR_draco_mesh_"
                     "compression':{}}}"),
                square);
@@ -216,10 +220,10 @@ static const struct {
     {"'2.0'", "'1.0'", GD_UNSUPPORTED, "version 2"},
     {"'version'", "'revision'", GD_SYNTAX, "no glTF"},
     {"'uri':'@'", "'uri':'square.bin'", GD_UNSUPPORTED, "another file, 'square.bin'"},
-    {"'uri':'@'", "'uri':'data:text/plain,abc'", GD_UNSUPPORTED, "not in base64"},
+    {"'uri':'@'", "'uri':'data:text/plain,abc'", GD_UNSUPPORTED, "not encoded in base64"},
     {"'uri':'@'", "'uri':'data:;base64,AA*A'", GD_SYNTAX, "base64"},
-    {"'uri':'@'", "'uri':'data:;base64,AAAA'", GD_TRUNCATED, "it has 3 bytes"},
-    {"'uri':'@'", "'uri':17", GD_SYNTAX, "'uri' is no string"},
+    {"'uri':'@'", "'uri':'data:;base64,AAAA'", GD_TRUNCATED, "the buffer has only 3 bytes"},
+    {"'uri':'@'", "'uri':17", GD_SYNTAX, "'uri' is not a string"},
     {",'uri':'@'", "", GD_UNSUPPORTED, "has no bytes"},
     {"'byteLength':136", "'byteLength':137", GD_TRUNCATED, "137"},
     {"'byteLength':136", "'byteLength':135", GD_OK, NULL},
@@ -228,11 +232,11 @@ static const struct {
     {"'byteLength':136", "'byteLength':1.5", GD_SYNTAX, "'byteLength'"},
     {"'byteLength':136", "'byteLength':'136'", GD_SYNTAX, "'byteLength'"},
     {"'byteLength':136", "'byteLength':1e300", GD_SYNTAX, "'byteLength'"},
-    {"'buffer':0,'byteLength':48", "'byteLength':48", GD_SYNTAX, "names no buffer"},
+    {"'buffer':0,'byteLength':48", "'byteLength':48", GD_SYNTAX, "lacks the member 'buffer'"},
     {"'buffer':0,'byteLength':48", "'buffer':1,'byteLength':48", GD_SYNTAX,
      "number 1 of the 'buffers'"},
     {"'buffer':0,'byteLength':48", "'buffer':0,'byteLength':47", GD_TRUNCATED,
-     "4 elements end at byte 48 of a view of 47"},
+     "4 elements end at byte 48, but their buffer view has 47 bytes"},
     {"'buffer':0,'byteLength':48", "'buffer':0,'byteLength':9007199254740992", GD_TRUNCATED,
      "view ends"},
     {"'buffer':0,'byteLength':48", "'buffer':0,'byteOffset':9007199254740992,'byteLength':48",
@@ -302,7 +306,7 @@ static const struct {
      "'scenes':[{'nodes':[0]}],'extensionsRequired':['EXT_mesh_gpu_instancing']", GD_UNSUPPORTED,
      "EXT_mesh_gpu_instancing"},
     {"'scenes':[{'nodes':[0]}]", "'scenes':[{'nodes':[0]}],'extensionsRequired':[7]", GD_SYNTAX,
-     "no string"},
+     "not a string"},
     {"'scene':0,", "'scene':0,,", GD_SYNTAX, "a key"},
 };
 
@@ -337,7 +341,8 @@ static void refuses_mistakes(void **state)
     }
 }
 
-/* Five corners, and four without indices: the last ones belong to no whole triangle. */
+/* Uses five corners with indices, and four corners without indices. The last corners belong to no
+ * whole triangle. */
 static void skips_excess_corners(void **state)
 {
     (void)state;
@@ -361,13 +366,16 @@ static void refuses_broken_sparse_accessors(void **state)
         const char *find, *by, *says;
     } broken[] = {
         {"'sparse':{'count':2", "'sparse':{'count':5", "'count'"},
-        {"'sparse':{'count':2", "'sparse':{'count':3", "end at byte 6 of a view of 4"},
-        {"'indices':{'bufferView':5,", "'indices':{'bufferView':2,", "sparse indices have to grow"},
+        {"'sparse':{'count':2", "'sparse':{'count':3",
+         "end at byte 6, but their buffer view has 4 bytes"},
+        {"'indices':{'bufferView':5,", "'indices':{'bufferView':2,",
+         "sparse indices must increase"},
         {"'indices':{'bufferView':5,'componentType':5123}",
-         "'indices':{'bufferView':5,'componentType':5122}", "component type"},
+         "'indices':{'bufferView':5,'componentType':5122}", "must be 5121, 5123 or 5125"},
         {"'indices':{'bufferView':5,", "'indices':{", "'bufferView' is missing"},
         {"'values':{'bufferView':6}", "'valued':{}", "'values' is missing"},
-        {"'values':{'bufferView':6}", "'values':{'bufferView':5}", "end at byte 24 of a view of 4"},
+        {"'values':{'bufferView':6}", "'values':{'bufferView':5}",
+         "end at byte 24, but their buffer view has 4 bytes"},
     };
     for (size_t i = 0; i < COUNT_OF(broken); i++) {
         struct gd_detail detail = {.text = ""};

@@ -8,8 +8,8 @@ static enum gd_status parse(const char *text, struct gd__json *out, struct gd_de
     return gd__json_parse(&scan, NULL, out);
 }
 
-/* Checks the values as text: for each the first character and the number of the next value after
- * it. */
+/* Checks the values as text. The text has, for each value, its first character and the number of
+ * the next value. */
 static void check_tree(const char *text, const char *expected)
 {
     struct gd__json json;

@@ -23,7 +23,7 @@ static void writes_nested_values(void **state)
     free(output.bytes);
 }
 
-/* Many small appends, and one larger than the usual growth. */
+/* Tests many small appends, and an append that is larger than the usual growth. */
 static void grows(void **state)
 {
     (void)state;

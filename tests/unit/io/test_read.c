@@ -24,7 +24,8 @@ static void refuses_other_content(void **state)
     assert_int_equal(read_text("<html>", (enum gd_format)99, NULL, NULL), GD_UNRECOGNIZED);
 }
 
-/* Two quadrilaterals and a triangle on six vertices: five triangles when triangulated. */
+/* Each mesh has two quadrilaterals and a triangle on six vertices, which are five triangles when
+ * triangulated. */
 static const char *const meshes[] = {
     [GD_FORMAT_OBJ] =
         "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nv 1 1 0\nv 2 1 0\nf 1 2 5 4\nf 2 3 6 5\nf 1 2 3\n",
@@ -68,8 +69,8 @@ static enum gd_status read_within(enum gd_format format, enum gd_format named, u
                      detail);
 }
 
-/* Each format reads input exactly at the limits and refuses one element more. Tested with
- * recognition and with a named format. */
+/* Each format reads input exactly at the limits and rejects one element more. The test uses
+ * recognition and a named format. */
 static void keeps_the_limits(void **state)
 {
     (void)state;
@@ -90,7 +91,7 @@ static void keeps_the_limits(void **state)
     }
 }
 
-/* A declared count above the limit is refused before the body is read. */
+/* A declared count above the limit is rejected before the body is read. */
 static void refuses_declared_counts(void **state)
 {
     (void)state;
@@ -140,7 +141,7 @@ static void grows_with_the_input(void **state)
 
 /* --- control ---------------------------------------------------------------------------------- */
 
-/* Allows a call this many checks of its control. */
+/* Cancels a call after this number of checks of its control. */
 struct watch {
     size_t looks, allowed;
     double last;
@@ -231,7 +232,7 @@ static void obeys_its_control_in_skipped_input(void **state)
     check_control_of_skipped("", "solid a\nendsolid a\n", meshes[GD_FORMAT_STL]);
 }
 
-/* Long skipped input before the first element. */
+/* Tests long skipped input before the first element. */
 static void blanks_end_at_the_deadline(void **state)
 {
     (void)state;

@@ -58,7 +58,7 @@ static void writes_lines(void **state)
                GD_RESULT_OBJ, "v 0 0 0\n");
 }
 
-/* Three lines at two levels. */
+/* Writes three lines at two levels. */
 static void writes_levels(void **state)
 {
     (void)state;
@@ -96,7 +96,7 @@ static void writes_distances_into_ply(void **state)
     assert_memory_equal(back.corners, faces, sizeof faces);
     gd_polygons_free(&back);
     static const char property[] = "property double z\nproperty double distance\n";
-    /* after the header: four vertices and two faces */
+    /* four vertices and two faces follow the header */
     const char *body = bytes + size - (4 * 32 + 2 * 13);
     assert_non_null(memmem(bytes, size, property, sizeof property - 1));
     for (int i = 0; i < 4; i++) {

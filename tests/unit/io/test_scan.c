@@ -100,7 +100,7 @@ static void reads_integers(void **state)
     }
 }
 
-/* A reader skips no more than 64 KiB of a number, so the deadline is checked. */
+/* A reader reads at most 64 KiB as one number, so the deadline is checked in time. */
 static void refuses_very_long_numbers(void **state)
 {
     (void)state;

@@ -54,7 +54,7 @@ static void keeps_every_bit(void **state)
     }
 }
 
-/* A polygon with more corners than a byte can count. */
+/* Tests a polygon with more corners than a byte can count. */
 static void keeps_large_polygons(void **state)
 {
     (void)state;

@@ -18,7 +18,8 @@ static void refuses_unknown_names(void **state)
     check_ok(gd_cpu_select("auto"), NULL);
 }
 
-/* A supported instruction set is selected. Any other returns an error and keeps the selection. */
+/* A supported instruction set is selected. Any other name returns an error and keeps the
+ * selection. */
 static void selects_supported_sets(void **state)
 {
     (void)state;

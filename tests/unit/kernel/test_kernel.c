@@ -53,7 +53,8 @@ static struct gd__window next_source(struct rng *rng, enum kind kind, double len
         w.y = PICK(rng, 0, 1e-18, 1e-14, 1e-13, 1e-12, 1e-7, 0.5) * length;
         w.x = PICK(rng, -1, -1e-6, 0, 0.3, 1, 1.0000005, 2) * length;
     }
-    if (kind == TIED && rng_unit(rng) < 0.7) { /* as far from the common end as `before` */
+    /* the source is as far from the common end as the source of `before` */
+    if (kind == TIED && rng_unit(rng) < 0.7) {
         w = *before;
         w.source = number;
         if (rng_unit(rng) < 0.8) w.x = 2 * joint - w.x;
@@ -123,7 +124,8 @@ static void check_same_windows(const struct gd__windows *a, const struct gd__win
     assert_memory_equal(a->source, b->source, count * sizeof(uint32_t));
 }
 
-/* State of a test: the random list, and the results of the plain and of another kernel. */
+/* The state of a test: the random list, and the results of the plain kernel and of another
+ * kernel. */
 static struct gd__stack list, actual;
 static struct gd__window_builder plain, other;
 
@@ -154,7 +156,8 @@ static void for_all_lists(uint64_t seed, void (*test)(struct rng *rng, double le
 
 static uint64_t offered, kept;
 
-/* Returns a distance for an end of the edge: equal to the list's, larger, or smaller. */
+/* Returns a distance for an end of the edge, which is equal to the list's distance, larger, or
+ * smaller. */
 static double end_distance(struct rng *rng, double length, bool at_end)
 {
     double t = at_end ? length : 0, least = GD_NONE * length;
@@ -375,7 +378,7 @@ static void check_same_children(const struct gd__children *a, const struct gd__c
 }
 
 /* Finds by definition the windows that pass to the left and to the right of the apex, and the
- * shortest straight path to it through the others. */
+ * shortest straight path through the other windows to the apex. */
 static struct gd__apex look_at_apex(const struct gd_side *s, double known)
 {
     struct gd__apex best = {.distance = known, .last_left = GD_NONE, .first_right = GD_NONE};
@@ -392,7 +395,8 @@ static struct gd__apex look_at_apex(const struct gd_side *s, double known)
     return best;
 }
 
-/* Checks that the children before `tangled` are sorted and disjoint. The others have no order. */
+/* Checks that the children before `tangled` are sorted and disjoint. The other children have no
+ * order. */
 static void check_order(const struct gd__children *children, double length)
 {
     uint32_t end = children->tangled < children->count ? children->tangled : children->count;
@@ -423,7 +427,7 @@ static void cast_list(struct rng *rng, double unused)
     (void)unused;
     struct gd_side side = random_side(rng);
     bool coalesce = rng_unit(rng) < 0.7;
-    /* scales the list from its own length to the side's */
+    /* scales the list from its own length to the length of the side */
     for (uint32_t i = 0; i < list.count; i++) {
         struct gd__window *w = &list.windows[i];
         double scale = side.length / unused;
@@ -568,8 +572,8 @@ static double told_at(const struct two_edges *edges, double t, double own)
 }
 
 /* The linear interpolation of the bounds at an edge's ends is a lower bound of the distance from
- * its points to points of another edge. Tested for near and far edges, of equal lengths and of
- * ratios up to 1000. */
+ * its points to points of another edge. The test uses near and far edges, with equal lengths and
+ * with ratios up to 1000. */
 static void ring_bounds_are_below_distances(void **state)
 {
     (void)state;

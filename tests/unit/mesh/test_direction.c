@@ -83,7 +83,7 @@ static void in_the_plane(void **state)
     struct gd_mesh *mesh = new_square();
     const struct {
         struct gd_point point;
-        double zero;     /* direction of its angle 0, as an angle in the plane */
+        double zero;     /* direction of the point's angle 0, as an angle in the plane */
         double from, to; /* range of the angles on the surface */
     } places[] = {
         {in_face(mesh, 0), 0, 0, 2 * M_PI},         /* 0 -> 1 */
@@ -92,8 +92,9 @@ static void in_the_plane(void **state)
         {in_face(mesh, 3), M_PI_2, 0, 2 * M_PI},    /* 0 -> 3, face reversed */
         {on_edge(mesh, 4, 0), M_PI_4, 0, 2 * M_PI}, /* 0 -> 4 */
         {on_edge(mesh, 2, 4), -3 * M_PI_4, 0, 2 * M_PI},
-        {on_edge(mesh, 0, 1), 0, 0, M_PI},                /* surface to the left */
-        {on_edge(mesh, 3, 0), M_PI_2, M_PI, 2 * M_PI},    /* surface to the right of 0 -> 3 */
+        {on_edge(mesh, 0, 1), 0, 0, M_PI}, /* the surface is to the left */
+        /* the surface is to the right of 0 -> 3 */
+        {on_edge(mesh, 3, 0), M_PI_2, M_PI, 2 * M_PI},
         {test_vertex(mesh, 4), -3 * M_PI_4, 0, 2 * M_PI}, /* 4 -> 0 */
         {test_vertex(mesh, 0), 0, 0, M_PI_2},
         {test_vertex(mesh, 1), M_PI_2, 0, M_PI_2},
@@ -204,7 +205,7 @@ static void at_the_corner_of_a_cube(void **state)
     struct gd_direction x = at(mesh, corner, 0), back = gd_direction_opposite(mesh, &corner, &x);
     expect_near(back.angle, M_PI, exact);
     expect_vector(back.xyz, 0, half, half);
-    /* along the normal, symmetric vectors stay symmetric */
+    /* vectors that are symmetric about the normal stay symmetric */
     struct gd_direction down = along(mesh, corner, (struct gd_vec3){-2, 1, 1});
     expect_near(down.angle, M_PI, exact);
     expect_vector(down.xyz, 0, half, half);
@@ -212,7 +213,8 @@ static void at_the_corner_of_a_cube(void **state)
     gd_mesh_release(mesh);
 }
 
-/* On the edge of a cube between its faces y = 0 and z = 0. Across an edge the surface is flat. */
+/* Tests a point on the edge of a cube between its faces y = 0 and z = 0. Across an edge the surface
+ * is flat. */
 static void on_the_edge_of_a_cube(void **state)
 {
     (void)state;
@@ -227,8 +229,8 @@ static void on_the_edge_of_a_cube(void **state)
                             opposite = gd_direction_opposite(mesh, &point, &direction);
         expect_near(remainder(opposite.angle - angle - M_PI, 2 * M_PI), 0, exact);
     }
-    /* A vector that projects into both faces takes the nearer face. One that projects into none
-     * takes the edge. */
+    /* A vector that projects into both faces is assigned to the nearer face. A vector that projects
+       into neither face is assigned to the edge. */
     expect_near(along(mesh, point, (struct gd_vec3){0, 1, 2}).angle, M_PI_2, exact);
     expect_near(along(mesh, point, (struct gd_vec3){0, 2, 1}).angle, 3 * M_PI_2, exact);
     expect_near(along(mesh, point, (struct gd_vec3){0.1, -1, -2}).angle, 0, exact);
@@ -263,7 +265,7 @@ static void on_a_cone(void **state)
         expect_both(mesh, apex, next, middle.x, middle.y, middle.z);
         struct gd_direction ridge = at(mesh, apex, turn),
                             ahead = gd_direction_opposite(mesh, &apex, &ridge);
-        /* opposite a ridge is the middle of a sector, because the number of sectors is odd */
+        /* the middle of a sector is opposite a ridge, because the number of sectors is odd */
         double reach = -hypot(middle.x, middle.y);
         expect_vector(ahead.xyz, reach * cos(start + turn), reach * sin(start + turn), middle.z);
     }

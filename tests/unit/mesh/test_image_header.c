@@ -34,12 +34,12 @@ static void refuses_other_headers(void **state)
     check_ok(gd__image_header_check(same, &image_header, magic, 7, NULL), NULL);
     check_refusal(another, &image_header, GD_INVALID_ARGUMENT, "another mesh");
     changed = gd__image_header(mesh, other_magic, 7);
-    check_refusal(mesh, &changed, GD_UNRECOGNIZED, "no GDTESTS image");
+    check_refusal(mesh, &changed, GD_UNRECOGNIZED, "not a GDTESTS image");
     changed = gd__image_header(mesh, magic, 6);
     check_refusal(mesh, &changed, GD_UNRECOGNIZED, "version 6");
     changed = image_header;
     changed.byte_order = __builtin_bswap32(image_header.byte_order);
-    check_refusal(mesh, &changed, GD_UNRECOGNIZED, "a machine like this");
+    check_refusal(mesh, &changed, GD_UNRECOGNIZED, "this machine can read");
     mesh->position[mesh->vertex_count - 1].z += 1e-12; /* only this mesh object changes */
     check_refusal(mesh, &image_header, GD_INVALID_ARGUMENT, "another mesh");
     gd_mesh_release(mesh);

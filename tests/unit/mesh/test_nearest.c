@@ -164,7 +164,7 @@ static void ties_go_to_the_lowest_face(void **state)
         struct gd_point_description found;
         gd_point_describe(mesh, &point, &found);
         assert_int_equal(found.kind, GD_POINT_VERTEX);
-        /* whether a face with a lower number has one of these centres as a corner */
+        /* true if a face with a lower number has one of these centres as a corner */
         bool lower_centre = false;
         for (uint32_t c = 0; c < 3 * found.face.index; c++) {
             const double *p = polygons.positions[polygons.corners[c]];

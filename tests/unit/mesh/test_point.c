@@ -105,7 +105,8 @@ static void rounded_weights_are_accepted(void **state)
     expect_equal(on_edge(mesh, v[0], v[1], -1e-10), at_vertex(mesh, v[0]));
     struct gd_point near = in_face(mesh, 5, 1e-13, 0.5, 0.5 - 1e-13);
     assert_int_equal(near.kind, GD_POINT_FACE);
-    struct gd_point p = in_face(mesh, 5, 0.2, 0.3, 0.5 + 9e-10); /* normalised to sum 1 */
+    /* the weights are normalized to the sum 1 */
+    struct gd_point p = in_face(mesh, 5, 0.2, 0.3, 0.5 + 9e-10);
     expect_near(p.weight[0] + p.weight[1] + p.weight[2], 1, 4e-16);
     gd_mesh_release(mesh);
 }
@@ -207,7 +208,7 @@ static void a_description_gives_the_point_again(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Two triangles without a common vertex. */
+/* Uses two triangles without a common vertex. */
 static void finds_the_component_of_a_point(void **state)
 {
     (void)state;
@@ -225,7 +226,8 @@ static void finds_the_component_of_a_point(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Positions of several points equal the positions of each, bit for bit. */
+/* The positions of several points in one call equal the positions from single calls, bit for
+ * bit. */
 static void a_batch_equals_single_calls(void **state)
 {
     (void)state;

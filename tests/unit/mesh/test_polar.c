@@ -49,7 +49,7 @@ static void radius_and_angle_keep_their_digits(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Points close to either end of each edge. */
+/* Tests points close to either end of each edge. */
 static void a_point_of_an_edge_lies_where_its_entry_begins(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* Angles between directions: Euclidean in a plane, and up to half the total angle around an
- * apex. */
+/* Tests angles between directions. They are Euclidean in a plane, and at most half the total angle
+ * around an apex. */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -17,7 +17,7 @@ static struct gd_point at(const struct gd_mesh *mesh, double x, double y, double
 static void in_the_plane(void **state)
 {
     (void)state;
-    /* a vertex, a point of an edge, a point of a face */
+    /* the points are a vertex, a point of an edge, and a point of a face */
     static const double places[][2] = {{0.5, 0.5}, {0.4, 0.5}, {0.46, 0.53}};
     struct rng rng = {4};
     struct gd_polygons polygons;
@@ -41,7 +41,8 @@ static void in_the_plane(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* A pyramid of four sectors: opposite corners are half of the total angle apart. */
+/* In a pyramid of four sectors, the directions to opposite corners differ by half of the total
+ * angle. */
 static void around_an_apex(void **state)
 {
     (void)state;

@@ -60,8 +60,8 @@ static inline enum gd_status face_create(struct gd_parametric **out, struct gd_d
     return gd_nurbs_create(&data, out, detail);
 }
 
-/* Creates the outline of a hole around (u, v): a closed cubic B-spline, nearly an ellipse with the
- * half axes a and b. */
+/* Creates the outline of a hole around (u, v). The outline is a closed cubic B-spline, nearly an
+ * ellipse with the half axes a and b. */
 static inline enum gd_status face_outline(const struct gd_parametric *surface, double u, double v,
                                           double a, double b, struct gd_domain_curve **out)
 {

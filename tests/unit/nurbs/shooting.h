@@ -11,7 +11,8 @@
 
 #include "gd/domain_curve.h"
 
-static const double shooting_tolerance = 1e-15; /* error of a step, relative to the domain */
+/* permitted error of a step, relative to the domain */
+static const double shooting_tolerance = 1e-15;
 
 /* Evaluates the surface's jet. Parameters that rounding places slightly outside the domain are
  * clamped to its border. */
@@ -150,8 +151,8 @@ struct shot {
     double s, t, length, side;
 };
 
-/* Computes a curve's point and first derivative. The derivative is a difference quotient: an angle
- * error e changes the length by e^2 only. */
+/* Computes a curve's point and first derivative. The derivative is a difference quotient. This is
+ * accurate enough, because an angle error e changes the length only by e^2. */
 static inline void shooting_curve(const struct gd_domain_curve *curve, double s, double at[2],
                                   double first[2])
 {
@@ -179,7 +180,7 @@ static inline double shooting_side(const struct gd_domain_curve *curve, double s
 
 /* Computes the three numbers that Newton's method reduces to zero: the distances in u and v by
  * which the geodesic that leaves `from` at a right angle misses `to`, and the cosine of its angle
- * with `to`. *over: the excess length. */
+ * with `to`. Sets *over to the excess length. */
 static inline void shooting_miss(const struct gd_domain_curve *from,
                                  const struct gd_domain_curve *to, const double x[3], double side,
                                  double out[3], double *over)
@@ -219,7 +220,7 @@ static inline bool shoot_between(const struct gd_domain_curve *from,
     for (int i = 0; i < 20; i++) {
         shooting_miss(from, to, x, shot->side, f, &over);
         if (fabs(f[0]) + fabs(f[1]) + fabs(f[2]) <= 1e-8) {
-            /* the error across has an effect of second order */
+            /* the error across the path has an effect of second order */
             *shot = (struct shot){x[0], x[2], x[1] - over, shot->side};
             return true;
         }

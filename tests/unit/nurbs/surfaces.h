@@ -10,8 +10,8 @@
 #include "gd/nurbs.h"
 #include "tests/support/test.h"
 
-/* The unit circle as a rational quadratic with nine control points. Those at corners of the square
- * have the weight sqrt(1/2). */
+/* The unit circle as a rational quadratic with nine control points. The control points at corners
+ * of the square have the weight sqrt(1/2). */
 static const double circle_x[9] = {1, 1, 0, -1, -1, -1, 0, 1, 1};
 static const double circle_y[9] = {0, 1, 1, 1, 0, -1, -1, -1, 0};
 static const double circle_knots[12] = {0, 0, 0, 0.25, 0.25, 0.5, 0.5, 0.75, 0.75, 1, 1, 1};

@@ -1,5 +1,5 @@
-/* Checks of the control during long calls: the processor time between two checks, and the reported
- * progress. */
+/* Tests that long calls check their control. Measures the processor time between two checks, and
+ * tests the reported progress. */
 #include "tests/unit/nurbs/surfaces.h"
 
 #include <time.h>
@@ -8,14 +8,15 @@
 
 enum { CORNERS = 4096, MANY = 2048 };
 
-/* a few ms are usual; sanitizers on a busy machine with two cores took up to 52 */
+/* a few milliseconds are usual; with sanitizers on a busy machine with two cores, up to 52 ms were
+ * measured */
 static const double patience_ms = 100;
 
 struct looking {
     double last, worst; /* ms */
     double fraction;
-    uint32_t left; /* checks before the call is cancelled */
-    bool fell;     /* the fraction decreased */
+    uint32_t left; /* number of checks before the call is cancelled */
+    bool fell;     /* true if the fraction has decreased */
 };
 
 static double processor_ms(void)
@@ -43,7 +44,7 @@ static struct looking begin(uint32_t looks)
 
 static void check_looks(struct looking *looking)
 {
-    (void)look(looking, looking->fraction); /* time since the last check */
+    (void)look(looking, looking->fraction); /* records the time since the last check */
     if (looking->worst > patience_ms) print_error("%.1f ms between two looks\n", looking->worst);
     assert_true(looking->worst <= patience_ms && !looking->fell);
 }
@@ -95,7 +96,8 @@ static void between_curves_of_thousands_of_corners(void **state)
     gd_parametric_release(surface);
 }
 
-/* A solution of thousands of control points: measuring its length checks the control too. */
+/* Solves for thousands of control points. Measuring the length of the solution checks the control,
+ * too. */
 static void on_one_spline_of_thousands_of_points(void **state)
 {
     (void)state;

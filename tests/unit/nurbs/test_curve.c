@@ -15,12 +15,12 @@ static void iso_lines_and_loops_are_closed(void **state)
     assert_true(low == 0 && high == 1);
     gd_domain_curve_at(line, 1.25, uv); /* continues around */
     assert_true(uv[0] == 0.3 && fabs(uv[1] - 1.25) < 1e-15);
-    gd_domain_curve_at(open, 17, uv); /* is clamped to its end */
+    gd_domain_curve_at(open, 17, uv); /* the parameter is clamped to the curve's end */
     assert_true(uv[0] == 2 && uv[1] == 0.5);
     gd_domain_curve_release(line);
     gd_domain_curve_release(open);
     gd_domain_curve_release(loop);
-    /* twice around the axis and once around the tube */
+    /* the curve runs twice around the axis and once around the tube */
     const double ends[2][2] = {{0.1, 0.2}, {2.1, 1.2}};
     check_ok(
         gd_domain_curve_polyline(ring, &(struct gd_domain_polyline){ends, 2}, NULL, &line, NULL),
@@ -35,7 +35,8 @@ static void iso_lines_and_loops_are_closed(void **state)
 static void breaks_at_every_line(void **state)
 {
     (void)state;
-    struct gd_parametric *surface = nurbs_bumps(60, 60, 0.3, 11); /* 56 inner lines each way */
+    /* the surface has 56 inner knot lines in each direction */
+    struct gd_parametric *surface = nurbs_bumps(60, 60, 0.3, 11);
     const double ends[2][2] = {{0, 0.031}, {1, 0.957}};
     struct gd_domain_curve *iso = iso_at(surface, GD_ISO_U, 0.3), *line;
     check_ok(

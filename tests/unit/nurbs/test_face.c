@@ -6,8 +6,8 @@
 #include "tests/support/test.h"
 #include "tests/unit/nurbs/shooting.h"
 
-static const double promise = 1e-10; /* relative error of a length (1e-8 %) */
-static const double right = 1e-8;    /* error of a right angle at an end */
+static const double promise = 1e-10; /* permitted relative error of a length (1e-8 %) */
+static const double right = 1e-8;    /* permitted error of a right angle at an end */
 
 struct scene {
     struct gd_parametric *surface;
@@ -47,8 +47,8 @@ static struct gd_geodesics solve(const struct scene *scene,
     return found;
 }
 
-/* Returns the length of the geodesic that shooting finds. Initial values: the path's, or changed by
- * `off`. */
+/* Returns the length of the geodesic that shooting finds. The initial values are the values of the
+ * path, changed by `off`. */
 static double shot_length(const struct scene *scene, const struct gd_geodesic *path, double off)
 {
     double places[257][2];

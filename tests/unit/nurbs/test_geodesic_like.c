@@ -5,8 +5,8 @@
 #include "gd/geodesic_like.h"
 #include "tests/unit/nurbs/shooting.h"
 
-static const double promise = 1e-10; /* relative error of a length */
-static const double right = 1e-8;    /* error of a right angle at an end */
+static const double promise = 1e-10; /* permitted relative error of a length */
+static const double right = 1e-8;    /* permitted error of a right angle at an end */
 
 struct scene {
     struct gd_parametric *surface;
@@ -44,7 +44,8 @@ static struct gd_geodesics solve(const struct scene *scene, struct gd_domain_cur
     return found;
 }
 
-/* Checks what holds for every result, frees it and returns the length of the shortest path. */
+/* Checks the properties of every result, frees the result and returns the length of the shortest
+ * path. */
 static double length_of(struct gd_geodesics *found)
 {
     const struct gd_geodesic *best = &found->items[0];
@@ -145,7 +146,7 @@ static void cylinder_and_cone_unrolled(void **state)
                turn = fabs(a - b) > M_PI ? 2 * M_PI - fabs(a - b) : fabs(a - b);
         check_close(between(&cylinder, circle_parameter(a), s, circle_parameter(b), t),
                     hypot(turn, 3 * (s - t)), promise);
-        /* the unrolled cone: slant sqrt(1.5^2 + 3^2) from radius 2 to 0.5 */
+        /* the unrolled cone has the slant sqrt(1.5^2 + 3^2) from radius 2 to 0.5 */
         double slant = hypot(1.5, 3), sine = 1.5 / slant, p = (2 - 1.5 * s) / sine,
                q = (2 - 1.5 * t) / sine;
         double angle = turn * sine, least = 0.5 / sine;
@@ -199,8 +200,8 @@ static void path_ends_near_a_knot_line(void **state)
     close_scene(&scene);
 }
 
-/* A straight line in the domain, once with two points and once with two hundred collinear corners:
- * the paths are equal. */
+/* A straight line in the domain is given once by two points and once by two hundred collinear
+ * corners. The paths are equal. */
 static void collinear_corners_do_not_matter(void **state)
 {
     (void)state;
@@ -320,7 +321,7 @@ static void curves_that_meet_have_the_distance_0(void **state)
     assert_true(fabs(found.items[0].meeting[0] - 0.3) < 1e-12 &&
                 fabs(found.items[0].from_parameter - 0.7) < 1e-12);
     gd_geodesics_free(&found);
-    /* across the seam; and a point on a curve */
+    /* the path crosses the seam; another path starts at a point on the curve */
     found =
         solve(&scene, point_at(scene.surface, 1, 0.4), iso_at(scene.surface, GD_ISO_U, 0), NULL);
     assert_true(found.items[0].length == 0);

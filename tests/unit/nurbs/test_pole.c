@@ -1,14 +1,14 @@
 /* Curves that pass through a pole or end in one. In the domain, a pole is a whole line, on which a
- * path's end cannot slide. Also errors of tiny lengths. */
+ * path's end cannot slide. The test also checks the errors of tiny lengths. */
 #include "tests/unit/nurbs/surfaces.h"
 
 #include "gd/geodesic_like.h"
 
-static const double promise = 1e-10; /* relative error of a length */
-static const double right = 1e-8;    /* error of a right angle at an end */
+static const double promise = 1e-10; /* permitted relative error of a length */
+static const double right = 1e-8;    /* permitted error of a right angle at an end */
 
-/* Computes shortest paths from a point to a polyline; `backwards`: from the polyline to the
- * point. */
+/* Computes shortest paths from a point to a polyline, or from the polyline to the point if
+ * `backwards`. */
 static struct gd_geodesics solve(const struct gd_tessellation *tessellation, const double point[2],
                                  const double (*corners)[2], uint32_t count, bool backwards)
 {
@@ -36,8 +36,8 @@ static double colatitude(const struct gd_parametric *sphere, const double at[2])
     return atan2(hypot(x.x.x, x.x.y), -x.x.z); /* from the south pole */
 }
 
-/* A meridian from pole to pole: for points of the opposite half of the sphere its nearest point is
- * a pole. */
+/* Uses a meridian from pole to pole. For points of the opposite half of the sphere, the meridian's
+ * nearest point is a pole. */
 static void a_curve_that_ends_in_a_pole(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* Tests geodesics along meridians. A meridian is a geodesic and a straight line of the domain, but
- * its speed varies, as that of the profile does. */
+ * its speed varies like the speed of the profile. */
 #include "tests/unit/nurbs/surfaces.h"
 
 #include "gd/geodesic_like.h"

@@ -28,15 +28,15 @@ static struct place random_place(const struct gd_parametric *surface, struct rng
     return (struct place){{rng_between(rng, u->low, u->high), rng_between(rng, v->low, v->high)}};
 }
 
-/* Brute force: the path's length on a dense mesh, and the length of the geodesic that shooting
- * finds from it. */
+/* Results of the brute-force method: the path's length on a dense mesh, and the length of the
+ * geodesic that shooting finds from this path. */
 struct brute {
     double mesh;
-    double shot; /* NAN: shooting did not converge, for example near a pole */
+    double shot; /* NAN if shooting did not converge, for example near a pole */
 };
 
-/* Returns the angle at which a path of the mesh starts. *to: the end, moved by whole periods to
- * follow the path in closed directions. */
+/* Returns the angle at which a path of the mesh starts. Sets *to to the end, moved by whole periods
+ * to follow the path in closed directions. */
 static double follow(const struct gd_tessellation *dense, const struct gd_path *path,
                      struct place from, struct place *to)
 {
@@ -98,8 +98,8 @@ static double quintic_length(const struct gd_tessellation *coarse, struct gd_dom
     return length;
 }
 
-/* Returns the length by shooting along the path. NAN if it follows a border, passes a pole or ends
- * in one, or if shooting does not converge. */
+/* Returns the length by shooting along the path. Returns NAN if the path follows a border, passes
+ * through a pole or ends in a pole, or if shooting does not converge. */
 static double shot_length(const struct gd_parametric *surface, const struct gd_geodesic *path)
 {
     double places[65][2], angle, length = path->length;
@@ -188,7 +188,7 @@ static void random_pairs_on_eight_surfaces(void **state)
 
 enum { SAMPLES = 400, CORNERS = 5 };
 
-static const double right = 1e-8; /* error of a right angle at an end */
+static const double right = 1e-8; /* permitted error of a right angle at an end */
 
 /* Returns a random point, loop, iso line, B-spline or polyline. */
 static struct gd_domain_curve *random_curve(const struct gd_parametric *surface, struct rng *rng)
@@ -228,7 +228,7 @@ static struct gd_domain_curve *random_curve(const struct gd_parametric *surface,
     }
 }
 
-/* Samples a curve. *gap: raised to the largest distance in space between neighbours. */
+/* Samples a curve. Raises *gap to the largest distance in space between neighbouring samples. */
 static uint32_t sample(const struct gd_tessellation *dense, const struct gd_domain_curve *curve,
                        struct gd_seed out[SAMPLES], double *gap)
 {
@@ -248,8 +248,8 @@ static uint32_t sample(const struct gd_tessellation *dense, const struct gd_doma
     return count;
 }
 
-/* Returns the smallest distance on a dense mesh between samples of both curves. *gap: as in
- * `sample`. */
+/* Returns the smallest distance on a dense mesh between samples of both curves. `*gap` has the same
+ * meaning as in `sample`. */
 static double sampled_distance(const struct gd_tessellation *dense, const struct gd_domain_curve *a,
                                const struct gd_domain_curve *b, double *gap)
 {

@@ -44,8 +44,8 @@ static double distance_of(const struct bisection *halves, uint32_t face)
                 (p->z - q->z) * (p->z - q->z));
 }
 
-/* Returns the speed-up by two workers: 2 if both are always equally busy, 1 if one waits for the
- * other. */
+/* Returns the speed-up by two workers. This is 2 if both workers are always equally busy, and 1 if
+ * one worker waits for the other. */
 static double gain_of(const struct bisection *halves)
 {
     uint32_t faces = halves->mesh->face_count, count[SHELLS][2] = {{0}}, longest = 0;
@@ -93,7 +93,7 @@ static void halves_are_balanced(void **state)
     check_surface("box", 1.5, &polygons);
 }
 
-/* A mesh with fewer faces than the bisection has samples. */
+/* Tests a mesh with fewer faces than the bisection has samples. */
 static void few_faces(void **state)
 {
     (void)state;

@@ -9,8 +9,8 @@
 #include "gd/field.h"
 #include "tests/samples/samples.h"
 
-/* Two wavefronts that share a surface give the distances of one up to rounding. Their result is the
- * same bit for bit in whatever order the tasks run. */
+/* Two wavefronts that share a surface give the distances of one wavefront up to rounding. The
+ * result is the same bit for bit for every order of the tasks. */
 
 struct task {
     void (*task)(void *context, uint32_t index);
@@ -170,13 +170,14 @@ static void limits(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* The budget is enough for one wavefront but not for two. The build falls back to one and gives the
- * same result. */
+/* The budget is enough for one wavefront but not for two. The build falls back to one wavefront and
+ * gives the same result. */
 static void falls_back_to_one_wavefront(void **state)
 {
     (void)state;
     struct gd_polygons polygons;
-    check_ok(sample_torus(40, 320, 2, 0.7, &polygons), NULL); /* long faces: many wedges per edge */
+    /* the faces are long, so there are many wedges on each edge */
+    check_ok(sample_torus(40, 320, 2, 0.7, &polygons), NULL);
     struct gd_mesh *mesh = test_mesh(&polygons);
     struct gd_seed seed = {
         .point = test_point(mesh, test_random_place(&polygons, &(struct rng){3})), .offset = 0.25};
@@ -196,7 +197,8 @@ static void falls_back_to_one_wavefront(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* A seed close to a vertex of a steep slope: both wavefronts share the windows that it emits. */
+/* Uses a seed close to a vertex of a steep slope. Both wavefronts share the windows that this
+ * vertex emits. */
 static void both_emit_beside_a_vertex(void **state)
 {
     (void)state;

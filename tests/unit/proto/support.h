@@ -1,4 +1,5 @@
-/* Shared by the tests of proto: query strings, checks of written text and of problems, a mesh. */
+/* Helpers of the tests of proto: query strings, checks of written text and of problems, and a
+ * mesh. */
 #ifndef TESTS_UNIT_PROTO_SUPPORT_H
 #define TESTS_UNIT_PROTO_SUPPORT_H
 
@@ -100,7 +101,7 @@ static inline void assert_parameter(const struct proto_problem *problem, const c
     assert_true(problem->detail[0] != '\0');
 }
 
-/* A refused body, and the JSON pointer to the value that is wrong. */
+/* A body that is refused, and the JSON pointer to the wrong value. */
 struct refusal {
     const char *text, *pointer;
 };

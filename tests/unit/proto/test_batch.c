@@ -113,7 +113,7 @@ static void refuses_bad_lines(void **state)
     }
 }
 
-/* As many names as fit are accepted, and one more is refused. */
+/* The largest number of names that fits is accepted, and one more name is refused. */
 static void fields_have_a_largest_size(void **state)
 {
     (void)state;

@@ -4,7 +4,7 @@
 
 #include "proto/values/curve.h"
 
-static struct proto_curve decoded; /* outlives the located curve */
+static struct proto_curve decoded; /* the decoded curve must outlive the located curve */
 
 /* Decodes a curve and locates it on the tetrahedron. */
 static bool locate(const char *text, struct proto_located_curve *out, struct proto_problem *problem)

@@ -17,7 +17,7 @@ static void refuses_hostile_json(void **state)
     (void)state;
     static const struct {
         const char *text;
-        size_t size; /* 0: the text ends at the NUL */
+        size_t size; /* the size of the text; if it is 0, the text ends at the NUL */
     } cases[] = {
         {"{", 0},
         {"}", 0},

@@ -158,7 +158,7 @@ static void a_long_set_is_not_written(void **state)
 {
     (void)state;
     char label[PROTO_FIELD_SET + 1], *text;
-    /* {"label":"aaa"}: 12 characters besides the a's */
+    /* {"label":"aaa"} has 12 characters besides the letters a */
     for (size_t size = PROTO_FIELD_SET - 12; size <= PROTO_FIELD_SET - 11; size++) {
         memset(label, 'a', size);
         json_t *document = json_pack("{s:s#}", "label", label, (int)size);

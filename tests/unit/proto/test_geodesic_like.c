@@ -146,8 +146,8 @@ static void encodes_a_path(void **state)
         "corner\"],\"turns\":[1,0]}");
 }
 
-/* Pieces share the control point where they meet. Where they meet in space but not in the domain,
- * both control points are written, and the knot is repeated once more. */
+/* Pieces share the control point where they meet. If two pieces meet in space but not in the
+ * domain, both control points are written, and the knot is repeated once more. */
 static void pieces_are_encoded_as_one_spline(void **state)
 {
     struct gd_geodesic_piece joined[] = {{2, 3, knots, first}, {2, 3, knots, second}},

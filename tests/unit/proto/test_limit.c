@@ -78,7 +78,7 @@ static void encodes_jets(void **state)
     proto_limit_jet_encode(&writer, &jet, FIELDS(limit_jet, fields));
     assert_written(&writer,
                    "{\"normal\":[0,0,1],\"duu\":null,\"curvatures\":null,\"singular\":true}");
-    jet.normal.x = NAN; /* as at the tip of a spike */
+    jet.normal.x = NAN; /* simulates the tip of a spike, which has no normal */
     writer = new_writer();
     proto_limit_jet_encode(
         &writer, &jet, FIELDS(limit_jet, PROTO_LIMIT_JET_FIELD_NORMAL | PROTO_LIMIT_JET_FIELD_DU));

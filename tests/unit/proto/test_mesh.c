@@ -183,7 +183,7 @@ static void refuses_other_media_types(void **state)
     "cached\":2,"                                                                                  \
     "\"created\":\"2026-11-21T12:34:56Z\",\"etag\":\"1f0c\"}"
 
-/* Builds the tetrahedron without its last face, with one face turned over and an unused vertex. */
+/* Builds the tetrahedron without its last face. One face is reversed, and one vertex is unused. */
 static struct gd_mesh *new_corner(void)
 {
     static double positions[5][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {9, 9, 9}};
@@ -224,8 +224,8 @@ static void describes_meshes(void **state)
     assert_written(&writer, "{\"meshes\":[],\"next\":null}");
 }
 
-/* Two triangles that share only vertex 0, a duplicate of one of them, and a triangle without
- * area. */
+/* Uses two triangles that share only vertex 0, a duplicate of one of these triangles, and a
+ * triangle without area. */
 static void describes_repairs(void **state)
 {
     (void)state;
@@ -257,7 +257,7 @@ static void describes_repairs(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Builds `count` separate triangles, each with a boundary of its own. */
+/* Builds `count` separate triangles. Each triangle has its own boundary. */
 static struct gd_mesh *build_loose_triangles(uint32_t count)
 {
     double(*positions)[3] = calloc(3 * count, sizeof *positions);

@@ -46,7 +46,8 @@ static void a_file_is_a_surface(void **state)
     gd_parametric_release(surface);
 }
 
-/* Weight 3 at the last corner moves the middle towards it: z = (0 + 0 + 0 + 3 * 1) / 6. */
+/* A weight of 3 at the last corner moves the middle towards this corner: z = (0 + 0 + 0 + 3 * 1) /
+ * 6. */
 static void reads_weights_in_each_convention(void **state)
 {
     const struct proto_nurbs_options verb = {.has_convention = true, .convention = GD_NURBS_VERB};

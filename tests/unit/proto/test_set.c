@@ -125,7 +125,8 @@ static void members_are_bounded(void **state)
     test_free(text);
 }
 
-/* Points come first, then curves. A curve gives a seed for each point and one for each segment. */
+/* Points come first, then curves. A curve becomes one seed for each point and one seed for each
+ * segment. */
 static void curves_are_members(void **state)
 {
     (void)state;

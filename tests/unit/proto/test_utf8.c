@@ -27,7 +27,8 @@ static void knows_characters(void **state)
         {"\xe2\x82", 0},
         {"\xe2(\xa1", 0},
         {"\xf0\x9f\x98", 0},
-        /* overlong forms, surrogates, beyond Unicode, bytes that never occur in UTF-8 */
+        /* overlong forms, surrogates, code points beyond Unicode, and bytes that never occur in
+           UTF-8 */
         {"\xc0\x80", 0},
         {"\xc1\xbf", 0},
         {"\xe0\x9f\xbf", 0},

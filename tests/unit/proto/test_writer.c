@@ -129,7 +129,7 @@ static void stops_at_its_maximum_for_good(void **state)
     proto_writer_free(&writer);
 
     proto_append(&writer, "123456789", 9); /* too long */
-    proto_append(&writer, "1", 1);         /* would fit, but the writer has failed */
+    proto_append(&writer, "1", 1);         /* the text would fit, but the writer has failed */
     proto_append_format(&writer, "%d", 1);
     proto_write_number(&writer, 1);
     assert_int_equal(writer.size, 0);
@@ -165,7 +165,7 @@ static void reserves_the_expected_size_once(void **state)
     assert_ptr_equal(writer.data, data);
     proto_append(&writer, "x", 1);
     assert_int_equal(writer.capacity, 10000);
-    proto_writer_expect(&writer, 5000); /* more than the maximum: fails only when written */
+    proto_writer_expect(&writer, 5000); /* this exceeds the maximum, but only a later write fails */
     assert_int_equal(writer.failure, PROTO_WRITER_FINE);
     proto_writer_free(&writer);
 }
@@ -211,11 +211,12 @@ static void counts_large_buffers_until_they_are_freed(void **state)
     append_many(&writer, 3000000);
     assert_int_equal(budget.taken, writer.capacity);
     assert_true(writer.capacity <
-                writer.size + writer.size / 3); /* the free part is less than a third */
+                /* the free part of the block is less than a third */
+                writer.size + writer.size / 3);
     proto_writer_free(&writer);
     assert_int_equal(budget.taken, 0);
 
-    append_many(&writer, 20000); /* counted again after proto_writer_free */
+    append_many(&writer, 20000); /* the block is counted again after proto_writer_free */
     size_t size = 0;
     char *text = proto_writer_take(&writer, &size);
     assert_int_equal(budget.taken,
@@ -246,7 +247,7 @@ static void fails_when_there_is_no_room(void **state)
 struct drain {
     char text[4096];
     size_t size, most; /* largest block */
-    size_t left;       /* blocks that it accepts */
+    size_t left;       /* number of blocks that the sink still accepts */
 };
 
 static bool drain_write(void *user, const char *text, size_t size)
@@ -308,7 +309,7 @@ static void a_sink_can_stop_the_writer(void **state)
     for (int lacking = 0; lacking < 2; lacking++) {
         proto_writer_free(&writer);
         drain.size = 0;
-        /* 1000 more: writing a row reserves memory for later rows */
+        /* the limit is 1000 bytes larger, because writing a row reserves memory for later rows */
         proto_writer_init(&writer, lacking ? size - 1 : size + 1000);
         writer.sink = &sink;
         write_rows(&writer);

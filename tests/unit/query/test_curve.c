@@ -24,7 +24,7 @@ static double distance(const struct gd_mesh *mesh, struct gd_point p, struct gd_
 }
 
 /* The curve passes through its points in order. Its length is the sum of the distances between
- * them. */
+ * consecutive points. */
 static void joined_by_shortest_paths(void **state)
 {
     (void)state;

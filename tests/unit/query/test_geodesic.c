@@ -8,7 +8,7 @@
 static const char square[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
 static const char islands[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 0 0\nv 6 0 0\nv 5 1 0\n"
                               "f 1 2 3\nf 4 5 6\n";
-/* three triangles at one edge */
+/* three triangles that share one edge */
 static const char fins[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\n"
                            "f 1 2 3\nf 2 1 4\nf 1 2 5\n";
 

@@ -11,8 +11,8 @@ enum { MOST = 12 };
 
 static const double promise = 1e-9;
 
-/* From a corner: the opposite corner, the other two corners, the centre. On one cell and on
- * many. */
+/* Sampling from a corner finds the opposite corner, then the other two corners, and then the
+ * centre. The test uses one cell and many cells. */
 static void corners_and_middle_of_a_square(void **state)
 {
     (void)state;
@@ -32,8 +32,8 @@ static void corners_and_middle_of_a_square(void **state)
     }
 }
 
-/* Each point's distance from the earlier ones equals the reported radius, and no vertex is
- * farther. */
+/* Each point's distance from the earlier points equals the reported radius, and no vertex is
+ * farther away. */
 static void radii_cover_the_surface(void **state)
 {
     (void)state;

@@ -149,7 +149,7 @@ static void the_guide_respects_the_budget(void **state)
     assert_int_equal(aim(&guide, mesh, 100, &tight), GD_BUDGET);
     gd__guide_clean(&guide);
     check_ok(aim(&guide, mesh, 500, NULL), NULL);
-    guide.touched_capacity = guide.touched_count; /* no room for further nodes */
+    guide.touched_capacity = guide.touched_count; /* the guide has no memory for further nodes */
     struct gd_control spent = {.budget_bytes = gd__guide_held(&guide)};
     guide.control = &spent;
     for (uint32_t v = 0; v < mesh->vertex_count; v++) assert_true(gd__guide_lower(&guide, v) >= 0);
@@ -237,8 +237,8 @@ static void a_failed_search_leaves_nothing(void **state)
     gd_mesh_release(mesh);
 }
 
-/* A path close to a vertex with a large fan visits the fan a few times, not once for each of its
- * vertices. */
+/* A search for a path close to a vertex with a large fan visits the fan a few times, not once for
+ * each vertex of the fan. */
 static void large_fans_are_visited_a_few_times(void **state)
 {
     (void)state;
@@ -286,8 +286,8 @@ static void points_close_to_a_vertex(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* As above, for a point of an edge and the edge's end at the origin. There coordinates are exact,
- * but edge lengths are rounded. */
+/* Like points_close_to_a_vertex, for a point of an edge and the edge's end at the origin. At the
+ * origin, coordinates are exact but edge lengths are rounded. */
 static void points_close_to_a_vertex_at_the_origin(void **state)
 {
     (void)state;

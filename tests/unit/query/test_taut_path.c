@@ -9,7 +9,7 @@
 
 enum { PAIRS = 60 };
 
-/* Relative excess of the taut paths' lengths over the distances: the maximum and the mean. */
+/* The maximum and the mean of the relative excess of the taut paths' lengths over the distances. */
 struct excess {
     double most, sum;
 };
@@ -76,7 +76,7 @@ static void lengths_are_upper_bounds(void **state)
     check_surface("obstacles", 1e-1);
 }
 
-/* A path within one face, and a path from a point to itself. */
+/* Tests a path within one face, and a path from a point to itself. */
 static void trivial_paths(void **state)
 {
     (void)state;

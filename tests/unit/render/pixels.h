@@ -1,4 +1,4 @@
-/* Shared by the tests of pictures: a PNG decoder that is independent of the writer. */
+/* A PNG decoder for the tests of pictures. It shares no code with the PNG writer. */
 #ifndef TESTS_UNIT_RENDER_PIXELS_H
 #define TESTS_UNIT_RENDER_PIXELS_H
 

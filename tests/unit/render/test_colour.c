@@ -22,8 +22,8 @@ static struct oklab oklab_of(struct gd__colour colour)
                           0.0259040371 * l + 0.7827717662 * m - 0.8086757660 * s};
 }
 
-/* Converts from sRGB to Oklab and checks that steps are even. Clamped components would make them
- * uneven. */
+/* Converts from sRGB to Oklab and checks that steps are even. Clamped colour components would make
+ * the steps uneven. */
 static void equal_steps_look_equal(void **state)
 {
     (void)state;

@@ -70,7 +70,7 @@ static void dashes_have_their_lengths(void **state)
     (void)state;
     struct gd__lines line = {0}, dashes = {0};
     gd__lines_add(&line, 0, 0);
-    gd__lines_add(&line, 33, 44); /* length 55, the bend is within a dash */
+    gd__lines_add(&line, 33, 44); /* the line has the length 55, and its bend is within a dash */
     gd__lines_add(&line, 33, 49);
     gd__lines_end(&line);
     gd__lines_dash(&line, 4, 6, &dashes);

@@ -119,7 +119,8 @@ static void colours_are_those_of_the_distance(void **state)
                    py = (flat.bottom - row - 0.5) / flat.scale, distance = hypot(px - x, py - y);
             struct gd__colour colour = gd__colour_of_part(distance / range);
             const uint8_t *pixel = pixel_at(&pixels, column, row);
-            if (distance * flat.scale < 8) continue; /* covered by the source's mark */
+            /* the mark of the source covers these pixels */
+            if (distance * flat.scale < 8) continue;
             if (shade < 0) shade = pixel[1] / (255 * colour.green);
             worst = fmax(worst, fabs(pixel[0] - 255 * shade * colour.red));
             worst = fmax(worst, fabs(pixel[1] - 255 * shade * colour.green));
@@ -131,8 +132,8 @@ static void colours_are_those_of_the_distance(void **state)
     close_flat(&flat);
 }
 
-/* Isolines are at multiples of 0.5. Exactly the pixels near these circles are darker than without
- * isolines. */
+/* Isolines are at multiples of 0.5. Only the pixels near these circles are darker than in a picture
+ * without isolines. */
 static void isolines_are_circles(void **state)
 {
     (void)state;
@@ -204,7 +205,8 @@ static void a_path_is_drawn_in_place(void **state)
     close_flat(&flat);
 }
 
-/* The same path on a sphere: solid from the front, faint and dashed from behind. */
+/* Draws the same path on a sphere. The path is solid seen from the front, and faint and dashed seen
+ * from behind. */
 static void hidden_lines_are_faint(void **state)
 {
     (void)state;
@@ -280,7 +282,7 @@ static void random_pictures(void **state)
     struct gd_polygons polygons;
     struct rng rng = {21};
     check_ok(sample_genus2(6, 0.3, &polygons), NULL);
-    for (int k = 0; k < 3; k++) /* far from the origin, and tiny */
+    for (int k = 0; k < 3; k++) /* the surface is far from the origin, or tiny */
         for (uint32_t i = 0; i < polygons.position_count; i++)
             polygons.positions[i][k] = polygons.positions[i][k] * 1e-3 + 1e3;
     struct gd_mesh *mesh = test_mesh(&polygons);

@@ -67,8 +67,8 @@ struct soup {
     uint64_t samples, covered, skipped;
 };
 
-/* Returns the face's depth at a sample. INFINITY: outside the face. NAN: on its border up to
- * rounding. */
+/* Returns the face's depth at a sample. Returns INFINITY outside the face, and NAN on its border up
+ * to rounding. */
 static double depth_at(const struct scene *scene, uint32_t face, double x, double y)
 {
     uint32_t v[3];
@@ -119,7 +119,7 @@ static void compare_sample(void *user, uint32_t face, float depth, double x, dou
     assert_true(fabs(depth - nearest) < 2e-3);
 }
 
-/* Random triangles, some of them partly outside the picture. */
+/* Uses random triangles, some of which are partly outside the picture. */
 static void nearest_face_at_every_sample(void **state)
 {
     (void)state;
@@ -152,8 +152,8 @@ static void count_covered(void *user, uint32_t face, float depth, double x, doub
     *count += face != GD_NONE;
 }
 
-/* A sheet of many triangles with displaced inner vertices. Samples inside the sheet are covered,
- * others are not. */
+/* A sheet of many triangles with displaced inner vertices. Samples inside the sheet are covered;
+ * other samples are not. */
 static void no_gaps_between_neighbours(void **state)
 {
     (void)state;

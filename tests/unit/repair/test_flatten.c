@@ -153,8 +153,8 @@ static void caps_at_the_border_are_dropped(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Two opposite caps on the diagonal of a square, with the same inner point or with two different
- * ones. */
+/* Uses two opposite caps on the diagonal of a square. The caps have the same inner point or two
+ * different inner points. */
 static void a_pocket_closes(void **state)
 {
     (void)state;
@@ -178,7 +178,8 @@ static void a_pocket_closes(void **state)
     gd_mesh_release(mesh);
 }
 
-/* A side that is a billionth of the others collapses: its ends become one vertex. */
+/* A side that is a billion times shorter than the others collapses, and its ends become one
+ * vertex. */
 static void needles_collapse(void **state)
 {
     (void)state;
@@ -236,8 +237,8 @@ static void scale_does_not_matter(void **state)
     }
 }
 
-/* A random triangulation of collinear points between two triangles: the worst case for the order of
- * flips. The repair finishes in bounded time. */
+/* A random triangulation of collinear points between two triangles is the worst case for the order
+ * of flips. The repair must finish in bounded time. */
 static void random_caps_are_repaired_in_bounded_time(void **state)
 {
     (void)state;

@@ -29,8 +29,8 @@ static void a_surface_stays_as_it_is(void **state)
     }
 }
 
-/* 1 and 4 are at one position and joined by an edge: they are merged. 2 and 5 are at one position
- * too, but no edge joins them. */
+/* Vertices 1 and 4 have the same position and are joined by an edge, so they are merged. Vertices 2
+ * and 5 have the same position, too, but no edge joins them. */
 static void vertices_that_an_edge_of_length_zero_joins_become_one(void **state)
 {
     (void)state;
@@ -105,7 +105,7 @@ static void a_ring_that_passes_a_vertex_twice_is_refused(void **state)
                     "face 0 has vertex 0 as two of its corners");
 }
 
-/* A square with a square hole. The edge 0-4 joins the outer and the inner ring. */
+/* Uses a square with a square hole. The edge 0-4 joins the outer and the inner ring. */
 static void a_ring_with_a_bridge_to_its_hole_is_cut(void **state)
 {
     (void)state;

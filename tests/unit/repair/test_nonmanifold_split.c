@@ -92,7 +92,7 @@ static void of_three_faces_the_two_around_the_inside_stay_joined(void **state)
     assert_int_equal(gd_mesh_summary(mesh)->flipped_faces, 0);
     gd_mesh_release(mesh);
 
-    /* opposite orientation: the inside is between 3 and 2 */
+    /* the orientation is opposite, so the inside is between 3 and 2 */
     uint32_t turned[] = {0, 1, 2, 1, 0, 3, 1, 0, 4};
     polygons = TRIANGLES(around_x, turned);
     mesh = mend(&polygons);
@@ -210,8 +210,9 @@ static uint32_t next_random(uint64_t *state)
     return (uint32_t)(*state >> 33);
 }
 
-/* Random triangles over a few vertices: edges with many faces, vertices with many fans. Each mesh
- * is built or refused as non-orientable. Its faces have the input's corners or copies of them. */
+/* Uses random triangles over a few vertices, so that edges have many faces and vertices have many
+ * fans. Each mesh is built or rejected as non-orientable. The faces of a built mesh have the
+ * input's corners or copies of these corners. */
 static void random_triangles_become_surfaces(void **state)
 {
     (void)state;

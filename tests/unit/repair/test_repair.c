@@ -87,8 +87,9 @@ static uint32_t next_random(uint64_t *state)
     return (uint32_t)(*state >> 33);
 }
 
-/* Random triangles over a few lattice points, exact or slightly moved: every kind of damage at
- * once. Each mesh is repaired or refused; at most one is refused for a degenerate face. */
+/* Uses random triangles over a few lattice points, exact or slightly moved, which have every kind
+ * of damage. Each mesh is repaired or rejected; at most one mesh is rejected for a degenerate
+ * face. */
 static void any_damage_is_repaired_or_reported(void **state)
 {
     (void)state;

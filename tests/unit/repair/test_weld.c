@@ -78,8 +78,8 @@ static void a_soup_of_triangles_becomes_a_cube(void **state)
     }
 }
 
-/* Vertices 1, 3 and 4 are in a row, each within the tolerance of the next. 3 is welded to 1, but 4
- * is not. */
+/* Vertices 1, 3 and 4 are in a row, each within the tolerance of the next vertex. Vertex 3 is
+ * welded to vertex 1, but vertex 4 is not. */
 static void a_chain_of_close_points_is_not_welded_to_one(void **state)
 {
     (void)state;
@@ -149,8 +149,8 @@ static void an_error_of_coinciding_faces_names_the_weld(void **state)
                     "the weld brought vertex 3 to vertex 0");
 }
 
-/* A quad with a short side becomes a triangle, and the sliver beside it is removed. Later indices
- * stay. */
+/* A quad with a short side becomes a triangle, and the adjacent sliver is removed. Indices of other
+ * faces stay the same. */
 static void faces_that_fall_together_are_removed(void **state)
 {
     (void)state;
@@ -218,8 +218,8 @@ static void a_tolerance_beyond_the_mesh_leaves_nothing(void **state)
     }
 }
 
-/* Compares with the rule applied to all pairs. Each face shares at most one corner with welded
- * points. */
+/* Compares with the welding rule applied to all pairs. Each face shares at most one corner with
+ * welded points. */
 static void agrees_with_a_search_of_all_pairs(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* Shared by the tests of the cache: a cache with one mesh cache, and requests for the fields of two
- * points. */
+/* Helpers of the tests of the cache: a cache with one mesh cache, and requests for the fields of
+ * two points. */
 #ifndef TESTS_UNIT_SERVER_CACHED_FIELDS_H
 #define TESTS_UNIT_SERVER_CACHED_FIELDS_H
 
@@ -35,7 +35,7 @@ static inline int tear_down(void **state)
     server_cache_destroy(fixture->cache);
     server_workers_destroy(fixture->workers);
     gd_mesh_release(fixture->mesh);
-    assert_int_equal(fixture->budget.total, 0); /* every byte of the budget was returned */
+    assert_int_equal(fixture->budget.total, 0); /* all counted bytes were returned to the budget */
     free(fixture);
     return 0;
 }

@@ -17,7 +17,8 @@
 
 static struct server daemon_server;
 static sem_t daemon_finished;
-/* true after an error: an exchange finished before its handler's state was freed */
+/* becomes true by an error of the server, if an exchange finishes before its handler's state is
+ * freed */
 static bool daemon_had_state;
 
 static inline void daemon_finish(struct server_exchange *exchange)
@@ -88,8 +89,8 @@ static inline void daemon_stop(void)
 struct daemon_request {
     const char *tenant; /* NULL: none */
     const char *method, *target;
-    /* "Name: value" lines besides Host, and besides Content-Length if there is a body; NULL:
-       none */
+    /* "Name: value" lines in addition to Host, and to Content-Length if there is a body; may be
+       NULL */
     const char *headers;
     const char *body; /* NULL: none */
 };
@@ -134,7 +135,7 @@ static inline void daemon_end(struct server_exchange *exchange, const char *body
 /* Returns the answered exchange, for the caller to destroy. */
 static inline struct server_exchange *daemon_ask(struct daemon_request request)
 {
-    char headers[512]; /* unused after this function returns */
+    char headers[512]; /* the headers are not used after this function returns */
     int size = snprintf(headers, sizeof headers, "%s", request.headers ? request.headers : "");
     if (request.body)
         snprintf(headers + size, sizeof headers - (size_t)size, "\nContent-Length: %zu",

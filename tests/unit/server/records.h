@@ -1,4 +1,4 @@
-/* Records for tests, as uploads would make them. */
+/* Makes records for tests, equal to the records that uploads make. */
 #ifndef TESTS_UNIT_SERVER_RECORDS_H
 #define TESTS_UNIT_SERVER_RECORDS_H
 
@@ -15,7 +15,8 @@ static inline struct server_key mesh_key(const char *name)
     return (struct server_key){.tenant = "", .kind = &server_kind_mesh, .name = name};
 }
 
-/* Creates a record with that key, of a file and an attachment (NULL: none), both given as texts. */
+/* Creates a record with that key for a file and an attachment, both given as texts. The attachment
+ * may be NULL. */
 static inline struct server_record *new_record_of(struct server_key key, const char *options,
                                                   const char *bytes, const char *attachment)
 {

@@ -1,4 +1,4 @@
-/* Shared by the tests of server: meshes, fields, and jobs that record how they end. */
+/* Helpers of the tests of server: meshes, fields, and jobs that record how they end. */
 #ifndef TESTS_UNIT_SERVER_SUPPORT_H
 #define TESTS_UNIT_SERVER_SUPPORT_H
 
@@ -56,7 +56,7 @@ static inline struct gd_field *new_field(const struct gd_mesh *mesh, const struc
 struct test_job {
     struct server_job job; /* first */
     sem_t began, done;
-    sem_t *hold; /* run waits for this; NULL: it does not wait */
+    sem_t *hold; /* `run` waits for this semaphore; NULL if it does not wait */
     int runs;
     int refusals;
     enum server_refusal why;

@@ -1,4 +1,4 @@
-/* Exchanges pass through router, handlers and workers, without a network. */
+/* Tests exchanges in router, handlers and workers without a network. */
 #include "tests/unit/server/daemon.h"
 
 static int set_up(void **state)
@@ -49,7 +49,8 @@ static void an_upload_and_a_query(void **state)
         assert_int_equal(status_of("GET", "/v1/meshes/square/distance?from=v:0&to=v:1", "", NULL),
                          200);
     exchange = exchange_of("GET", "/v1/meshes/square/distance?from=v:2&to=v:0", "", NULL);
-    assert_ptr_equal(exchange->work, NULL); /* answered at once: v:0 has a field by now */
+    /* the request is answered at once, because v:0 has a field now */
+    assert_ptr_equal(exchange->work, NULL);
     server_exchange_destroy(exchange);
     assert_int_equal(status_of("DELETE", "/v1/meshes/square", "", NULL), 204);
     assert_int_equal(status_of("GET", "/v1/meshes/square", "", NULL), 404);
@@ -208,14 +209,15 @@ static void a_search_leaves_a_workspace_that_is_counted(void **state)
     assert_int_equal(counted(SERVER_BUDGET_FLIGHT), 0);
 }
 
-/* The first grant exceeds the free memory. So the idle workspace is freed, and the call gets all
- * the rest. */
+/* The first grant exceeds the free memory. The budget therefore frees the idle workspace, and the
+ * call gets all remaining memory. */
 static void a_search_can_use_all_memory(void **state)
 {
     (void)state;
     assert_int_equal(PUT_SQUARE(), 201);
     assert_int_equal(status_of("GET", "/v1/meshes/square/distance?from=v:0&to=v:1", "", NULL), 200);
-    size_t left = counted(SERVER_BUDGET_WORKSPACES); /* half of it is too little for a search */
+    /* half of the budget is too little for a search */
+    size_t left = counted(SERVER_BUDGET_WORKSPACES);
     size_t taken = daemon_server.budget.limit - counted(SERVER_BUDGET_MESHES) - left - left / 2;
     assert_true(server_budget_take(&daemon_server.budget, SERVER_BUDGET_FLIGHT, taken));
     unsigned status = status_of("GET", "/v1/meshes/square/distance?from=v:2&to=v:3", "", NULL);

@@ -58,8 +58,8 @@ static inline struct gd_subdivision *surface_from_file(const char *path, enum gd
     "v 1 0 0\nv 0 1 0\nv -1 0 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\n"                                    \
     "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\nf 2 1 6\nf 3 2 6\nf 4 3 6\nf 1 4 6\n"
 
-/* Makes a bent sheet of n x n cells, of two triangles each if `triangles`. The quad (i,j) is face i
- * n + j with the corners (i,j), (i+1,j), (i+1,j+1), (i,j+1). */
+/* Makes a bent sheet of n x n cells. If `triangles`, each cell has two triangles. The quad (i,j) is
+ * face i n + j with the corners (i,j), (i+1,j), (i+1,j+1), (i,j+1). */
 static inline void make_sheet(uint32_t n, bool triangles, struct gd_control_mesh *out)
 {
     *out = (struct gd_control_mesh){0};

@@ -31,8 +31,8 @@ static void check_places(const struct gd_subdivision *surface, const struct gd_d
     free(jets);
 }
 
-/* Checks that the mesh has no cracks: Euler characteristic and boundaries are the control
- * mesh's. */
+/* Checks that the mesh has no cracks. Its Euler characteristic and boundaries must equal those of
+ * the control mesh. */
 static void check_mesh(const struct gd_discretization *fine, int64_t euler, uint32_t loops)
 {
     struct gd_mesh *mesh = test_mesh(&fine->polygons);
@@ -110,7 +110,7 @@ static void tolerances(void **state)
     gd_subdivision_release(surface);
 }
 
-/* A real control mesh with boundaries, quads and triangles. */
+/* Tests a real control mesh with boundaries, quads and triangles. */
 static void real_mesh(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
 #include "tests/unit/subdiv/surfaces.h"
 
-/* Values that were computed independently and agree with OpenSubdiv to 12 digits. */
+/* Compares with values that were computed independently and agree with OpenSubdiv to 12 digits. */
 static void cube_values(void **state)
 {
     (void)state;
@@ -54,7 +54,7 @@ static double basis(int i, double t)
     return b[i];
 }
 
-/* A regular grid gives the uniform bicubic B-spline. */
+/* The surface of a regular grid is the uniform bicubic B-spline. */
 static void regular_grid(void **state)
 {
     (void)state;
@@ -74,7 +74,7 @@ static void regular_grid(void **state)
     gd_control_mesh_free(&mesh);
 }
 
-/* Four infinitely sharp edges around the top: their curve is the uniform cubic B-spline of the
+/* Uses four infinitely sharp edges around the top. Their curve is the uniform cubic B-spline of the
  * square, and the top stays in the plane z = 1. */
 static void creased_cube(void **state)
 {
@@ -141,7 +141,7 @@ static void fractional(void **state)
 }
 
 /* Compares first derivatives with central differences of positions, and second derivatives with
- * those of first derivatives. */
+ * central differences of first derivatives. */
 static void check_derivatives(const struct gd_subdivision *surface, uint32_t face, double u,
                               double v)
 {
@@ -337,13 +337,13 @@ static void spikes(void **state)
     check_spike(SKEW_CUBE "t corner 1/1/0 7 10\n", GD_SCHEME_CATMULL_CLARK, 0, 2);
     check_spike(OCTAHEDRON "t corner 1/1/0 0 10\n", GD_SCHEME_LOOP, 0, 0);
     check_spike(OCTAHEDRON "t corner 1/1/0 4 10\n", GD_SCHEME_LOOP, 0, 2);
-    /* finite sharpness: smooth in the limit */
+    /* a corner of finite sharpness is smooth in the limit */
     cube = surface_from(SKEW_CUBE "t corner 1/1/0 4 9.9\n", GD_SCHEME_CATMULL_CLARK);
     check_close(gd_vec3_length(jet_at(cube, 0, 0, 0, 0).normal), 1, 1e-14);
     gd_subdivision_release(cube);
 }
 
-/* A corner that is the centre of its ring already is not a spike: a regular planar sheet stays the
+/* A corner that is already the centre of its ring is not a spike. A regular planar sheet stays the
  * same. */
 static void corner_in_a_plane(void **state)
 {
@@ -359,7 +359,7 @@ static void corner_in_a_plane(void **state)
         mesh.corners = &corner, mesh.corner_count = 1;
         struct gd_subdivision *sheet =
             surface_of(&mesh, triangles ? GD_SCHEME_LOOP : GD_SCHEME_CATMULL_CLARK);
-        uint32_t face = triangles ? 20 : 10; /* begins at vertex 12 */
+        uint32_t face = triangles ? 20 : 10; /* this face begins at vertex 12 */
         check_near(jet_at(sheet, face, 0, 0, 0).position, 2, 2, 0, 1e-15);
         check_near(jet_at(sheet, face, 0, 0, 0).normal, 0, 0, 1, 1e-14);
         check_near(jet_at(sheet, face, 0, 0.25, 0.5).position, 2.25, 2.5, 0, 1e-14);
@@ -369,7 +369,7 @@ static void corner_in_a_plane(void **state)
     }
 }
 
-/* Collinear control points: positions exist, but no normals. */
+/* For collinear control points the surface has positions but no normals. */
 static void collinear_control_points(void **state)
 {
     (void)state;
@@ -382,7 +382,7 @@ static void collinear_control_points(void **state)
     gd_subdivision_release(line);
 }
 
-/* Every face of real control meshes, with quads, triangles, polygons and boundaries. */
+/* Tests every face of real control meshes with quads, triangles, polygons and boundaries. */
 static void real_meshes(void **state)
 {
     (void)state;
@@ -412,7 +412,7 @@ static void real_meshes(void **state)
     }
 }
 
-/* The same result at scales from 1e-6 to 1e6. */
+/* The result is the same at scales from 1e-6 to 1e6. */
 static void scales(void **state)
 {
     (void)state;

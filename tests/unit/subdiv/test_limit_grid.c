@@ -8,7 +8,7 @@ struct scene {
     struct gd_subdivision *surface;
     struct gd_limit_mesh *mesh;
     struct gd_limit_grid *grid;
-    uint32_t traced, left; /* traces on the grid, and those that need the mesh */
+    uint32_t traced, left; /* number of traces on the grid, and of traces that need the mesh */
 };
 
 static struct scene open_scene(struct gd_subdivision *surface, uint32_t level)
@@ -34,8 +34,8 @@ static const enum gd_limit_end ends[] = {[GD_TRACE_END_LENGTH] = GD_LIMIT_END_LE
                                          [GD_TRACE_END_BOUNDARY] = GD_LIMIT_END_BOUNDARY,
                                          [GD_TRACE_END_STEP_LIMIT] = GD_LIMIT_END_STEPS};
 
-/* Checks a path against a trace: the same points, up to rounding that a line of many faces
- * amplifies. */
+/* Checks that a path has the points of a trace, up to rounding errors, which a line across many
+ * faces amplifies. */
 static void check_path(const struct scene *scene, const struct gd_limit_path *path,
                        const struct gd_trace *trace)
 {

@@ -98,7 +98,7 @@ static void triangles(void **state)
     check(OCTAHEDRON, GD_SCHEME_LOOP, 8, 1);
 }
 
-/* In a mesh with triangles, a quad is one piece of four parts. */
+/* In a mesh that also has triangles, a quad is one piece with four parts. */
 static void mixed(void **state)
 {
     (void)state;

@@ -26,8 +26,8 @@ static double gap(const struct gd_limit_path *path)
     return gd_vec3_distance(path->steps[0].position, last(path)->position);
 }
 
-/* The two closed geodesics in mirror planes of the smoothed cube. Their lengths were computed by
- * quadrature of |S'|. The second one, 5.384418260817, used Gauss nodes graded towards the four
+/* Tests the two closed geodesics in mirror planes of the smoothed cube. Their lengths were computed
+ * by quadrature of |S'|. The second one, 5.384418260817, used Gauss nodes graded towards the four
  * vertices of valence 3. */
 static void closed_geodesics(void **state)
 {
@@ -122,7 +122,7 @@ static void flat(void **state)
     gd_control_mesh_free(&mesh);
 }
 
-/* A path that is aimed at the tip of a spike ends there. Other paths pass by. */
+/* A path that is directed at the tip of a spike ends there. Other paths pass the tip. */
 static void spike(void **state)
 {
     (void)state;
@@ -153,8 +153,8 @@ static void spike(void **state)
     gd_subdivision_release(cube);
 }
 
-/* Paths from the inner corner of a flat L, which has three faces: they are straight lines,
- * whichever face the start names. */
+/* Tests paths from the inner corner of a flat L, which has three faces. The paths are straight
+ * lines for each of the three faces that the start can name. */
 static void from_corners(void **state)
 {
     (void)state;
@@ -185,7 +185,7 @@ static void from_corners(void **state)
     gd_subdivision_release(l);
 }
 
-/* A semi-sharp tag leaves a smooth vertex in the limit. A path passes through it in both
+/* A vertex with a semi-sharp tag is smooth in the limit. A path passes through the vertex in both
  * directions. */
 static void semi_sharp_vertex(void **state)
 {
@@ -246,7 +246,8 @@ static void refusals(void **state)
 }
 
 /* Traces a thousand random geodesics on a real control mesh and on its discretization. None may
- * fail. Every tenth starts at a vertex. `part`: length relative to the bounding box's diagonal. */
+ * fail. Every tenth starts at a vertex. `part` is the length relative to the bounding box's
+ * diagonal. */
 static void check_thousand(const char *path, double part)
 {
     struct gd_subdivision *surface = surface_from_file(path, GD_SCHEME_CATMULL_CLARK);
@@ -282,7 +283,7 @@ static void check_thousand(const char *path, double part)
         struct gd_trace line;
         check_ok(gd_limit_mesh_point(fine, &start, &from, &detail), &detail);
         enum gd_status status = gd_direction_along(mesh, &from, direction, &ahead, &detail);
-        if (status == GD_NOT_ON_SURFACE) continue; /* leads over the boundary */
+        if (status == GD_NOT_ON_SURFACE) continue; /* the direction leads over the boundary */
         check_ok(status, &detail);
         check_ok(gd_trace_follow(
                      mesh,

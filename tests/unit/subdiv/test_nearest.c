@@ -39,7 +39,7 @@ static void along_normals(void **state)
     (void)state;
     struct gd_subdivision *surface = surface_from(CUBE, GD_SCHEME_CATMULL_CLARK);
     check_normals(surface, 6, 0.3);
-    /* the vertex of valence 3 */
+    /* uses the vertex of valence 3 */
     struct gd_limit_closest foot = foot_of(surface, (struct gd_vec3){3, 3, 3});
     check_near(foot.position, 0.5, 0.5, 0.5, 1e-12);
     check_close(foot.distance, 2.5 * sqrt(3), 1e-14);

@@ -2,8 +2,8 @@
 
 #include "gd/limit_path.h"
 
-/* Checks that relaxation finds a traced geodesic again from three points, the middle one of which
- * is off the geodesic. */
+/* Checks that relaxation finds a traced geodesic again from three points. The middle point is not
+ * on the geodesic. */
 static void check_found(const struct gd_subdivision *surface, uint32_t faces, double length)
 {
     struct rng rng = {2};
@@ -67,7 +67,7 @@ static void around_a_corner(void **state)
              NULL);
     assert_false(found.converged);
     assert_null(found.path.steps);
-    /* crosses the gap in a straight line */
+    /* the initial line crosses the gap */
     const struct gd_limit_point chord[2] = {polyline[0], polyline[2]};
     check_ok(gd_limit_relax(corner, &(struct gd_limit_places){chord, 2}, NULL, &found, NULL), NULL);
     assert_false(found.converged);

@@ -46,8 +46,9 @@ static void plane(void **state)
     gd_subdivision_release(surface);
 }
 
-/* A quarter of the closed geodesic in the mirror plane y = 0 of the smoothed cube, from the middle
- * of the top to the middle of the side x = 1. Its length is that of test_limit_trace.c. */
+/* Tests a quarter of the closed geodesic in the mirror plane y = 0 of the smoothed cube. It leads
+ * from the middle of the top to the middle of the side x = 1. Its length is a quarter of the length
+ * in test_limit_trace.c. */
 static void quarter_of_a_closed_geodesic(void **state)
 {
     (void)state;
@@ -62,7 +63,7 @@ static void quarter_of_a_closed_geodesic(void **state)
         check_close(shortest.steps[0].position.z, 68.0 / 81, 1e-12);
         check_close(shortest.steps[shortest.step_count - 1].position.x, 68.0 / 81, 1e-10);
         double off = fabs(shortest.mesh_distance - shortest.distance);
-        assert_true(off < 0.3 * before); /* converges in second order */
+        assert_true(off < 0.3 * before); /* the error converges with second order */
         before = off;
         gd_limit_shortest_free(&shortest);
         gd_limit_mesh_free(fine);
@@ -99,7 +100,7 @@ static void laws(void **state)
         for (int i = 0; i < 3; i++)
             assert_true(distance[i] <= distance[(i + 1) % 3] + distance[(i + 2) % 3] + error);
     }
-    /* the others end at conjugate points or pass a vertex of valence 3 */
+    /* the other paths end at conjugate points or pass a vertex of valence 3 */
     assert_true(relaxed > 110);
     gd_limit_mesh_free(fine);
     gd_subdivision_release(surface);

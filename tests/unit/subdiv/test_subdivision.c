@@ -36,12 +36,13 @@ static void refused_by_name(void **state)
     check_refused(SQUARE "t crease 2/1/0 0 1 -1\n", quads, GD_INVALID_ARGUMENT, "sharpness -1");
     check_refused(SQUARE "t crease 2/1/0 0 1 nan\n", quads, GD_INVALID_ARGUMENT, "sharpness");
     check_refused(SQUARE "t corner 1/1/0 6 2\n", quads, GD_UNREFERENCED_VERTEX, "vertex 6");
-    check_refused(SQUARE "t corner 1/1/0 7 2\n", quads, GD_INDEX, "counted from 0 to 6");
+    check_refused(SQUARE "t corner 1/1/0 7 2\n", quads, GD_INDEX, "numbered from 0 to 6");
     check_refused(SQUARE "t interpolateboundary 1/0/0 0\n", quads, GD_UNSUPPORTED, "boundary rule");
     check_refused(SQUARE "t hole 1/0/0 0\n", quads, GD_UNSUPPORTED, "'hole'");
     check_refused(SQUARE "t crease 2/3/0 0 1 1 1 1\n", quads, GD_SYNTAX, "one sharpness");
     check_refused(SQUARE "t crease 2 0 1 1\n", quads, GD_SYNTAX, "2/1/0");
-    check_refused(SQUARE "t crease 999999999/1/0 0 1 1\n", quads, GD_TRUNCATED, "do not follow");
+    check_refused(SQUARE "t crease 999999999/1/0 0 1 1\n", quads, GD_TRUNCATED,
+                  "its line ends before them");
     check_refused("v 0 0 0\n", quads, GD_EMPTY, "");
     struct gd_control_mesh none = {0};
     struct gd_subdivision *surface;
@@ -81,7 +82,8 @@ static void summaries(void **state)
     gd_control_mesh_free(&mesh);
 }
 
-/* Tags of a file: chains of edges, one sharpness for all or one each, and ignored tags. */
+/* Tests tags of a file: chains of edges, one sharpness for all edges or one for each edge, and
+ * ignored tags. */
 static void tags(void **state)
 {
     (void)state;
@@ -103,7 +105,8 @@ static void tags(void **state)
     gd_control_mesh_free(&mesh);
 }
 
-/* More unreferenced vertices than the mesh has sides. They do not change the surface. */
+/* Uses more unreferenced vertices than the mesh has sides. These vertices do not change the
+ * surface. */
 static void unreferenced_vertices(void **state)
 {
     (void)state;

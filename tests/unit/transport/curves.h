@@ -1,4 +1,4 @@
-/* Shared by the tests of operations on curves. */
+/* Helpers of the tests of operations on curves. */
 #ifndef TESTS_UNIT_TRANSPORT_CURVES_H
 #define TESTS_UNIT_TRANSPORT_CURVES_H
 

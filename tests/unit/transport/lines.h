@@ -1,4 +1,4 @@
-/* Shared by the tests of transport. */
+/* Helpers of the tests of transport. */
 #ifndef TESTS_UNIT_TRANSPORT_LINES_H
 #define TESTS_UNIT_TRANSPORT_LINES_H
 
@@ -17,7 +17,7 @@
 
 static const double exact = 1e-12, promise = 1e-9;
 
-/* A mesh and the polygons that it was built from. */
+/* A mesh and the polygons from which it was built. */
 struct surface {
     struct gd_polygons polygons;
     struct gd_mesh *mesh;

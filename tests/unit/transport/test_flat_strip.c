@@ -54,7 +54,8 @@ static bool has_corner(const struct gd_flat_face *face, const double at[2], doub
     return false;
 }
 
-/* Checks that faces are counter-clockwise and that each shares an edge with the previous one. */
+/* Checks that faces are counter-clockwise and that each face shares an edge with the previous
+ * face. */
 static void check_faces(const struct gd_flat_strip *strip, double error)
 {
     for (uint32_t i = 0; i < strip->face_count; i++) {

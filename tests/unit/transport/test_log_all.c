@@ -3,7 +3,7 @@
 #include "gd/query.h"
 #include "tests/support/field.h"
 
-/* Checks the map at a vertex. The map's length must equal that of gd_pair_from_field's path.
+/* Checks the map at a vertex. The map's length must equal the length of gd_pair_from_field's path.
  * Increments *others if the map's direction belongs to another path. */
 static void check_vertex(const struct gd_field *field, struct gd_point from, uint32_t index,
                          double angle, double length, uint32_t *others)

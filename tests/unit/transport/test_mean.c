@@ -75,7 +75,7 @@ static void does_not_depend_on_the_order(void **state)
     }
 }
 
-/* Three points of a sphere that are symmetric about an axis: their mean lies on the axis. */
+/* The mean of three points of a sphere that are symmetric about an axis lies on the axis. */
 static void symmetric_on_a_ball(void **state)
 {
     (void)state;

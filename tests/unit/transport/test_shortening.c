@@ -86,7 +86,7 @@ static void detours_on_surfaces(void **state)
             gd_shortening_free(&twice);
             gd_curve_free(&curve);
         }
-        assert_true(shortest >= 10); /* most curves on a disc */
+        assert_true(shortest >= 10); /* this holds for most curves on a disc */
         surface_free(&surface);
     }
 }

@@ -1,4 +1,4 @@
-/* Compares splines with the classical ones in a plane, and checks laws on any surface. */
+/* Compares splines in a plane with classical splines, and checks laws on any surface. */
 #include "tests/unit/transport/lines.h"
 
 #include <pthread.h>
@@ -142,7 +142,8 @@ static void is_tangent_where_the_speed_is_zero(void **state)
         expect_near(polyline.knots[1].speed_jump, 0, 0);
         gd_spline_free(&polyline);
     }
-    /* only the middle tangent is 0: the neighbours' control points determine the tangents */
+    /* only the middle tangent is 0, so the control points of the neighbours determine the
+       tangents */
     request = (struct gd_spline_request){.points = points,
                                          .count = 3,
                                          .tangents = (struct gd_vector[3]){{{0}, 0}},
@@ -355,7 +356,8 @@ static void scaling_the_mesh_scales_the_spline(void **state)
         struct gd_spline_line line =
             sample(sphere.mesh, &spline, (struct gd_spline_sampling){.even = 30});
         if (i == 0) length = line.path.length;
-        double speed = line.path.length / 30; /* length of each step; its chord is hardly shorter */
+        /* the length of each step; the step's chord has almost the same length */
+        double speed = line.path.length / 30;
         for (uint32_t k = 1; k < line.count; k++)
             check_close(gd_vec3_distance(gd_point_position(sphere.mesh, &line.places[k - 1].point),
                                          gd_point_position(sphere.mesh, &line.places[k].point)),
@@ -421,7 +423,7 @@ static void *do_first(void *user)
     return NULL;
 }
 
-/* Runs the first task on a thread of its own and the second one on the caller's thread. */
+/* Runs the first task on a separate thread and the second task on the caller's thread. */
 static void run_on_two(void *user, void (*task)(void *context, uint32_t index), void *context,
                        uint32_t count)
 {

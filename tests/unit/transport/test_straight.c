@@ -53,7 +53,8 @@ static void least_turn_in_the_plane(void **state)
         const struct gd_trace_options options = {.vertex_rule = GD_VERTEX_RULE_NORMAL,
                                                  .normals = normals};
         assert_true(gd__straight_on(saddle.mesh, apex.element, back, &options, &out));
-        if (isnan(expected)) { /* no direction lies in the plane: half of the angle */
+        /* no direction lies in the plane, so the expected direction halves the angle */
+        if (isnan(expected)) {
             expected =
                 gd__turn_reduce(saddle.mesh, &apex, back + gd__turn_total(saddle.mesh, &apex) / 2);
         } else {
@@ -66,7 +67,7 @@ static void least_turn_in_the_plane(void **state)
     surface_free(&saddle);
 }
 
-/* Along the boundary of a regular hexagon a line slides around, in both senses. */
+/* A line slides along the boundary of a regular hexagon in both senses of rotation. */
 static void slides_round_a_hexagon(void **state)
 {
     (void)state;

@@ -37,8 +37,8 @@ static void straight_in_the_plane(void **state)
         }
 }
 
-/* Returns the point of a prism around the z axis at height z. `u`: arc length along its perimeter
- * from the corner on the positive x axis. */
+/* Returns the point of a prism around the z axis at height z. `u` is the arc length along the
+ * perimeter from the corner on the positive x axis. */
 static struct gd_vec3 on_prism(uint32_t sides, double u, double z)
 {
     double side = 2 * sin(M_PI / sides), k = floor(u / side), part = u / side - k;
@@ -310,7 +310,7 @@ static void check_path(const struct gd_mesh *mesh, const struct gd_trace *trace,
     expect_near(gd_vec3_length(trace->direction.xyz), 1, 1e-9);
 }
 
-/* Surfaces with slivers, saddles and boundaries. Lines start at points of all kinds, sometimes
+/* Uses surfaces with slivers, saddles and boundaries. Lines start at points of all kinds, sometimes
  * along edges. */
 static void all_rules_on_any_surface(void **state)
 {
@@ -366,8 +366,8 @@ static void hits_from_both_sides_agree(void **state)
             gd_trace_free(&trace);
         }
         struct gd_vec3 middle = gd_point_position(box.mesh, &ends[1]);
-        /* the corner's angle is 3/2 pi: half of it from the incoming line, across one edge or the
-         * other */
+        /* the corner's angle is 3/2 pi; the line continues at half of this angle from the incoming
+           line, across one edge or the other */
         double in = atan2(1 - y, 1 - x), by_x = 3 * M_PI_4 - in, by_y = M_PI_4 + in;
         if (by_y < M_PI_2)
             expect_place(middle, 1, 1 - 0.15 * cos(by_y), 1 - 0.15 * sin(by_y), exact);
@@ -404,8 +404,8 @@ static void bisects_at_an_apex(void **state)
     gd_polygons_free(&polygons);
 }
 
-/* In mirror planes of an icosphere, through vertices, both rules keep a line in the plane. Given
- * normals are used. */
+/* In mirror planes of an icosphere, both rules keep a line that passes through vertices in the
+ * plane. Given normals are used. */
 static void normals_keep_a_mirror_plane(void **state)
 {
     (void)state;
@@ -423,7 +423,8 @@ static void normals_keep_a_mirror_plane(void **state)
     for (uint32_t i = 1; i < 12; i++) {
         struct gd_vec3 b = gd_mesh_position(mesh, (struct gd_vertex){i}),
                        pole = gd_vec3_cross(a, b);
-        if (gd_vec3_dot(a, b) < 0.1) continue; /* not neighbours in the icosahedron */
+        /* these vertices are not neighbours in the icosahedron */
+        if (gd_vec3_dot(a, b) < 0.1) continue;
         for (uint32_t k = 0; k < COUNT(options); k++) {
             struct gd_point start = vertex(mesh, 0);
             struct gd_vec3 d = gd_vec3_sub(b, a);

@@ -1,5 +1,5 @@
-/* Ends of traced lines: at the boundary and at limits; and several lines traced together. The lines
- * themselves are tested by test_trace.c. */
+/* Tests the ends of traced lines at the boundary and at limits, and several lines that are traced
+ * together. test_trace.c tests the lines themselves. */
 #include "lines.h"
 
 #include <string.h>
@@ -18,7 +18,8 @@ static void stops_at_the_boundary(void **state)
     expect_place(gd_point_position(grid.mesh, &end), 1, 0.75, 0, exact);
     expect_place(trace.direction.xyz, 2 / sqrt(5), 1 / sqrt(5), 0, exact);
     gd_trace_free(&trace);
-    /* into a corner; and along a straight side of the boundary, over its vertices */
+    /* one line leads into a corner; another line runs along a straight side of the boundary, over
+       its vertices */
     trace = follow(grid.mesh, start, along(grid.mesh, start, 1, 1, 0), 9, NULL);
     end = end_of(&trace);
     expect_place(gd_point_position(grid.mesh, &end), 1, 1, 0, exact);
@@ -76,12 +77,12 @@ static void slides_along_the_boundary(void **state)
     assert_int_equal(trace.end, GD_TRACE_END_BOUNDARY);
     expect_place(gd_point_position(grid.mesh, &end), 1, 1, 0, exact);
     gd_trace_free(&trace);
-    /* at a right angle to the boundary: slides to neither side */
+    /* the line meets the boundary at a right angle, so it slides to neither side */
     trace = follow(grid.mesh, start, along(grid.mesh, start, 1, 0, 0), 9, &slide);
     check_close(trace.path.length, 0.5, exact);
     gd_trace_free(&trace);
     surface_free(&grid);
-    /* along the notch's side, and straight on where the boundary turns away */
+    /* the line runs along the notch's side, and continues straight where the boundary turns away */
     struct gd_mesh *mesh = notched_square();
     start = nearest(mesh, 1.25, 1.5, 0);
     trace = follow(mesh, start, along(mesh, start, 3, 1, 0), 1.5, &slide);
@@ -196,7 +197,7 @@ static void the_limit_at_a_vertex(void **state)
 }
 
 /* Lines that are traced together equal lines that are traced alone, bit for bit. An error of one
- * fails all. */
+ * line fails the whole call. */
 static void several_lines_equal_single_ones(void **state)
 {
     (void)state;
@@ -233,7 +234,8 @@ static void several_lines_equal_single_ones(void **state)
             gd_trace_free(&traces[i]);
         }
     }
-    struct gd_control control = {.budget_bytes = 8192}; /* enough for one, but not for all */
+    /* the budget is enough for one line, but not for all */
+    struct gd_control control = {.budget_bytes = 8192};
     check_ok(gd_trace_follow_many(terrain.mesh,
                                   &(struct gd_trace_request){
                                       .start = &start, .ahead = ahead, .length = 0.1, .count = 1},

@@ -227,7 +227,8 @@ static bool triangle_around(const struct gd_mesh *mesh, struct gd_point centre,
 }
 
 /* Gauss-Bonnet: transport around a small triangle turns a vector by the enclosed curvature, which
- * is the vertex' angle defect. Saddles are left out: there the triangle's sides would bend. */
+ * is the vertex' angle defect. Saddles are omitted, because the triangle's sides would bend
+ * there. */
 static void turns_by_the_angle_defect(void **state)
 {
     (void)state;
@@ -257,8 +258,8 @@ static void turns_by_the_angle_defect(void **state)
     }
 }
 
-/* In a plane transport keeps a vector. On any surface, transport forth and back along a path
- * without bends restores the vector's angle. */
+/* In a plane, transport does not change a vector. On any surface, transport along a path without
+ * bends and back restores the vector's angle. */
 static void transport_forth_and_back_changes_nothing(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* Propagation that keeps records only near the front: the same distances as a field in a fraction
- * of its memory. */
+/* Tests propagation that keeps records only near the front. It computes the same distances as a
+ * field in a fraction of the field's memory. */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -32,8 +32,8 @@ static double difference(const struct gd_mesh *mesh, const struct gd_field_reque
     return worst;
 }
 
-/* Compares requests with one seed, several seeds with offsets, a radius, a target. Some share a
- * workspace. */
+/* Compares requests with one seed, with several seeds and offsets, with a radius, and with a
+ * target. Some requests share a workspace. */
 static void check_surface(struct gd_polygons *polygons, uint64_t seed,
                           struct gd_workspace *workspace)
 {
@@ -67,7 +67,7 @@ static void distances_are_the_fields(void **state)
     struct gd_polygons polygons;
     check_ok(sample_terrain(40, 0.3, 7, &polygons), NULL);
     check_surface(&polygons, 1, workspace);
-    /* steep: sides are visited often, and their windows are pruned */
+    /* the terrain is steep, so sides are visited often, and their windows are pruned */
     check_ok(sample_terrain(24, 3, 9, &polygons), NULL);
     check_surface(&polygons, 2, workspace);
     check_ok(sample_icosphere(4, 1, &polygons), NULL);
@@ -96,7 +96,7 @@ static void little_memory_is_enough(void **state)
     check_ok(gd_field_distances_only(mesh, &request, &control, out, NULL), NULL);
     struct gd_field *field;
     assert_int_equal(gd_field_build(mesh, &request, &control, &field, NULL), GD_BUDGET);
-    for (size_t budget = 1; budget < 16; budget += 2) { /* fails at various stages */
+    for (size_t budget = 1; budget < 16; budget += 2) { /* the call fails at various stages */
         control.budget_bytes = budget * faces / 2;
         memset(out, 0, sizeof *out * count);
         enum gd_status status = gd_field_distances_only(mesh, &request, &control, out, NULL);

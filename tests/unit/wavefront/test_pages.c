@@ -1,5 +1,5 @@
-/* A page is allocated at its first use. If none of its records has waited in the queue while the
- * queue passed some buckets, its memory is reused for another page. Pages with `stays` are never
+/* A page is allocated at its first use. If none of its records was in the queue while the queue
+ * processed some buckets, the memory is reused for another page. Pages with `stays` are never
  * reused. */
 #include "tests/support/test.h"
 
@@ -10,7 +10,7 @@ enum {
     PAGES_A_SLAB = 32,
     SLAB = PAGES_A_SLAB * 48 + 8,
     MADE_MOST = 4,
-    LONG = 1000 /* buckets; longer than a page must be idle before its reuse */
+    LONG = 1000 /* number of buckets; a page that is idle for this number can be reused */
 };
 
 struct numbers {
@@ -34,7 +34,7 @@ static int close_pages(void **state)
     return pages.page ? -1 : 0;
 }
 
-/* Allocates a page on which nothing waits. */
+/* Allocates a page that has no queued record. */
 static struct gd__page *make(uint32_t number, uint32_t now)
 {
     check_ok(gd__pages_make(&pages, number, now), NULL);
@@ -60,14 +60,14 @@ static void pages_that_woke_up_stay_where_they_are(void **state)
     (void)state;
     struct gd__page *awake = make(0, 10), *drowsy = make(1, 10), *asleep = make(2, 10);
     awake->waiting = 1;
-    gd__pages_rest(&pages, drowsy, LONG); /* a record of it has waited meanwhile */
+    gd__pages_rest(&pages, drowsy, LONG); /* a record of this page was in the queue meanwhile */
     assert_ptr_equal(make(3, LONG), asleep);
     assert_true(pages.page[0] == awake && pages.page[1] == drowsy);
     awake->waiting = 0;
     gd__pages_rest(&pages, awake, 2 * LONG);
     assert_ptr_equal(make(4, 2 * LONG), drowsy);
     assert_ptr_equal(pages.page[0], awake);
-    assert_ptr_equal(make(5, 3 * LONG), asleep); /* was page 3 until now */
+    assert_ptr_equal(make(5, 3 * LONG), asleep); /* this memory belonged to page 3 */
     assert_ptr_equal(make(6, 3 * LONG), awake);
 }
 
@@ -105,7 +105,7 @@ static void the_budget_is_kept(void **state)
     for (uint32_t i = 0; i < PAGES_A_SLAB; i++) make(i, 10)->waiting = i > 0;
     assert_int_equal(gd__pages_make(&pages, PAGES_A_SLAB, 10), GD_BUDGET);
     assert_null(pages.page[PAGES_A_SLAB]);
-    make(PAGES_A_SLAB, LONG); /* reuses the page of number 0 */
+    make(PAGES_A_SLAB, LONG); /* reuses the memory of page 0 */
     control.budget_bytes = 1;
     gd__pages_close(&pages);
     budget.held = 0;

@@ -41,9 +41,11 @@ static struct gd__window from_v0(const struct gd_mesh *mesh, uint32_t a, uint32_
 }
 
 static struct gd__pool pool;
-static struct gd__children children[2]; /* of the last cast window: left, right */
+/* the children of the last cast window on the left and on the right side */
+static struct gd__children children[2];
 
-/* Casts a single window across the face of a side. Returns the distance that it gives the apex. */
+/* Casts a single window across the face of a side. Returns the distance of the apex through the
+ * window. */
 static double cast(const struct gd_side *side, const struct gd__window *window)
 {
     struct gd__window_builder parent = {0};
@@ -140,7 +142,7 @@ static void place_on_child(const struct gd_side *s, int k, double t, double at[2
     at[1] = k ? s->left_length * s->left_y + t * s->right_y : t * s->left_y;
 }
 
-/* A child gives its points the distances along the parent's rays, which cross the parent's
+/* The distances through a child are the lengths of the parent's rays, which cross the parent's
  * interval. */
 static void children_continue_the_rays(void **state)
 {
@@ -170,7 +172,7 @@ static void children_continue_the_rays(void **state)
             checked++;
         }
         assert_true(children[0].count + children[1].count > 0);
-        /* if it has children on both sides, it reaches the apex */
+        /* if the window has children on both sides, it reaches the apex */
         if (children[0].count && children[1].count) {
             double px = s->left_length * s->left_x, py = s->left_length * s->left_y;
             check_close(apex, 1 + hypot(px - w.x, py + w.y), 1e-13);

@@ -1,5 +1,5 @@
-/* Compares pruning with the model: windows are removed where stored wedges are strictly better, and
- * kept where they are strictly better themselves. */
+/* Compares pruning with the model. A window is removed where stored wedges give strictly shorter
+ * distances, and kept where the window itself gives strictly shorter distances. */
 #include "tests/unit/window/model.h"
 
 #include "wavefront/wavefront.h"
@@ -123,7 +123,8 @@ static void check_pruned(struct rng *rng, bool own, bool twin)
     }
 }
 
-/* Several chunks of both sides in one chain. Pruned by the own side, the twin, both or neither. */
+/* Uses several chunks of both sides in one chain. Prunes by the own side, by the twin, by both or
+ * by neither. */
 static void agrees_with_the_model(void **state)
 {
     (void)state;
@@ -154,8 +155,8 @@ static void agrees_with_the_model(void **state)
     gd__stack_destroy(&list);
 }
 
-/* Windows equal to stored ones: removed if stored by the own side, kept if stored by the twin.
- * Otherwise a tie would remove both. */
+/* Tests windows that equal stored windows. They are removed if the own side stores the equal
+ * window, and kept if the twin stores it. Otherwise a tie would remove both windows. */
 static void ties(void **state)
 {
     (void)state;

@@ -101,7 +101,7 @@ static void takes_any_key(void **state)
     push(1, 1e300);
     push(2, 2);
     assert_int_equal(pop(), 2);
-    push(3, 0); /* a bucket that has passed */
+    push(3, 0); /* the bucket of this key has passed */
     assert_int_equal(pop(), 3);
     assert_int_equal(pop(), 1);
     for (int lap = 0; lap < 3; lap++) { /* keys from the end of the ring on, and the largest keys */
@@ -148,7 +148,7 @@ static void peeks_at_what_comes_next(void **state)
     push(2, 0.3);
     push(3, 0.7); /* the next bucket */
     push(4, 0.8);
-    push(5, 2.1); /* too far for gd__queue_peek */
+    push(5, 2.1); /* the entry is too far ahead for gd__queue_peek */
     assert_int_equal(pop(), 0);
     for (uint32_t places = 1; places < 5; places++)
         assert_int_equal(gd__queue_peek(queue, places), places);

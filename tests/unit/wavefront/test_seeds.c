@@ -1,6 +1,6 @@
-/* Seeds on a circle of a plane, as segments and as points. By symmetry many seeds are equally near
- * to places of the grid, up to rounding. Some are seen through a window, others just past its end.
- * Each distance equals the closed form, and each path has this length. */
+/* Tests seeds on a circle of a plane, as segments and as points. By symmetry many seeds are equally
+ * near to points of the grid, up to rounding. Some points are inside a window, others are slightly
+ * beyond its end. Each distance equals the closed form, and each path has this length. */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -81,7 +81,7 @@ static double to_points(const struct ring *ring, struct gd_vec3 p)
     return least;
 }
 
-/* How the ring is seeded, and the closed form of the distance. */
+/* The seeds on the ring, and the closed form of the distance. */
 struct seeding {
     struct gd_field *(*field)(const struct ring *ring);
     double (*distance)(const struct ring *ring, struct gd_vec3 p);
@@ -148,7 +148,7 @@ static void rings_of_points(void **state)
 
 /* --- straight curves past a vertex ------------------------------------------------------------ */
 
-/* A square of 8 x 8 cells, turned about its centre. */
+/* Opens a square of 8 x 8 cells, rotated about its centre. */
 static void open_turned_square(double angle)
 {
     check_ok(sample_grid(8, 8, 8, 8, &polygons), NULL);

@@ -1,4 +1,5 @@
-/* Guarantees of the propagation loop: work is bounded, and a refused run leaves nothing behind. */
+/* Tests guarantees of the propagation loop: work is bounded, and a refused run leaves no data in
+ * the workspace. */
 #include "tests/support/test.h"
 
 #include "tests/samples/samples.h"
@@ -25,7 +26,7 @@ static int close_mesh(void **state)
     return 0;
 }
 
-/* A sink that stores only the number of windows. */
+/* A receiver of windows that stores only their number. */
 static enum gd_status count_work(void *user, struct gd__wavefront *front)
 {
     *(uint64_t *)user = front->counts.windows_propagated;
@@ -80,8 +81,8 @@ static double windows_of_needles(uint32_t sides)
     return (double)work;
 }
 
-/* Each of many narrow faces passes a window on in one piece. The number of windows is linear in the
- * number of faces. */
+/* Each of many narrow faces propagates a window in one piece. The number of windows is linear in
+ * the number of faces. */
 static void needles_are_not_quadratic(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* A workspace is clean between calls: no earlier call changes a result, whatever its mesh and
- * status. */
+/* A workspace is clean between calls. No earlier call changes a result, for any mesh and status of
+ * the earlier call. */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -85,8 +85,8 @@ static void check_refusal(const struct gd_mesh *mesh, const struct gd_field_requ
     assert_null(field);
 }
 
-/* Fields and pairs on meshes of several sizes in turn, near and far, finished and cancelled. Each
- * result equals one with a fresh workspace. */
+/* Computes fields and pairs on meshes of several sizes in turn, near and far, finished and
+ * cancelled. Each result equals the result with a fresh workspace. */
 static void calls_are_independent(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* Random windows, and the model with which lists are compared: at each parameter the minimum over
- * all offered windows. */
+/* Makes random windows, and the model with which lists are compared. The model has, at each
+ * parameter, the minimum over all offered windows. */
 #ifndef TESTS_UNIT_WEDGE_MODEL_H
 #define TESTS_UNIT_WEDGE_MODEL_H
 
@@ -9,7 +9,7 @@
 
 #include "window/list.h"
 
-#define WIDTH 1e-10 /* windows up to this width may be dropped */
+#define WIDTH 1e-10 /* lists may drop windows up to this width */
 
 /* Returns a random window on an edge of length 1. */
 static inline struct gd__window random_window(struct rng *rng, uint32_t source)
@@ -52,7 +52,8 @@ static inline void check_envelope(const struct gd__stack *list, const struct gd_
 {
     check_sorted_and_disjoint(list);
     for (int k = 1; k < 200; k++) {
-        double t = k / 200.0 + 1e-4; /* not a multiple of 1/200, where windows may end */
+        /* the parameter is not a multiple of 1/200, where windows may end */
+        double t = k / 200.0 + 1e-4;
         check_close(least_distance(list, t), least_distance(offered, t), 1e-12);
     }
 }
@@ -76,7 +77,7 @@ static inline void build_windows(const struct gd__stack *from, struct gd__window
     for (uint32_t i = 0; i < from->count; i++) gd__windows_put(&out->at, i, &from->windows[i]);
 }
 
-/* Converts a stack to unsorted children: from `tangled` on they may overlap. */
+/* Converts a stack to children that may overlap from index `tangled` on. */
 static inline void build_children(const struct gd__stack *from, uint32_t tangled,
                                   struct gd__pool *pool, struct gd__children *out)
 {

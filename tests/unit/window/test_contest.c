@@ -77,7 +77,7 @@ static void in_a_tie_everywhere_the_owner_wins(void **state)
 static void a_double_root_changes_nothing(void **state)
 {
     (void)state;
-    /* equal at t = 0.5 only */
+    /* the distances are equal at t = 0.5 only */
     struct gd__window wide = window(0.5, 1, 0), touching = window(0.5, 0.1, 0.9);
     for (double shift = -1e-15; shift <= 1e-15; shift += 5e-16) {
         touching.sigma = 0.9 + shift;
@@ -103,7 +103,8 @@ static void windows_equal_at_both_ends_differ_between(void **state)
     }
 }
 
-/* Law: the winner is nowhere worse than the other window by more than rounding. */
+/* Tests that the distance through the winner is nowhere larger than through the other window,
+ * except by rounding. */
 static void winner_is_never_worse(void **state)
 {
     (void)state;
@@ -146,8 +147,8 @@ static void winner_is_never_worse(void **state)
 
 /* --- linear windows --------------------------------------------------------------------------- */
 
-/* Returns the linear window of a line at this angle to the edge. `sigma`: the line's distance from
- * the edge's origin. */
+/* Returns the linear window of a line at this angle to the edge. `sigma` is the line's distance
+ * from the edge's origin. */
 static struct gd__window linear(double angle, double sigma)
 {
     return (struct gd__window){.b0 = 0,
@@ -169,7 +170,7 @@ static void a_line_and_a_point_are_equally_near_on_a_parabola(void **state)
     double half = sqrt(0.3 * 0.3 - 0.1 * 0.1);
     check_close(result.at[0], 0.5 - half, 1e-14);
     check_close(result.at[1], 0.5 + half, 1e-14);
-    line = linear(1.1, 0.75); /* at another angle: one crossing */
+    line = linear(1.1, 0.75); /* at another angle the distances cross once */
     for (int i = 0; i < 2; i++) {
         result = i ? gd__contest(&line, &point, 0, 1) : gd__contest(&point, &line, 0, 1);
         assert_int_equal(result.switches, 1);
@@ -190,7 +191,8 @@ static void two_lines_are_equally_near_at_one_place(void **state)
     assert_false(gd__contest(&a, &a, 0, 1).challenger_first);
 }
 
-/* On the normal through a segment's end, the end is as near as the segment: a double root. */
+/* On the normal through a segment's end, the end is as near as the segment. This is a double
+ * root. */
 static void a_double_root_at_the_end_of_a_line_changes_nothing(void **state)
 {
     (void)state;

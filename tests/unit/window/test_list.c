@@ -1,5 +1,5 @@
-/* A list is the lower envelope of the offered windows: sorted, disjoint, nowhere worse than any of
- * them. */
+/* Tests that a list is the lower envelope of the offered windows. It is sorted and disjoint, and
+ * gives nowhere a larger distance than any offered window. */
 #include "tests/unit/window/model.h"
 
 #include "gd/polygons.h"
@@ -79,8 +79,8 @@ static void pushing_gives_the_envelope(void **state)
 
 /* --- untangling ------------------------------------------------------------------------------- */
 
-/* Returns windows nearly in order, like children: some begin slightly before the previous one ends,
- * a few far before. */
+/* Returns windows nearly in order, like children. Some begin slightly before the previous window
+ * ends, and a few begin far before. */
 static struct gd__window nearly_next(struct rng *rng, uint32_t i, uint32_t count)
 {
     struct gd__window w = random_window(rng, i);
@@ -173,8 +173,9 @@ static void appends(void **state)
     (void)state;
     struct rng rng = {1};
     insert_pieces(&rng, PIECES({0, 0.1}, {0.1, 0.3}), 0);
-    insert_pieces(&rng, PIECES({0.3, 0.5}, {0.6, 0.7}), 0); /* touches an existing window */
-    insert_pieces(&rng, PIECES({0.8, 1}), 0);               /* leaves a gap */
+    /* the new window touches an existing window */
+    insert_pieces(&rng, PIECES({0.3, 0.5}, {0.6, 0.7}), 0);
+    insert_pieces(&rng, PIECES({0.8, 1}), 0); /* leaves a gap */
     assert_int_equal(list.count, 5);
     check_list();
 }
@@ -213,8 +214,8 @@ static void fills_a_gap(void **state)
     check_list();
 }
 
-/* The newer windows overlap the list on both sides. In the middle they win, lose (by sigma) or have
- * a gap. */
+/* The newer windows overlap the list on both sides. In the middle they give shorter distances, give
+ * longer distances (by sigma) or have a gap. */
 static void overlaps_in_the_middle(void **state)
 {
     (void)state;
@@ -290,13 +291,14 @@ static void neighbours_that_see_one_source_become_one(void **state)
         insert_last(1);
     }
     struct gd__windows w = gd__list_windows(&list);
-    assert_true(list.count <= 2); /* the last window touches both and is merged with one of them */
+    /* the last window touches both other windows and is merged with one of them */
+    assert_true(list.count <= 2);
     assert_true(w.b0[0] == 0 && w.b1[list.count - 1] == 1);
     check_list();
 }
 
-/* Inserts hundreds of windows in lists of up to several groups, everywhere. Blocks grow, and no
- * window is lost. */
+/* Inserts hundreds of windows at all positions of lists of up to several groups. Blocks grow, and
+ * no window is lost. */
 static void blocks_grow(void **state)
 {
     (void)state;
@@ -355,7 +357,7 @@ static void one_by_one_gives_the_envelope(void **state)
     }
 }
 
-/* Returns a linear window, as near as the points of random_window. */
+/* Returns a linear window at similar distances as the windows of random_window. */
 static struct gd__window random_line(struct rng *rng, uint32_t source)
 {
     struct gd__window w = random_window(rng, source | GD__SOURCE_LINEAR);
@@ -402,8 +404,9 @@ static void one_window_beside_others(void **state)
         assert_true(w.b0[i] == from[i] && w.b1[i] == to[i] && w.source[i] == (i != 1));
 }
 
-/* Three linear windows. Each is nearer than the point's window at both ends of the linear window,
- * but not between them. This gives the largest possible number of parts. The block must grow. */
+/* Uses three linear windows. Each gives shorter distances than the point's window at both ends of
+ * the linear window, but not between the ends. This gives the largest possible number of parts. The
+ * block must grow. */
 static void one_window_may_leave_thirteen_parts(void **state)
 {
     (void)state;

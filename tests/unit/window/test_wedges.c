@@ -28,7 +28,7 @@ static int free_builder(void **state)
     return 0;
 }
 
-/* Writes in the given form, if the sources' numbers fit into it. */
+/* Writes the wedges in the given form, if the sources' numbers fit into this form. */
 static void write_as(const struct gd__stack *list, double length, bool mirrored,
                      enum gd__wedge_form form, struct written *out)
 {
@@ -80,7 +80,7 @@ static void marks_gaps_before_between_and_behind(void **state)
     check_wedge(&w, 2, 4, 2, 3, GD_NONE);
     check_wedge(&w, 3, 4, 3, 3.5, 8);
     check_wedge(&w, 4, 4, 3.5, 4, GD_NONE);
-    write(&list, 4, true, &w); /* for the other side of the edge */
+    write(&list, 4, true, &w); /* writes for the other side of the edge */
     assert_int_equal(w.count, 5);
     check_wedge(&w, 0, 4, 0, 0.5, GD_NONE);
     check_wedge(&w, 1, 4, 0.5, 1, 8);

@@ -112,7 +112,7 @@ static void errors_name_the_line(void **state)
     for (size_t i = 0; i < COUNT(cases); i++) {
         assert_null(load(cases[i].text));
         assert_non_null(strstr(error, cases[i].hint));
-        /* messages don't repeat it: it might be a misplaced key */
+        /* messages must not repeat the word, because it might be a misplaced key */
         assert_null(strstr(error, "gdk_secret"));
     }
     assert_null(server_credentials_load("no such file", NULL, error));
@@ -197,7 +197,8 @@ static struct server_access *open_access(const char *text)
     return access;
 }
 
-/* Returns the code of the problem; PROTO_PROBLEM_NONE: admitted. Ends the grant unless `kept`. */
+/* Returns the code of the problem, or PROTO_PROBLEM_NONE if the request is admitted. Ends the grant
+ * unless `kept` is set. */
 static enum proto_problem_code admit(struct server_access *access, const char *authorization,
                                      enum proto_access needed, struct server_grant *kept)
 {

@@ -9,7 +9,7 @@ static bool admit(const struct server_guard_request *request)
     return server_guard_admit(&config, request, &problem);
 }
 
-/* As ADMIT, for a daemon with keys and a listed origin. */
+/* Like ADMIT, for a daemon with keys and a listed origin. */
 static bool admit_with(const char *keys, const char *host,
                        const struct server_guard_request *request)
 {
@@ -100,7 +100,7 @@ static void with_keys_any_host_is_accepted_unless_some_are_listed(void **state)
     assert_true(ADMIT_WITH("keys", "a.example", .host = "a.example"));
     assert_true(ADMIT_WITH("keys", "a.example", .host = "localhost"));
     assert_false(ADMIT_WITH("keys", "a.example", .host = "b.example"));
-    /* a link to the page */
+    /* the request follows a link to the page */
     assert_true(ADMIT_WITH("keys", NULL, .host = "m.example", .fetch_site = "cross-site"));
     assert_false(ADMIT_WITH("keys", NULL, .host = "m.example", .origin = "https://evil.example"));
     assert_false(ADMIT_WITH("", NULL, .host = "meshes.example"));

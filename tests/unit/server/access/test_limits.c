@@ -22,8 +22,8 @@ static int tear_down(void **state)
     return 0;
 }
 
-/* Returns how many of `count` requests, one every `interval` from `*now` on, are admitted. Each
- * admitted request ends at once. */
+/* Sends `count` requests, one in each `interval`, beginning at `*now`. Each admitted request ends
+ * at once. Returns the number of admitted requests. */
 static int let_in(const struct server_limits *limits, int count, uint64_t interval, uint64_t *now)
 {
     int entered = 0;
@@ -54,7 +54,7 @@ static void the_average_rate_is_kept(void **state)
     (void)state;
     const struct server_limits limits = {.rate = 50};
     uint64_t now = SECOND;
-    /* a thousand a second, for ten seconds */
+    /* sends a thousand requests a second for ten seconds */
     int entered = let_in(&limits, 10000, SECOND / 1000, &now);
     assert_in_range(entered, 50 * 10, 50 * 11);
 }

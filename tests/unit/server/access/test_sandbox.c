@@ -1,5 +1,5 @@
-/* Tests what a daemon in its sandbox can and can't do; a child process enters the sandbox and tries
- * it. */
+/* Tests the system calls that a daemon in its sandbox can and can't make. A child process enters
+ * the sandbox and makes the calls. */
 #include "tests/unit/server/child.h"
 #include "tests/unit/server/folder.h"
 
@@ -88,7 +88,7 @@ static void assert_fine(struct fixture *fixture, void (*in_child)(struct fixture
     assert_int_equal(WEXITSTATUS(status), FINE);
 }
 
-/* Takes the first step into the sandbox, as a daemon with that configuration does. */
+/* Performs the first step of the sandbox as a daemon with that configuration does. */
 static struct server_sandbox enter_whatever_is_there(const struct fixture *fixture)
 {
     const struct server_config *config = &fixture->config;
@@ -180,7 +180,7 @@ static void reach_out(struct fixture *fixture)
         SKIP_CHILD("Landlock of this kernel does not limit connections (before Linux 6.7)");
     own.sin_port = htons(1);
     INSIST(REFUSED(bind(listening, (struct sockaddr *)&own, sizeof own), EACCES));
-    own.sin_port = 0; /* --listen was bound before */
+    own.sin_port = 0; /* the address of --listen was bound before */
     INSIST(REFUSED(bind(listening, (struct sockaddr *)&own, sizeof own), EACCES));
 }
 
@@ -242,7 +242,7 @@ struct attempt {
 #define AT       AT_FDCWD
 #define TEXT(at) ((long)(intptr_t)(at))
 
-/* Outside the sandbox none of these calls fails, and some do harm. */
+/* Outside the sandbox none of these calls fails, and some are harmful. */
 static void insist_on_refusals(const char *outside, const char *inside, int descriptor, pid_t other)
 {
     static const char hidden[] = "/etc/shadow";
@@ -253,7 +253,8 @@ static void insist_on_refusals(const char *outside, const char *inside, int desc
     unsigned long cores[16] = {1};
     char room[256];
     const struct attempt attempts[] = {
-        /* modes, owners, times and attributes by path, and a setuid file inside */
+        /* changes modes, owners, times and attributes by path, and makes a setuid file inside the
+           folder */
         {"fchmodat", SYS_fchmodat, {AT, file, SOME_MODE}},
         {"fchmodat setuid", SYS_fchmodat, {AT, own, 04755}},
         {"fchmodat inside", SYS_fchmodat, {AT, own, SOME_MODE}},
@@ -289,7 +290,7 @@ static void insist_on_refusals(const char *outside, const char *inside, int desc
         {"access", SYS_access, {TEXT(hidden), F_OK}},
         {"mknod", SYS_mknod, {own, S_IFIFO | 0600, 0}},
 #endif
-        /* other processes, and the limits of this one */
+        /* affects other processes, and the limits of this process */
         {"prlimit64 other", SYS_prlimit64, {pid, RLIMIT_NOFILE, TEXT(&limit), 0}},
         {"prlimit64 look", SYS_prlimit64, {pid, RLIMIT_NOFILE, 0, TEXT(&limit)}},
         {"prlimit64 own", SYS_prlimit64, {0, RLIMIT_CORE, TEXT(&limit), 0}},
@@ -355,8 +356,8 @@ static void insist_on_refusals(const char *outside, const char *inside, int desc
     }
 }
 
-/* As above; `connects`: for a daemon with a database, which may create sockets of certain
- * families. */
+/* Enters the sandbox and calls insist_on_refusals. If `connects`, the daemon has a database and may
+ * create sockets of certain families. */
 static void reach_beyond(struct fixture *fixture, bool connects)
 {
     char outside[SERVER_DISK_PATH], inside[SERVER_DISK_PATH];

@@ -36,7 +36,7 @@ static void path_in(const char *folder, char path[SERVER_DISK_PATH], const char 
     snprintf(path, SERVER_DISK_PATH, "%s/%s", folder, name);
 }
 
-/* Writes the text as that file of the folder. */
+/* Writes the text to the file with that name in the folder. */
 static enum server_outcome write_text(const char *folder, const char *name, const char *text)
 {
     char path[SERVER_DISK_PATH], temporary[SERVER_DISK_PATH];

@@ -11,7 +11,7 @@
 
 #include "server/base/log.h"
 
-/* Parses the line, closed but not written, as JSON. */
+/* Closes the line without writing it, and parses it as JSON. */
 static json_t *parse(struct server_log_line *line)
 {
     json_error_t error;
@@ -97,7 +97,7 @@ static int end_capture(void **state)
     return fclose(capture->file);
 }
 
-/* Returns the events of the written lines, in order, as "a b ". */
+/* Checks the events of the written lines, given in order as "a b ". */
 static void assert_written(const struct capture *capture, const char *events)
 {
     const struct timespec moment = {.tv_nsec = 5000000};
@@ -166,7 +166,7 @@ static void a_full_buffer_loses_no_line(void **state)
 
 enum { THREADS = 4, LINES = 2000 };
 
-/* Writes many lines, some of them at once. */
+/* Writes many lines, some of them immediately. */
 static void *say_many(void *number)
 {
     for (int i = 0; i < LINES; i++) {
@@ -179,7 +179,7 @@ static void *say_many(void *number)
     return NULL;
 }
 
-/* Stops and restarts gathering while threads write lines. */
+/* Stops and restarts the log thread while threads write lines. */
 static void keeps_the_order_of_each_thread(void **state)
 {
     struct capture *capture = *state;
@@ -266,7 +266,8 @@ static void never_blocks_and_counts_dropped_lines(void **state)
     fclose(file);
 }
 
-/* Runs in a child process, since the thread that waits for the reader is abandoned. */
+/* Runs in a child process, because the daemon does not join the thread that waits for the
+ * reader. */
 static void stops_without_a_reader(void **state)
 {
     (void)state;

@@ -2,7 +2,7 @@
 
 #include "server/base/sha256.h"
 
-/* Checks the sums of FIPS 180-2, appendix B, and that of "". */
+/* Checks the hashes of FIPS 180-2, appendix B, and the hash of the empty text. */
 static void known_sums(void **state)
 {
     static const struct {

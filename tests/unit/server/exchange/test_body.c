@@ -38,7 +38,7 @@ static void collects_pieces(void **state)
         assert_int_equal(body.size, 9000);
         assert_int_equal(body.bytes[8999], 89);
         assert_int_equal(budget.total, body.capacity);
-        /* not more than declared */
+        /* the capacity does not exceed the declared size */
         if (declared[i] == 9000) assert_int_equal(body.capacity, 9000);
         server_body_drop(&body);
         assert_int_equal(budget.total, 0);
@@ -168,7 +168,8 @@ static void refuses_damaged_gzip_and_bombs(void **state)
     assert_false(send_packed(1000, 1001, 100, 0));
     assert_int_equal(problem.code, PROTO_PROBLEM_TOO_LARGE);
     assert_int_equal(problem.limit, 1000);
-    assert_false(send_packed(1 << 30, 10 << 20, 100, 0)); /* unpacks to a thousand times its size */
+    /* the body expands to a thousand times its size */
+    assert_false(send_packed(1 << 30, 10 << 20, 100, 0));
     assert_int_equal(problem.code, PROTO_PROBLEM_TOO_LARGE);
     assert_non_null(strstr(problem.detail, "100 times"));
     for (size_t cut = 1; cut < 20; cut++) {

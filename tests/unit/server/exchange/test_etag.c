@@ -36,7 +36,8 @@ static void if_none_match(void **state)
 static void weak_tags(void **state)
 {
     (void)state;
-    assert_false(holds("W/\"a\"", NULL, "a")); /* strong comparison: a weak tag equals nothing */
+    /* in the strong comparison a weak tag equals no tag */
+    assert_false(holds("W/\"a\"", NULL, "a"));
     assert_true(holds("W/\"a\", \"a\"", NULL, "a"));
     assert_false(holds(NULL, "W/\"a\"", "a"));
     assert_false(holds(NULL, "\"b\" ,W/\"a\"", "a"));

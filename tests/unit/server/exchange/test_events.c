@@ -5,7 +5,7 @@
 
 #define SECOND UINT64_C(1000000000)
 
-/* A source with a counter, and a reader that records its calls. */
+/* A source of events with a counter, and a reader that records its calls. */
 static struct {
     uint64_t version;
     bool is_last, is_content;
@@ -30,8 +30,8 @@ static bool tell(void *user, struct proto_writer *writer)
     return !source.is_last;
 }
 
-/* Content of a source: "news N" for each unread version. Returns the same values as the read
- * function of a relay. */
+/* Writes the content of a source, which is "news N" for each unread version. Returns the same
+ * values as the read function of a relay. */
 static ptrdiff_t read_content(void *user, char *bytes, size_t size)
 {
     (void)user;

@@ -6,7 +6,8 @@
 
 #define TARGET "/v1/meshes/x"
 
-/* Returns why a head of "Name: value" lines is refused; NULL: it is not. */
+/* Returns the reason for which a head of "Name: value" lines is refused, or NULL if it is
+ * accepted. */
 static const char *fault_of(const char *version, const char *lines,
                             struct server_exchange *exchange)
 {

@@ -14,7 +14,7 @@ static struct server_pending_build *enter(struct fixture *fixture, uint32_t vert
     return build;
 }
 
-/* Builds and publishes the field of a vertex; returns it pinned. */
+/* Builds and publishes the field of a vertex. Returns the field pinned. */
 static const struct server_cached *land(struct fixture *fixture, struct server_pending_build *build,
                                         uint32_t vertex)
 {
@@ -32,8 +32,8 @@ static void add(struct fixture *fixture, uint32_t vertex)
     server_cache_unpin(land(fixture, enter(fixture, vertex), vertex));
 }
 
-/* A build time in nanoseconds. It exceeds that of all other fields of the tests, because a priority
- * may only grow. */
+/* A build time in nanoseconds. It exceeds the build times of all other fields of the tests, because
+ * a priority may only grow. */
 #define DEAR 1e15
 
 /* Adds a field with a fixed build time, since real times vary. */
@@ -125,7 +125,7 @@ static void a_field_is_built_after_enough_queries(void **state)
     assert_int_equal(server_cache_statistics(fixture->cache).builds, 2);
 }
 
-/* Returns how many queries of vertex 7 are searched before one of them builds the field. */
+/* Returns the number of queries of vertex 7 that use a search before a query builds the field. */
 static int count_searches(struct fixture *fixture, struct server_pending_build **build)
 {
     struct gd_point source = vertex_point(fixture->mesh, 7);
@@ -243,7 +243,8 @@ static void closing_removes_fields_but_keeps_pins(void **state)
     assert_int_equal(server_mesh_cache_count(fixture->fields), 0);
     assert_in_range(fixture->budget.used[SERVER_BUDGET_FIELDS], gd_field_memsize(pinned->field),
                     gd_field_memsize(pinned->field) + 512);
-    server_cache_unpin(land(fixture, build, 3)); /* published, and freed with its pin */
+    /* the field is published, and freed with its last pin */
+    server_cache_unpin(land(fixture, build, 3));
     assert_false(has(fixture, 3));
     server_cache_unpin(pinned);
     assert_int_equal(fixture->budget.used[SERVER_BUDGET_FIELDS], 0);
@@ -276,7 +277,7 @@ static void evicts_fields_used_long_ago(void **state)
     for (int use = 0; use < 20; use++) assert_true(has(fixture, 0));
     for (uint32_t vertex = 1; vertex < 160; vertex++) {
         add_dear(fixture, vertex);
-        fill_up(fixture); /* room for one field only */
+        fill_up(fixture); /* the budget has room for one field only */
         assert_true(server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, 1));
         server_budget_give(&fixture->budget, SERVER_BUDGET_FLIGHT, 1);
         fixture->budget.limit = AMPLE;
@@ -342,7 +343,7 @@ static void pairs_share_the_field_of_a_single_point(void **state)
     assert_true(has_set(fixture, &near.request));
     assert_false(has(fixture, 8)); /* pairs need the whole field */
     const struct server_cached **points = server_mesh_cache_pin_points(fixture->fields, &count);
-    assert_int_equal(count, 1); /* without the incomplete field */
+    assert_int_equal(count, 1); /* the count does not include the incomplete field */
     assert_false(isfinite(gd_field_reach(points[0]->field)));
     server_cache_unpin(points[0]);
     free(points);
@@ -365,7 +366,7 @@ static void a_claim_after_a_failure_returns_its_error(void **state)
                      SERVER_CACHE_SEARCH);
     assert_int_equal(why, GD_BUDGET);
     build = claim(fixture, make_set(fixture, &other, 1, 0));
-    /* the builder's own deadline: the next builder may succeed */
+    /* the builder's own deadline has passed, so the next builder may succeed */
     server_cache_fail(build, GD_DEADLINE);
     publish_set(fixture, claim(fixture, &other.request), &other.request);
 }
@@ -375,7 +376,8 @@ struct reader {
     uint32_t seed;
 };
 
-/* Queries random sources, builds missing fields, and takes memory meanwhile. */
+/* Queries random sources and builds missing fields. Reserves memory of the budget between
+ * queries. */
 static void *read_and_build(void *user)
 {
     struct reader *reader = user;

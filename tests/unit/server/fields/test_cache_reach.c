@@ -1,5 +1,5 @@
-/* Fields of equal seeds and different reaches in the cache: which field answers, which request
- * waits, and which field replaces another. */
+/* Tests cached fields with equal seeds and different reaches: which field answers a request, which
+ * request waits, and which field replaces another. */
 #include "tests/unit/server/cached_fields.h"
 
 #include <math.h>
@@ -77,8 +77,9 @@ static void a_build_finds_a_field_to_resume_from(void **state)
     assert_int_equal(server_cache_statistics(fixture->cache).builds, 2);
 }
 
-/* A request of larger reach waits for the pending build; one of smaller reach does not. A field
- * that is published late and reaches no farther than the cached one is dropped. */
+/* A request whose reach exceeds the cached field's waits for the pending build; a request with a
+ * smaller reach does not. A field that is published late is dropped if the cached field reaches at
+ * least as far. */
 static void builds_of_the_same_seeds(void **state)
 {
     struct fixture *fixture = *state;

@@ -1,5 +1,5 @@
-/* Cached discretizations: found again, built once for all requests, evicted when memory is short,
- * released with their surface. */
+/* Tests cached discretizations. They are found again, built once for all requests, evicted when
+ * memory is short, and released with their surface. */
 #include "tests/unit/server/support.h"
 
 #include "server/server.h"
@@ -124,7 +124,7 @@ static void concurrent_requests_share_one_build(void **state)
     for (size_t i = 0; i < 4; i++) server_discretization_release(found[i]);
 }
 
-/* The budget has room only for one build and the result of another one. */
+/* The budget has room only for one build and the result of another build. */
 static void the_least_recently_used_is_evicted(void **state)
 {
     (void)state;

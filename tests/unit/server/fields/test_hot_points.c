@@ -39,7 +39,7 @@ static void distinct_points_get_no_counters(void **state)
     }
 }
 
-/* One query in ten is of the same point, the others are of random points. */
+/* One query in ten uses the same point; the others use random points. */
 static void finds_a_frequent_point_among_many(void **state)
 {
     (void)state;
@@ -49,7 +49,7 @@ static void finds_a_frequent_point_among_many(void **state)
                     200 - 2000 / (SERVER_HOT_POINTS + 1), 200);
 }
 
-/* Old points make room for new ones. */
+/* New points replace old points. */
 static void forgets_old_points(void **state)
 {
     (void)state;

@@ -13,7 +13,8 @@
 
 static struct server_connections *connections;
 static struct server_connection *connection;
-static int ends[2]; /* the daemon's end, the client's end */
+/* element 0 is the daemon's end of the connection, element 1 the client's end */
+static int ends[2];
 
 static int set_up(void **state)
 {
@@ -132,7 +133,7 @@ static void a_later_head_has_a_deadline_from_its_request_line(void **state)
 {
     (void)state;
     server_connection_head(connection, false, gd_now_ns());
-    assert_false(is_cut_after(1000)); /* work has deadlines of its own */
+    assert_false(is_cut_after(1000)); /* work has its own deadlines */
     server_connection_answer(connection, 100, false, gd_now_ns());
     server_connection_end(connection);
     assert_false(is_closed_after(29));
@@ -151,7 +152,8 @@ static void a_steady_body_extends_its_deadline(void **state)
     assert_false(is_cut_after(30));
     server_connection_body(connection, 4096 * 39, now_ns + 29 * SECOND);
     assert_false(is_cut_after(58));
-    assert_true(is_cut_after(60)); /* 30 s without a byte, though it was fast before */
+    /* the client reads no byte for 30 s, although it was fast before */
+    assert_true(is_cut_after(60));
 }
 
 static void a_slow_body_is_cut(void **state)
@@ -246,7 +248,7 @@ static void fill(struct tcp *tcp)
         tcp->sent += (size_t)sent;
 }
 
-/* The client reads `bytes` bytes, and the library writes more. */
+/* Lets the client read `bytes` bytes and the library write more. */
 static void take(struct tcp *tcp, size_t bytes)
 {
     static char room[16384];
@@ -353,7 +355,8 @@ struct crowd {
     int ends[MANY][2];
 };
 
-/* Opens a crowd: the first `heavy` connections from one address, the others from another. */
+/* Opens many connections: the first `heavy` connections from one address, the others from another
+ * address. */
 static void crowd_in(struct crowd *crowd, int heavy)
 {
     struct sockaddr_in client = {.sin_family = AF_INET};
@@ -366,7 +369,7 @@ static void crowd_in(struct crowd *crowd, int heavy)
     }
 }
 
-/* Relieves the connections after `seconds`. */
+/* Calls server_connections_relieve after `seconds`. */
 static void relieve_after(unsigned seconds)
 {
     server_connections_relieve(connections, gd_now_ns() + seconds * SECOND);
@@ -441,7 +444,7 @@ static void addresses_with_few_connections_are_spared(void **state)
     crowd_out(&crowd);
 }
 
-/* The reserve is for new connections: they are cut only when it is nearly used up. */
+/* The reserve is for new connections. They are cut only when the reserve is nearly used up. */
 static void young_heads_are_spared(void **state)
 {
     struct crowd crowd;

@@ -1,5 +1,5 @@
-/* The queue of batches over each database: SQLite in memory, and PostgreSQL where
- * GEODESICD_TEST_STORE names one. */
+/* Tests the queue of batches with each database: SQLite in memory, and PostgreSQL if
+ * GEODESICD_TEST_STORE names a database. */
 #include "tests/unit/server/folder.h"
 #include "tests/unit/server/support.h"
 
@@ -61,7 +61,7 @@ static void add(struct server_store_sql *sql, const char *id, const char *tenant
     struct server_batch batch = {.items = items, .created = 1763730000};
     snprintf(batch.id, sizeof batch.id, "%s", id);
     const struct server_batch_order order = {&batch, tenant, "{\"a\":\0}", 7, "tag"};
-    for (int i = 0; i < 2; i++) /* twice, as after a lost answer */
+    for (int i = 0; i < 2; i++) /* sends the answer twice, as after a lost response */
         assert_int_equal(server_batch_queue_add(sql, &order), SERVER_STORE_DONE);
 }
 
@@ -231,7 +231,7 @@ static bool on_number(void *user, const struct server_sql_value *row)
     return true;
 }
 
-/* Repeatedly reads the answers after the last number that it has read, while all threads write. */
+/* Repeatedly reads the answers after the last known number while all threads write answers. */
 static void readers_miss_no_answer(void **state)
 {
     struct server_store_sql *sql = sql_of(state);
@@ -249,7 +249,7 @@ static void readers_miss_no_answer(void **state)
     for (int i = 0; i < WRITERS; i++) pthread_join(threads[i], NULL);
 }
 
-/* A file of the release before: its tables have no numbers, and its version is 0. */
+/* Opens a file of the previous release. Its tables have no numbers, and its version is 0. */
 static void batches_of_an_older_file_are_numbered(void **state)
 {
     char folder[FOLDER_PATH], path[SERVER_DISK_PATH], error[SERVER_ERROR], text[128] = "";
@@ -294,7 +294,8 @@ static void only_its_holder_can_renew_or_return_a_lease(void **state)
     assert_int_equal(taken.attempts, 1);
     assert_int_equal(server_batch_queue_renew(sql, &taken, "x"), SERVER_STORE_ABSENT);
     assert_int_equal(server_batch_queue_return(sql, &taken, "y", true, 60000), SERVER_STORE_DONE);
-    assert_int_equal(claim(sql, "x").item, -1); /* returned for one minute */
+    /* the item can't be claimed for one minute after it was returned */
+    assert_int_equal(claim(sql, "x").item, -1);
     assert_int_equal(server_batch_queue_return_all(sql), SERVER_STORE_DONE);
     assert_int_equal(claim(sql, "x").attempts, 2);
 }
@@ -328,7 +329,7 @@ static void an_invalid_statement_is_refused(void **state)
     assert_int_equal(sql->run(sql, SERVER_SQL("SELECT 1")), SERVER_STORE_DONE);
 }
 
-/* Adds more than SQLite keeps in memory, so that pages are read again. */
+/* Adds more data than SQLite keeps in memory, so that SQLite reads pages again. */
 static void a_database_damaged_during_use_is_set_aside(void **state)
 {
     char folder[FOLDER_PATH], path[SERVER_DISK_PATH], error[SERVER_ERROR];

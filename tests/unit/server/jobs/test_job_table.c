@@ -1,4 +1,4 @@
-/* Jobs carry exchanges through handlers and workers without a network; the test defines the
+/* Tests jobs without a network. Jobs run exchanges by handlers and workers; the test defines the
  * handlers. */
 #include "tests/unit/server/support.h"
 
@@ -14,7 +14,7 @@
 #define SECOND UINT64_C(1000000000)
 
 static struct server server;
-static sem_t begun, hold; /* posted and awaited by work that waits */
+static sem_t begun, hold; /* waiting work posts `begun` and waits for `hold` */
 static size_t answer_size;
 static atomic_int works;
 
@@ -123,7 +123,7 @@ static void go_on(struct server_exchange *exchange)
     server_exchange_defer(exchange, report_until_stopped, NULL);
 }
 
-/* Reports progress in two halves; the second one starts at 0 again. */
+/* Reports progress in two halves. The second half starts at 0 again. */
 static bool report_in_parts(struct server_exchange *exchange)
 {
     struct server_monitor halves[] = {{.exchange = exchange, .share = 0.5},
@@ -242,7 +242,7 @@ static void an_answer_is_kept_until_it_is_removed(void **state)
     server_job_table_cancel(server.api.jobs, job);
     assert_false(is_there(told.id));
     assert_int_equal(server_deferred_job_describe(job).answer->size,
-                     100); /* counted as long as a reference exists */
+                     100); /* the bytes are counted as long as a reference exists */
     assert_int_equal(counted(), 100);
     server_deferred_job_release(job);
     assert_int_equal(counted(), 0);
@@ -417,8 +417,8 @@ static bool is_there_for(const char *who, struct server_deferred_job *job)
     return found;
 }
 
-/* A full table of four jobs: for a new job, the tenant with the most jobs loses its oldest one.
- * That may be the tenant of the new job. */
+/* The table is full with four jobs. For a new job, the tenant with the most jobs loses its oldest
+ * job. This may be the tenant of the new job. */
 static void the_tenant_with_the_most_jobs_loses_one(void **state)
 {
     (void)state;
@@ -462,7 +462,8 @@ static void a_large_answer_evicts_answers_of_its_tenant(void **state)
     for (int i = 0; i < 3; i++) assert_true(keep("ann", 400 << 10, ann[i]));
     assert_true(is_kept_for("bob", bob) && !is_kept_for("ann", ann[0]));
     assert_true(is_kept_for("ann", ann[1]) && is_kept_for("ann", ann[2]));
-    assert_false(keep("bob", 1000 << 10, refused)); /* with this answer bob has the most */
+    /* with this answer bob's answers take the most memory */
+    assert_false(keep("bob", 1000 << 10, refused));
     assert_true(is_kept_for("ann", ann[1]) && is_kept_for("ann", ann[2]));
 }
 
@@ -470,11 +471,12 @@ static void answers_have_a_share_of_the_budget(void **state)
 {
     (void)state;
     struct server_deferred_job *jobs[3];
-    answer_size = 600 << 10; /* of the 1 MiB for all answers */
+    answer_size = 600 << 10; /* this is a part of the 1 MiB for all answers */
     for (int i = 0; i < 2; i++) {
         jobs[i] = start(answer);
         assert_int_equal(state_of(jobs[i]), PROTO_JOB_DONE);
-        server_deferred_job_release(jobs[i]); /* the first is dropped when the second has ended */
+        /* the first answer is dropped when the second job has ended */
+        server_deferred_job_release(jobs[i]);
         assert_int_equal(counted(), answer_size);
     }
     answer_size = 2 << 20;

@@ -16,7 +16,8 @@ static struct gd_pair_answer leg(const struct gd_mesh *mesh, uint32_t from, uint
     return answer;
 }
 
-/* Asserts that consecutive points differ, so each point between two legs occurs once. */
+/* Asserts that consecutive points differ. So the point between two parts of the path occurs only
+ * once. */
 static void assert_polyline(const struct gd_mesh *mesh, const struct gd_path *path)
 {
     double length = 0;

@@ -1,5 +1,5 @@
-/* Derived meshes: a handler of the test makes up to three of them, each with its vertices' numbers
- * as an attachment. */
+/* Tests derived meshes. A handler of the test makes up to three meshes, each with its vertices'
+ * numbers as an attachment. */
 #include "tests/unit/server/daemon.h"
 #include "tests/unit/server/folder.h"
 
@@ -127,7 +127,7 @@ const size_t proto_route_count = COUNT(proto_routes);
 static char folder[FOLDER_PATH];
 static enum server_outcome (*put)(struct server_store *store, const struct server_record *record,
                                   const struct server_content *content, uint64_t *version);
-static int puts_left; /* writes before one fails */
+static int puts_left; /* number of writes before a write fails */
 
 static enum server_outcome put_or_fail(struct server_store *store,
                                        const struct server_record *record,
@@ -193,9 +193,9 @@ static void made_meshes_are_unchanged_after_a_restart(void **state)
     char *before = strdup(GET("/v1/meshes/b"));
     daemon_stop();
     start();
-    assert_string_equal(GET("/v1/meshes/b"), before); /* the stored description */
+    assert_string_equal(GET("/v1/meshes/b"), before); /* reads the stored description */
     assert_string_equal(GET("/v1/meshes/b/attachment"), "200 [7,0,9]");
-    assert_string_equal(GET("/v1/meshes/b"), before); /* the description of the loaded mesh */
+    assert_string_equal(GET("/v1/meshes/b"), before); /* reads the description of the loaded mesh */
     free(before);
     const struct server_key key = mesh_key("a");
     struct server_listed listed;
@@ -216,7 +216,7 @@ static void an_equal_mesh_changes_nothing(void **state)
     assert_true(begins(MAKE(.names = {"a"}, .count = 1, .has_attachment = true), "200"));
     assert_string_equal(GET("/v1/meshes/a"), before);
     assert_int_equal(stored("objects"), 2);
-    /* without its attachment it is another surface */
+    /* without its attachment the mesh is another surface */
     assert_true(begins(MAKE(.names = {"a"}, .count = 1), "200"));
     assert_string_not_equal(GET("/v1/meshes/a"), before);
     assert_string_equal(GET("/v1/meshes/a/attachment"), "200 []");
@@ -228,7 +228,7 @@ static void an_attachment_is_deleted_with_its_last_mesh(void **state)
 {
     (void)state;
     MAKE(.names = {"a", "b", "c"}, .count = 3, .has_attachment = true);
-    assert_int_equal(stored("objects"), 4); /* three files, one attachment */
+    assert_int_equal(stored("objects"), 4); /* the store has three files and one attachment */
     for (char name = 'a'; name <= 'c'; name++) {
         char target[] = "/v1/meshes/ ";
         target[11] = name;

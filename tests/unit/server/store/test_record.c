@@ -100,7 +100,7 @@ static void tags_differ_by_bytes_and_options(void **state)
     assert_false(server_record_equal(a, e));
     assert_false(server_record_equal(a, f));
     assert_string_not_equal(a->etag, e->etag);
-    /* tags differ, so caches by tag are separate for each tenant */
+    /* the tags differ, so that caches that use tags as keys are separate for each tenant */
     assert_string_not_equal(a->etag, f->etag);
     assert_true(server_record_equal(a, a));
     server_record_release(a);
@@ -169,7 +169,7 @@ static void only_complete_records_are_read(void **state)
              "options format=obj&triangulate=true\ndescription {}\n",
         HEAD "size 1\nattachment \n" TIMES "options format=png&triangulate=true\ndescription {}\n",
         HEAD "size 1\nattachment \n" TIMES "options format=any&triangulate=true\ndescription {}\n",
-        /* not in the canonical form */
+        /* the options are not in the canonical form */
         HEAD "size 1\nattachment \n" TIMES "options triangulate=true&format=obj\ndescription {}\n",
         HEAD "size 1\nattachment \n" TIMES "options format\ndescription {}\n",
         HEAD "size 1\nattachment \n" TIMES
@@ -234,7 +234,7 @@ static void a_record_is_counted_once_until_it_is_released(void **state)
     server_record_count(record, &budget);
     assert_int_equal(budget.used[SERVER_BUDGET_RECORDS], bytes);
     assert_false(server_record_take(other, &budget));
-    server_record_count(other, &budget); /* it exists, so it is counted */
+    server_record_count(other, &budget); /* the record exists, so it is counted */
     assert_int_equal(budget.used[SERVER_BUDGET_RECORDS], 2 * bytes);
     assert_non_null(server_record_catalogue(record));
     assert_true(budget.used[SERVER_BUDGET_RECORDS] > 2 * bytes);

@@ -1,13 +1,13 @@
-/* The promises of every store that stores bytes, tested for each back-end: the local one in a
- * folder, and PostgreSQL if GEODESICD_TEST_STORE names a database, which is emptied
- * (tests/cluster/test_suites.py sets it). */
+/* Tests the guarantees of every store that stores bytes. The back-ends are the local store in a
+ * folder, and PostgreSQL if GEODESICD_TEST_STORE names a database. The tests empty this database.
+ * tests/cluster/test_suites.py sets the variable. */
 #include "tests/unit/server/folder.h"
 
 #include "server/store/store.h"
 
 struct fixture {
     char folder[FOLDER_PATH];
-    const char *url; /* NULL: the store is a folder */
+    const char *url; /* NULL if the store is a folder */
     struct server_store *store;
 };
 
@@ -27,7 +27,7 @@ static void tidy(struct server_store *store)
 }
 
 struct names {
-    char text[512]; /* "key@version " of each */
+    char text[512]; /* the text "key@version " for each surface */
     struct server_record *last;
     uint64_t version;
 };
@@ -43,7 +43,7 @@ static bool on_stored(void *user, const struct server_stored *stored)
     return true;
 }
 
-/* Removes what an earlier test left. */
+/* Removes the data of earlier tests. */
 static void clear(struct fixture *fixture)
 {
     for (;;) {
@@ -96,7 +96,7 @@ static int tear_down(void **state)
 
 /* --- helpers ---------------------------------------------------------------------------------- */
 
-/* Stores a surface; `*version`: the known version of its key. */
+/* Stores a surface. `*version` is the known version of the surface's key. */
 static enum server_outcome put(struct server_store *store, const struct server_record *record,
                                const char *bytes, const char *attachment, uint64_t *version)
 {
@@ -268,7 +268,7 @@ static void a_change_of_an_old_version_is_stale(void **state)
 }
 
 struct changes {
-    char text[256]; /* "+key " or "-key " of each */
+    char text[256]; /* the text "+key " or "-key " for each change */
     uint64_t last;
 };
 

@@ -1,5 +1,5 @@
-/* Builds surfaces within a byte budget, above all meshes that repair splits into more vertices than
- * expected. */
+/* Tests builds of surfaces within a byte budget, in particular meshes that repair splits into more
+ * vertices than expected. */
 #include "tests/unit/server/folder.h"
 
 #include <math.h>
@@ -22,11 +22,12 @@ static int tear_down(void **state)
 {
     (void)state;
     server_cache_destroy(cache);
-    assert_int_equal(budget.total, 0); /* every byte of the budget was returned */
+    assert_int_equal(budget.total, 0); /* all counted bytes were returned to the budget */
     return 0;
 }
 
-/* Builds the surface of an OBJ file under a control without a budget; NULL: there is a problem. */
+/* Builds the surface of an OBJ file with a control without a budget. Returns NULL if there is a
+ * problem. */
 static struct server_surface *build_under(struct gd_control control, const char *file,
                                           const char *options)
 {
@@ -75,8 +76,8 @@ static void smallest_meshes_that_repair_splits(void **state)
     assert_mended(three_on_an_edge, split, 3, 3);
 }
 
-/* Returns an OBJ file of `pages` triangles around one edge, all with the same direction along it,
- * so that no two of them can be joined. */
+/* Returns an OBJ file of `pages` triangles around one edge. All triangles run along the edge in the
+ * same direction, so no two triangles can be joined. */
 static char *new_book(uint32_t pages)
 {
     size_t capacity = 64 + 96 * (size_t)pages, size = 0;
@@ -99,7 +100,8 @@ static void books_of_any_number_of_pages(void **state)
     }
 }
 
-/* Returns an OBJ file of triangles that all share one position; some share two. */
+/* Returns an OBJ file of triangles that all share one position. Some triangles share two
+ * positions. */
 static char *new_soup(uint32_t triangles)
 {
     size_t capacity = 128 * (size_t)triangles, size = 0;
@@ -136,7 +138,7 @@ static void a_refusal_for_memory_names_the_numbers(void **state)
 /* --- control ---------------------------------------------------------------------------------- */
 
 struct watch {
-    double last, end_at; /* cancels at `end_at` */
+    double last, end_at; /* the call is cancelled at the progress `end_at` */
 };
 
 static bool on_progress(void *user, double fraction)

@@ -23,7 +23,7 @@ static int tear_down(void **state)
     (void)state;
     server_catalogue_destroy(catalogue);
     gd_mesh_release(mesh);
-    assert_int_equal(budget.total, 0); /* every byte of the budget was returned */
+    assert_int_equal(budget.total, 0); /* all counted bytes were returned to the budget */
     return 0;
 }
 
@@ -42,7 +42,7 @@ static struct proto_located_set *new_set(const char *members)
     return located;
 }
 
-/* Adds a field with that id for a key; returns whether it is new. */
+/* Adds a field with that id for a key. Returns whether the field is new. */
 static bool add_for(const char *key, const char *id)
 {
     const struct proto_field_description description = {.wedges = 7, .max_distance = 0.5};
@@ -100,7 +100,7 @@ static void lists_in_order(void **state)
     assert_string_equal(page[2]->id, "m");
     assert_string_equal(page[3]->id, "z");
     for (int i = 0; i < 4; i++) server_resource_release(page[i]);
-    /* after a removed resource */
+    /* a page can begin after a removed resource */
     assert_int_equal(server_catalogue_list(catalogue, "d", 1, page), 1);
     assert_string_equal(page[0]->id, "m");
     server_resource_release(page[0]);
@@ -122,7 +122,8 @@ static void the_least_recently_used_is_forgotten(void **state)
     assert_int_equal(find("00000001"), SERVER_CATALOGUE_FOUND);
     assert_int_equal(find("00000002"), SERVER_CATALOGUE_FORGOT);
     server_resource_release(server_catalogue_remove(catalogue, "00000001"));
-    assert_int_equal(find("00000001"), SERVER_CATALOGUE_ABSENT); /* removed, not forgotten */
+    /* the field was removed, and not forgotten for lack of room */
+    assert_int_equal(find("00000001"), SERVER_CATALOGUE_ABSENT);
 }
 
 static void a_full_list_of_a_key_removes_resources_of_this_key_only(void **state)

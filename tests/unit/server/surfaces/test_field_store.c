@@ -94,7 +94,7 @@ static void on_folder(void *user, const char *path, const char *name)
     assert_true(folder_each(path, on_file, user));
 }
 
-/* Calls `act` (NULL: none) for each stored file; returns their number. */
+/* Calls `act`, unless it is NULL, for each stored file. Returns the number of files. */
 static uint32_t each_file(const struct fixture *fixture, void (*act)(const char *path))
 {
     struct files files = {.act = act};

@@ -1,5 +1,6 @@
-/* A kind of surface that exists only in this test, the toy, shows that the daemon knows only the
- * functions and routes of a kind. This file's tables of kinds and routes replace the daemon's. */
+/* Tests a kind of surface that exists only in this test, the toy. The test shows that the daemon
+ * depends only on the functions and routes of a kind. The tables of kinds and routes in this file
+ * replace the daemon's tables. */
 #include "tests/unit/server/daemon.h"
 #include "tests/unit/server/folder.h"
 
@@ -73,7 +74,7 @@ static const struct server_kind toy_kind = {.word = "toy",
 
 const struct server_kind *const server_kinds[] = {&server_kind_mesh, &toy_kind, NULL};
 
-/* A query that only toys have. */
+/* Handles a query that only toys have. */
 static void handle_double(struct server_exchange *exchange)
 {
     struct server_surface *surface = server_request_surface(exchange);
@@ -285,7 +286,7 @@ static void toys_survive_a_restart(void **state)
     restart(); /* the keys' texts, z and toy+a, sort differently than the keys */
     assert_string_equal(GET("/v1/toys/a"),
                         "200 {\"name\":\"a\",\"number\":21,\"options\":\"unit=cm\"}");
-    assert_int_equal(living, 0); /* a description needs no loaded toy */
+    assert_int_equal(living, 0); /* a description does not load a toy */
     assert_string_equal(GET("/v1/toys/a/double"), "200 42");
     assert_int_equal(living, 1);
     assert_int_equal(PUT("/v1/toys/a?unit=cm", "21"), 200);
@@ -343,7 +344,7 @@ static void tenants_can_not_see_each_other(void **state)
     assert_int_equal(daemon_status((struct daemon_request){
                          .tenant = "b", .method = "DELETE", .target = "/v1/toys/it"}),
                      404);
-    assert_int_equal(daemon_status(of_b), 201); /* created, not replaced */
+    assert_int_equal(daemon_status(of_b), 201); /* the surface was created, not replaced */
     restart();
     get = (struct daemon_request){.tenant = "a", .method = "GET", .target = "/v1/toys/it/double"};
     assert_string_equal(daemon_answer(get), "200 2");

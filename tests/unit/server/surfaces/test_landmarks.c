@@ -1,4 +1,4 @@
-/* The landmarks of a surface: how they are built, stored and evicted. */
+/* Tests how the landmarks of a surface are built, stored and evicted. */
 #include "tests/unit/server/folder.h"
 
 #include <glob.h>
@@ -97,7 +97,7 @@ static int tear_down(void **state)
     server_workspaces_destroy(server.host.workspaces);
     server_metrics_destroy(server.host.metrics);
     folder_remove(folder);
-    assert_int_equal(server.budget.total, 0); /* every byte of the budget was returned */
+    assert_int_equal(server.budget.total, 0); /* all counted bytes were returned to the budget */
     return 0;
 }
 
@@ -136,7 +136,7 @@ static void reclaim(size_t bytes)
     reclaimer->reclaim(reclaimer->user, bytes);
 }
 
-/* Takes all available memory, and returns it. */
+/* Reserves all available memory of the budget, and then returns it. */
 static void press(void)
 {
     size_t bytes = server_budget_available(&server.budget);
@@ -144,7 +144,7 @@ static void press(void)
     server_budget_give(&server.budget, SERVER_BUDGET_FLIGHT, bytes);
 }
 
-/* Returns the only stored file of landmarks; "": there is none. */
+/* Returns the only stored file of landmarks, or "" if there is none. */
 static const char *stored_file(void)
 {
     static char path[SERVER_DISK_PATH];
@@ -175,7 +175,7 @@ static void landmarks_are_built_in_the_background_and_counted(void **state)
     server_surface_retire(surface);
     assert_false(has_landmarks(surface));
     assert_true(counted(SERVER_BUDGET_LANDMARKS) > 0);
-    server_landmark_set_release(set); /* the last user of the evicted set */
+    server_landmark_set_release(set); /* releases the last reference to the evicted set */
     assert_int_equal(counted(SERVER_BUDGET_LANDMARKS), 0);
 }
 
@@ -197,7 +197,8 @@ static void short_memory_evicts_the_least_recently_used_first(void **state)
     struct server_surface *other = put_sphere(5);
     server_landmark_set_release(await(surface));
     server_landmark_set_release(await(other));
-    assert_true(has_landmarks(surface)); /* a use, so the other set is the least recently used */
+    /* uses this set, so that the other set is the least recently used */
+    assert_true(has_landmarks(surface));
     reclaim(1);
     assert_true(has_landmarks(surface));
     assert_false(has_landmarks(other));
@@ -240,7 +241,8 @@ static void retired_surfaces_get_no_landmarks(void **state)
     assert_false(has_landmarks(surface));
     assert_true(is_building());
     assert_int_equal(remove_sphere(4), SERVER_STORE_DONE);
-    assert_int_equal(surface->references, 1); /* immediately: a queued slot holds no reference */
+    /* the reference ends immediately, because a queued slot holds no reference */
+    assert_int_equal(surface->references, 1);
     assert_int_equal(remove_sphere(6), SERVER_STORE_DONE);
     wait_for_background();
     /* The build under way was ended, too. Its thread releases the surface last. */

@@ -1,9 +1,9 @@
-/* Simultaneous loads of one surface. */
+/* Tests simultaneous loads of one surface. */
 #include "tests/unit/server/folder.h"
 
 #include "server/surfaces/loader.h"
 
-/* A store whose fetches wait until the test sets their outcome. */
+/* A store in which each fetch waits until the test sets its outcome. */
 struct slow_store {
     struct server_store store; /* first */
     struct server_record *records[2];
@@ -95,7 +95,7 @@ static void *load(void *user)
     return NULL;
 }
 
-/* Makes a thread load a record, and waits until it fetches. */
+/* Makes a thread load a record, and waits until the thread fetches the bytes. */
 static void begin_load(struct fixture *fixture, int i)
 {
     struct loading *loading = malloc(sizeof *loading);

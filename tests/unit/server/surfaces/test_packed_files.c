@@ -1,4 +1,5 @@
-/* Packed files: how their memory is counted and released, and which files are evicted. */
+/* Tests compressed ("packed") files: how their memory is counted and released, and which files are
+ * evicted. */
 #include "tests/unit/server/support.h"
 
 #include "server/surfaces/packed_files.h"

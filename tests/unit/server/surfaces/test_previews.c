@@ -1,4 +1,4 @@
-/* The life of a surface's preview: how it is built, stored and evicted. */
+/* Tests how the preview of a surface is built, stored and evicted. */
 #include "tests/unit/server/folder.h"
 
 #include <sched.h>
@@ -72,7 +72,7 @@ static int tear_down(void **state)
     server_workers_destroy(server.host.workers);
     server_workspaces_destroy(server.host.workspaces);
     folder_remove(folder);
-    assert_int_equal(server.budget.total, 0); /* every byte of the budget was returned */
+    assert_int_equal(server.budget.total, 0); /* all counted bytes were returned to the budget */
     return 0;
 }
 
@@ -125,7 +125,7 @@ static void the_preview_is_built_in_the_background_and_counted(void **state)
     server_preview_release(again);
     server_surface_retire(surface);
     assert_int_equal(counted(SERVER_BUDGET_PREVIEWS), preview->item.bytes);
-    server_preview_release(preview); /* the last user of the evicted preview */
+    server_preview_release(preview); /* releases the last reference to the evicted preview */
     assert_int_equal(counted(SERVER_BUDGET_PREVIEWS), 0);
 }
 
@@ -135,7 +135,7 @@ static void another_number_of_faces_replaces_the_preview(void **state)
     server_preview_release(made(FACES));
     struct server_preview *preview = made(2 * FACES);
     assert_int_equal(preview->polygons.polygon_count, 2 * FACES);
-    wait_for_background(); /* which may still hold the replaced one */
+    wait_for_background(); /* the background thread may still hold the replaced surface */
     assert_int_equal(counted(SERVER_BUDGET_PREVIEWS), preview->item.bytes);
     server_preview_release(preview);
 }

@@ -73,7 +73,7 @@ static uint32_t list(struct fixture *fixture, const char *after, uint32_t most,
     return server_registry_list(fixture->registry, &key, NULL, most, out);
 }
 
-/* Returns the surface of that name if it is in memory, retained; or NULL. */
+/* Returns a reference to the surface of that name if it is in memory, or NULL. */
 static struct server_surface *get(struct fixture *fixture, const char *name)
 {
     struct server_listed listed;
@@ -376,8 +376,9 @@ static void the_same_record_again_is_kept_in_memory(void **state)
     server_listed_release(&listed);
 }
 
-static struct fixture *tidied; /* used by look_while_tidying */
-static char seen[SERVER_ETAG]; /* the ETag of "a" at that time; empty: there was no "a" */
+static struct fixture *tidied; /* the fixture that look_while_tidying uses */
+/* the ETag of "a" at that time, or an empty text if "a" did not exist */
+static char seen[SERVER_ETAG];
 static unsigned tidy_count;
 
 static void look_while_tidying(struct server_store *store)
@@ -391,7 +392,7 @@ static void look_while_tidying(struct server_store *store)
     server_listed_release(&listed);
 }
 
-/* The order matters: no client may get a surface whose bytes are about to be deleted. */
+/* The order matters, because no client may get a surface whose bytes are about to be deleted. */
 static void the_store_tidies_after_the_slots_change(void **state)
 {
     struct fixture *fixture = *state;

@@ -36,7 +36,7 @@ static void adjusts_to_what_is_held(void **state)
     assert_true(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, 80));
     server_budget_adjust(&budget, SERVER_BUDGET_FLIGHT, 80, 30);
     assert_int_equal(budget.total, 30);
-    /* the memory exists, so it is counted */
+    /* the memory is already allocated, so it is counted */
     server_budget_adjust(&budget, SERVER_BUDGET_FLIGHT, 30, 120);
     assert_int_equal(budget.total, 120);
     assert_int_equal(server_budget_available(&budget), 0);

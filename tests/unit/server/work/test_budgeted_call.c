@@ -1,4 +1,4 @@
-/* Calls of the engine within the memory budget: their grants, the bytes that are counted
+/* Tests calls of the engine within the memory budget: their grants, the bytes that are counted
  * afterwards, and the workspaces that they reuse. */
 #include "tests/unit/server/support.h"
 
@@ -59,7 +59,7 @@ static size_t used(enum server_budget_class class)
 
 /* --- grants ----------------------------------------------------------------------------------- */
 
-/* Needs `need` bytes and keeps `keep` of them. */
+/* A call that needs `need` bytes and keeps `keep` of these bytes. */
 struct task {
     size_t need, keep;
     size_t grants[8];
@@ -197,12 +197,12 @@ static void a_waiting_call_can_be_cancelled(void **state)
 
 /* --- workspaces ------------------------------------------------------------------------------- */
 
-/* Builds a field, then makes `inner` nested calls, then calls `within`. */
+/* A call that builds a field, then makes `inner` nested calls, and then calls `within`. */
 struct building {
     uint32_t vertex, inner;
     void (*within)(const struct building *building);
     const struct gd_workspace *workspace; /* the workspace that the call received */
-    size_t before, after;                 /* bytes of the workspace */
+    size_t before, after;                 /* sizes of the workspace in bytes */
 };
 
 static void build(struct building *building);

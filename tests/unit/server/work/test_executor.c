@@ -7,10 +7,10 @@ struct run {
     struct test_job job; /* first */
     struct server_workers *workers;
     uint32_t count;
-    atomic_uint *done; /* for each task: how often it ran */
+    atomic_uint *done; /* for each task, how often the task ran */
     atomic_uint at_work, most_at_work;
-    sem_t *wait_for; /* every task waits for it; NULL: none does */
-    sem_t *start;    /* the run waits for it; NULL: it does not */
+    sem_t *wait_for; /* every task waits for this semaphore; NULL if no task waits */
+    sem_t *start;    /* the run waits for this semaphore; NULL if it does not wait */
 };
 
 static void do_task(void *context, uint32_t index)
@@ -92,7 +92,7 @@ static void idle_workers_help(void **state)
     sem_destroy(&gate);
 }
 
-/* As many runs as threads: there are no helpers, and no run waits for another. */
+/* There are as many runs as threads, so there are no helpers, and no run waits for another run. */
 static void runs_on_all_workers_end(void **state)
 {
     (void)state;
@@ -131,7 +131,7 @@ static void other_jobs_run_between_tasks(void **state)
     sem_destroy(&gate);
 }
 
-/* No room for helpers: the thread runs all tasks. */
+/* The queue has no room for helpers, so the thread runs all tasks. */
 static void a_full_queue_leaves_all_tasks_to_the_thread(void **state)
 {
     (void)state;
@@ -185,7 +185,7 @@ enum { RUNS = 2000 };
 struct sums {
     uint64_t before[2], after[2];
     pthread_t thread[2];
-    uint32_t other_thread; /* runs whose tasks two threads executed */
+    uint32_t other_thread; /* number of runs whose tasks were executed by two threads */
 };
 
 static void add(void *context, uint32_t index)

@@ -25,7 +25,7 @@ static bool push(int job, const char *tenant, bool is_patient)
     return server_lanes_push(&lanes, server_lanes_of(&lanes, tenant), &jobs[job], false);
 }
 
-/* Takes a job and returns its number; -1: none. */
+/* Takes a job and returns its number, or -1 if there is no job. */
 static int take(bool is_spare)
 {
     const struct server_job *job = server_lanes_take(&lanes, is_spare);
@@ -134,7 +134,8 @@ static void urgent_jobs_go_first_but_patient_ones_do_not_starve(void **state)
     take_all();
 }
 
-/* Whatever one tenant sends, some other tenants find free places, for jobs of both kinds. */
+/* For any jobs that one tenant sends, the queue keeps free places for other tenants, for jobs of
+ * both kinds. */
 static void a_tenant_leaves_places_free(void **state)
 {
     (void)state;

@@ -42,7 +42,7 @@ static void stays_where_it_could_not_come_back(void)
     INSIST(sched_getscheduler(0) == SCHED_OTHER);
 }
 
-/* A thread that is not a worker: its rights are unknown. */
+/* Tests a thread that is not a worker, so that its rights are unknown. */
 static void others_stay(void)
 {
     server_worker_set_idle(true);
@@ -107,9 +107,9 @@ static void long_work_gets_idle_priority(void **state)
     assert_int_equal(look(&priority, 9050, 9100, 1), 50);
 }
 
-/* A thread at idle priority that gets half of the processor's time stays at idle priority. If it
- * gets only a twentieth for 0.1 s, it returns to normal priority: for one second the first time,
- * and for two seconds the next time. */
+/* A thread at idle priority that gets half of the processor's time stays at idle priority. If the
+ * thread gets only a twentieth for 0.1 s, it returns to normal priority. This lasts one second the
+ * first time, and two seconds the next time. */
 static void starving_work_returns_to_normal(void **state)
 {
     (void)state;

@@ -30,7 +30,7 @@ static struct server_workers *busy_workers(struct test_job *first, sem_t *hold,
     sem_init(hold, 0, 0);
     test_job_init(first, hold);
     assert_true(server_workers_submit(workers, &first->job));
-    /* waits for the start: the job counts as running earlier, but could still be refused */
+    /* waits until the job has started, because a job that counts as running may still be refused */
     sem_wait(&first->began);
     return workers;
 }
@@ -249,7 +249,7 @@ static void a_spare_thread_runs_an_urgent_job_beside_patient_ones(void **state)
     end_flooded(workers, &hold, 3);
 }
 
-/* A job that submits another one, as executors do. The other job has the same tenant and kind. */
+/* A job that submits another job, as executors do. The other job has the same tenant and kind. */
 struct submitting {
     struct server_job job; /* first */
     struct server_workers *workers;

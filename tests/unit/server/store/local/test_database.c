@@ -67,7 +67,7 @@ static void migrates_an_older_database_after_a_copy(void **state)
                      SERVER_STORE_DONE);
     assert_int_equal(server_sqlite_migrate(fixture->database, steps, 1, fixture->copy),
                      SERVER_STORE_DONE);
-    assert_int_not_equal(access(fixture->copy, F_OK), 0); /* nothing had to be migrated */
+    assert_int_not_equal(access(fixture->copy, F_OK), 0); /* the database needed no migration */
     assert_int_equal(server_sqlite_migrate(fixture->database, steps, 3, fixture->copy),
                      SERVER_STORE_DONE);
     assert_int_equal(number(fixture->database, "SELECT b FROM t"), 8);

@@ -2,7 +2,7 @@
 
 #include "server/store/local/local.h"
 
-static uint64_t version; /* always 0: the store is not shared */
+static uint64_t version; /* the version is always 0, because the store is not shared */
 
 struct fixture {
     char folder[FOLDER_PATH];
@@ -49,7 +49,7 @@ static struct server_content content_of(const char *bytes, const char *attachmen
         .parts = {[SERVER_PART_FILE] = bytes, [SERVER_PART_ATTACHMENT] = attachment}};
 }
 
-/* Stores a surface with any key, and an attachment if there is one. */
+/* Stores a surface with any key, and its attachment if it has one. */
 static enum server_outcome put_of(struct fixture *fixture, struct server_key key, const char *bytes,
                                   const char *attachment)
 {
@@ -104,7 +104,7 @@ static enum server_outcome fetch(struct fixture *fixture, const char *bytes)
 }
 
 struct listing {
-    char text[256]; /* "key=uses " of each */
+    char text[256]; /* the text "key=uses " for each surface */
 };
 
 static bool on_record(void *user, const struct server_stored *stored)
@@ -252,8 +252,9 @@ static void damaged_objects_are_found_and_replaced(void **state)
 /* --- verification ----------------------------------------------------------------------------- */
 
 struct pacing {
-    size_t bytes, most;      /* bytes read so far; bytes after which the visit ends */
-    struct fixture *fixture; /* the store that rewrites `written` meanwhile; NULL: none */
+    /* `bytes` counts the bytes read so far; the visit ends after `most` bytes */
+    size_t bytes, most;
+    struct fixture *fixture; /* the store that rewrites `written` during the visit, or NULL */
     struct server_record *written;
 };
 
@@ -293,7 +294,7 @@ static void objects_in_quarantine_are_not_read(void **state)
     write_over(path, "x");
     assert_int_equal(verify(fixture, "some bytes", all), SERVER_STORE_DAMAGED);
     assert_int_equal(fixture->store->damaged(fixture->store), 1);
-    write_over(path, "s"); /* repaired without the store's knowledge */
+    write_over(path, "s"); /* repairs the file behind the store's back */
     assert_int_equal(fetch(fixture, "some bytes"), SERVER_STORE_DAMAGED);
     assert_int_equal(verify(fixture, "some bytes", all), SERVER_STORE_DONE);
     assert_int_equal(fetch(fixture, "some bytes"), SERVER_STORE_DONE);
@@ -421,12 +422,12 @@ static void an_attachment_lives_as_long_as_its_surface(void **state)
     const struct server_key key = mesh_key("a");
     assert_int_equal(put_of(fixture, key, "file", "attachment"), SERVER_STORE_DONE);
     assert_int_equal(put_of(fixture, mesh_key("b"), "other", "attachment"), SERVER_STORE_DONE);
-    /* a file with the bytes of an attachment */
+    /* stores a file with the bytes of an attachment */
     assert_int_equal(put(fixture, "c", "attachment"), SERVER_STORE_DONE);
     assert_holds(fixture, "a=0 b=0 c=0 ");
     assert_int_equal(fetch_of(fixture, "", SERVER_PART_ATTACHMENT, "attachment"),
                      SERVER_STORE_DONE);
-    /* without the attachment it is another surface */
+    /* without the attachment the file is another surface */
     assert_int_equal(put(fixture, "a", "file"), SERVER_STORE_DONE);
     assert_int_equal(drop(fixture, "c", "attachment"), SERVER_STORE_DONE);
     assert_int_equal(fetch(fixture, "attachment"), SERVER_STORE_DONE); /* used by b */
