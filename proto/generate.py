@@ -42,7 +42,7 @@ from document import (  # noqa: E402
 )
 from members import c_string  # noqa: E402
 
-# queries with handlers of their own
+# queries that have their own handlers
 OWN_HANDLERS = {"batch", "picture_png", "picture_svg"}
 
 MEDIA_TYPES = {
@@ -81,8 +81,8 @@ def c_bytes(name, data):
 
 
 def query_name(path, method, operation):
-    """Returns the query's name in metrics: that of its POST form; for surfaces other than meshes,
-    prefixed by the kind's plural."""
+    """Returns the query's name in metrics, which is the name of its POST form. For surfaces other
+    than meshes, the plural of the kind precedes the name."""
     if method != "post" or "queries" not in operation["tags"]:
         return None
     kind, name = segments(path)[1], segments(path)[-1]
@@ -238,7 +238,7 @@ def asset_rows(path, number, data, compressed):
 
 
 def state_security(document):
-    """Adds the result of `access` to each operation; the alternative {} stands for a daemon without
+    """Adds the result of `access` to each operation. The alternative {} represents a daemon without
     keys."""
     for _, _, method, operation in operations(document):
         role = access(method, operation)

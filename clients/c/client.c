@@ -6,12 +6,13 @@
 #include <string.h>
 #include <time.h>
 
-#define DEFAULT_URL  "http://127.0.0.1:8080"
-#define UNIX         "unix:"
-#define PATH_MOST    1024
-#define RETRIES      5
-#define TIMEOUT_S    120
-#define BACKOFF_MS   100 /* before the first retry; doubles with each further retry */
+#define DEFAULT_URL "http://127.0.0.1:8080"
+#define UNIX        "unix:"
+#define PATH_MOST   1024
+#define RETRIES     5
+#define TIMEOUT_S   120
+/* pause before the first retry; the pause doubles with each further retry */
+#define BACKOFF_MS   100
 #define BACKOFF_MOST 10000
 
 /* --- life ------------------------------------------------------------------------------------- */
@@ -196,7 +197,7 @@ static struct curl_slist *headers_of(const struct gdc_client *client,
     const char *json = "application/json";
     struct curl_slist *list =
         with(NULL, join("Accept: ", request->accept ? request->accept : json, ""));
-    /* avoids 100-continue: one round trip less */
+    /* disables 100-continue, which would cost a round trip */
     if (list) list = with(list, join("Expect:", "", ""));
     if (list && request->body)
         list = with(
@@ -255,7 +256,7 @@ static void wait_before(struct gdc_client *client, unsigned attempt, int is_answ
     curl_off_t told_s = 0;
     long ms = attempt < 7 ? BACKOFF_MS << attempt : BACKOFF_MOST;
     struct timespec now;
-    clock_gettime(CLOCK_REALTIME, &now); /* jitter: clients retry at different times */
+    clock_gettime(CLOCK_REALTIME, &now); /* adds jitter, so that clients retry at different times */
     ms = ms / 2 + now.tv_nsec / 1000 % ms;
     if (is_answer && curl_easy_getinfo(client->curl, CURLINFO_RETRY_AFTER, &told_s) == CURLE_OK &&
         told_s > 0)

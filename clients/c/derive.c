@@ -1,4 +1,4 @@
-/* Meshes derived from others: edits, components, previews. */
+/* Derives meshes from other meshes: edits, components and previews. */
 #include "internal.h"
 
 #include <stdio.h>
@@ -36,7 +36,8 @@ enum gdc_status gdc_split(struct gdc_client *client, const char *mesh, const cha
     return derive(client, mesh, body, problem);
 }
 
-/* Calls the progress function, if there is one, and returns its result. Nonzero: cancel. */
+/* Calls the progress function, if there is one, and returns its result. A nonzero result cancels
+ * the request. */
 static int report(const struct gdc_client *client, const struct gdc_answer *answer)
 {
     json_t *json = json_loadb(answer->body, answer->size, 0, NULL);

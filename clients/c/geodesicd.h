@@ -50,9 +50,10 @@ struct gdc_problem {
 /* One connection to a daemon, with its settings. */
 struct gdc_client;
 
-/* Returns a new client, or NULL if memory is short. url: http://HOST:PORT, https://HOST:PORT or
- * unix:PATH; NULL: $GEODESICD_URL, or http://127.0.0.1:8080. key: the access key, if the daemon
- * requires one; NULL: $GEODESICD_KEY, if it is set. Copies both. */
+/* Returns a new client, or NULL if memory is short. `url` is http://HOST:PORT, https://HOST:PORT or
+ * unix:PATH. NULL selects $GEODESICD_URL, or http://127.0.0.1:8080 if that is not set. `key` is the
+ * access key, if the daemon requires one. NULL selects $GEODESICD_KEY, if it is set. The client
+ * copies both texts. */
 struct gdc_client *gdc_client_create(const char *url, const char *key);
 /* Closes the connection and frees the client. Ignores NULL. */
 void gdc_client_destroy(struct gdc_client *client);
@@ -68,8 +69,8 @@ void gdc_client_set_timeout(struct gdc_client *client, long seconds);
  * job. */
 typedef int (*gdc_progress)(void *user, double progress);
 
-/* Sets the progress function. With one, the client sends POST and PUT requests as jobs and waits
- * for their results. NULL: requests do not run as jobs. */
+/* Sets the progress function. With a progress function the client sends POST and PUT requests as
+ * jobs and waits for their results. With NULL, requests do not run as jobs. */
 void gdc_client_set_progress(struct gdc_client *client, gdc_progress progress, void *user);
 
 /* --- requests of any kind --------------------------------------------------------------------- */
@@ -145,11 +146,11 @@ char *gdc_point_json(const struct gdc_point *point);
  * a surface. */
 enum gdc_status gdc_upload(struct gdc_client *client, const char *mesh, const void *bytes,
                            size_t size, struct gdc_problem *problem);
-/* As gdc_upload, with repair=split: separates the mesh where it is not manifold, such as at an edge
- * with three faces. */
+/* Like gdc_upload, with repair=split, which separates the mesh where it is not manifold, such as at
+ * an edge with three faces. */
 enum gdc_status gdc_upload_split(struct gdc_client *client, const char *mesh, const void *bytes,
                                  size_t size, struct gdc_problem *problem);
-/* As gdc_upload, with URL-encoded parameters of the contract: "repair=split",
+/* Like gdc_upload, with URL-encoded parameters of the contract, such as "repair=split" or
  * "fill=1000&simplify=50000". */
 struct gdc_file {
     const void *bytes; /* borrowed */
@@ -164,8 +165,9 @@ enum gdc_status gdc_upload_with(struct gdc_client *client, const char *mesh,
 enum gdc_status gdc_derive(struct gdc_client *client, const char *mesh, const char *name,
                            const char *operations, struct gdc_problem *problem);
 
-/* Applies the operations as gdc_derive does, then stores each component of the result as a mesh of
- * its own: NAME-1, NAME-2 and so on, by decreasing area; at most 64. Errors: those of gdc_query. */
+/* Applies the operations as gdc_derive does. Then stores each component of the result as a separate
+ * mesh with the name NAME-1, NAME-2 and so on, by decreasing area. There may be at most 64
+ * components. Errors: those of gdc_query. */
 enum gdc_status gdc_split(struct gdc_client *client, const char *mesh, const char *name,
                           const char *operations, struct gdc_problem *problem);
 
@@ -175,7 +177,7 @@ enum gdc_status gdc_split(struct gdc_client *client, const char *mesh, const cha
 enum gdc_status gdc_preview(struct gdc_client *client, const char *mesh, unsigned faces,
                             struct gdc_answer *answer, struct gdc_problem *problem);
 
-/* As gdc_upload, from arrays. `vertices` has rows of three coordinates; `faces` has rows of three
+/* Like gdc_upload, from arrays. `vertices` has rows of three coordinates; `faces` has rows of three
  * vertex indices, which begin at 0. Both are borrowed. */
 struct gdc_arrays {
     const double *vertices;
@@ -190,13 +192,13 @@ enum gdc_status gdc_upload_arrays(struct gdc_client *client, const char *mesh,
  * call before filled, frees its `json` and fills it again. A call that fails leaves the page
  * unchanged. */
 struct gdc_page {
-    char *json;     /* the caller frees the last one with gdc_free */
+    char *json;     /* the caller frees the last text with gdc_free */
     char next[128]; /* where the next page begins; "" after the last page */
 };
 /* Reads a page of the meshes whose names begin with `prefix` (NULL: all): {"meshes": [...]}. */
 enum gdc_status gdc_list(struct gdc_client *client, const char *prefix, struct gdc_page *page,
                          struct gdc_problem *problem);
-/* As gdc_upload, from the file at `path`. Errors: also GDC_FILE. */
+/* Like gdc_upload, from the file at `path`. Errors: those of gdc_upload, GDC_FILE. */
 enum gdc_status gdc_upload_file(struct gdc_client *client, const char *mesh, const char *path,
                                 struct gdc_problem *problem);
 enum gdc_status gdc_delete(struct gdc_client *client, const char *mesh,
@@ -230,8 +232,9 @@ enum gdc_status gdc_matrix(struct gdc_client *client, const char *mesh,
                            const struct gdc_matrix_points *points, double *distances,
                            struct gdc_problem *problem);
 
-/* Computes for each vertex the distance from the nearest of `count` points; NaN if no path reaches
- * the vertex. The caller frees `*values` with gdc_free. Errors: those of gdc_query. */
+/* Computes for each vertex the distance from the nearest of `count` points. The distance is NaN if
+ * no path reaches the vertex. The caller frees `*values` with gdc_free. Errors: those of
+ * gdc_query. */
 enum gdc_status gdc_field(struct gdc_client *client, const char *mesh,
                           const struct gdc_point *sources, size_t count, double **values,
                           size_t *value_count, struct gdc_problem *problem);
@@ -264,12 +267,14 @@ enum gdc_status gdc_batch_results(struct gdc_client *client, const char *id, str
                                   struct gdc_problem *problem);
 
 /* Reads a page of the items in the order in which the daemon answers them. Each call blocks until
- * an item has an answer, at most 30 seconds. The last page follows the end of the batch. */
+ * an item has an answer, at most 30 seconds. The last page is returned after the end of the
+ * batch. */
 enum gdc_status gdc_batch_next(struct gdc_client *client, const char *id, struct gdc_page *page,
                                struct gdc_problem *problem);
 
 /* Blocks until the batch has ended, and calls the progress function about once a second.
- * GDC_CANCELLED: the progress function returned nonzero; the batch continues. */
+ * Returns GDC_CANCELLED if the progress function returned a nonzero value; the batch then
+ * continues. */
 enum gdc_status gdc_batch_wait(struct gdc_client *client, const char *id, struct gdc_batch *batch,
                                struct gdc_problem *problem);
 

@@ -9,9 +9,10 @@
 
 struct gdc_client {
     CURL *curl;
-    char *url, *socket_path; /* socket_path: NULL except for unix:PATH */
-    char *authorization;     /* a header line; NULL: none */
-    int is_near; /* the daemon is on this machine, where compression takes longer than it saves */
+    char *url, *socket_path; /* `socket_path` is NULL unless the address is unix:PATH */
+    char *authorization;     /* a header line, or NULL if there is no key */
+    /* nonzero if the daemon is on this machine, where compression takes longer than it saves */
+    int is_near;
     unsigned retries;
     long timeout_s;
     gdc_progress progress;
@@ -22,7 +23,8 @@ struct gdc_client {
 enum gdc_status gdc__fail(struct gdc_problem *problem, enum gdc_status status, const char *format,
                           ...) __attribute__((format(printf, 3, 4)));
 
-/* Sends a request, with retries. `is_job`: asks the daemon to run it as a job and answer 202. */
+/* Sends a request, with retries. If `is_job`, the request asks the daemon to run it as a job and to
+ * answer 202. */
 enum gdc_status gdc__exchange(struct gdc_client *client, const struct gdc_request *request,
                               int is_job, struct gdc_answer *answer, struct gdc_problem *problem);
 

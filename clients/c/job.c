@@ -5,7 +5,8 @@
 #include <string.h>
 #include <time.h>
 
-#define POLL_MS   20 /* pause before the first poll; grows by half each time, up to POLL_MOST */
+/* pause before the first poll; each further pause is longer by half, up to POLL_MOST */
+#define POLL_MS   20
 #define POLL_MOST 250
 
 #define WAIT_SECONDS 30 /* the longest wait of one request for the end of a job */

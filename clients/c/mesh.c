@@ -111,7 +111,8 @@ static enum gdc_status ask(struct gdc_client *client, const char *mesh, struct g
     return status;
 }
 
-/* A query of a mesh. Sending it releases `body`; a NULL body is reported as GDC_NO_MEMORY. */
+/* A query of a mesh. Sending the query releases `body`. A NULL body is reported as
+ * GDC_NO_MEMORY. */
 struct query {
     const char *mesh, *path, *accept;
     json_t *body;

@@ -14,8 +14,8 @@ export class ConnectionFailed extends GeodesicError {}
 export class OriginRefused extends ConnectionFailed {}
 
 /**
- * An error that the daemon reports (RFC 9457), also if it is still busy (429, 503) after all
- * retries.
+ * An error that the daemon reports (RFC 9457). The error is also thrown if the daemon is still busy
+ * (429, 503) after all retries.
  */
 export class ProblemError extends GeodesicError {
   readonly problem: types.Problem;
@@ -87,9 +87,9 @@ export function readArrays(buffer: ArrayBuffer): Arrays;
 export function writeArrays(arrays: Arrays): Uint8Array<ArrayBuffer>;
 
 /**
- * Returns a function for drags that takes inputs, such as the position of the mouse. It runs one
- * request at a time and drops inputs that a newer input has replaced. `stop` aborts the request and
- * ignores further inputs.
+ * Returns a function that takes the inputs of a drag, such as the position of the mouse. The
+ * function runs one request at a time and drops inputs that a newer input has replaced. `stop`
+ * aborts the request and ignores further inputs.
  */
 export function newest<Input, Answer>(
   ask: (input: Input, signal: AbortSignal) => Promise<Answer>,
@@ -97,10 +97,10 @@ export function newest<Input, Answer>(
   fail?: (error: unknown) => void,
 ): { (input: Input): void; stop(): void };
 
-/** Receives the progress of a job, in [0,1]. A call with it runs as a job. */
+/** Receives the progress of a job, in [0,1]. A call with this option runs as a job. */
 export type OnProgress = (progress: number) => void;
 
-/** Option of every call: the signal aborts the request, and the pauses between its retries. */
+/** An option of every call. The signal aborts the request and the pauses between its retries. */
 export interface Abortable {
   signal?: AbortSignal;
 }
@@ -148,7 +148,7 @@ export class Job {
 /** A resource at a path of the daemon. */
 export class Resource {
   /**
-   * Sends a query that has arrays as its answer (`matrix`, `isolines`, `trace`, `voronoi`, …).
+   * Sends a query whose answer consists of arrays (`matrix`, `isolines`, `trace`, `voronoi`, …).
    * Returns typed arrays by name, each stored by rows.
    */
   queryArrays(
@@ -185,20 +185,29 @@ export class Field extends Resource {
   readonly max: number | null;
   readonly farthest: types.PointAnswer | null;
   describe(options?: Abortable): Promise<types.Field>;
-  /** Returns the distance at each vertex; NaN if no path reaches the vertex. */
+  /** Returns the distance at each vertex, or NaN if no path reaches the vertex. */
   values(options?: Abortable): Promise<Float64Array>;
   /** Returns a file of the mesh with the distances: as values (ply), colours (glb), rows (csv). */
   file(format?: "ply" | "glb" | "csv", options?: Abortable): Promise<ArrayBuffer>;
-  /** Returns the distance at each point; null if no path reaches the point. */
+  /** Returns the distance at each point, or null if no path reaches the point. */
   distances(points: PointsLike, options?: Abortable): Promise<(number | null)[]>;
-  /** Returns the lines of each level. `levels`: a list of levels, or a count of even levels. */
+  /**
+   * Returns the lines of each level. `levels` is a list of levels, or a number of equally spaced
+   * levels.
+   */
   isolines(levels: number | ArrayLike<number>, options?: QueryOptions & { tolerance?: number }): Promise<types.IsolinesAnswer["isolines"]>;
-  /** As `isolines`, as arrays. Line i is the rows of `points` from `first[i]` to `first[i + 1]`. */
+  /**
+   * Like `isolines`, but returns arrays. Line i consists of the rows of `points` from `first[i]` to
+   * `first[i + 1]`.
+   */
   isolineArrays(
     levels: number | ArrayLike<number>,
     options?: QueryOptions & { tolerance?: number; form?: "f64" | "f32" },
   ): Promise<{ points: Floats; first: Uint32Array; level: Floats; length: Floats }>;
-  /** Returns the lines of all levels as a file. `mesh`: include the mesh (obj and glb). */
+  /**
+   * Returns the lines of all levels as a file. If `mesh` is true, the file includes the mesh (obj
+   * and glb).
+   */
   isolinesFile(
     levels: number | ArrayLike<number>,
     format?: "obj" | "glb" | "csv",
@@ -208,13 +217,13 @@ export class Field extends Resource {
 
 export class Mesh extends Surface<types.MeshQueries> {
   describe(options?: Abortable): Promise<types.Mesh>;
-  /** Returns the exact distance; null if no path joins the points. */
+  /** Returns the exact distance, or null if no path joins the points. */
   distance(from: PointLike, to: PointLike, options?: Abortable & { via?: PointsLike }): Promise<number | null>;
-  /** Returns a shortest path; null if no path joins the points. */
+  /** Returns a shortest path, or null if no path joins the points. */
   path(from: PointLike, to: PointLike, options?: Abortable & { via?: PointsLike }): Promise<Path | null>;
   /**
-   * Returns a shortest path as a file. svg: the faces that the path crosses, unfolded into the
-   * plane. `mesh`: include the mesh (obj and glb).
+   * Returns a shortest path as a file. The format svg has the faces that the path crosses, unfolded
+   * into the plane. If `mesh` is true, the file includes the mesh (obj and glb).
    */
   pathFile(
     from: PointLike,
@@ -229,8 +238,8 @@ export class Mesh extends Surface<types.MeshQueries> {
   picture(form?: "png" | "svg", query?: Record<string, string | number | boolean | AbortSignal | undefined>): Promise<ArrayBuffer>;
   nearest(point: PointLike, options?: Abortable): Promise<types.PointAnswer>;
   /**
-   * Returns the distance of each pair; NaN if no path joins its points. An array with one point
-   * uses this point for all pairs.
+   * Returns the distance of each pair, or NaN if no path joins the points of the pair. An array
+   * with one point uses this point for all pairs.
    */
   pairs(from: BulkPoints, to: BulkPoints, options?: Abortable): Promise<Float64Array>;
   /**
@@ -238,7 +247,7 @@ export class Mesh extends Surface<types.MeshQueries> {
    * `faces`, `barycentric`, `xyz` and `snap_distances`.
    */
   nearestPoints(xyz: BulkPoints, options?: Abortable): Promise<Record<string, Float64Array | Uint32Array>>;
-  /** Returns a row of distances for each source; NaN if no path joins the points. */
+  /** Returns a row of distances for each source. A distance is NaN if no path joins the points. */
   matrix(
     sources: PointsLike,
     targets: PointsLike,
@@ -249,8 +258,8 @@ export class Mesh extends Surface<types.MeshQueries> {
   /** Creates a mesh by applying operations in order: [{ operation: "simplify", faces: 10000 }]. */
   derive(name: string, operations: readonly types.EditOperation[], options?: Abortable & { onProgress?: OnProgress }): Promise<Mesh>;
   /**
-   * Applies the operations, if there are any, and stores each component of the result as a mesh of
-   * its own: name-1, name-2 and so on, by decreasing area.
+   * Applies the operations, if there are any. Then stores each component of the result as a
+   * separate mesh with the name name-1, name-2 and so on, by decreasing area.
    */
   split(name: string, operations?: readonly types.EditOperation[], options?: Abortable & { onProgress?: OnProgress }): Promise<Mesh[]>;
   /** Returns the original point of each vertex of a derived mesh: face, barycentric coordinates. */
@@ -265,8 +274,8 @@ export class Mesh extends Surface<types.MeshQueries> {
 
 export class Client {
   /**
-   * `retries`: how often the client repeats a request if the daemon is busy or the connection
-   * fails.
+   * `retries` is the number of times that the client repeats a request if the daemon is busy or the
+   * connection fails.
    */
   constructor(url?: string | URL, options?: { key?: string; retries?: number });
   /** Sends any request. Throws a ProblemError if the daemon reports an error. */
@@ -278,8 +287,8 @@ export class Client {
   /** Reads the daemon's version, limits and capabilities. */
   service(options?: Abortable): Promise<types.Service>;
   /**
-   * Starts a batch: a query for many sources that continues without this client and across restarts
-   * of the daemon. The client does not repeat the request if the connection fails: after
+   * Starts a batch, which is a query for many sources. It continues without this client and across
+   * restarts of the daemon. The client does not repeat the request if the connection fails: after
    * ConnectionFailed the batch may exist; GET /v1/batches lists all batches.
    */
   createBatch(request: types.BatchRequest, options?: Abortable): Promise<types.Batch>;
@@ -288,8 +297,8 @@ export class Client {
   /** Waits until the batch has ended. Calls `onProgress` about once a second. */
   waitBatch(id: string, onProgress?: OnProgress, options?: Abortable): Promise<types.Batch>;
   /**
-   * Yields the items that have an answer now, in the order of the request. `wait`: yields each item
-   * as soon as it has an answer, until the batch has ended.
+   * Yields the items that have an answer now, in the order of the request. If `wait` is true,
+   * yields each item as soon as it has an answer, until the batch has ended.
    */
   batchResults(id: string, options?: Abortable & { wait?: boolean }): AsyncGenerator<types.BatchResults["results"][number]>;
   /** Cancels a running batch, or removes a batch that has ended. */

@@ -1,7 +1,7 @@
 /* Exact geodesics on surfaces, from a geodesicd daemon. For browsers and Node.js 18 or later; needs
  * only fetch. index.d.ts documents the exports. */
 
-const BACKOFF_MS = 100; // before the first retry; doubles with each further retry
+const BACKOFF_MS = 100; // pause before the first retry; the pause doubles with each further retry
 const BACKOFF_MOST_MS = 10000;
 const FLOATS = "application/octet-stream";
 const BATCH_WAIT_S = 30; // the longest wait of one request for a batch
@@ -50,7 +50,7 @@ const COMPACT = {
 };
 const COMPACT_FORM = /^(v:\d+|e:\d+-\d+:[\d.eE+-]+|f:\d+:[^,:]+,[^,:]+,[^,:]+|p:[^,:]+,[^,:]+,[^,:]+)$/;
 
-/* Returns the most exact request form of a point of an answer; other objects unchanged. */
+/* Returns the most exact request form of a point of an answer. Returns other objects unchanged. */
 function askable(point) {
   if (point.vertex !== undefined) return { vertex: point.vertex };
   if (point.edge !== undefined) return { edge: point.edge, t: point.t };
@@ -68,15 +68,15 @@ export function toPoint(point) {
   throw new TypeError(`${JSON.stringify(point)} is not a point; write v:12, e:3-9:0.25, f:34:0.2,0.3,0.5 or p:1,2,3`);
 }
 
-/* An array of floating-point type has rows of three coordinates; any other list has one point per
- * element. */
+/* Converts points to a list. An array of floating-point type has rows of three coordinates; any
+ * other list has one point in each element. */
 export function toPoints(points) {
   if (!(points instanceof Float64Array || points instanceof Float32Array)) return Array.from(points, toPoint);
   return Array.from({ length: points.length / 3 }, (_, i) => ({ xyz: [...points.subarray(3 * i, 3 * i + 3)] }));
 }
 
-/* Three numbers that are not all integers are a point in space; any other list is a list of
- * points. */
+/* Converts sources to a set. Three numbers that are not all integers are a point in space; any
+ * other list is a list of points. */
 export function toSet(sources) {
   if (ArrayBuffer.isView(sources)) return { points: toPoints(sources) };
   if (Array.isArray(sources)) {
@@ -151,7 +151,7 @@ function toQuery(query = {}) {
 }
 
 async function readFloats(response) {
-  // The answer is little-endian, as are typed arrays in all JavaScript engines.
+  // The answer is little-endian, like typed arrays in all JavaScript engines.
   return new Float64Array(await response.arrayBuffer());
 }
 
@@ -508,8 +508,8 @@ export class Client {
     this.headers = key ? { Authorization: `Bearer ${key}` } : {};
   }
 
-  /* Distinguishes a daemon that refuses the page's origin from one that does not run: only the
-   * former answers a request without CORS. */
+  /* Returns whether the daemon runs but refuses the page's origin. Only a running daemon answers a
+     request without CORS. */
   async #refusesOrigin() {
     const origin = globalThis.location?.origin;
     if (!origin || origin === new URL(this.url, globalThis.location.href).origin) return false;

@@ -34,7 +34,7 @@ export class GeodesicViewer extends HTMLElementOrNone {
   }
 
   /* The frame keeps its surface and repeats its query. If several changes arrive during a query,
-   * the frame applies only the newest one. */
+   * the frame applies only the newest change. */
   attributeChangedCallback(name) {
     if (!this.#frame) return;
     if (name === "server") this.#frame.src = `${this.server}/?embed=1#${this.fragment}`;

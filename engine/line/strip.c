@@ -10,8 +10,7 @@ void gd__strip_free(struct gd__strip *strip)
     *strip = (struct gd__strip){0};
 }
 
-/* --- portals
- * ------------------------------------------------------------------------------------ */
+/* --- portals ---------------------------------------------------------------------------------- */
 
 enum gd_status gd__strip_push(struct gd__strip *strip, uint32_t side,
                               const struct gd_control *control)

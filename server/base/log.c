@@ -21,7 +21,7 @@
 /* longest time that a line waits in the buffer for further lines */
 #define GATHER_NS     10000000
 #define GATHERED_MOST (1 << 20) /* bytes of one of the two buffers */
-/* with this many bytes the thread is woken, while they still fit in a cache */
+/* the thread is woken if the buffer has this many bytes, which still fit in a processor cache */
 #define GATHERED_DUE (32 << 10)
 #define NOTE_ROOM    256 /* room reserved for the line `log_dropped` */
 /* longest time that a caller waits to write its own line */
@@ -56,7 +56,8 @@ static void line_append(struct server_log_line *line, const char *key, const cha
     line->size = (size_t)(line_put(at, value, size) - line->text);
 }
 
-/* Returns "2026-01-31T12:34:56". Each thread formats it at most once a second. */
+/* Returns the time as text, such as "2026-01-31T12:34:56". Each thread formats the text at most
+ * once a second. */
 static const char *second_text(time_t second)
 {
     static _Thread_local time_t known = -1;
@@ -68,7 +69,7 @@ static const char *second_text(time_t second)
     return text;
 }
 
-/* Writes a point and three digits; returns their end. */
+/* Writes a point and three digits. Returns the end of the digits. */
 static char *thousandths_print(unsigned thousandths, char *out)
 {
     *out++ = '.';
@@ -125,8 +126,8 @@ void server_log_milliseconds(struct server_log_line *line, const char *key, uint
 }
 
 /* --- output ----------------------------------------------------------------------------------- */
-/* Two buffers: callers append to one while the thread writes the other. Only the thread blocks when
- * standard error is a full pipe. */
+/* There are two buffers. Callers append to one buffer while the thread writes the other. Only the
+ * thread blocks when standard error is a full pipe. */
 
 struct text {
     size_t size;

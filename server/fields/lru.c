@@ -1,7 +1,7 @@
 #include "server/fields/lru.h"
 
-/* Evicts the least recently used item if the list holds more than `most` bytes. Returns its bytes;
- * 0: none was evicted. */
+/* Evicts the least recently used item if the list holds more than `most` bytes. Returns the bytes
+ * of the item, or 0 if no item was evicted. */
 static size_t lru_evict(struct server_lru *lru, size_t most)
 {
     pthread_mutex_lock(&lru->lock);

@@ -1,5 +1,5 @@
-/* LRU: a list of results that can be computed again. They stay in memory while the budget has room;
- * the least recently used are evicted first.
+/* LRU: a list of results that can be computed again. The results stay in memory while the budget
+ * has room. The least recently used results are evicted first.
  *
  * DESIGN. An item is the first member of a result's own struct. An item is reference-counted, and
  * the budget counts it in the list's class until the last release. A *place* is the owner's pointer
@@ -31,12 +31,12 @@ struct server_lru { /* the owner sets the first members */
     enum server_budget_class class;
     enum server_reclaim_turn turn;
     void (*free)(struct server_lru_item *item);
-    /* called under the lock after an eviction; may be NULL */
+    /* this function is called under the lock after an eviction; may be NULL */
     void (*evicted)(struct server_lru *lru, struct server_lru_item **place);
     pthread_mutex_t lock;
-    TAILQ_HEAD(, server_lru_item) by_use; /* the least recently used first */
+    TAILQ_HEAD(, server_lru_item) by_use; /* the items, beginning with the least recently used */
     size_t held;                          /* bytes of the items in the list */
-    atomic_uint pressures;                /* how often memory was short */
+    atomic_uint pressures;                /* number of times that memory was short */
 };
 
 /* begin registers the list as a reclaimer of the budget. end unregisters it; all places must be
@@ -47,13 +47,15 @@ void server_lru_end(struct server_lru *lru);
 /* Evicts the least recently used items until the list holds at most `most` bytes. */
 void server_lru_trim(struct server_lru *lru, size_t most);
 
-/* Begins an item with one reference; moves its bytes from SERVER_BUDGET_FLIGHT to the class. */
+/* Begins an item with one reference. Moves its bytes from SERVER_BUDGET_FLIGHT to the list's
+ * class. */
 void server_lru_adopt(struct server_lru *lru, struct server_lru_item *item, size_t bytes);
 void server_lru_release(struct server_lru_item *item); /* NULL is allowed */
 
 /* Call these functions under the lock. put moves the caller's reference to an empty place. get
  * counts a use and returns a new reference of the item. take empties the place and returns its
- * reference, which the caller releases without the lock. NULL: the place is empty. */
+ * reference, which the caller releases without the lock. get and take return NULL if the place is
+ * empty. */
 void server_lru_put(struct server_lru_item **place, struct server_lru_item *item);
 struct server_lru_item *server_lru_get(struct server_lru_item **place);
 struct server_lru_item *server_lru_take(struct server_lru_item **place);

@@ -108,15 +108,16 @@ struct server_query {
 struct server_query_kind {
     const char *name; /* as in the path, and in a batch */
     size_t size;      /* bytes of the kind's own struct */
-    const void *own;  /* constants of a kind that shares steps with others, or NULL */
+    const void *own;  /* the constants of a kind that shares steps with other kinds, or NULL */
     const struct server_form *forms; /* the answer's own forms, or NULL */
     bool has_bare_points;            /* geometry is xyz by default, not full */
     bool (*decode)(struct server_query *query, const json_t *document);
     bool (*parse)(struct server_query *query, const struct proto_parameters *parameters);
-    /* Reads a request of arrays (arrays.h), with these names. Both NULL: only JSON. */
+    /* Reads a request of arrays (arrays.h) with these names. If both members are NULL, requests are
+       JSON only. */
     const char *const *array_names;
     bool (*read_arrays)(struct server_query *query, const struct server_arrays *arrays);
-    /* NULL: a default, see above */
+    /* may be NULL for the default, see above */
     enum server_query_turn (*try_inline)(struct server_query *query);
     bool (*join)(struct server_query *query); /* see server_exchange_defer; may be NULL */
     enum server_query_turn (*solve)(struct server_query *query);
@@ -158,8 +159,8 @@ enum server_query_turn server_query_solve(struct server_query *query);
 /* Appends the answer of a query that is DONE, for a batch. */
 void server_query_encode(const struct server_query *query, struct proto_writer *writer);
 
-/* Handles a single request. Most routes name their kind of query and have server_handle_query
- * (handlers.h). */
+/* Handles a single request. Most routes name their kind of query and have the handler
+ * server_handle_query (handlers.h). */
 void server_query_handle(struct server_exchange *exchange, const struct server_query_kind *kind);
 
 /* --- for the steps ---------------------------------------------------------------------------- */
@@ -175,7 +176,7 @@ struct server_monitor server_monitor_portion(const struct server_monitor *whole,
 enum server_query_turn server_query_fail(const struct server_query *query, enum gd_status status,
                                          const char *what);
 
-/* As server_query_fail, for steps that return bool. Returns false. */
+/* Like server_query_fail, for steps that return bool. Returns false. */
 bool server_query_refuse(const struct server_query *query, enum gd_status status, const char *what);
 
 /* Returns the last turn of a query: DONE, or FAILED with the problem of `status` or of a draft that
@@ -200,7 +201,8 @@ enum server_arrays_form server_query_arrays_form(const struct server_query *quer
 bool server_query_list_lines(struct server_query *query, const struct gd_path *paths, size_t stride,
                              uint32_t count);
 
-/* As server_query_list_lines, for one line of points, borrowed; NULL: there is no line. */
+/* Like server_query_list_lines, for one borrowed line of points. NULL means that there is no
+ * line. */
 bool server_query_list_line(struct server_query *query, const struct gd_point *points,
                             uint32_t count);
 
@@ -261,16 +263,16 @@ GD_MUST_USE enum gd_status server_pair_append(struct gd_pair_answer *route,
 
 /* --- for kinds that are answered from a field (field_query.c) --------------------------------- */
 
-/* Names the field of a set. The query takes over the set. Locates the set at once if that is
- * quick. */
+/* Names the field of a set. The query takes over the set. Locates the set immediately if this takes
+ * little time. */
 bool server_field_query_of_set(struct server_query *query, struct proto_set *set,
                                double max_distance);
 
-/* As server_field_query_of_set, for a located set, which the caller still owns. */
+/* Like server_field_query_of_set, for a located set, which the caller still owns. */
 void server_field_query_of_located(struct server_query *query, const struct proto_located_set *set,
                                    double max_distance);
 
-/* As server_field_query_of_set, for a field resource: that of the request's path, or that of an id.
+/* Like server_field_query_of_set, for the field resource of the request's path or of an id.
  * Problems of the id refer to the parameter `field`. On failure, returns false with not_found or
  * field_evicted. */
 bool server_field_query_of_resource(struct server_query *query);

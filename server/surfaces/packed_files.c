@@ -7,7 +7,7 @@
 #include "server/base/thread.h"
 
 struct server_packed_files {
-    struct server_lru lru; /* first */
+    struct server_lru lru; /* must be the first member */
 };
 
 static void file_free(struct server_lru_item *item)
@@ -21,7 +21,8 @@ void server_packed_file_release(struct server_packed_file *file)
     if (file) server_lru_release(&file->item);
 }
 
-/* Under the lock: returns the place of the file with that tag; NULL: it is not in the list. */
+/* Returns the place of the file with that tag, or NULL if the file is not in the list. Called under
+ * the lock. */
 static struct server_lru_item **files_search(struct server_packed_files *files, const char *tag)
 {
     struct server_lru_item *item;

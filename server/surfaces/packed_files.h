@@ -15,12 +15,12 @@
 #include "server/exchange/etag.h"
 #include "server/fields/lru.h"
 
-/* bytes; smaller files are not cached, but compressed for each answer */
+/* size in bytes; smaller files are not cached, but compressed for each answer */
 #define SERVER_PACKED_FROM ((size_t)64 << 10)
-#define SERVER_PACKED_PART 16 /* part of the budget that the cache may hold */
+#define SERVER_PACKED_PART 16 /* the cache may hold 1/16 of the budget */
 
 struct server_packed_file {
-    struct server_lru_item item;   /* first */
+    struct server_lru_item item;   /* must be the first member */
     struct server_lru_item *place; /* the file itself while it is in the list */
     char tag[SERVER_ETAG_TEXT];
     char *bytes;
@@ -33,12 +33,13 @@ struct server_packed_files;
 struct server_packed_files *server_packed_files_create(struct server_budget *budget);
 void server_packed_files_destroy(struct server_packed_files *files); /* NULL is allowed */
 
-/* Returns the file with that tag, which the caller releases; NULL: it is not cached. */
+/* Returns the file with that tag, which the caller releases, or NULL if the file is not cached. */
 struct server_packed_file *server_packed_files_find(struct server_packed_files *files,
                                                     const char *tag);
 
-/* Takes over the bytes, allocated by malloc, as the file with that tag, and returns a reference. If
- * memory is short or the file is too large, returns NULL; the caller still owns the bytes. */
+/* Takes ownership of the bytes, allocated by malloc, as the file with that tag. Returns a reference
+ * to the file. If memory is short or the file is too large, returns NULL; the caller still owns the
+ * bytes. */
 struct server_packed_file *server_packed_files_add(struct server_packed_files *files,
                                                    const char *tag, char *bytes, size_t size);
 

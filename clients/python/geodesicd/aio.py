@@ -64,8 +64,9 @@ class _Async:
 
 
 class AsyncClient(_Async):
-    """A connection to a daemon with the methods of `Client` as coroutines. `parallel`: how many
-    requests run at once. If a task is cancelled, its call still runs to the end in its thread."""
+    """A connection to a daemon with the methods of `Client` as coroutines. `parallel` is the number
+    of simultaneous requests. If a task is cancelled, its call still runs to the end in its
+    thread."""
 
     def __init__(self, *arguments: Any, parallel: int = 16, **named: Any):
         super().__init__(Client(*arguments, **named), concurrent.futures.ThreadPoolExecutor(parallel, "geodesicd"))

@@ -8,7 +8,7 @@ import struct
 import sys
 from typing import Any, Dict, Mapping, Union
 
-numpy: Any = None  # the module, if it is installed
+numpy: Any = None  # the numpy module, or None if numpy is not installed
 try:
     numpy = importlib.import_module("numpy")
 except ImportError:

@@ -18,9 +18,9 @@ from .transport import Response, Transport
 
 DEFAULT_URL = "http://127.0.0.1:8080"
 FLOATS = "application/octet-stream"
-BATCH_WAIT = 30  # seconds, the longest wait of one request for a batch
+BATCH_WAIT = 30  # longest wait of one request for a batch, in seconds
 SPLIT_MOST = 64  # the most meshes that one request creates
-PREVIEW_WAIT = 0.5  # seconds, the pause between two requests for a preview
+PREVIEW_WAIT = 0.5  # pause between two requests for a preview, in seconds
 
 
 @dataclasses.dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Path:
 
 
 def point_set(sources: Union[Mapping[str, Any], PointLike, Points]) -> Dict[str, Any]:
-    """Returns a set of the contract, made from: a set; a point; a list or an array of points. Three
+    """Converts a set, a point, or a list or an array of points to a set of the contract. Three
     numbers that are not all integers are a point; three integers are three vertices."""
     sources = points.listed(sources)
     if isinstance(sources, Mapping) and sources.keys() & {"points", "curves", "boundaries"}:
@@ -60,8 +60,8 @@ class Resource:
         return cast(Dict[str, Any], self.client.call("POST", f"{self.location}/{name}", query, body, progress=progress).json)
 
     def query_arrays(self, name: str, body: Mapping[str, Any], *, form: str = "f64", **query: Any) -> Dict[str, Any]:
-        """As `query`, with arrays by name as the answer (`matrix`, `isolines`, `trace`, `voronoi`,
-        …): numpy arrays, or array.array stored by rows if numpy is missing. The form "f32" has
+        """Like `query`, but returns arrays by name (`matrix`, `isolines`, `trace`, `voronoi`, …).
+        They are numpy arrays, or array.array stored by rows if numpy is missing. The form "f32" has
         single precision."""
         return arrays.read(self.client.call("POST", f"{self.location}/{name}", {**query, "format": form}, body).body)
 
@@ -111,8 +111,8 @@ class Field(Resource):
         return cast(answers.Field, super().describe())
 
     def values(self) -> Any:
-        """Returns the distance at each vertex; NaN if no path reaches the vertex. The result is a
-        writable numpy array, or an array.array("d") if numpy is missing."""
+        """Returns the distance at each vertex, or NaN if no path reaches the vertex. The result is
+        a writable numpy array, or an array.array("d") if numpy is missing."""
         return floats(self.client.call("GET", self.location + "/values", headers={"Accept": FLOATS}).body)
 
     def file(self, format: str = "ply") -> bytes:
@@ -121,7 +121,7 @@ class Field(Resource):
         return self.client.call("GET", self.location + "/values", {"format": format}).body
 
     def distances(self, at: Points) -> List[Optional[float]]:
-        """Returns the distance at each point; None if no path reaches the point."""
+        """Returns the distance at each point, or None if no path reaches the point."""
         results = self.query("evaluate", {"points": points.all_as_json(at)}, select="distance")["results"]
         return [result["distance"] for result in results]
 
@@ -134,19 +134,19 @@ class Field(Resource):
     def isolines(self, levels: Union[Sequence[float], float, None] = None, tolerance: Optional[float] = None, count: Optional[int] = None,
                  geometry: Optional[str] = None) -> List[answers.Isoline]:
         """Returns the lines of each level, or of `count` even levels. Within faces the daemon
-        approximates the curves to `tolerance` (default: its own). `geometry`: "full", "xyz" or
-        "none"."""
+        approximates the curves to `tolerance`, by default to its own tolerance. `geometry`: "full",
+        "xyz" or "none"."""
         return cast(List[answers.Isoline], self.query("isolines", self._levels(levels, tolerance, count), geometry=geometry)["isolines"])
 
     def isoline_arrays(self, levels: Union[Sequence[float], float, None] = None, tolerance: Optional[float] = None,
                        count: Optional[int] = None) -> Dict[str, Any]:
-        """As `isolines`, as arrays by name. Line i is the rows of `points` from `first[i]` to
-        `first[i + 1]`; `level` and `length` have an entry for each line."""
+        """Like `isolines`, but returns arrays by name. Line i consists of the rows of `points` from
+        `first[i]` to `first[i + 1]`; `level` and `length` have an entry for each line."""
         return self.query_arrays("isolines", self._levels(levels, tolerance, count))
 
     def isolines_file(self, levels: Union[Sequence[float], float], format: str = "obj", tolerance: Optional[float] = None, mesh: bool = False) -> bytes:
-        """Returns the lines of all levels as a file: obj, glb or csv. `mesh`: include the mesh (obj
-        and glb)."""
+        """Returns the lines of all levels as a file: obj, glb or csv. If `mesh` is true, the file
+        includes the mesh (obj and glb)."""
         query = {"format": format, "mesh": mesh or None}
         return self.client.call("POST", self.location + "/isolines", query, self._levels(levels, tolerance)).body
 
@@ -175,17 +175,18 @@ class Mesh(Surface):
         return cast(answers.Mesh, super().describe())
 
     def distance(self, start: PointLike, end: PointLike, via: Sequence[PointLike] = ()) -> Optional[float]:
-        """Returns the exact distance; None if no path joins the points."""
+        """Returns the exact distance, or None if no path joins the points."""
         return cast(Optional[float], self.query("distance", self._ends(start, end, via), select="distance")["distance"])
 
     def path(self, start: PointLike, end: PointLike, via: Sequence[PointLike] = ()) -> Optional[Path]:
-        """Returns a shortest path; None if no path joins the points."""
+        """Returns a shortest path, or None if no path joins the points."""
         answer = self.query("path", self._ends(start, end, via), select="path", geometry="xyz")
         return Path.read(answer["path"]) if answer.get("path") else None
 
     def path_file(self, start: PointLike, end: PointLike, via: Sequence[PointLike] = (), format: str = "obj", mesh: bool = False) -> bytes:
         """Returns a shortest path as a file: obj, glb, csv, or svg (the faces that the path
-        crosses, unfolded into the plane). `mesh`: include the mesh (obj and glb)."""
+        crosses, unfolded into the plane). If `mesh` is true, the file includes the mesh (obj and
+        glb)."""
         query = {"format": format, "mesh": mesh or None}
         return self.client.call("POST", self.location + "/path", query, self._ends(start, end, via)).body
 
@@ -195,14 +196,14 @@ class Mesh(Surface):
         return {**body, "via": points.all_as_json(via)} if via else body
 
     def nearest(self, point: PointLike) -> Point:
-        """Returns the surface point that `point` stands for, in all forms (see `Point`)."""
+        """Returns the surface point that `point` describes, in all forms (see `Point`)."""
         return Point.read(self.query("nearest", {"point": points.as_json(point)}))
 
     def pairs(self, starts: Any, ends: Any) -> Any:
-        """Returns the distance of each pair of a start and an end; NaN if no path joins them.
-        `starts` and `ends` are arrays or lists of vertex indices, or of rows of three coordinates,
-        which stand for the nearest surface points. One of them may hold a single point for all
-        pairs."""
+        """Returns the distance of each pair of a start and an end, or NaN if no path joins the
+        points of the pair. `starts` and `ends` are arrays or lists of vertex indices, or of rows of
+        three coordinates, which stand for the nearest surface points. One of them may hold a single
+        point for all pairs."""
         return self._bulk("pairs", {"from": starts, "to": ends})["distances"]
 
     def nearest_points(self, xyz: Any) -> Dict[str, Any]:
@@ -212,9 +213,9 @@ class Mesh(Surface):
 
     def matrix(self, sources: Points, targets: Points, max_distance: Optional[float] = None,
                progress: Optional[Progress] = None) -> Any:
-        """Returns the distances from each source to each target; NaN if no path joins them or the
-        distance exceeds `max_distance`. The result is a numpy array, or a list of array.array if
-        numpy is missing."""
+        """Returns the distances from each source to each target. A distance is NaN if no path joins
+        the points or the distance exceeds `max_distance`. The result is a numpy array, or a list of
+        array.array if numpy is missing."""
         sources, targets = points.all_as_json(sources), points.all_as_json(targets)
         body: Dict[str, Any] = {"sources": sources, "targets": targets}
         if max_distance is not None:
@@ -233,8 +234,8 @@ class Mesh(Surface):
         return Field(self, self.query("fields", body, progress=progress))
 
     def distance_to_set(self, sources: Any, at: Points, path: bool = False) -> List[answers.Result]:
-        """Returns for each point the nearest element of a set and the distance to it; with `path`
-        also the path."""
+        """Returns for each point the nearest element of a set and the distance from this element.
+        With `path`, also returns the path."""
         body = {"set": point_set(sources), "points": points.all_as_json(at), "path": path}
         return cast(List[answers.Result], self.query("distance-to-set", body)["results"])
 
@@ -270,8 +271,8 @@ class Mesh(Surface):
         return Mesh(self.client, answer["name"])
 
     def split(self, name: str, *operations: Mapping[str, Any], progress: Optional[Progress] = None) -> List["Mesh"]:
-        """Applies the operations, if there are any, and stores each component of the result as a
-        mesh of its own: name-1, name-2 and so on, by decreasing area."""
+        """Applies the operations, if there are any. Then stores each component of the result as a
+        separate mesh with the name name-1, name-2 and so on, by decreasing area."""
         steps = list(operations) or [{"operation": "components", "keep": SPLIT_MOST + 1}]
         answer = self.query("derive", {"mesh": name, "split": True, "operations": steps}, progress=progress)
         return [Mesh(self.client, part["name"]) for part in answer["meshes"]]
@@ -343,7 +344,7 @@ class Client:
         self.close()
 
     def close(self) -> None:
-        """Closes the connections; the next call opens another one."""
+        """Closes the connections. The next call opens a new connection."""
         self.transport.close()
 
     # --- calls -----------------------------------------------------------------------------------
@@ -386,10 +387,10 @@ class Client:
     # --- batches ---------------------------------------------------------------------------------
 
     def create_batch(self, request: Mapping[str, Any]) -> Batch:
-        """Starts a batch: a query for many sources that continues without this client and across
-        restarts of the daemon. `request` is as in the contract: {"query": "all-pairs", "mesh",
-        "vertices"} or {"query": "fields", "meshes", "set"}. After ConnectionFailed the batch may
-        exist: GET /v1/batches lists all batches (`pages`)."""
+        """Starts a batch, which is a query for many sources. It continues without this client and
+        across restarts of the daemon. `request` is as in the contract: {"query": "all-pairs",
+        "mesh", "vertices"} or {"query": "fields", "meshes", "set"}. After ConnectionFailed the
+        batch may exist: GET /v1/batches lists all batches (`pages`)."""
         return Batch(self, self.call("POST", "/v1/batches", None, dict(request), repeatable=False).json)
 
     def batch(self, id: str) -> Batch:

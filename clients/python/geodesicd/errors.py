@@ -41,7 +41,7 @@ class InvalidRequest(ProblemError):
 
 
 class Unauthorized(ProblemError):
-    """unauthorized: no key, or a wrong one."""
+    """unauthorized: the request has no key, or a wrong key."""
 
 
 class Forbidden(ProblemError):
@@ -69,7 +69,8 @@ class PointNotOnSurface(ProblemError):
 
 
 class Overloaded(ProblemError):
-    """overloaded, draining, store_unavailable or rate_limited, still after all retries."""
+    """overloaded, draining, store_unavailable or rate_limited: the daemon is still busy after all
+    retries."""
 
 
 class DeadlineExceeded(ProblemError):

@@ -9,7 +9,7 @@ from .errors import JobCancelled
 from .transport import Response, Transport
 
 Listener = Callable[[float], None]
-Progress = Union[Listener, bool]  # True: a tqdm bar, if tqdm is installed
+Progress = Union[Listener, bool]  # True shows a tqdm bar, if tqdm is installed
 
 
 def listener(progress: Optional[Progress]) -> Optional[Listener]:

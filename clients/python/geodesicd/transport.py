@@ -15,7 +15,7 @@ from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Optional, Tup
 
 from .errors import ConnectionFailed, problem_error
 
-BACKOFF_SECONDS = 0.1  # before the first retry; doubles with each further retry
+BACKOFF_SECONDS = 0.1  # pause before the first retry; the pause doubles with each further retry
 BACKOFF_MOST = 10.0
 LOOPBACK = re.compile(r"localhost|::1|127\.[\d.]+")
 
@@ -66,7 +66,7 @@ class Transport:
         self._idle: List[http.client.HTTPConnection] = []
 
     def close(self) -> None:
-        """Closes the connections; the next request opens another one."""
+        """Closes the connections. The next request opens a new connection."""
         with self._lock:
             idle, self._idle = self._idle, []
         for connection in idle:
@@ -155,7 +155,8 @@ class Transport:
         except BaseException:
             connection.close()
             raise
-        if connection.sock is not None:  # None: the daemon closes the connection after this answer
+        # the socket is None if the daemon closes the connection after this answer
+        if connection.sock is not None:
             with self._lock:
                 self._idle.append(connection)
         if answer.headers.get("Content-Encoding") == "gzip":

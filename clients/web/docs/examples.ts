@@ -1,5 +1,5 @@
 // Creates the data that the contract's examples refer to: surfaces, meshes made from the smooth
-// ones, a field, a job and a batch. Each is created by the example request of its operation.
+// ones, a field, a job and a batch. The example request of its operation creates each of them.
 import { exampleBody, examplePath, type Contract } from "./contract.ts";
 
 const FIELDS = "/v1/meshes/{name}/fields";

@@ -56,7 +56,7 @@ export function pathOf(request: Request): string {
 }
 
 export class Api {
-  /** The access key; forgotten when the tab closes. */
+  /** The access key, which the page forgets when the tab closes. */
   private own = "";
 
   constructor() {

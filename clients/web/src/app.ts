@@ -24,7 +24,7 @@ import { type Kind, type Surface, surfacePath } from "./surface.ts";
 import { Units } from "./units.ts";
 import { type Made, Uploads, type UserFile } from "./uploads.ts";
 
-const STARTING_FACES = 300000; /* a larger mesh opens only on request */
+const STARTING_FACES = 300000; /* the page opens a larger mesh only if the user requests this */
 const PATIENCE = 700; /* milliseconds until the page shows that it waits for an answer */
 const KINDS: Kind[] = ["meshes", "subdivisions", "nurbs"];
 const RETRIED = [401, 404, 429, 503]; /* statuses after which the same request may succeed */
@@ -35,7 +35,7 @@ const RETRIED = [401, 404, 429, 503]; /* statuses after which the same request m
  */
 const isMiss = (error: unknown): boolean => error instanceof ApiError && error.status === 422;
 
-/** How to show a surface: with the parameters of an address, and in a mode. */
+/** The parameters of an address and the mode with which a surface is shown. */
 interface View {
   parameters?: URLSearchParams;
   mode?: Mode;
@@ -238,8 +238,8 @@ export class App {
   }
 
   /**
-   * Reports that a surface could not be loaded. The surface that was open stays, unless the failed
-   * surface is the one that the page's address names.
+   * Reports that a surface could not be loaded. The open surface stays open, unless the page's
+   * address names the failed surface.
    */
   private failLoad(error: unknown, { kind, name, view }: Wanted): void {
     if (view.parameters) this.close();
@@ -335,7 +335,7 @@ export class App {
     if (mode === this.mode && isOpen) return;
     if (!isOpen) {
       await this.openKind(mode);
-      return this.tell(); /* if it failed, the picker shows the former mode again */
+      return this.tell(); /* if the load failed, the picker shows the former mode again */
     }
     this.leaveMode();
     this.mode = mode;
@@ -388,8 +388,8 @@ export class App {
   }
 
   /**
-   * Repeats the query after a change of points or settings. `live`: during a drag. `isEdit`: the
-   * change becomes a history entry.
+   * Repeats the query after a change of points or settings. `live` is true during a drag. If
+   * `isEdit`, the change becomes a history entry.
    */
   changed(live: boolean, isEdit = !live): void {
     if (!this.bench.surface) return;
@@ -443,7 +443,7 @@ export class App {
     if (error instanceof ApiError && error.status === 404) void this.list(() => {});
   }
 
-  /** Removes the answer: points that the query needs are missing. */
+  /** Removes the answer, because points that the query needs are missing. */
   private clearAnswer(): void {
     this.mode.clear();
     this.answer.clear();
@@ -470,8 +470,8 @@ export class App {
   }
 
   /**
-   * Adds the surface point that a pixel shows, if any, to the active group. `isOptional`: to the
-   * optional group of the mode.
+   * Adds the surface point that a pixel shows, if any, to the active group. If `isOptional`, adds
+   * the point to the optional group of the mode.
    */
   addAt(pixel: Pixel, isOptional = false): void {
     const place = this.scene.pick(pixel);

@@ -15,7 +15,7 @@ import {
 import type { FullScreenQuad } from "three/examples/jsm/postprocessing/Pass.js";
 import { pass } from "./passes.ts";
 
-const SAMPLES = 4; /* per pixel, for smooth edges */
+const SAMPLES = 4; /* samples of each pixel, for smooth edges */
 
 const COPY = `
 uniform sampler2D colour;

@@ -14,7 +14,9 @@ import type { Scene } from "./scene.ts";
 import type { Surface } from "./surface.ts";
 import type { Units } from "./units.ts";
 
-const JOB_FACES = 20000; /* from this size, slow queries run as jobs, with progress and Cancel */
+/* on surfaces with at least this number of faces, slow queries run as jobs, with progress and
+ * Cancel */
+const JOB_FACES = 20000;
 const SLOW = 300; /* milliseconds after which a newer query aborts a running one */
 
 export class Bench {
@@ -182,7 +184,10 @@ export class Bench {
     };
   }
 
-  /** Posts a slow query; as a job if the surface has at least `faces` faces, except in a drag. */
+  /**
+   * Posts a slow query. If the surface has at least `faces` faces, the query runs as a job, except
+   * during a drag.
+   */
   async postLong<T>(
     path: string,
     json: unknown,
@@ -203,7 +208,7 @@ export class Bench {
 type Send = (request: Request) => Promise<Response>;
 
 interface Long {
-  /** Whether the query belongs to a drag; it then never runs as a job. */
+  /** Whether the query belongs to a drag. Such a query never runs as a job. */
   live?: boolean;
   faces?: number;
   parameters?: Record<string, string>;

@@ -22,7 +22,7 @@ export function boundaryOf(surface: Surface): Side[] {
   return [...sides.values()].filter((side) => side !== null);
 }
 
-/** Returns the boundary point nearest to a point in space; null without a boundary. */
+/** Returns the boundary point nearest to a point in space, or null if there is no boundary. */
 export function nearestOnBoundary(surface: Surface, boundary: Side[], to: Vec3): Place | null {
   let [best, least]: [Place | null, number] = [null, Infinity];
   for (const { face, corner } of boundary) {

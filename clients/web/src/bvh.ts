@@ -7,12 +7,12 @@ export interface Hit {
   face: number;
   /** Weights of the face's three corners. */
   barycentric: Vec3;
-  /** In multiples of the length of the ray's direction. */
+  /** The distance in multiples of the length of the ray's direction. */
   distance: number;
 }
 
-const RUN = 6; /* triangles per leaf */
-const CELLS = 1023; /* of the Morton grid along each axis */
+const RUN = 6; /* number of triangles of a leaf */
+const CELLS = 1023; /* number of cells of the Morton grid along each axis */
 
 /** Inserts two zero bits between neighbouring bits of n, which has ten bits. */
 function spread(n: number): number {
@@ -54,8 +54,8 @@ export class Bvh {
   private readonly boxes: Float32Array;
 
   /**
-   * Borrows `positions` and `faces` for the life of this object. `tree`: a tree built before for
-   * the same mesh; by default the constructor builds one.
+   * Borrows `positions` and `faces` for the life of this object. `tree` is an existing tree of the
+   * same mesh. By default the constructor builds a tree.
    */
   constructor(
     private readonly positions: Float32Array,
@@ -123,7 +123,10 @@ export class Bvh {
     }
   }
 
-  /** Returns the ray parameter at which the ray enters a node's box; Infinity if it misses. */
+  /**
+   * Returns the ray parameter at which the ray enters a node's box, or Infinity if the ray misses
+   * the box.
+   */
   private entry(node: number, origin: Vec3, inverse: Vec3): number {
     let [near, far] = [0, Infinity];
     for (let axis = 0; axis < 3; axis++) {
@@ -135,7 +138,7 @@ export class Bvh {
     return near <= far ? near : Infinity;
   }
 
-  /** Returns the first hit, from either side of the faces; null without a hit. */
+  /** Returns the first hit, from either side of the faces, or null if there is no hit. */
   cast(origin: Vec3, direction: Vec3): Hit | null {
     const inverse: Vec3 = [1 / direction[0], 1 / direction[1], 1 / direction[2]];
     let best: Hit | null = null;

@@ -7,7 +7,10 @@ import type { Vec3 } from "./vector.ts";
 
 const known = new Map<string, string>();
 
-/** Returns null on a page loaded over plain HTTP from another machine: it has no crypto.subtle. */
+/**
+ * Returns null on a page loaded over plain HTTP from another machine, because such a page has no
+ * crypto.subtle.
+ */
 async function sha256(text: string): Promise<string | null> {
   if (!globalThis.crypto?.subtle) return null;
   const digest = await crypto.subtle.digest("SHA-256", new TextEncoder().encode(text));

@@ -7,7 +7,7 @@ import type { Kind, Surface } from "./surface.ts";
 import { type Units, whole } from "./units.ts";
 import type { UserFile } from "./uploads.ts";
 
-const START_NAMES = 12; /* the most surfaces of the daemon on the start card */
+const START_NAMES = 12; /* largest number of the daemon's surfaces on the start card */
 
 const KINDS: [Kind, string][] = [
   ["meshes", "Meshes"],

@@ -3,11 +3,12 @@
 
 import { unit, type Vec3 } from "./vector.ts";
 
-const ANGLE = (50 * Math.PI) / 180; /* an edge is sharp if its faces turn by more */
+/* an edge is sharp if the normals of its faces differ by a larger angle */
+const ANGLE = (50 * Math.PI) / 180;
 const CREASE = Math.cos(ANGLE);
 const HALF_CREASE = Math.cos(ANGLE / 2);
 
-const MOST_SHARP = 20000; /* a surface with more sharp vertices is rough: shaded smoothly */
+const MOST_SHARP = 20000; /* a surface with more sharp vertices is rough, and is shaded smoothly */
 
 /** Triangles with a normal at each vertex. */
 export interface Shaded {

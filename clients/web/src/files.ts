@@ -95,7 +95,10 @@ function svgOf({ scene }: Bench, lines: Vec3[][]): string {
   );
 }
 
-/** Returns the offers of files: the polylines, which are in the file's unit, and the answer. */
+/**
+ * Returns the files that the page offers: the polylines, which are in the file's unit, and the
+ * answer.
+ */
 export function lineFiles(bench: Bench, lines: Vec3[][]): FileOffer[] {
   const answer = {
     label: "JSON",
@@ -112,7 +115,7 @@ export function lineFiles(bench: Bench, lines: Vec3[][]): FileOffer[] {
   ];
 }
 
-/** Returns the offer of a file that the daemon writes. */
+/** Returns a file that the page offers and the daemon writes. */
 export const daemonFile = (
   bench: Bench,
   label: string,

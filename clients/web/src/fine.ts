@@ -5,9 +5,9 @@ import { type Place, rounded } from "./place.ts";
 import type { Triangles } from "./ply.ts";
 import type { Vec3 } from "./vector.ts";
 
-const COARSE = 3000; /* faces; meshes with more are not refined */
-const FACES = 16000; /* the most faces of the refined mesh */
-const MOST_PARTS = 32; /* the most parts of an edge */
+const COARSE = 3000; /* number of faces; meshes with more faces are not refined */
+const FACES = 16000; /* largest number of faces of the refined mesh */
+const MOST_PARTS = 32; /* largest number of parts of an edge */
 
 export interface Fine {
   /** In normalised coordinates (Frame in prepare.ts). */
@@ -19,7 +19,9 @@ export interface Fine {
   places: Place[];
 }
 
-/** Returns barycentric weights of a triangle's grid points by row; edges have `parts` parts. */
+/**
+ * Returns barycentric weights of a triangle's grid points, row by row. Each edge has `parts` parts.
+ */
 export function gridWeights(parts: number): Vec3[] {
   const weights: Vec3[] = [];
   for (let i = 0; i <= parts; i++)
@@ -49,7 +51,7 @@ interface Coarse {
   place(face: number, weights: Vec3): Place;
 }
 
-/** Returns the refined mesh; null if the mesh is fine enough. */
+/** Returns the refined mesh, or null if the mesh is fine enough. */
 export function refined(surface: Coarse): Fine | null {
   const { drawnFaces: faceCount, positions } = surface;
   if (faceCount > COARSE) return null;

@@ -1,4 +1,4 @@
-// An object that moves along a curve: it points along the tangent and stands on the surface.
+// An object that moves along a curve. It points along the tangent and stands on the surface.
 
 import {
   ConeGeometry,
@@ -20,8 +20,8 @@ export interface Frame {
   binormal: Vec3;
 }
 
-const SIZE = 0.075; /* in normalised coordinates (Frame in prepare.ts) */
-const ROUND = 8; /* seconds for the whole curve */
+const SIZE = 0.075; /* size in normalised coordinates (Frame in prepare.ts) */
+const ROUND = 8; /* duration of a move along the whole curve, in seconds */
 
 function paint(color: string): MeshLambertMaterial {
   const material = new MeshLambertMaterial({ color });

@@ -13,10 +13,11 @@ import { gridFaces, gridWeights } from "./fine.ts";
 import type { Triangles } from "./ply.ts";
 import type { Vec3 } from "./vector.ts";
 
-const NURBS_CELLS = 128; /* of the grid over the domain, along each axis */
-const DRAWN_FACES = 80000; /* the most triangles of a limit surface */
+const NURBS_CELLS = 128; /* number of cells of the grid over the domain, along each axis */
+const DRAWN_FACES = 80000; /* largest number of triangles of a limit surface */
 const MOST_LEVELS = 5;
-const MOST_PLACES = 20000; /* per request: the daemon reads at most 1 MiB */
+/* largest number of points of a request, because the daemon reads at most 1 MiB */
+const MOST_PLACES = 20000;
 const WELD = 1e7; /* points closer than the largest coordinate / WELD become one vertex */
 
 /** Evaluates a NURBS surface at parameters. */
@@ -44,7 +45,7 @@ function square(cells: number): { points: [number, number][]; faces: number[] } 
   return { points, faces };
 }
 
-/** As `square`, for the unit triangle. */
+/** Like `square`, for the unit triangle. */
 const triangle = (cells: number): { points: [number, number][]; faces: number[] } => ({
   points: gridWeights(cells).map(([, u, v]): [number, number] => [u, v]),
   faces: gridFaces(cells),
@@ -69,7 +70,10 @@ export function cellsOf({ scheme, faces, usual_level: usual }: Subdivision): num
   return 2 ** Math.max(0, Math.min(usual, MOST_LEVELS, finest));
 }
 
-/** Returns the triangles of a limit surface whose control mesh has only quads (Loop: triangles). */
+/**
+ * Returns the triangles of a limit surface whose control mesh has only quads, or only triangles for
+ * Loop.
+ */
 export async function limitGrid(api: Api, path: string, surface: Subdivision): Promise<Triangles> {
   const cells = cellsOf(surface);
   const grid = surface.scheme === "loop" ? triangle(cells) : square(cells);

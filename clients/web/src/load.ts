@@ -39,7 +39,7 @@ export function prepared(source: ArrayBuffer | Triangles): Promise<Prepared> {
   return new Promise((resolve, reject) => waiting.set(id, { resolve, reject }));
 }
 
-const PREVIEWED_FACES = 300000; /* larger meshes are drawn as a preview */
+const PREVIEWED_FACES = 300000; /* meshes with more faces are drawn as a preview */
 const PREVIEW_FACES = 100000;
 
 /** A load of a surface, which the signal aborts. */
@@ -87,8 +87,8 @@ interface Preview {
 }
 
 /**
- * Returns the simplified mesh that the page draws for a large one. Waits until the daemon has built
- * it. Returns null if the daemon does not build previews.
+ * Returns the simplified mesh that the page draws instead of a large mesh. Waits until the daemon
+ * has built it. Returns null if the daemon does not build previews.
  */
 async function previewOf(api: Api, name: string, load: Load): Promise<Preview | null> {
   const query = { faces: String(PREVIEW_FACES), format: "ply" };

@@ -52,7 +52,7 @@ declare global {
       readonly state: Record<string, string>;
       /** Returns the pixel of the window that shows a point in space. */
       camera: { project: (point: [number, number, number]) => { x: number; y: number } };
-      /** The points that are set, by group. */
+      /** The points that the user has set, by group. */
       readonly points: Record<string, { face: number; barycentric: number[]; xyz: number[] }[]>;
       /** The last answer of the API to a query of the mode. */
       readonly last: unknown;

@@ -8,7 +8,7 @@ import type { Vec3 } from "./vector.ts";
 export interface Place {
   face: number;
   barycentric: Vec3;
-  /** In the file's unit. */
+  /** The coordinates in the file's unit. */
   xyz: Vec3;
   /**
    * True if face numbers of the daemon differ from those of the drawn mesh. Requests then contain

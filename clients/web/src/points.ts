@@ -11,7 +11,9 @@ import type { Surface } from "./surface.ts";
 const RING = 6;
 const RADII = [0.3, 0.22, 0.14, 0.07, 0];
 
-/** Returns the i-th point that a mode begins with; null if the picture shows no surface there. */
+/**
+ * Returns the i-th point that a mode begins with, or null if the picture shows no surface there.
+ */
 export function spot(scene: Scene, i: number): Place | null {
   const { x, y } = scene.size;
   const angle = 2.4 + (2 * Math.PI * (i % RING)) / RING;
@@ -48,7 +50,7 @@ export interface Mark {
   place: Place;
 }
 
-/** `live`: a point is being dragged. */
+/** `live` is true while a point is dragged. */
 export type OnChange = (live: boolean) => void;
 
 export class Points {
@@ -89,7 +91,7 @@ export class Points {
     return this.places[g]!.length >= this.groups[g]!.most;
   }
 
-  /** If the active group is full, makes the first group with space active. */
+  /** If the active group is full, activates the first group that is not full. */
   private advance(): void {
     if (!this.isFull(this.active)) return;
     const next = this.groups.findIndex((group, g) => !this.isFull(g) && !group.isOptional);
@@ -103,8 +105,9 @@ export class Points {
   }
 
   /**
-   * Adds a point to a group, by default to the active one. If all groups are full, removes points
-   * first: those of all groups if each group takes one point, otherwise those of the active group.
+   * Adds a point to a group, by default to the active group. If all groups are full, first removes
+   * the points of the active group. If each group takes only one point, removes the points of all
+   * groups instead.
    */
   add(place: Place, to?: number): Mark {
     if (to !== undefined) return this.append(place, to);

@@ -16,7 +16,7 @@ export interface Frame {
 export interface Prepared {
   triangles: Triangles;
   frame: Frame;
-  /** In normalised coordinates. */
+  /** The positions in normalised coordinates. */
   positions: Float32Array;
   shaded: Shaded;
   tree: Tree;

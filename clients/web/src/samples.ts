@@ -20,8 +20,8 @@ const vertexLine = (p: number[]): string => `v ${p.map(digits).join(" ")}`;
 const faceLine = (corners: number[]): string => `f ${corners.map((i) => i + 1).join(" ")}`;
 
 /**
- * Returns an OBJ file of columns x rows cells over the unit square, each cut into two triangles.
- * `closed`: joins opposite sides of the square.
+ * Returns an OBJ file of columns x rows cells over the unit square, each cut into two triangles. If
+ * `closed`, joins opposite sides of the square.
  */
 function grid(place: Place, columns: number, rows: number, closed: boolean): string {
   const [across, up] = closed ? [columns, rows] : [columns + 1, rows + 1];

@@ -33,9 +33,10 @@ export interface Pixel {
 }
 
 const FIELD_OF_VIEW = 35; /* degrees, vertical */
-const MARGIN = 1.12; /* factor on the radius of the surface's bounding sphere */
+const MARGIN = 1.12; /* the camera shows the surface's bounding sphere enlarged by this factor */
 const REST = 500; /* milliseconds without a frame before the fine frame */
-const MOVING_RATIO = 0.5; /* drawn pixels per pixel of the screen, each way, during a drag */
+/* number of drawn pixels for each pixel of the screen, in each direction, during a drag */
+const MOVING_RATIO = 0.5;
 
 /** Returns whether WebGL uses a graphics card. Without one, smooth edges halve the frame rate. */
 function hasGraphicsCard(): boolean {
@@ -48,7 +49,10 @@ function hasGraphicsCard(): boolean {
 
 export class Scene {
   readonly lines = new Lines();
-  /** Lines that have many points and change rarely: part of the saved drawing of the surface. */
+  /**
+   * Lines that have many points and change rarely. They are part of the saved drawing of the
+   * surface.
+   */
   readonly fixedLines = new Lines();
   /** Paths that the user keeps. */
   readonly keptLines = new Lines();
@@ -81,7 +85,9 @@ export class Scene {
   private rest = 0;
   /** Whether the user drags. Fine frames then wait, because they would delay the next answer. */
   private isHeld = false;
-  /** A surface to compare with; `part` is the fraction of the picture that shows the first one. */
+  /**
+   * A surface to compare with. `part` is the fraction of the picture that shows the first surface.
+   */
   private other: Skin | undefined;
   private part = 0.5;
   private readonly leftSide = new Plane();
@@ -132,7 +138,8 @@ export class Scene {
     target.dispose();
     lines.clear();
     this.shadow.mesh.visible = false;
-    this.ground.remove(skin.mesh); /* not disposed: three.js would drop the programs */
+    /* the skin is not disposed, because three.js would drop the programs */
+    this.ground.remove(skin.mesh);
     this.backdrop.spoil();
   }
 
@@ -167,7 +174,7 @@ export class Scene {
     this.ground.background = new Color().setStyle(
       colour,
       LinearSRGBColorSpace,
-    ); /* not converted to linear: the backdrop stores sRGB colours */
+    ); /* the colour is not converted to linear, because the backdrop stores sRGB colours */
     this.redraw();
   }
 
@@ -263,7 +270,7 @@ export class Scene {
 
   /**
    * Shows another surface on the right side of the picture, in the normalised coordinates of the
-   * first one. undefined removes it.
+   * first surface. undefined removes it.
    */
   compare(other: Surface | undefined): void {
     this.other?.mesh.removeFromParent();
@@ -302,7 +309,9 @@ export class Scene {
     this.rightSide.copy(this.leftSide).negate();
   }
 
-  /** Returns the picture as a PNG file, `factor` times as large as on the screen, each way. */
+  /**
+   * Returns the picture as a PNG file, `factor` times as large as on the screen in each direction.
+   */
   async snapshot(factor: number): Promise<Blob> {
     const { renderer, canvas } = this;
     clearTimeout(this.rest);
@@ -359,7 +368,7 @@ export class Scene {
     this.redraw();
   }
 
-  /** Moves the camera: the surface fills the picture, seen from slightly above. */
+  /** Moves the camera so that the surface fills the picture, seen from slightly above. */
   fit(): void {
     const angle = ((FIELD_OF_VIEW / 2) * Math.PI) / 180;
     const narrow = Math.atan(Math.tan(angle) * Math.min(1, this.camera.aspect));
@@ -458,7 +467,7 @@ export class Scene {
     return { origin, direction: unit(subtract(far.toArray() as Vec3, origin)) };
   }
 
-  /** Returns the place of the surface that a pixel shows; null if it shows none. */
+  /** Returns the place of the surface that a pixel shows, or null if the pixel shows no surface. */
   pick(pixel: Pixel): Place | null {
     const { origin, direction } = this.ray(pixel);
     return this.surface?.cast(origin, direction) ?? null;

@@ -64,7 +64,7 @@ export const only = <S extends Setting>(name: string, values: string[], setting:
 });
 
 export class Settings {
-  /** `live`: the user is moving a slider. */
+  /** `live` is true while the user moves a slider. */
   onChange: (live: boolean) => void = () => {};
   private readonly values = new Map<string, Setting["value"]>();
   private conditions: (() => void)[] = [];

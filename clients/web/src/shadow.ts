@@ -1,5 +1,5 @@
-// A soft shadow of the surface on the ground below it, as under a cloudy sky. Computed once for
-// each surface and upward axis.
+// A soft shadow of the surface on the ground below it, as under a cloudy sky. It is computed once
+// for each surface and upward axis.
 
 import {
   DoubleSide,
@@ -69,7 +69,10 @@ export class Shadow {
     this.mesh.visible = false;
   }
 
-  /** Casts the shadow of a mesh (normalised coordinates). `low`: its lowest level along `up`. */
+  /**
+   * Casts the shadow of a mesh in normalised coordinates. `low` is the mesh's lowest level along
+   * `up`.
+   */
   cast(renderer: WebGLRenderer, surface: Mesh, up: "y" | "z", low: number): void {
     const axis = up === "y" ? new Vector3(0, 1, 0) : new Vector3(0, 0, 1);
     this.camera.position.copy(axis).multiplyScalar(low);

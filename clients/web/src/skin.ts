@@ -108,8 +108,8 @@ export class Skin {
   private isFlat: boolean;
 
   /**
-   * Borrows the arrays. `own`: the triangles of the mesh. `fine`: the refined mesh, which is drawn
-   * instead.
+   * Borrows the arrays. `own` has the triangles of the mesh. `fine` is the refined mesh, which is
+   * drawn instead.
    */
   constructor(
     private readonly own: { positions: Float32Array; faces: Uint32Array },
@@ -205,7 +205,7 @@ export class Skin {
     this.uniforms.isolines.value = count;
   }
 
-  /** Shows a value, 0 to `max`, at each drawn vertex; NaN: the plain colour. */
+  /** Shows a value, 0 to `max`, at each drawn vertex. NaN shows the plain colour. */
   showValues(values: ArrayLike<number>, max: number): void {
     const attribute = this.mesh.geometry.getAttribute("value") as BufferAttribute;
     const array = attribute.array as Float32Array;
@@ -216,7 +216,7 @@ export class Skin {
     attribute.needsUpdate = true;
   }
 
-  /** Colours each drawn vertex by its label; null: the plain colour. */
+  /** Colours each drawn vertex by its label. The label null shows the plain colour. */
   showLabels(labels: ArrayLike<number | null>, colours: Rgb[], plain: Rgb): void {
     const bytes = (rgb: Rgb): number[] => rgb.map((c) => Math.round(255 * toLinear(c)));
     const [plainBytes, colourBytes] = [bytes(plain), colours.map(bytes)];

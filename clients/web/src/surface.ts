@@ -17,16 +17,16 @@ export const surfacePath = (kind: Kind, name: string): string =>
 export class Surface {
   readonly frame: Frame;
   readonly triangles: Triangles;
-  /** In normalised coordinates. */
+  /** The positions in normalised coordinates. */
   readonly positions: Float32Array;
   readonly shaded: Shaded;
-  /** The refined mesh that is drawn for a coarse mesh; else null. */
+  /** The refined mesh that is drawn instead of a coarse mesh, or null. */
   readonly fine: Fine | null;
   readonly bvh: Bvh;
   private used: Uint32Array | undefined;
 
   /**
-   * `deviation`: for a preview, its largest distance from the original mesh; undefined if the
+   * `deviation` is the largest distance of a preview from the original mesh, or undefined if the
    * triangles are not a preview.
    */
   constructor(
@@ -66,7 +66,10 @@ export class Surface {
     return this.triangles.faces.length / 3;
   }
 
-  /** Number of faces of the daemon's mesh; for smooth surfaces, of the drawn mesh. */
+  /**
+   * Number of faces of the daemon's mesh. For smooth surfaces, the number of faces of the drawn
+   * mesh.
+   */
   get faceCount(): number {
     return this.kind === "meshes" ? (this.description as Mesh).faces : this.drawnFaces;
   }
@@ -99,9 +102,9 @@ export class Surface {
   }
 
   /**
-   * Whether face numbers or corner orders of the drawn mesh differ from the daemon's. The daemon
-   * numbers the faces of the upload, including faces that a repair has removed. A face that a
-   * repair has turned over keeps the corner order of the upload.
+   * Whether face numbers or corner orders of the drawn mesh differ from those of the daemon's mesh.
+   * The daemon numbers the faces of the upload, including faces that a repair has removed. A face
+   * that a repair has turned over keeps the corner order of the upload.
    */
   get isRenumbered(): boolean {
     if (this.kind !== "meshes" || this.isPreview) return true;
@@ -133,7 +136,9 @@ export class Surface {
     return { face: Math.floor(corner / 3), barycentric };
   }
 
-  /** Returns the first hit of a ray, which is in normalised coordinates; null without a hit. */
+  /**
+   * Returns the first hit of a ray, which is in normalised coordinates, or null if there is no hit.
+   */
   cast(origin: Vec3, direction: Vec3): Place | null {
     const hit = this.bvh.cast(origin, direction);
     if (!hit) return null;
@@ -145,7 +150,7 @@ export class Surface {
   }
 
   /**
-   * The places at which colours need exact values; null if the values at the mesh's vertices are
+   * The places at which colours need exact values, or null if the values at the mesh's vertices are
    * enough.
    */
   get samples(): Place[] | null {

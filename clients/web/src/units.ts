@@ -41,7 +41,7 @@ export class Units {
   }
 }
 
-/** Formats to `digits` significant digits; with a power of ten if the plain form were long. */
+/** Formats to `digits` significant digits. Uses a power of ten if the plain form would be long. */
 export function number(value: number, digits = 6): string {
   const size = Math.abs(value);
   if (size !== 0 && (size < 1e-4 || size >= 1e9))

@@ -16,15 +16,17 @@ export interface UserFile {
   query: Record<string, string>;
 }
 
-/** A resource that an upload has created, and the request that created it. */
+/** A resource that an upload has created, and the request of the upload. */
 export interface Made {
   kind: Kind;
   name: string;
   request: Request;
 }
 
-const LARGE = 8 << 20; /* bytes; a larger file is uploaded as a job */
-const LONGEST_STEM = 100; /* characters of a name before a suffix; the API permits 128 */
+const LARGE = 8 << 20; /* size in bytes; a larger file is uploaded as a job */
+/* largest number of characters of a name before a suffix; the API permits 128 characters in total
+ * */
+const LONGEST_STEM = 100;
 
 type Choice = "replace" | "keep-both" | "keep";
 
@@ -34,7 +36,10 @@ export function nameOf(file: string): string {
   return (/^[A-Za-z0-9_-]/.test(stem) ? stem : `mesh${stem}`).slice(0, LONGEST_STEM);
 }
 
-/** Returns the first unused name of NAME-FIRST, … Cuts a name that would become too long. */
+/**
+ * Returns the first unused name of NAME-FIRST and the following numbers. Shortens a name that would
+ * become too long.
+ */
 export function freeName(name: string, first: number, taken: ReadonlySet<string>): string {
   const stem = name.slice(0, LONGEST_STEM);
   for (let i = first; ; i++) if (!taken.has(`${stem}-${i}`)) return `${stem}-${i}`;

@@ -14,7 +14,7 @@ export const cross = (a: Vec3, b: Vec3): Vec3 => [
   a[0] * b[1] - a[1] * b[0],
 ];
 
-/** Returns `a` scaled to unit length; the zero vector unchanged. */
+/** Returns `a` scaled to unit length. Returns the zero vector unchanged. */
 export function unit(a: Vec3): Vec3 {
   const size = length(a);
   return size > 0 ? scale(a, 1 / size) : a;

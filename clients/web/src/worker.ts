@@ -1,4 +1,4 @@
-// The worker's side of prepare.ts: one message per mesh.
+// The worker's side of prepare.ts. The page sends one message for each mesh.
 
 import { buffersOf, prepare } from "./prepare.ts";
 import type { Triangles } from "./ply.ts";

@@ -44,8 +44,8 @@ static const char *const vector_names[VECTORS] = {"xyz", "normal", "du", "dv", "
 struct evaluation;
 
 struct evaluator {
-    uint32_t quick; /* most places that an HTTP thread evaluates */
-    uint32_t round; /* places between two checks of clock and budget */
+    uint32_t quick; /* largest number of places that an HTTP thread evaluates */
+    uint32_t round; /* number of places between two checks of clock and budget */
     enum gd_status (*write)(struct evaluation *evaluation, uint32_t first, uint32_t count,
                             const struct gd_control *control);
 };
@@ -242,8 +242,7 @@ const struct server_query_kind server_query_subdivision_evaluate = {
     .release = limit_release,
     EVALUATION_STEPS};
 
-/* --- nearest: the place nearest to a point {"xyz": …}
- * ------------------------------------------------- */
+/* --- nearest: the place nearest to a point {"xyz": …} ----------------------------------------- */
 
 struct nearest {
     struct server_query query; /* must be the first member */

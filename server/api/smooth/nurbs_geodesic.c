@@ -28,7 +28,8 @@ struct search {
     struct gd_detail detail;
 };
 
-/* Decodes the request. A surface without a tessellation has no paths; the problem says why. */
+/* Decodes the request. On a surface without a tessellation, paths can't be computed; the problem
+ * gives the reason. */
 static bool search_decode(struct server_query *query, const json_t *document)
 {
     struct proto_problem *problem = query->problem;

@@ -37,7 +37,7 @@ struct head {
 struct format {
     char word[8];
     size_t head, item; /* bytes of the head, and of one vertex */
-    uint32_t numbers;  /* how many numbers a vertex has */
+    uint32_t numbers;  /* number of numbers of a vertex */
     void (*read)(const void *item, double *out);
     const char *maker, *noun;
 };
@@ -282,9 +282,9 @@ const struct server_query_kind server_query_subdivision_discretize = {
 
 /* --- GET …/parameters, GET …/places, GET …/origins -------------------------------------------- */
 
-/* The format is the kind's own constant. */
+/* A query that reads an attachment. The constant of the query's kind (`own`) is the format. */
 struct reading {
-    struct server_query query; /* first */
+    struct server_query query; /* must be the first member */
     const struct head *head;
     uint32_t count; /* number of vertices */
 };

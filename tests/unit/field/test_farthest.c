@@ -280,8 +280,7 @@ static void between_points_and_segments(void **state)
     }
 }
 
-/* --- the pillow: a unit square with a front and a back
- * ------------------------------------------ */
+/* --- the pillow: a unit square with a front and a back ---------------------------------------- */
 
 static double over_pillow(const double p[3], const double q[3])
 {

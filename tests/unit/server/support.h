@@ -54,7 +54,7 @@ static inline struct gd_field *new_field(const struct gd_mesh *mesh, const struc
 /* --- jobs ------------------------------------------------------------------------------------- */
 
 struct test_job {
-    struct server_job job; /* first */
+    struct server_job job; /* must be the first member */
     sem_t began, done;
     sem_t *hold; /* `run` waits for this semaphore; NULL if it does not wait */
     int runs;

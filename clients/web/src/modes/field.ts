@@ -10,11 +10,12 @@ import { milliseconds, whole } from "../units.ts";
 import type { Vec3 } from "../vector.ts";
 import { INK, Mode, pointsOf, XYZ } from "./mode.ts";
 
-// the most faces of a surface whose field the page requests during a drag
+// the page requests the field during a drag if the surface has at most this number of faces
 export const LIVE_FACES = 300000;
-const EXACT_FACES = 20000; /* the most faces on which isolines are exact polylines */
+/* isolines are exact polylines if the surface has at most this number of faces */
+const EXACT_FACES = 20000;
 
-/** Returns the distance at each vertex; NaN if no path reaches the vertex. */
+/** Returns the distance at each vertex, or NaN if no path reaches the vertex. */
 export async function valuesOf(bench: Bench, id: string): Promise<Float64Array> {
   const response = await bench.get(`fields/${id}/values`, undefined, "application/octet-stream");
   return new Float64Array(await response.arrayBuffer());
@@ -26,7 +27,7 @@ export async function isolinesOf(bench: Bench, id: string, count: number): Promi
   return isolines.flatMap((isoline) => isoline.lines.map((line) => (line.points ?? []) as Vec3[]));
 }
 
-/** Returns the exact distance of a place in a field; null if no path reaches the place. */
+/** Returns the exact distance of a place in a field, or null if no path reaches the place. */
 export async function distanceAt(
   bench: Bench,
   id: string,
@@ -39,7 +40,10 @@ export async function distanceAt(
   return (await bench.api.json<ResultsAnswer>(request, signal)).results[0]!.distance ?? null;
 }
 
-/** Returns whether isolines are exact polylines. The graphics card draws others from values. */
+/**
+ * Returns whether isolines are exact polylines. Otherwise the graphics card draws the isolines from
+ * values.
+ */
 export const hasExactIsolines = (bench: Bench, live: boolean): boolean =>
   !live && bench.surface!.faceCount <= EXACT_FACES;
 

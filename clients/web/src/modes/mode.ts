@@ -28,13 +28,13 @@ export const ENDS: Group[] = [
   { id: "to", label: "End", letter: "B", least: 1, most: 1, colour: INK.second },
 ];
 
-/** Returns a row with a button, for below the settings of a mode. */
+/** Returns a row with a button, which is shown below the settings of a mode. */
 export const doing = (label: string, act: () => void, kind = ""): HTMLElement =>
   make("div", { class: "row extra" }, button(label, act, { class: kind }));
 
 /**
- * Returns a control that chooses the group to which the next click adds a point. `groups`: indices
- * and labels.
+ * Returns a control that chooses the group to which the next click adds a point. `groups` has the
+ * indices and labels of the groups.
  */
 export function activeChoice(points: Points, groups: [number, string][]): HTMLElement {
   const rows = groups.map(([g, label]) => {
@@ -72,8 +72,8 @@ export abstract class Mode {
   constructor(protected readonly bench: Bench) {}
 
   /**
-   * Sends the query and shows the answer. Each group has at least `least` points. `live`: a point
-   * is being dragged.
+   * Sends the query and shows the answer. Each group has at least `least` points. `live` is true
+   * while a point is dragged.
    */
   abstract ask(live: boolean): Promise<void>;
 
@@ -95,7 +95,7 @@ export abstract class Mode {
   /** Called when the mode begins, and when another surface is shown. */
   enter(): void {}
 
-  /** Returns the value that the colour at a place stands for; null if there is none. */
+  /** Returns the value that the colour at a place represents, or null if there is none. */
   valueAt(_place: Place, _signal: AbortSignal): Promise<number | null> {
     return Promise.resolve(null);
   }

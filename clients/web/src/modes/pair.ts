@@ -6,7 +6,7 @@ import { pointOf } from "../place.ts";
 import type { Group } from "../points.ts";
 import { activeChoice, ENDS, INK, Mode, NO_PATH, pointsOf, XYZ } from "./mode.ts";
 
-const JOB_FACES = 300000; /* from this size, paths run as jobs; on smaller meshes they are fast */
+const JOB_FACES = 300000; /* on meshes with at least this number of faces, paths run as jobs */
 
 const VIA: Group = {
   id: "via",

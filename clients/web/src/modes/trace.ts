@@ -1,4 +1,4 @@
-// Straightest geodesics from a point: one that starts towards a second point, or a fan.
+// Straightest geodesics from a point: a line that starts towards a second point, or a fan of lines.
 
 import type { TraceAnswer, TraceRequest } from "../../../js/types.d.ts";
 import { pointOf } from "../place.ts";

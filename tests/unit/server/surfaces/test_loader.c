@@ -5,7 +5,7 @@
 
 /* A store in which each fetch waits until the test sets its outcome. */
 struct slow_store {
-    struct server_store store; /* first */
+    struct server_store store; /* must be the first member */
     struct server_record *records[2];
     sem_t began, may_end;
     enum server_outcome outcome;

@@ -4,7 +4,7 @@
 
 /* A job on a worker that runs an executor of `count` tasks. */
 struct run {
-    struct test_job job; /* first */
+    struct test_job job; /* must be the first member */
     struct server_workers *workers;
     uint32_t count;
     atomic_uint *done; /* for each task, how often the task ran */

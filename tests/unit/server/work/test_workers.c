@@ -251,7 +251,7 @@ static void a_spare_thread_runs_an_urgent_job_beside_patient_ones(void **state)
 
 /* A job that submits another job, as executors do. The other job has the same tenant and kind. */
 struct submitting {
-    struct server_job job; /* first */
+    struct server_job job; /* must be the first member */
     struct server_workers *workers;
     struct test_job *other;
     sem_t done;
