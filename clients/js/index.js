@@ -509,7 +509,7 @@ export class Client {
   }
 
   /* Returns whether the daemon runs but refuses the page's origin. Only a running daemon answers a
-     request without CORS. */
+   * request without CORS. */
   async #refusesOrigin() {
     const origin = globalThis.location?.origin;
     if (!origin || origin === new URL(this.url, globalThis.location.href).origin) return false;
