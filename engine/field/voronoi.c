@@ -46,7 +46,9 @@ static enum gd_status open_diagram(struct gd__diagram *diagram)
     diagram->owner = malloc(sizeof *diagram->owner * mesh->vertex_count);
     diagram->nearest = malloc(sizeof *diagram->nearest * mesh->vertex_count);
     diagram->first_switch = malloc(sizeof *diagram->first_switch * ((size_t)mesh->edge_count + 1));
-    if (!diagram->owner || !diagram->nearest || !diagram->first_switch) return GD_NO_MEMORY;
+    diagram->mixture = calloc(mesh->edge_count, sizeof *diagram->mixture);
+    if (!diagram->owner || !diagram->nearest || !diagram->first_switch || !diagram->mixture)
+        return GD_NO_MEMORY;
     return gd__members_find(diagram->field, diagram->member_of_seed, &diagram->members);
 }
 
@@ -78,6 +80,7 @@ static void close_diagram(struct gd__diagram *diagram)
     free(diagram->owner);
     free(diagram->nearest);
     free(diagram->first_switch);
+    free(diagram->mixture);
     free(diagram->node);
     free(diagram->edge_switch);
     free(diagram->bisector_part);
@@ -109,7 +112,8 @@ static size_t held_by(const struct gd__diagram *diagram)
 {
     return diagram->mesh->vertex_count *
                (sizeof *diagram->owner + sizeof *diagram->nearest + sizeof(uint32_t)) +
-           diagram->mesh->edge_count * sizeof *diagram->first_switch +
+           diagram->mesh->edge_count *
+               (sizeof *diagram->first_switch + sizeof *diagram->mixture + sizeof(bool)) +
            2 * (diagram->node_capacity * sizeof *diagram->node +
                 diagram->switch_capacity * sizeof *diagram->edge_switch +
                 diagram->bisector_part_capacity * sizeof *diagram->bisector_part);
@@ -134,6 +138,7 @@ static enum gd_status find_owners(struct tracer *tracer, int round)
     enum gd_status status = GD_OK;
     reset_owners(diagram);
     for (uint32_t edge = 0; edge < edges && !status; edge++) {
+        gd__edge_prefetch(diagram, edge);
         if (!is_reached(diagram, edge) || !gd__edge_is_mixed(diagram, edge)) continue;
         status = check_work(tracer,
                             progress.switches * (round + (double)edge / edges) / (ROUNDS_MOST + 1));
@@ -150,6 +155,7 @@ static enum gd_status settle_owners(struct tracer *tracer)
     enum gd_status status = find_owners(tracer, 0);
     for (int round = 1; round <= ROUNDS_MOST && diagram->changed && !status; round++) {
         status = gd__members_change(diagram->field, diagram->owner, &diagram->members);
+        memset(diagram->mixture, GD__MIXTURE_UNKNOWN, diagram->mesh->edge_count);
         if (!status) status = find_owners(tracer, round);
     }
     return status;

@@ -30,23 +30,48 @@ static bool has_seed_of_another(const struct gd__diagram *diagram, uint32_t edge
     return false;
 }
 
-bool gd__edge_is_mixed(const struct gd__diagram *diagram, uint32_t edge)
+/* Returns the member of the pseudo-sources of wedge `i` and of its neighbours by number; GD_NONE if
+ * their members differ. Reads only a part of the wedge. For a gap the result may be any member. */
+static uint32_t member_of_block(const struct gd__diagram *diagram, const struct gd__wedges *wedges,
+                                uint32_t i)
 {
-    uint32_t member = member_of(diagram, end_of(diagram, edge, 0));
-    if (diagram->owner[end_of(diagram, edge, 0)] != member ||
-        diagram->owner[end_of(diagram, edge, 1)] != member)
-        return true;
+    const uint32_t *of_block = diagram->members.of_block;
+    switch (wedges->form) {
+    case GD__WEDGE_16:
+        return of_block[((const uint8_t *)wedges->high)[i]];
+    case GD__WEDGE_24:
+        return of_block[((const uint16_t *)wedges->high)[i]];
+    default:
+        return GD_NONE;
+    }
+}
+
+static bool windows_are_mixed(const struct gd__diagram *diagram, uint32_t edge, uint32_t member)
+{
     if (has_seed_of_another(diagram, edge, member)) return true;
     for (uint32_t at = diagram->field->newest[edge]; at != GD_NONE;) {
         const struct gd__chunk *chunk = gd__field_chunk(diagram->field, at);
         struct gd__wedges wedges = gd__chunk_wedges(chunk);
         for (uint32_t i = 0; i < chunk->count; i++) {
+            if (member_of_block(diagram, &wedges, i) == member) continue;
             uint32_t source = gd__wedge_source(&wedges, i);
             if (source != GD_NONE && member_of(diagram, source) != member) return true;
         }
         at = chunk->previous;
     }
     return false;
+}
+
+bool gd__edge_is_mixed(const struct gd__diagram *diagram, uint32_t edge)
+{
+    uint32_t member = member_of(diagram, end_of(diagram, edge, 0));
+    if (diagram->owner[end_of(diagram, edge, 0)] != member ||
+        diagram->owner[end_of(diagram, edge, 1)] != member)
+        return true;
+    if (diagram->mixture[edge] == GD__MIXTURE_UNKNOWN)
+        diagram->mixture[edge] = windows_are_mixed(diagram, edge, member) ? GD__MIXTURE_MIXED
+                                                                          : GD__MIXTURE_PURE;
+    return diagram->mixture[edge] == GD__MIXTURE_MIXED;
 }
 
 /* --- the envelope ----------------------------------------------------------------------------- */

@@ -3,6 +3,8 @@
 #include "field/voronoi_parts.h"
 #include "mesh/segment.h"
 
+enum { BLOCK = 256 /* pseudo-sources of an entry of of_block */ };
+
 /* The member of each pseudo-source. The caller defines the members of seeds. The path of each
  * vertex is followed back until it meets a pseudo-source with a known member. */
 
@@ -137,14 +139,27 @@ static enum gd_status follow_predecessors(const struct gd_field *field, uint32_t
     return GD_OK;
 }
 
-/* Finds the members of all remaining vertices. */
-static enum gd_status find_owners(const struct gd_field *field, uint32_t *of)
+/* Returns the member of all numbers of a block; GD_NONE if they differ. */
+static uint32_t member_of_block(const uint32_t *of, uint32_t count)
 {
-    uint32_t vertices = field->mesh->vertex_count;
+    uint32_t differ = 0;
+    for (uint32_t i = 1; i < count; i++) differ |= of[i] ^ of[0];
+    return differ ? GD_NONE : of[0];
+}
+
+/* Finds the members of all remaining vertices, and those of blocks. */
+static enum gd_status find_owners(const struct gd_field *field, struct gd__members *members)
+{
+    uint32_t vertices = field->mesh->vertex_count, sources = vertices + field->seed_count;
     enum gd_status status = GD_OK;
     for (uint32_t v = 0; v < vertices && !status; v++)
-        if (field->distance[v] < GD__FAR && of[v] == GD_NONE)
-            status = follow_predecessors(field, v, of);
+        if (field->distance[v] < GD__FAR && members->of[v] == GD_NONE)
+            status = follow_predecessors(field, v, members->of);
+    for (uint32_t i = 0; i < GD__MEMBER_BLOCKS; i++) {
+        uint32_t first = i * BLOCK, rest = first < sources ? sources - first : 0;
+        members->of_block[i] =
+            rest ? member_of_block(members->of + first, rest < BLOCK ? rest : BLOCK) : GD_NONE;
+    }
     return status;
 }
 
@@ -176,12 +191,13 @@ enum gd_status gd__members_find(const struct gd_field *field, const uint32_t *me
 {
     size_t sources = (size_t)field->mesh->vertex_count + field->seed_count;
     struct gd__members members = {.of = malloc(sizeof *members.of * sources),
-                                  .nudge = malloc(sizeof *members.nudge * field->seed_count)};
+                                  .nudge = malloc(sizeof *members.nudge * field->seed_count),
+                                  .of_block = malloc(sizeof *members.of_block * GD__MEMBER_BLOCKS)};
     enum gd_status status = GD_NO_MEMORY;
-    if (members.of && members.nudge)
+    if (members.of && members.nudge && members.of_block)
         status = assign_seeds(field, member_of_seed, members.of + field->mesh->vertex_count);
     for (uint32_t v = 0; v < field->mesh->vertex_count && !status; v++) members.of[v] = GD_NONE;
-    if (!status) status = find_owners(field, members.of);
+    if (!status) status = find_owners(field, &members);
     if (status) {
         gd__members_destroy(&members);
         return status;
@@ -196,7 +212,7 @@ enum gd_status gd__members_change(const struct gd_field *field, const uint32_t *
 {
     for (uint32_t v = 0; v < field->mesh->vertex_count; v++)
         members->of[v] = owner[v] == members->of[v] ? GD_NONE : owner[v];
-    return find_owners(field, members->of);
+    return find_owners(field, members);
 }
 
 /* --- points on segments ----------------------------------------------------------------------- */
@@ -255,13 +271,14 @@ enum gd_status gd__members_settle(const struct gd_field *field, const struct gd_
             status = settle_point(field, &field->face_seeds[i], members, &watch, &changed);
     if (status || !changed) return status;
     for (uint32_t v = 0; v < field->mesh->vertex_count; v++) members->of[v] = GD_NONE;
-    return find_owners(field, members->of);
+    return find_owners(field, members);
 }
 
 void gd__members_destroy(struct gd__members *members)
 {
     free(members->of);
     free(members->nudge);
+    free(members->of_block);
     *members = (struct gd__members){0};
 }
 

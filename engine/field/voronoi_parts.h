@@ -19,6 +19,7 @@
 #ifndef GD_FIELD_VORONOI_PARTS_H
 #define GD_FIELD_VORONOI_PARTS_H
 
+#include "base/prefetch.h"
 #include "field/voronoi_branch.h"
 #include "gd/voronoi.h"
 #include "window/stack.h"
@@ -29,7 +30,12 @@ struct gd__members {
     /* per member (at most seed_count members): less than GD_TOL_TIE * farthest */
     double *nudge;
     double farthest; /* upper bound of the distances on edges */
+    /* GD__MEMBER_BLOCKS: per 256 consecutive pseudo-sources their member if all have the same one,
+       otherwise GD_NONE */
+    uint32_t *of_block;
 };
+
+#define GD__MEMBER_BLOCKS 65536 /* a wedge that is not wide holds at most 24 bits of a source */
 
 static inline uint32_t gd__member_of(const struct gd__members *members, uint32_t source)
 {
@@ -85,6 +91,9 @@ struct gd__bisector_part {
     bool is_straight; /* a line between two segments, or a bridge over rounding or a tie */
 };
 
+/* Whether the windows of an edge belong to more than one member. */
+enum gd__mixture { GD__MIXTURE_UNKNOWN, GD__MIXTURE_PURE, GD__MIXTURE_MIXED };
+
 /* The diagram under construction. Owner changes of edge e: [first_switch[e], first_switch[e + 1]).
  * An all-zero struct is empty. */
 struct gd__diagram {
@@ -96,6 +105,7 @@ struct gd__diagram {
     uint32_t *owner;
     double *nearest;        /* per vertex: its nudged distance from its owner; 0: uncontested */
     uint32_t changed;       /* number of owners that differ from members.of */
+    uint8_t *mixture;       /* per edge: what is known for the current members */
     uint32_t *first_switch; /* per edge, and one more */
     struct gd__node *node;
     struct gd__owner_change *edge_switch;
@@ -141,9 +151,21 @@ struct gd__voronoi_scratch {
     uint32_t view_capacity, loose_count, loose_capacity, tie_count, tie_capacity;
 };
 
-/* voronoi_edge.c: gd__edge_is_mixed returns true if the windows of an edge belong to more than one
- * member. gd__edge_own_ends sets the owners of such an edge's ends from the nearest windows. */
+/* voronoi_edge.c: gd__edge_is_mixed returns true if the windows of an edge and its ends belong to
+ * more than one member. gd__edge_own_ends sets the owners of such an edge's ends from the nearest windows. */
 bool gd__edge_is_mixed(const struct gd__diagram *diagram, uint32_t edge);
+
+/* Prefetches the windows that gd__edge_is_mixed reads some edges later. */
+GD__PREFETCH gd__edge_prefetch(const struct gd__diagram *diagram, uint32_t edge)
+{
+    const uint32_t ahead = 32; /* edges */
+    if (diagram->mesh->edge_count - edge <= ahead) return;
+    uint32_t at = diagram->field->newest[edge + ahead];
+    if (at == GD_NONE) return;
+    __builtin_prefetch(gd__field_chunk(diagram->field, at));
+    __builtin_prefetch((const char *)gd__field_chunk(diagram->field, at) + 64);
+}
+
 void gd__edge_own_ends(struct gd__diagram *diagram, uint32_t edge);
 
 /* Appends the owner changes of an edge. The owners of vertices must be final. Error:

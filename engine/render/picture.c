@@ -183,19 +183,31 @@ static enum gd_status split_isoline(struct studio *studio, const struct gd_isoli
     return status;
 }
 
-static enum gd_status find_isolines(struct studio *studio)
+static enum gd_status trace_isolines(struct studio *studio, const struct gd_isoline_index *index)
 {
     enum gd_status status = GD_OK;
     for (uint32_t k = 1; k <= studio->scale.count && !status; k++) {
         struct gd_isoline isoline;
         struct gd_control control = gd__share_control(&studio->share, studio->budget.held);
-        status =
-            gd_isoline_trace(studio->picture->field, k * studio->scale.step, &control, &isoline);
+        status = gd_isoline_trace_indexed(index, k * studio->scale.step, &control, &isoline);
         studio->share.done++;
         if (status) break;
         status = split_isoline(studio, &isoline, &control);
         gd_isoline_free(&isoline);
     }
+    return status;
+}
+
+static enum gd_status find_isolines(struct studio *studio)
+{
+    struct gd_isoline_index *index;
+    struct gd_control control = gd__share_control(&studio->share, studio->budget.held);
+    enum gd_status status = gd__budget_take(&studio->budget, gd_isoline_index_bytes(studio->mesh));
+    if (!status) status = gd_isoline_index_create(studio->picture->field, &control, &index);
+    studio->share.done++;
+    if (status) return status;
+    status = trace_isolines(studio, index);
+    gd_isoline_index_destroy(index);
     return status;
 }
 
@@ -294,7 +306,7 @@ static void set_up(struct studio *studio, const struct gd_picture *picture,
                                      picture->isolines ? picture->isolines : TICKS);
     studio->share.control = control;
     studio->share.total = 1 + 2 * ((height - 1) / gd__raster_rows(width) + 1) +
-                          (picture->isolines ? studio->scale.count : 0);
+                          (picture->isolines ? studio->scale.count + 1 : 0);
 }
 
 static void picture_clear(struct studio *studio)
