@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "base/array.h"
+#include "base/prefetch.h"
 #include "field/isoline_parts.h"
 
 /* An isoline across edges and faces: finds all crossings and chains, then joins the chains to
@@ -56,7 +57,7 @@ static void close_tracer(struct tracer *tracer)
 {
     free(tracer->parts.crossing);
     free(tracer->parts.first_crossing);
-    free(tracer->parts.is_crossed);
+    free(tracer->parts.block);
     free(tracer->parts.piece);
     free(tracer->parts.chain);
     free(tracer->places.at);
@@ -72,8 +73,9 @@ static void close_tracer(struct tracer *tracer)
 static enum gd_status check_work(struct tracer *tracer, double fraction)
 {
     const struct gd__isoline_parts *parts = &tracer->parts;
-    tracer->pace.held = (size_t)tracer->mesh->edge_count * sizeof *parts->first_crossing +
-                        2 * (parts->crossing_capacity * sizeof *parts->crossing +
+    tracer->pace.held = tracer->index->edge_blocks * sizeof *parts->block +
+                        2 * (parts->first_capacity * sizeof *parts->first_crossing +
+                             parts->crossing_capacity * sizeof *parts->crossing +
                              parts->piece_capacity * sizeof *parts->piece +
                              parts->chain_capacity * sizeof *parts->chain);
     tracer->pace.fraction = tracer->progress + (1 - tracer->progress) * fraction;
@@ -103,22 +105,25 @@ static bool may_cross_edge(const struct tracer *tracer, uint32_t edge)
     return levels_have(&levels, tracer->level);
 }
 
-/* Finds the crossings of a block's edges. Also sets the additional entry of first_crossing at the
- * block's end. */
+/* Finds the crossings of a block's edges. */
 static enum gd_status cross_edge_block(struct tracer *tracer, uint32_t block)
 {
     uint32_t edge = block * BLOCK, count = tracer->mesh->edge_count,
              end = count - edge < BLOCK ? count : edge + BLOCK;
-    enum gd_status status = GD_OK;
-    tracer->parts.is_crossed[block] = true;
+    struct gd__isoline_parts *parts = &tracer->parts;
+    enum gd_status status =
+        gd__array_extend(&parts->first_crossing, &parts->first_capacity,
+                         parts->first_count + UINT64_C(1) + BLOCK, sizeof *parts->first_crossing,
+                         NULL);
+    parts->block[block] = parts->first_count;
     for (; edge < end && !status; edge++) {
-        tracer->parts.first_crossing[edge] = tracer->parts.crossing_count;
+        parts->first_crossing[parts->first_count++] = parts->crossing_count;
         status = check_work(tracer, 0.45 * edge / count);
         if (!status && may_cross_edge(tracer, edge))
             status = gd__isoline_cross_edge(tracer->field, edge, tracer->level, &tracer->pace,
-                                            &tracer->places, &tracer->parts);
+                                            &tracer->places, parts);
     }
-    tracer->parts.first_crossing[end] = tracer->parts.crossing_count;
+    if (!status) parts->first_crossing[parts->first_count++] = parts->crossing_count;
     return status;
 }
 
@@ -126,10 +131,10 @@ static enum gd_status cross_edges(struct tracer *tracer)
 {
     const struct gd_isoline_index *index = tracer->index;
     enum gd_status status = GD_OK;
-    tracer->parts.first_crossing =
-        malloc(sizeof *tracer->parts.first_crossing * ((size_t)tracer->mesh->edge_count + 1));
-    tracer->parts.is_crossed = calloc(index->edge_blocks, sizeof *tracer->parts.is_crossed);
-    if (!tracer->parts.first_crossing || !tracer->parts.is_crossed) return GD_NO_MEMORY;
+    tracer->parts.block = malloc(sizeof *tracer->parts.block * index->edge_blocks);
+    if (!tracer->parts.block) return GD_NO_MEMORY;
+    for (uint32_t block = 0; block < index->edge_blocks; block++)
+        tracer->parts.block[block] = GD_NONE;
     for (uint32_t block = 0; block < index->edge_blocks && !status; block++)
         if (levels_have(&index->edges[block], tracer->level))
             status = cross_edge_block(tracer, block);
@@ -358,6 +363,14 @@ static void levels_widen(struct gd__levels *levels, struct gd__levels by)
     levels->most = larger(levels->most, by.most);
 }
 
+/* Prefetches what index_face reads of a later face. */
+GD__PREFETCH index_prefetch(const struct gd_mesh *mesh, uint32_t face)
+{
+    const uint32_t ahead = 32; /* faces */
+    if (mesh->face_count - face > ahead)
+        __builtin_prefetch(&mesh->side[mesh->face_side[face + ahead][0]]);
+}
+
 /* Widens the ranges of a face's block and of its edges' blocks by the levels whose isolines may
  * meet the face. */
 static void index_face(struct gd_isoline_index *index, uint32_t face)
@@ -391,6 +404,7 @@ static enum gd_status index_faces(struct gd_isoline_index *index, double share,
     for (uint32_t face = 0; face < count && !status; face++) {
         pace.fraction = share * face / count;
         status = gd__pace_step(&pace, 2);
+        index_prefetch(field->mesh, face);
         index_face(index, face);
     }
     for (uint32_t i = 0; i < field->face_seed_count; i++)

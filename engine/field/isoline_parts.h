@@ -48,12 +48,13 @@ struct gd__isoline_chain {
  * all-zero struct is empty. */
 struct gd__isoline_parts {
     struct gd__crossing *crossing;
-    /* by edge, with one more entry after each block; only set in crossed blocks */
+    /* per block of edges: where it begins in first_crossing; GD_NONE: no crossings */
+    uint32_t *block;
+    /* for each block with crossings: the first crossing of each edge, and the end of the last */
     uint32_t *first_crossing;
-    bool *is_crossed; /* by block of edges */
     struct gd__isoline_piece *piece;
     struct gd__isoline_chain *chain;
-    uint32_t crossing_count, crossing_capacity, piece_count, piece_capacity, chain_count,
+    uint32_t first_count, first_capacity, crossing_count, crossing_capacity, piece_count, piece_capacity, chain_count,
         chain_capacity;
 };
 
@@ -61,9 +62,11 @@ struct gd__isoline_parts {
 static inline void gd__edge_crossings(const struct gd__isoline_parts *parts, uint32_t edge,
                                       uint32_t *first, uint32_t *end)
 {
-    bool is_crossed = parts->is_crossed[edge / GD__CROSSING_BLOCK];
-    *first = is_crossed ? parts->first_crossing[edge] : 0;
-    *end = is_crossed ? parts->first_crossing[edge + 1] : 0;
+    uint32_t at = parts->block[edge / GD__CROSSING_BLOCK];
+    bool is_crossed = at != GD_NONE;
+    at += edge % GD__CROSSING_BLOCK;
+    *first = is_crossed ? parts->first_crossing[at] : 0;
+    *end = is_crossed ? parts->first_crossing[at + 1] : 0;
 }
 
 /* Reused scratch for an edge and for a face. An all-zero struct is empty. */
