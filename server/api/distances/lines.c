@@ -2,6 +2,7 @@
  * set. A worker traces the lines, and writes them one by one. */
 #include "server/query/handlers.h"
 
+#include <stdatomic.h>
 #include <stdlib.h>
 
 #include "gd/voronoi.h"
@@ -10,6 +11,7 @@
 #include "proto/values/path.h"
 #include "server/query/query.h"
 #include "server/query/result.h"
+#include "server/work/executor.h"
 
 #define BYTES_A_TRACE ((size_t)1 << 20)
 #define ISOLINE_EDGE  32  /* bytes needed for each edge of the mesh while an isoline is traced */
@@ -19,6 +21,7 @@
 /* limit on the bytes of traced lines that are not yet written */
 #define TRACED_BYTES    ((size_t)64 << 20)
 #define BISECTOR_POINTS 500000 /* limit on the points of an answer */
+#define LEVELS          8      /* number of isolines that are traced in parallel */
 #define PORTION         512    /* number of elements written between two checks of the control */
 #define WHAT            "the answer"
 
@@ -228,20 +231,53 @@ static enum server_query_turn levels_write(struct isolines_query *own)
     return server_query_end_draft(query, GD_OK, WHAT);
 }
 
-static bool level_trace(struct isolines_query *own, struct server_monitor *part)
+/* Levels that are traced in parallel. */
+struct level_run {
+    struct isolines_query *own;
+    const struct server_monitor *part;
+    atomic_int status; /* the first failure */
+};
+
+static void level_trace(void *user, uint32_t number)
 {
-    struct gd_isoline *isoline = &own->isolines[own->traced];
-    struct server_budgeted_call call =
-        server_query_begin_call(&own->query, part, trace_grant(&own->query, ISOLINE_EDGE));
+    struct level_run *run = user;
+    struct isolines_query *own = run->own;
+    uint32_t level = own->traced + number, count = own->wanted.level_count;
+    struct server_monitor one =
+        server_monitor_portion(run->part, (double)level / count, 1.0 / count);
+    struct server_budgeted_call call = {.workspaces = own->query.exchange->host->workspaces,
+                                        .control = server_exchange_control(&one),
+                                        .grant = trace_grant(&own->query, ISOLINE_EDGE)};
+    int none = GD_OK;
+    if (atomic_load(&run->status)) return;
     while (server_budgeted_call_next(&call)) {
-        call.status = gd_isoline_trace_indexed(own->index, own->wanted.levels[own->traced],
-                                               &call.control, isoline);
-        call.kept = isoline->bytes;
+        call.status = gd_isoline_trace_indexed(own->index, own->wanted.levels[level], &call.control,
+                                               &own->isolines[level]);
+        call.kept = own->isolines[level].bytes;
     }
-    if (call.status) return server_query_refuse(&own->query, call.status, "the isoline");
-    own->traced++;
-    own->traced_bytes += isoline->bytes;
-    return lines_admit(own, isoline);
+    if (call.status) atomic_compare_exchange_strong(&run->status, &none, (int)call.status);
+}
+
+/* Traces the next levels in parallel, and counts their lines. */
+static bool levels_trace_some(struct isolines_query *own, const struct server_monitor *part)
+{
+    const struct server_exchange *exchange = own->query.exchange;
+    struct level_run run = {.own = own, .part = part};
+    uint32_t rest = own->wanted.level_count - own->traced, some = rest < LEVELS ? rest : LEVELS;
+    const struct gd_executor *executor =
+        server_executor_start(exchange->host->workers, some, exchange->job.deadline_ns);
+    gd_executor_run(executor, level_trace, &run, some);
+    server_executor_stop(executor);
+    for (uint32_t i = own->traced; i < own->traced + some; i++) {
+        own->query.held += own->isolines[i].bytes;
+        own->traced_bytes += own->isolines[i].bytes;
+    }
+    own->traced += some;
+    if (run.status)
+        return server_query_refuse(&own->query, (enum gd_status)run.status, "the isoline");
+    for (uint32_t i = own->traced - some; i < own->traced; i++)
+        if (!lines_admit(own, &own->isolines[i])) return false;
+    return true;
 }
 
 /* Traces all levels before the first one is sent, so that a request with too many lines is refused
@@ -249,10 +285,8 @@ static bool level_trace(struct isolines_query *own, struct server_monitor *part)
  * draft. */
 static bool levels_trace(struct isolines_query *own, const struct server_monitor *part)
 {
-    uint32_t count = own->wanted.level_count;
-    for (uint32_t i = 0; i < count; i++) {
-        struct server_monitor one = server_monitor_portion(part, (double)i / count, 1.0 / count);
-        if (!level_trace(own, &one)) return false;
+    while (own->traced < own->wanted.level_count) {
+        if (!levels_trace_some(own, part)) return false;
         while (own->traced_bytes > TRACED_BYTES)
             if (!level_write(own)) return false;
     }
