@@ -23,7 +23,7 @@
 #define BYTES_AN_EDGE  224
 #define BYTES_A_SEARCH ((size_t)1 << 20) /* further bytes on a mesh of any size */
 
-enum { MOST_FORMS = 12 };
+enum { MOST_FORMS = 12, LARGE_TEXT = 4096 /* bytes of a request that may be read as text */ };
 
 /* --- life ------------------------------------------------------------------------------------- */
 
@@ -562,6 +562,14 @@ static bool query_read_arrays(struct server_query *query)
            query->kind->read_arrays(query, &arrays);
 }
 
+static bool query_read_text(struct server_query *query)
+{
+    const struct server_body *body = &query->exchange->body;
+    return query->kind->read_text && body->size >= LARGE_TEXT &&
+           server_request_is_json(query->exchange) &&
+           query->kind->read_text(query, body->bytes, body->size);
+}
+
 static bool query_read(struct server_query *query)
 {
     struct proto_problem *problem = query->problem;
@@ -578,6 +586,7 @@ static bool query_read(struct server_query *query)
     if (has_files(kind) && !form_read_mesh(query, &query->exchange->parameters)) return false;
     if (!has_body) return kind->parse(query, &query->exchange->parameters);
     if (query_is_arrays(query)) return query_read_arrays(query);
+    if (query_read_text(query)) return true;
     json_t *document = server_request_document(query->exchange, problem);
     if (!document) return false;
     bool ok = kind->decode(query, document);

@@ -242,12 +242,13 @@ void server_request_list(struct server_exchange *exchange,
 
 /* --- bodies and failures ---------------------------------------------------------------------- */
 
-static bool is_json(const char *content_type)
+bool server_request_is_json(const struct server_exchange *exchange)
 {
     static const char json[] = "application/json";
-    if (!content_type) return true;
-    size_t size = strcspn(content_type, "; \t");
-    return size == strlen(json) && strncasecmp(content_type, json, size) == 0;
+    const char *type = server_exchange_header(exchange, "Content-Type");
+    if (!type) return true;
+    size_t size = strcspn(type, "; \t");
+    return size == strlen(json) && strncasecmp(type, json, size) == 0;
 }
 
 bool server_request_take(struct server_exchange *exchange, const char *what, size_t bytes,
@@ -287,7 +288,7 @@ json_t *server_request_document(struct server_exchange *exchange, struct proto_p
     const struct server_body *body = &exchange->body;
     struct server_monitor monitor = {.exchange = exchange};
     const struct gd_control control = server_exchange_control(&monitor);
-    if (!is_json(server_exchange_header(exchange, "Content-Type"))) {
+    if (!server_request_is_json(exchange)) {
         proto_problem_set(
             problem, PROTO_PROBLEM_UNSUPPORTED_MEDIA_TYPE,
             "a query is JSON: send it with the header Content-Type: application/json");

@@ -70,6 +70,9 @@ bool server_request_begin_parsing(struct server_exchange *exchange, const char *
                                   struct proto_problem *problem);
 void server_request_end_parsing(struct server_exchange *exchange);
 
+/* Returns true unless Content-Type names another type than JSON. */
+bool server_request_is_json(const struct server_exchange *exchange);
+
 /* Parses the body as a JSON document. The caller owns the document, and ends it by json_decref and
  * then server_request_end_parsing. On failure, returns NULL with unsupported_media_type,
  * invalid_request or insufficient_memory. */

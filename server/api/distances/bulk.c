@@ -16,6 +16,7 @@
 
 #include "proto/json/decode.h"
 #include "proto/json/writer.h"
+#include "proto/values/bulk_points.h"
 #include "proto/values/point.h"
 #include "server/fields/cache.h"
 #include "server/query/query.h"
@@ -38,9 +39,11 @@ struct point_list {
     uint32_t count;
 };
 
+/* Keeps the arrays of a list that has this size already (list_read_text). */
 static bool list_reserve(struct server_query *query, uint64_t count, const char *place,
                          struct point_list *list)
 {
+    if (list->points && list->snaps && list->count == count) return true;
     if (count == 0) return proto_problem_refuse(query->problem, place, "name at least one point");
     if (count > MOST)
         return proto_problem_exceed(query->problem, place, MOST,
@@ -80,6 +83,67 @@ static bool list_decode(struct server_query *query, const json_t *document, cons
     }
     return true;
 }
+
+/* Runs a task for each piece of `count` items, in parallel if there are several pieces. */
+static void pieces_run(const struct server_query *query, uint32_t count,
+                       void (*run)(void *user, uint32_t piece), void *user)
+{
+    const struct server_exchange *exchange = query->exchange;
+    uint32_t pieces = count / PIECE + (count % PIECE > 0);
+    const struct gd_executor *executor =
+        pieces > 1 && exchange->work
+            ? server_executor_start(exchange->host->workers, pieces, exchange->job.deadline_ns)
+            : NULL;
+    gd_executor_run(executor, run, user, pieces);
+    server_executor_stop(executor);
+}
+
+/* --- a list as text --------------------------------------------------------------------------- */
+
+/* The text of a list in pieces, which are read in parallel. */
+struct list_text {
+    const struct server_query *query;
+    const struct point_list *list;
+    struct proto_bulk_text pieces[MOST / PIECE + 1];
+    atomic_bool has_failed;
+};
+
+static void text_locate_piece(void *user, uint32_t piece)
+{
+    struct list_text *text = user;
+    const struct point_list *list = text->list;
+    struct server_monitor monitor = server_query_monitor(text->query, 0, 1);
+    const struct gd_control control = server_exchange_control(&monitor);
+    struct proto_bulk_text points = text->pieces[piece];
+    uint32_t i = piece * PIECE, end = list->count - i < PIECE ? list->count : i + PIECE;
+    bool ok = !atomic_load(&text->has_failed) && !gd_control_check(&control, 0);
+    for (; i < end && ok; i++) {
+        struct proto_problem problem;
+        struct proto_point point;
+        ok = proto_bulk_point(&points, &point) &&
+             proto_point_locate(text->query->surface->mesh, &point, &list->points[i],
+                                &list->snaps[i], &problem);
+    }
+    if (!ok || points.at != points.end) atomic_store(&text->has_failed, true);
+}
+
+/* Reads a list behind its opening bracket. False: the text is not plain, or a point is wrong. */
+static bool list_read_text(struct server_query *query, struct proto_bulk_text *all,
+                           struct point_list *list)
+{
+    struct list_text text = {.query = query, .list = list};
+    uint32_t pieces = 0, count = 0, some = PIECE;
+    bool is_last = false;
+    while (!is_last && some == PIECE && count < MOST) {
+        some = proto_bulk_split(all, PIECE, &text.pieces[pieces++], &is_last);
+        count += some;
+    }
+    if (!is_last || count > MOST || !list_reserve(query, count, "", list)) return false;
+    pieces_run(query, count, text_locate_piece, &text);
+    return !atomic_load(&text.has_failed);
+}
+
+/* --- a list as arrays ------------------------------------------------------------------------- */
 
 /* The arrays of a list "x". Either `x` contains vertices or coordinates, or `x_face` contains faces
  * and `x_barycentric` the barycentric coordinates in these faces. */
@@ -126,20 +190,6 @@ static void arrays_locate_piece(void *user, uint32_t piece)
         if (status && atomic_compare_exchange_strong(&arrays->status, &none, (int)status))
             atomic_store(&arrays->failed_at, i);
     }
-}
-
-/* Runs a task for each piece of `count` items, in parallel if there are several pieces. */
-static void pieces_run(const struct server_query *query, uint32_t count,
-                       void (*run)(void *user, uint32_t piece), void *user)
-{
-    const struct server_exchange *exchange = query->exchange;
-    uint32_t pieces = count / PIECE + (count % PIECE > 0);
-    const struct gd_executor *executor =
-        pieces > 1 && exchange->work
-            ? server_executor_start(exchange->host->workers, pieces, exchange->job.deadline_ns)
-            : NULL;
-    gd_executor_run(executor, run, user, pieces);
-    server_executor_stop(executor);
 }
 
 static bool arrays_check(const struct list_arrays *arrays, const char *name,
@@ -268,6 +318,19 @@ static bool pairs_read(struct server_query *query, const struct server_arrays *a
     struct pairs_query *own = (struct pairs_query *)query;
     return list_read(query, arrays, "/from", &own->from) &&
            list_read(query, arrays, "/to", &own->to) && pairs_settle(own);
+}
+
+/* Reads a request of plain lists (proto/values/bulk_points.h). */
+static bool pairs_read_text(struct server_query *query, const char *bytes, size_t size)
+{
+    static const char *const names[] = {"from", "to", NULL};
+    struct pairs_query *own = (struct pairs_query *)query;
+    struct proto_bulk_text text = {bytes, bytes + size};
+    int first = proto_bulk_open(&text, names, true);
+    if (first < 0 || !list_read_text(query, &text, first ? &own->to : &own->from)) return false;
+    return proto_bulk_open(&text, names, false) == 1 - first &&
+           list_read_text(query, &text, first ? &own->from : &own->to) && proto_bulk_end(&text) &&
+           pairs_settle(own);
 }
 
 /* --- pairs: groups ---------------------------------------------------------------------------- */
@@ -479,6 +542,7 @@ static bool pairs_list_arrays(struct server_query *query)
 const struct server_query_kind server_query_pairs = {.name = "pairs",
                                                      .size = sizeof(struct pairs_query),
                                                      .decode = pairs_decode,
+                                                     .read_text = pairs_read_text,
                                                      .array_names = pairs_arrays,
                                                      .read_arrays = pairs_read,
                                                      .solve = pairs_solve,
@@ -500,6 +564,15 @@ static bool nearest_points_decode(struct server_query *query, const json_t *docu
     return proto_decode_object(document, "", proto_nearest_points_request_members,
                                query->problem) &&
            list_decode(query, document, "/points", &own->list);
+}
+
+static bool nearest_points_read_text(struct server_query *query, const char *bytes, size_t size)
+{
+    static const char *const names[] = {"points", NULL};
+    struct proto_bulk_text text = {bytes, bytes + size};
+    return proto_bulk_open(&text, names, true) == 0 &&
+           list_read_text(query, &text, &((struct nearest_points_query *)query)->list) &&
+           proto_bulk_end(&text);
 }
 
 static bool nearest_points_read(struct server_query *query, const struct server_arrays *arrays)
@@ -594,6 +667,7 @@ const struct server_query_kind server_query_nearest_points = {
     .name = "nearest-points",
     .size = sizeof(struct nearest_points_query),
     .decode = nearest_points_decode,
+    .read_text = nearest_points_read_text,
     .array_names = nearest_arrays,
     .read_arrays = nearest_points_read,
     .encode = nearest_points_encode,
