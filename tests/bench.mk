@@ -1,6 +1,6 @@
 # Benchmarks, and comparisons with other programs. Included by the Makefile.
 
-.PHONY: bench bench-paper bench-peers bench-http bench-plots sweep
+.PHONY: bench bench-paper bench-peers bench-http bench-around bench-plots sweep
 
 BENCH_C   := $(filter-out tests/bench/http_bare.c,$(wildcard tests/bench/*.c))
 ABLATION_C := $(patsubst %,tests/bench/%.c,ablation agreement paper reach tables trial)
@@ -62,6 +62,9 @@ bench-peers: $(BUILD)/gd_bench $(BUILD)/gd_bench_cgal $(if $(GEOMETRY_CENTRAL),$
 
 bench-http: build $(BUILD)/gd_http_bare ## measure requests a second and latency, and compare with bare libmicrohttpd (needs wrk)
 	tests/bench/throughput.py --build $(BUILD)
+
+bench-around: build $(BUILD)/gd_bench ## measure requests around a field of 1.1 million faces, uploads and loading (needs the bunny)
+	tests/bench/around.py --build $(BUILD)
 
 bench-plots: $(BUILD)/gd_bench ## plot the cost of fields against mesh size, as SVG (MAX_FACES=300000)
 	tests/bench/plots.py --build $(BUILD) --max-faces $(or $(MAX_FACES),300000)

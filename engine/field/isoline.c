@@ -111,10 +111,9 @@ static enum gd_status cross_edge_block(struct tracer *tracer, uint32_t block)
     uint32_t edge = block * BLOCK, count = tracer->mesh->edge_count,
              end = count - edge < BLOCK ? count : edge + BLOCK;
     struct gd__isoline_parts *parts = &tracer->parts;
-    enum gd_status status =
-        gd__array_extend(&parts->first_crossing, &parts->first_capacity,
-                         parts->first_count + UINT64_C(1) + BLOCK, sizeof *parts->first_crossing,
-                         NULL);
+    enum gd_status status = gd__array_extend(&parts->first_crossing, &parts->first_capacity,
+                                             parts->first_count + UINT64_C(1) + BLOCK,
+                                             sizeof *parts->first_crossing, NULL);
     parts->block[block] = parts->first_count;
     for (; edge < end && !status; edge++) {
         parts->first_crossing[parts->first_count++] = parts->crossing_count;

@@ -54,8 +54,8 @@ struct gd__isoline_parts {
     uint32_t *first_crossing;
     struct gd__isoline_piece *piece;
     struct gd__isoline_chain *chain;
-    uint32_t first_count, first_capacity, crossing_count, crossing_capacity, piece_count, piece_capacity, chain_count,
-        chain_capacity;
+    uint32_t first_count, first_capacity, crossing_count, crossing_capacity, piece_count,
+        piece_capacity, chain_count, chain_capacity;
 };
 
 /* Returns the range [*first, *end) of an edge's crossings. */

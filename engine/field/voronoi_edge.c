@@ -69,8 +69,8 @@ bool gd__edge_is_mixed(const struct gd__diagram *diagram, uint32_t edge)
         diagram->owner[end_of(diagram, edge, 1)] != member)
         return true;
     if (diagram->mixture[edge] == GD__MIXTURE_UNKNOWN)
-        diagram->mixture[edge] = windows_are_mixed(diagram, edge, member) ? GD__MIXTURE_MIXED
-                                                                          : GD__MIXTURE_PURE;
+        diagram->mixture[edge] =
+            windows_are_mixed(diagram, edge, member) ? GD__MIXTURE_MIXED : GD__MIXTURE_PURE;
     return diagram->mixture[edge] == GD__MIXTURE_MIXED;
 }
 

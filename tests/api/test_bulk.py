@@ -52,6 +52,28 @@ class Bulk(TestCase):
             answer = self.daemon.ask("ball", "pairs", {one: [{"vertex": 5}], many: b})
             self.assert_near(answer.json["distances"], [self.alone("ball", {"vertex": 5}, point) for point in b])
 
+    def test_large_texts(self):
+        """A large request is read without a document if it is plain. Answers and faults are the same."""
+        chance = random.Random(7)
+        self.daemon.ask("ball", "fields", {"set": {"points": [{"vertex": 5}]}})
+        points = [chance.choice([{"vertex": chance.randrange(2000)}, {"face": chance.randrange(5000), "barycentric": [0.5, 0.25, 0.25]},
+                                 {"xyz": [chance.uniform(-1, 1) for _ in range(3)]}]) for _ in range(40_000)]
+        whole = {"from": [{"vertex": 5}], "to": points}
+        plain = self.daemon.ask("ball", "pairs", whole)
+        other = self.daemon.ask("ball", "pairs", {**whole, "from": ["v:5"]})
+        self.assertEqual((plain.status, other.status), (200, 200), (plain, other))
+        self.assertEqual(plain.body, other.body)
+        self.assertEqual(self.daemon.ask("ball", "pairs", dict(reversed(whole.items()))).body, plain.body)
+        plain = self.daemon.ask("ball", "nearest-points", {"points": points})
+        other = self.daemon.ask("ball", "nearest-points", {"points": ["v:%d" % point["vertex"] if "vertex" in point else point for point in points]})
+        self.assertEqual((plain.status, plain.body), (200, other.body))
+        for place, point, status in ((0, {"vertex": 9999}, 400), (39_999, {"face": 1, "barycentric": [1, 1, 1]}, 422), (20_000, {"vertex": -1}, 400)):
+            broken = points[:place] + [point] + points[place + 1:]
+            refused = self.daemon.ask("ball", "pairs", {"from": [{"vertex": 5}], "to": broken})
+            self.assertEqual((refused.status, refused.json["pointer"][:len(f"/to/{place}")]), (status, f"/to/{place}"))
+        refused = self.daemon.ask("ball", "pairs", {"from": points[:2], "to": points})
+        self.assertEqual((refused.status, refused.json["pointer"]), (400, "/to"))
+
     def test_list_of_pairs(self):
         pairs = [["v:0", "f:7:0.5,0.25,0.25"], [{"xyz": [0, 0, 2]}, "p:1,0,0"], [{"vertex": 3}, {"vertex": 3}]]
         answer = self.daemon.ask("ball", "pairs", {"pairs": pairs})
