@@ -152,7 +152,8 @@ struct gd__voronoi_scratch {
 };
 
 /* voronoi_edge.c: gd__edge_is_mixed returns true if the windows of an edge and its ends belong to
- * more than one member. gd__edge_own_ends sets the owners of such an edge's ends from the nearest windows. */
+ * more than one member. gd__edge_own_ends sets the owners of such an edge's ends from the nearest
+ * windows. */
 bool gd__edge_is_mixed(const struct gd__diagram *diagram, uint32_t edge);
 
 /* Prefetches the windows that gd__edge_is_mixed reads some edges later. */

@@ -53,7 +53,7 @@ class Bulk(TestCase):
             self.assert_near(answer.json["distances"], [self.alone("ball", {"vertex": 5}, point) for point in b])
 
     def test_large_texts(self):
-        """A large request is read without a document if it is plain. Answers and faults are the same."""
+        """A large plain request is read without a document. Answers and faults are the same."""
         chance = random.Random(7)
         self.daemon.ask("ball", "fields", {"set": {"points": [{"vertex": 5}]}})
         points = [chance.choice([{"vertex": chance.randrange(2000)}, {"face": chance.randrange(5000), "barycentric": [0.5, 0.25, 0.25]},

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Measures what surrounds a field in the daemon: isolines, Voronoi diagrams, gradients, files, farthest
-points, pictures, bulk pairs, matrices, uploads and loading.
+"""Measures what surrounds a field in the daemon: isolines, Voronoi diagrams, gradients, files,
+farthest points, pictures, bulk pairs, matrices, uploads and loading.
 
-usage: tests/bench/around.py [--build DIR] [--runs N] [--workers N] [--only WORD] [--random N] [--quick]
-                             [--mesh "ARGUMENTS of gd_bench"] [--small "…"] [--upload "…"]
+usage: tests/bench/around.py [--build DIR] [--runs N] [--workers N] [--only WORD] [--random N]
+                             [--quick] [--mesh "ARGUMENTS of gd_bench"] [--small "…"]
+                             [--upload "…"]
 
 Each row has the time of a request (least and median of the runs), the processor time of the daemon,
 its page faults, the size of the answer, and the target. Targets are multiples of the field's time
