@@ -17,6 +17,7 @@
 #include "server/http/http.h"
 #include "server/jobs/job_table.h"
 #include "server/http/tls.h"
+#include "server/work/thread_priority.h"
 
 /* Arrays of at least so many bytes return to the system when they are freed. By default glibc
  * raises this bound with the size of freed arrays, and so keeps the memory of freed meshes and
@@ -65,6 +66,7 @@ static void server_destroy(struct server *server)
     server_events_destroy(server->host.events);
     server_surfaces_destroy(server);
     server_workers_destroy(server->host.workers);
+    server_thread_stop(server->host.spare);
     server_workspaces_destroy(server->host.workspaces);
     gd_spare_memory(0);
     server_metrics_destroy(server->host.metrics);
@@ -132,6 +134,15 @@ static void heap_trim_run(void *user, struct server_thread *thread)
     while (server_thread_pause(thread, TRIM_NS)) malloc_trim(0);
 }
 
+/* Clearing fresh memory takes a large part of a field's time, most of all in virtual machines. */
+static void spare_run(void *user, struct server_thread *thread)
+{
+    (void)user;
+    server_thread_set_idle();
+    while (server_thread_pause(thread, SERVER_THREAD_FOREVER))
+        while (gd_spare_prepare()) continue;
+}
+
 bool server_start_jobs(struct server *server)
 {
     const struct server_job_limits limits = {
@@ -143,7 +154,8 @@ bool server_start_jobs(struct server *server)
     server->api.jobs = server_job_table_create(&server->host, &limits);
     if (server->api.jobs) server->deadlines = server_thread_start(deadlines_run, server);
     server->trimmer = server_thread_start(heap_trim_run, NULL);
-    return server->deadlines && server->trimmer;
+    server->host.spare = server_thread_start(spare_run, NULL);
+    return server->deadlines && server->trimmer && server->host.spare;
 }
 
 void server_connect(struct server *server)

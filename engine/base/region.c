@@ -11,6 +11,7 @@
 #define STEP   ((size_t)256 << 10) /* least increment charged to the budget */
 #define LEAST  ((size_t)4 << 20)
 #define SPARES 8
+#define AHEAD  2 /* spares that are prepared */
 
 static size_t region_up(size_t size, size_t unit)
 {
@@ -23,6 +24,7 @@ static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static struct gd__kept spare[SPARES];
 static uint32_t spare_count;
 static size_t spare_bytes, spare_limit;
+static struct gd__kept latest; /* the sizes of the last closed region; without its base */
 
 static void unmap(const struct gd__kept *kept)
 {
@@ -172,6 +174,9 @@ struct gd__kept gd__region_close(struct gd__region *region)
     struct gd__kept kept = {.base = region->base, .bytes = used, .reserved = region->reserved};
     if (used) {
         region_trim(region, used);
+        pthread_mutex_lock(&lock);
+        latest = (struct gd__kept){.bytes = used, .reserved = region->reserved};
+        pthread_mutex_unlock(&lock);
     } else {
         gd__region_destroy(region);
         kept.base = NULL;
@@ -184,4 +189,26 @@ void gd__region_destroy(struct gd__region *region)
 {
     if (region->base) munmap(region->base, region->reserved);
     *region = (struct gd__region){0};
+}
+
+/* --- memory that is touched ahead ------------------------------------------------------------- */
+
+/* Returns the sizes of a spare that shall be prepared; bytes 0: none. */
+static struct gd__kept spare_wanted(void)
+{
+    struct gd__kept wanted = {0};
+    pthread_mutex_lock(&lock);
+    if (spare_count < AHEAD && spare_bytes + latest.bytes <= spare_limit) wanted = latest;
+    pthread_mutex_unlock(&lock);
+    return wanted;
+}
+
+bool gd__region_prepare(void)
+{
+    struct gd__kept made = spare_wanted();
+    made.base = made.bytes ? region_reserve(made.reserved) : NULL;
+    if (!made.base) return false;
+    for (size_t at = 0; at < made.bytes; at += PAGE) *(volatile char *)(made.base + at) = 0;
+    gd__region_release(&made);
+    return true;
 }

@@ -7,6 +7,7 @@
 #ifndef GD_BASE_REGION_H
 #define GD_BASE_REGION_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "base/budget.h"
@@ -50,5 +51,10 @@ void gd__region_destroy(struct gd__region *region);
  * Returns memory beyond the limit to the system at once. Thread-safe. */
 void gd__region_keep_spare(size_t bytes);
 size_t gd__region_spare(void);
+
+/* Touches the memory of a later region ahead: as much as the last closed region used. Keeps it as
+ * spare memory. Returns false, and does nothing, if no region was closed yet, the limit would be
+ * exceeded, or there is enough spare memory for two such regions. Thread-safe. */
+bool gd__region_prepare(void);
 
 #endif

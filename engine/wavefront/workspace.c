@@ -220,6 +220,11 @@ void gd_spare_memory(size_t bytes)
     gd__region_keep_spare(bytes);
 }
 
+bool gd_spare_prepare(void)
+{
+    return gd__region_prepare();
+}
+
 size_t gd_workspace_bytes(const struct gd_workspace *w)
 {
     size_t sides = 2 * (size_t)w->edges, vertices = w->vertices,

@@ -150,8 +150,8 @@ struct server_host {
        opened. */
     void (*watch)(void *user);
     void *watcher;
-    /* number of exchanges that connections and jobs have submitted and that are not yet answered */
-    atomic_uint deferred;
+    struct server_thread *spare; /* woken after a field: prepares memory for the next; or NULL */
+    atomic_uint deferred;        /* exchanges that connections and jobs have submitted */
     atomic_bool is_draining;
     struct server_api *api; /* the parts that only handlers use (query/api.h) */
 };

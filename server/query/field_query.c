@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "server/base/thread.h"
 #include "server/fields/cache.h"
 #include "server/query/api.h"
 
@@ -179,6 +180,7 @@ enum gd_status server_query_build_field(struct server_query *query, struct serve
         server_cache_fail(pending, status);
     else
         *out = server_cache_publish(pending, field);
+    if (query->exchange->host->spare) server_thread_wake(query->exchange->host->spare);
     return status || *out ? status : GD_NO_MEMORY;
 }
 

@@ -67,6 +67,12 @@ void server_worker_set_idle(bool is_idle)
         is_now_idle = is_idle;
 }
 
+void server_thread_set_idle(void)
+{
+    static const struct sched_param none;
+    (void)sched_setscheduler(0, SCHED_IDLE, &none);
+}
+
 void server_priority_begin(struct server_priority *priority, uint64_t now_ns)
 {
     *priority = (struct server_priority){.not_before_ns = now_ns + LONG_NS, .return_ns = RETURN_NS};

@@ -27,6 +27,9 @@ void server_thread_place(uint32_t threads, bool are_workers_busy, uint64_t now_n
 /* Lowers the priority of the calling thread, a new worker. */
 void server_worker_lower(void);
 
+/* Gives the calling thread idle priority for good. */
+void server_thread_set_idle(void);
+
 /* Gives the calling thread idle or normal priority; does nothing if the thread could not leave idle
  * priority again. */
 void server_worker_set_idle(bool is_idle);

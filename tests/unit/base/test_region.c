@@ -208,6 +208,35 @@ static void keeps_spare_memory(void **state)
     assert_int_equal(gd__region_spare(), 0);
 }
 
+/* Prepared memory has the size of the last region, is backed by pages, and is within the limit. */
+static void prepares_spare_memory(void **state)
+{
+    (void)state;
+    size_t used;
+    gd__region_keep_spare(0);
+    struct gd__kept kept = make_kept(3 * MEGABYTE, &used);
+    assert_false(gd__region_prepare());
+    gd__region_keep_spare(LIMIT);
+    assert_true(gd__region_prepare());
+    assert_int_equal(gd__region_spare(), kept.bytes);
+    assert_true(gd__region_prepare());
+    assert_false(gd__region_prepare()); /* enough for two regions */
+    assert_int_equal(gd__region_spare(), 2 * kept.bytes);
+    struct gd__region region = {0};
+    check_ok(gd__region_open(&region, MEGABYTE, NULL), NULL);
+    unsigned char resident = 0;
+    assert_int_equal(mincore(region.base, 4096, &resident), 0);
+    assert_true(resident & 1);
+    assert_true(region.touched == kept.bytes && gd__region_spare() == kept.bytes);
+    check_filled(region.base, grow(&region, 3 * MEGABYTE));
+    gd__region_destroy(&region);
+    gd__region_release(&kept);
+    gd__region_keep_spare(3 * MEGABYTE / 2);
+    assert_false(gd__region_prepare()); /* beyond the limit */
+    assert_int_equal(gd__region_spare(), 0);
+    gd__region_keep_spare(0);
+}
+
 /* Where address space is scarce, a region is smaller and returns GD_NO_MEMORY when it is full. */
 static void works_with_little_address_space(void **state)
 {
@@ -247,6 +276,7 @@ int main(void)
         cmocka_unit_test(refuses_more_than_the_maximum),
         cmocka_unit_test(closing_keeps_the_content),
         cmocka_unit_test(keeps_spare_memory),
+        cmocka_unit_test(prepares_spare_memory),
         cmocka_unit_test(works_with_little_address_space),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
