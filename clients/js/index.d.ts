@@ -112,7 +112,7 @@ export interface CallOptions extends Abortable {
   headers?: Record<string, string>;
   onProgress?: OnProgress;
   /**
-   * false: each request creates something new, as createBatch does, so the client does not repeat
+   * false if each request creates something new, as createBatch does, so the client does not repeat
    * the request if its connection fails
    */
   repeatable?: boolean;

@@ -139,7 +139,7 @@ class Contract:
         return self.by_place.get((found, method)) or (self.by_place.get((found, "get")) if method == "head" else None)
 
     def invalid(self, value, schema, place, optional=()):
-        """Yields the faults of a value. `optional`: names of members that may be missing."""
+        """Yields the faults of a value. `optional` are the names of members that may be missing."""
         from jsonschema import Draft202012Validator, exceptions
         key = json.dumps(schema, sort_keys=True) + " ".join(optional)
         if key not in self.schemas:

@@ -19,8 +19,8 @@ DRAIN_DELAY_MS = 3000  # the shipped file expects this drain delay of the nodes
 
 
 class Front:
-    """`ports`: the ports of the nodes. Replacements: pairs (text, new text); each text must occur
-    in the shipped file."""
+    """`ports` are the ports of the nodes. Replacements are pairs (text, new text). Each text must
+    occur in the shipped file."""
 
     def __init__(self, ports, replacements=()):
         self.port, self.metrics_port = free_port(), free_port()

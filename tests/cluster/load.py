@@ -21,7 +21,7 @@ class Questions:
     search and the answer from a field, which may differ in the last digit."""
 
     def __init__(self, meshes, pairs, seed=1):
-        """`meshes`: name -> (file, number of vertices)"""
+        """`meshes` maps each name to (file, number of vertices)"""
         self.meshes, self.allowed = meshes, {}
         chance = random.Random(seed)
         for name, (_, count) in meshes.items():
