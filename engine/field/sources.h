@@ -83,6 +83,14 @@ static inline double gd__stored_slack(double length)
     return 2 * GD__WEDGE_UNIT * length;
 }
 
+/* Returns the length by which a linear wedge's end is extended to close the gap to its neighbour.
+ * Stored ends are rounded inwards, to 2^-32 of an edge no longer than `size`. `away` is the
+ * distance of that end from the segment. */
+static inline double gd__line_lengthened(double size, double away)
+{
+    return fmax(fmin(2 * GD__WEDGE_UNIT * size, GD_TOL_LENGTHENED * away), 0);
+}
+
 /* Returns a bound of the rounding error of distances near `level`, at places within a face of size
  * `size`. */
 static inline double gd__envelope_slack(double level, double size)

@@ -32,70 +32,6 @@ static struct gd__focus nudged_focus(const struct work *work, uint32_t i)
 
 /* --- the sources ------------------------------------------------------------------------------ */
 
-/* Returns an upper bound of the distances in a face. */
-static double most_in_face(const struct gd__diagram *diagram, uint32_t face)
-{
-    const struct gd_mesh *mesh = diagram->mesh;
-    const struct gd_side *s = &mesh->side[mesh->face_side[face][0]];
-    double most = GD__FAR, longest = fmax(s->length, fmax(s->left_length, s->right_length));
-    for (int k = 0; k < 3; k++)
-        most =
-            fmin(most, diagram->field->distance[mesh->origin[mesh->face_side[face][k]]] + longest);
-    return most * (1 + GD_TOL_CHECK);
-}
-
-/* A line with a unit normal towards its visible side. */
-struct bound {
-    struct gd__local normal, through;
-};
-
-enum { BOUNDS_MOST = 3 };
-
-/* Collects the borders of a source's view and returns their number. A sector has two borders. A
- * linear source has a third one: the line at the distance `nearest`. This border limits a segment
- * in the face to one side of itself. */
-static int bounds_of(const struct work *work, const struct gd__source *source,
-                     struct bound bound[BOUNDS_MOST])
-{
-    if (!source->has_sector) return 0;
-    bound[0] = (struct bound){source->left, source->left_at};
-    bound[1] = (struct bound){source->right, source->right_at};
-    if (!source->linear) return 2;
-    double offset = gd__field_sigma(work->diagram->field, source->pseudo),
-           size = work->scratch->sources.frame.size;
-    for (int k = 0; k < 2; k++) {
-        double more =
-            gd__line_lengthened(size, gd__source_distance(source, bound[k].through) - offset);
-        bound[k].through.x -= more * bound[k].normal.x;
-        bound[k].through.y -= more * bound[k].normal.y;
-    }
-    double ahead = source->nearest - source->sigma;
-    bound[2] =
-        (struct bound){source->gradient, {ahead * source->gradient.x, ahead * source->gradient.y}};
-    return 3;
-}
-
-static double height_above(const struct bound *bound, struct gd__local at)
-{
-    return bound->normal.x * (at.x - bound->through.x) +
-           bound->normal.y * (at.y - bound->through.y);
-}
-
-/* Clips a convex polygon by a line; the view has room for the new corners. */
-static void clip_view(struct gd__view *view, const struct bound *bound)
-{
-    struct gd__view cut = {0};
-    for (int k = 0; k < view->count; k++) {
-        struct gd__local a = view->corner[k], b = view->corner[(k + 1) % view->count];
-        double height = height_above(bound, a), next = height_above(bound, b);
-        if (height >= 0) cut.corner[cut.count++] = a;
-        if ((height < 0) == (next < 0)) continue;
-        double t = height / (height - next);
-        cut.corner[cut.count++] = (struct gd__local){a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};
-    }
-    *view = cut;
-}
-
 /* Computes the part of the face that each source sees. */
 static enum gd_status find_views(const struct work *work)
 {
@@ -104,40 +40,11 @@ static enum gd_status find_views(const struct work *work)
     enum gd_status status = gd__array_extend(&scratch->view, &scratch->view_capacity,
                                              sources->count, sizeof *scratch->view, NULL);
     if (status) return status;
-    for (uint32_t i = 0; i < sources->count; i++) {
-        const struct gd__source *source = &sources->source[i];
-        struct gd__view view = {
-            3, {sources->frame.corner[0], sources->frame.corner[1], sources->frame.corner[2]}, 0};
-        struct bound bound[BOUNDS_MOST];
-        int bounds = bounds_of(work, source, bound);
-        for (int k = 0; k < bounds; k++) clip_view(&view, &bound[k]);
-        struct gd__focus focus = nudged_focus(work, i);
-        for (int k = 0; k < view.count; k++)
-            view.most = fmax(view.most, gd__focus_distance(&focus, view.corner[k]));
-        scratch->view[i] = view;
-    }
-    return GD_OK;
-}
-
-/* Returns true for a corner of the face where no path bends. Paths through such a corner are
- * straight, and belong to a source behind the corner. */
-static bool is_needless(const struct gd__diagram *diagram, const struct gd__source *source)
-{
-    uint32_t vertices = diagram->mesh->vertex_count;
-    if (source->has_sector || source->pseudo >= vertices) return false;
-    if (diagram->mesh->vertex_kind[source->pseudo] != GD_VERTEX_CONVEX) return false;
-    const struct gd__predecessor *predecessor = &diagram->field->predecessor[source->pseudo];
-    return predecessor->side != GD_NONE ||
-           predecessor->source < vertices; /* else it may be a seed */
-}
-
-static void drop_needless(const struct gd__diagram *diagram, struct gd__sources *sources)
-{
-    uint32_t kept = 0;
     for (uint32_t i = 0; i < sources->count; i++)
-        if (!is_needless(diagram, &sources->source[i]))
-            sources->source[kept++] = sources->source[i];
-    sources->count = kept;
+        scratch->view[i] =
+            gd__source_view(work->diagram->field, &sources->frame, &sources->source[i],
+                            work->diagram->members.nudge[member_of(work, i)]);
+    return GD_OK;
 }
 
 static bool are_of_one_member(const struct work *work)
@@ -206,40 +113,6 @@ static enum gd_status append_bisector_part(const struct work *work, const struct
 
 /* --- two sources ------------------------------------------------------------------------------ */
 
-/* Narrows the spans to where the branch lies inside a border. Returns false if no span is left. */
-static bool narrow_turn(const struct gd__branch *branch, const struct bound *bound,
-                        struct gd__turn *turn)
-{
-    struct gd__turn inside = gd__branch_beyond(branch, bound->normal, bound->through);
-    *turn = gd__turn_both(turn, &inside);
-    return turn->count > 0;
-}
-
-static bool narrow_to_view(const struct work *work, const struct gd__branch *branch, uint32_t i,
-                           struct gd__turn *turn)
-{
-    struct bound bound[BOUNDS_MOST];
-    int bounds = bounds_of(work, &work->scratch->sources.source[i], bound);
-    bool is_left = turn->count > 0;
-    for (int k = 0; k < bounds && is_left; k++) is_left = narrow_turn(branch, &bound[k], turn);
-    return is_left;
-}
-
-/* Returns the spans where the branch of two sources lies in the face and both sources see it. The
- * result is usually empty. */
-static struct gd__turn domain_of(const struct work *work, const struct gd__branch *branch,
-                                 uint32_t i, uint32_t j)
-{
-    const struct gd__face_frame *frame = &work->scratch->sources.frame;
-    struct gd__turn turn = gd__branch_turn(branch);
-    bool is_left = narrow_to_view(work, branch, i, &turn) && narrow_to_view(work, branch, j, &turn);
-    for (int k = 0; k < 3 && is_left; k++) {
-        struct bound side = {{-frame->along[k].y, frame->along[k].x}, frame->corner[k]};
-        is_left = narrow_turn(branch, &side, &turn);
-    }
-    return turn;
-}
-
 /* Initialises the covered spans to everything outside the domain. */
 static enum gd_status cover_outside(const struct work *work, const struct gd__turn *domain)
 {
@@ -249,22 +122,9 @@ static enum gd_status cover_outside(const struct work *work, const struct gd__tu
     return status ? status : gd__spans_invert(spans, 0, &work->scratch->covered);
 }
 
-/* Returns true if source j cannot compete with source i: j does not see i's view, or is farther
- * everywhere in it. */
 static bool is_out_of_reach(const struct work *work, uint32_t i, uint32_t j)
 {
-    const struct gd__view *view = &work->scratch->view[i];
-    const struct gd__source *source = &work->scratch->sources.source[j];
-    if (view->most < source->nearest) return true;
-    if (!source->has_sector) return view->count == 0;
-    bool is_left = true, is_right = true;
-    for (int k = 0; k < view->count; k++) {
-        is_left &=
-            height_above(&(struct bound){source->left, source->left_at}, view->corner[k]) < 0;
-        is_right &=
-            height_above(&(struct bound){source->right, source->right_at}, view->corner[k]) < 0;
-    }
-    return is_left || is_right;
+    return gd__view_is_beyond(&work->scratch->view[i], &work->scratch->sources.source[j]);
 }
 
 /* Returns true if source i takes precedence over source j, when both belong to one member and are
@@ -296,7 +156,8 @@ static enum gd_status cover_by_others(const struct work *work, const struct gd__
             continue;
         struct gd__focus focus = nudged_focus(work, k);
         struct gd__turn lost = gd__branch_lost_to(branch, &focus, slack_against(work, k, i, j));
-        narrow_to_view(work, branch, k, &lost);
+        gd__branch_narrow_to_view(work->diagram->field, &sources->frame, branch,
+                                  &sources->source[k], &lost);
         status = gd__spans_put(&work->scratch->covered, &lost, k);
     }
     return status;
@@ -315,7 +176,8 @@ static enum gd_status append_between(const struct work *work, uint32_t i, uint32
     /* Due to the nudge, the branch folds back along a ray. Matching replaces the branch by a
      * straight bridge. */
     if (gd__branch_width(&branch) <= work->tie) return GD_OK;
-    struct gd__turn domain = domain_of(work, &branch, i, j);
+    struct gd__turn domain =
+        gd__branch_domain(work->diagram->field, &scratch->sources, &branch, (uint32_t[2]){i, j}, 0);
     if (!domain.count) return GD_OK;
     enum gd_status status = cover_outside(work, &domain);
     if (!status) status = cover_by_others(work, &branch, i, j);
@@ -372,11 +234,11 @@ enum gd_status gd__face_bisector_parts(struct gd__diagram *diagram, uint32_t fac
                                        struct gd__voronoi_scratch *scratch)
 {
     struct gd__sources *sources = &scratch->sources;
-    double most = most_in_face(diagram, face);
+    double most = gd__face_farthest(diagram->field, face);
     scratch->loose_count = 0;
     if (most >= GD__FAR) return GD_OK;
     enum gd_status status = gd__sources_gather(diagram->field, face, most, sources);
-    if (!status) drop_needless(diagram, sources);
+    if (!status) gd__sources_drop_needless(diagram->field, sources);
     struct work work = {.diagram = diagram,
                         .scratch = scratch,
                         .middle = gd__face_frame_middle(&sources->frame),

@@ -20,7 +20,7 @@
 #define GD_FIELD_VORONOI_PARTS_H
 
 #include "base/prefetch.h"
-#include "field/voronoi_branch.h"
+#include "field/source_view.h"
 #include "gd/voronoi.h"
 #include "window/stack.h"
 
@@ -60,14 +60,6 @@ GD_MUST_USE enum gd_status gd__members_settle(const struct gd_field *field,
 GD_MUST_USE enum gd_status gd__members_change(const struct gd_field *field, const uint32_t *owner,
                                               struct gd__members *members);
 void gd__members_destroy(struct gd__members *members);
-
-/* Returns the length by which a linear wedge's end is extended to close the gap to its neighbour.
- * Stored ends are rounded inwards, to 2^-32 of an edge no longer than `size`. `away` is the
- * distance of that end from the segment. */
-static inline double gd__line_lengthened(double size, double away)
-{
-    return fmax(fmin(2 * GD__WEDGE_UNIT * size, GD_TOL_LENGTHENED * away), 0);
-}
 
 struct gd__node {
     struct gd_point point;
@@ -131,13 +123,6 @@ struct gd__loose_end {
 struct gd__close_pair {
     double apart;
     uint32_t a, b;
-};
-
-/* The part of a face that a source sees: a triangle clipped by up to three lines. */
-struct gd__view {
-    int count;
-    struct gd__local corner[7];
-    double most; /* upper bound of the nudged distances in the view */
 };
 
 /* Reused scratch for an edge and a face. An all-zero struct is empty. */

@@ -1,0 +1,57 @@
+/* View: the part of a face that a source sees. A path from the source reaches each of its points
+ * straight. Normalised unit, in the face's plane. */
+#ifndef GD_FIELD_SOURCE_VIEW_H
+#define GD_FIELD_SOURCE_VIEW_H
+
+#include "field/voronoi_branch.h"
+
+/* A line with a unit normal towards its visible side. */
+struct gd__bound {
+    struct gd__local normal, through;
+};
+
+enum { GD__BOUNDS_MOST = 3 };
+
+/* Collects the borders of a source's view and returns their number. A sector has two borders. A
+ * linear source has a third one: the line at the distance `nearest`. This border limits a segment
+ * in the face to one side of itself. */
+int gd__source_bounds(const struct gd_field *field, const struct gd__face_frame *frame,
+                      const struct gd__source *source, struct gd__bound bound[GD__BOUNDS_MOST]);
+
+/* A triangle clipped by up to three lines. */
+struct gd__view {
+    int count;
+    struct gd__local corner[7];
+    double most; /* upper bound of the source's distances in the view */
+};
+
+/* Computes the view of a source. `nudge` is added to the source's distances. */
+struct gd__view gd__source_view(const struct gd_field *field, const struct gd__face_frame *frame,
+                                const struct gd__source *source, double nudge);
+
+/* Returns true if `other` cannot compete in a view: it does not see the view, or is farther
+ * everywhere in it. */
+bool gd__view_is_beyond(const struct gd__view *view, const struct gd__source *other);
+
+/* Narrow the spans to where the branch lies inside a border, or inside all borders of a source's
+ * view. Return false if no span is left. */
+bool gd__branch_narrow(const struct gd__branch *branch, const struct gd__bound *bound,
+                       struct gd__turn *turn);
+bool gd__branch_narrow_to_view(const struct gd_field *field, const struct gd__face_frame *frame,
+                               const struct gd__branch *branch, const struct gd__source *source,
+                               struct gd__turn *turn);
+
+/* Returns the spans where the branch of two sources lies in the face, or beside it by at most
+ * `slack`, and both sources see it. The result is usually empty. */
+struct gd__turn gd__branch_domain(const struct gd_field *field, const struct gd__sources *sources,
+                                  const struct gd__branch *branch, const uint32_t pair[2],
+                                  double slack);
+
+/* Removes the corners of the face where no path bends: their straight paths belong to a source
+ * behind the corner. */
+void gd__sources_drop_needless(const struct gd_field *field, struct gd__sources *sources);
+
+/* Returns an upper bound of the distances in a face; at least GD__FAR if it is not reached. */
+double gd__face_farthest(const struct gd_field *field, uint32_t face);
+
+#endif
