@@ -27,7 +27,7 @@ PUBLIC = {
     "io": ["io", "control_mesh", "result_file"],
     "kernel": ["cpu"],
     "wavefront": ["workspace"],
-    "field": ["field", "path", "isoline", "voronoi"],
+    "field": ["field", "path", "isoline", "voronoi", "cut_locus"],
     "query": ["geodesic", "query", "landmarks", "sampling", "curve", "curve_distance"],
     "render": ["picture"],
     "edit": ["edit"],

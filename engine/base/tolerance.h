@@ -171,6 +171,14 @@
  * nudge. */
 #define GD_TOL_TANGENT 1e-3
 
+/* A ridge of the distance is traced where the two directions of arrival differ by at least this
+ * angle, in radians. Rounding moves a ridge of this angle by about 1e-6 of its distance. */
+#define GD_TOL_RIDGE 1e-6
+
+/* An end of a ridge this near to an edge, a vertex or another end lies there. Relative to the
+ * face. */
+#define GD_TOL_SNAP 1e-10
+
 /* A span of a bisector's angles is empty if it is no wider than this: the rounding of an angle. */
 #define GD_TOL_SPAN 0x1p-52
 

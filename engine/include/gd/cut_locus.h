@@ -1,0 +1,58 @@
+/* Cut locus of a field: the points that several shortest paths reach from different directions. The
+ * cut locus of a point is the set where shortest paths from the point stop being shortest. The cut
+ * locus of a curve is its medial axis: the bisectors between the parts of the curve. The cut locus
+ * of several members contains their Voronoi diagram (gd/voronoi.h).
+ *
+ *     struct gd_voronoi ridges;
+ *     if (gd_cut_locus_trace(field, NULL, &(struct gd_cut_locus_options){.tolerance = 1e-3}, NULL,
+ *                            &ridges) == GD_OK) {
+ *         for (uint32_t i = 0; i < ridges.bisector_count; i++)
+ *             printf("%.17g\n", ridges.bisectors[i].length);
+ *         gd_voronoi_free(&ridges);
+ *     }
+ *
+ * The cut locus is a graph of *ridges* of the distance. In a face, a ridge is a piece of a line, a
+ * hyperbola or a parabola, as in a Voronoi diagram. Ridges end where three of them meet, on the
+ * boundary, at a joint of a curve, and at vertices with less than a full angle: from each such
+ * vertex a ridge begins. Behind a vertex where paths bend, all paths arrive from this vertex, so
+ * there is no ridge, even if the vertex itself has several shortest paths.
+ *
+ * The angle of a ridge at a point is the angle between the two directions of arrival. A ridge that
+ * begins at a joint of a curve has the angle by which the curve turns there. A ridge that begins at
+ * a vertex has the angle which the vertex lacks to a full angle. So `min_angle` removes ridges that
+ * come from the facets of a smooth curve or a smooth surface. */
+#ifndef GD_CUT_LOCUS_H
+#define GD_CUT_LOCUS_H
+
+#include "gd/voronoi.h"
+
+GD_EXTERN_C_BEGIN
+
+/* Paths whose directions of arrival differ by less count as one path. */
+#define GD_CUT_LOCUS_ANGLE 1e-3
+
+struct gd_cut_locus_options {
+    /* largest distance of the polylines from the ridges; more than 0 */
+    double tolerance;
+    /* A branch of the graph, from an end or a meeting point to the next, is omitted if its angle is
+       below `min_angle` at all of its points. 0, or less than GD_CUT_LOCUS_ANGLE: that angle. At
+       most pi. */
+    double min_angle;
+};
+
+/* Traces all ridges. `member_of_seed` is as in gd_voronoi_labels and only names the ridges: the
+ * members of a ridge are those of its two paths, and may be equal. `control` may be NULL. The
+ * caller frees `*out` by gd_voronoi_free. Two paths to each vertex of a ridge have equal lengths,
+ * to 1e-9 of the greatest distance. Errors: GD_INVALID_ARGUMENT (an option, a member's number),
+ * GD_BEYOND_REACH (a partial field), GD_INTERNAL (as in gd_voronoi_labels), GD_NO_MEMORY,
+ * GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: O(k^2) for each face with k sources (wedges of its
+ * edges), and O(k) for each two of them that meet. Thread-safe. */
+GD_MUST_USE enum gd_status gd_cut_locus_trace(const struct gd_field *field,
+                                              const uint32_t *member_of_seed,
+                                              const struct gd_cut_locus_options *options,
+                                              const struct gd_control *control,
+                                              struct gd_voronoi *out);
+
+GD_EXTERN_C_END
+
+#endif
