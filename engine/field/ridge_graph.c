@@ -319,7 +319,10 @@ static enum gd_status close_gap(struct gd__ridges *ridges, uint32_t loose)
     struct gd__diagram *diagram = &ridges->diagram;
     const struct gd_mesh *mesh = diagram->mesh;
     struct gd__bisector_part part = diagram->bisector_part[end->part];
-    struct neighbour best = {.node = GD_NONE, .apart = GD_TOL_NODE * size_at(ridges, end->part)};
+    /* the end of a copy along an edge may be close to another node (drop_copies) */
+    double reach = (end->part < ridges->first_along ? GD_TOL_NODE : 10 * GD_TOL_CHECK) *
+                   size_at(ridges, end->part);
+    struct neighbour best = {.node = GD_NONE, .apart = reach};
     const struct gd__seed *seed = seed_at(ridges, end);
     if (seed) {
         diagram->node[*node_of(ridges, end)].point = seed->point;
