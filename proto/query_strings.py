@@ -7,7 +7,7 @@ that reads it. Beside a parameter, `x-refusal` is the sentence for a number outs
 from document import operations, parameters
 from members import c_string, snake, upper
 
-QUERIES = ("list_meshes", "create_mesh", "get_mesh_content", "get_isolines", "get_picture_png", "create_nurbs", "create_subdivision", "get_batch_results")
+QUERIES = ("list_meshes", "create_mesh", "get_mesh_content", "get_isolines", "get_cut_locus", "get_picture_png", "create_nurbs", "create_subdivision", "get_batch_results")
 # parameters that all queries share (proto/http/options.h), and `format` of an answer
 SKIPPED = {"select", "fields", "geometry", "timeout_ms"}
 

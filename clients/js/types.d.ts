@@ -729,6 +729,44 @@ export type IsolinesAnswer = {
   isolines: Isoline[];
 };
 
+export type CutLocusRequest = {
+  set: Set;
+  /**
+   * What the numbers in `members` of a line count. `sources`: the members of the set, as in a
+   * Voronoi diagram. `segments`: first the points of the set, then the straight parts of its
+   * curves, from corner to corner. A curve has a corner where it turns by more than 1e-6 radians.
+   */
+  members?: ("sources" | "segments");
+  /**
+   * Omits the lines whose angle, in radians, is smaller at all of their points. Lines of less than
+   * 0.001 are always omitted.
+   */
+  min_angle?: number;
+  /**
+   * Greatest distance, as a length, between a line and the polyline that approximates it. The
+   * default is 1/2000 of the diagonal of the mesh's bounding box.
+   */
+  tolerance?: number;
+};
+
+export type CutLocusAnswer = {
+  /** Ordered by their members. */
+  lines: CutLocusLine[];
+};
+
+export type CutLocusLine = {
+  /** The numbers of the members of both paths, ascending; they may be equal. */
+  members: [number, number];
+  closed: boolean;
+  /** Length of the polyline. */
+  length: number;
+  /**
+   * A polyline as in a path. Two shortest paths of equal length reach each of its points. A closed
+   * polyline ends in its first point.
+   */
+  points?: (PathPoint | Vector)[];
+};
+
 export type VoronoiRequest = {
   set: Set;
   /**
@@ -2103,6 +2141,11 @@ export interface MeshQueries {
   "fields": {
     body: FieldRequest;
     answer: Field;
+  };
+  /** Get the cut locus of a point or the medial axis of a curve */
+  "cut-locus": {
+    body: CutLocusRequest;
+    answer: CutLocusAnswer;
   };
   /** Get the Voronoi diagram of a set */
   "voronoi": {

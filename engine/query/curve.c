@@ -6,6 +6,7 @@
 #include "base/array.h"
 #include "base/share.h"
 #include "base/tolerance.h"
+#include "gd/direction.h"
 #include "gd/query.h"
 #include "mesh/canonical.h"
 #include "mesh/topology.h"
@@ -209,4 +210,64 @@ enum gd_status gd_curve_resolve(const struct gd_mesh *mesh, const struct gd_curv
     if (request->closed || request->kind == GD_CURVE_BOUNDARY) make_closed(&drawing.curve);
     *out = drawing.curve;
     return GD_OK;
+}
+
+/* --- parts ------------------------------------------------------------------------------------ */
+
+static bool direction_to(const struct gd_mesh *mesh, const struct gd_point *from,
+                         const struct gd_point *to, struct gd_direction *out)
+{
+    struct gd_vec3 a = gd_point_position(mesh, from), b = gd_point_position(mesh, to);
+    return !gd_direction_along(mesh, from, (struct gd_vec3){b.x - a.x, b.y - a.y, b.z - a.z}, out,
+                               NULL);
+}
+
+/* Returns true if a curve that arrives at the start of segment `out` from the start of segment `in`
+ * turns by more than `turn`. */
+static bool is_corner(const struct gd_mesh *mesh, const struct gd_seed *in,
+                      const struct gd_seed *out, double turn)
+{
+    struct gd_direction back, onward;
+    if (!direction_to(mesh, &out->point, &in->point, &back) ||
+        !direction_to(mesh, &out->point, &out->end, &onward))
+        return true;
+    double between = fabs(back.angle - onward.angle);
+    bool is_periodic = out->point.kind != GD_POINT_VERTEX ||
+                       mesh->vertex_kind[out->point.element] != GD_VERTEX_BOUNDARY;
+    if (is_periodic) between = fmin(between, 2 * M_PI - between);
+    return fabs(M_PI - between) > turn;
+}
+
+/* Returns the seed behind the curve or the point that begins at seed `first`. */
+static uint32_t end_of_curve(const struct gd_seed *seeds, uint32_t count, uint32_t first)
+{
+    uint32_t i = first + 1;
+    while (i < count && seeds[i].is_segment && gd_point_equal(&seeds[i].point, &seeds[i - 1].point))
+        i += 1 + (i + 1 < count && !seeds[i + 1].is_segment &&
+                  gd_point_equal(&seeds[i + 1].point, &seeds[i].end));
+    return i;
+}
+
+uint32_t gd_curve_parts(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count,
+                        double turn, uint32_t *out)
+{
+    uint32_t parts = 0;
+    for (uint32_t first = 0, end; first < count; first = end) {
+        uint32_t begin = parts;
+        end = end_of_curve(seeds, count, first);
+        for (uint32_t i = first; i < end; i++) {
+            bool is_inner = !seeds[i].is_segment && i > first && i + 1 < end;
+            if (is_inner && is_corner(mesh, &seeds[i - 1], &seeds[i + 1], turn)) parts++;
+            out[i] = parts;
+        }
+        bool is_closed =
+            seeds[end - 1].is_segment && gd_point_equal(&seeds[end - 1].end, &seeds[first].point);
+        if (is_closed && parts > begin &&
+            !is_corner(mesh, &seeds[end - 1], &seeds[first + 1], turn)) {
+            for (uint32_t i = end; i-- > first && out[i] == parts;) out[i] = begin;
+            parts--;
+        }
+        parts++;
+    }
+    return parts;
 }

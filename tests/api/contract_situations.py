@@ -214,7 +214,7 @@ def instead(scene, operation, name, value):
 def try_conflicts(found, daemon, scene):
     """Provokes conflicts and rare statuses: reads the result of a running job, reads the result of
     an upload (201), and names a piece after the mesh that is cut."""
-    result, cut, events, isolines = (scene.by_name[name] for name in ("get_job_result", "post_cut", "get_job_events", "get_isolines"))
+    result, cut, events, isolines, locus = (scene.by_name[name] for name in ("get_job_result", "post_cut", "get_job_events", "get_isolines", "get_cut_locus"))
     scene.fill()
     daemon.put("tetrahedron-1", TETRAHEDRON)
     unnamed = {key: value for key, value in json.loads(scene.ask(cut).body).items() if key != "names"}
@@ -223,6 +223,8 @@ def try_conflicts(found, daemon, scene):
     daemon.put("ball", sample("icosphere", level=5))
     preview = scene.by_name["get_preview"]
     found.try_all(daemon, scene, lambda scene, operation, ask: ask._replace(target="/v1/meshes/ball/preview?faces=1000"), [preview])
+    field = daemon.ask("ball", "fields", {"set": {"points": [{"face": 77, "barycentric": [0.2, 0.3, 0.5]}]}}).json["id"]
+    found.try_all(daemon, scene, lambda scene, operation, ask: ask._replace(target=f"/v1/meshes/ball/fields/{field}/cut-locus"), [locus])
     hog = scene.start_job("/v1/meshes/ball/farthest-points", {"count": 10000})
     found.try_all(daemon, scene, lambda scene, operation, ask: ask._replace(target=f"/v1/jobs/{hog}/result"), [result])
     scene.must("DELETE", f"/v1/jobs/{hog}")

@@ -198,7 +198,7 @@ class Service(TestCase):
     def test_description(self):
         service = self.daemon.get("/v1").json
         queries = {"distance", "path", "nearest", "matrix", "pairs", "nearest-points", "queries", "batch", "distance-to-set", "fields", "evaluate",
-                   "isolines", "voronoi", "farthest-points", "curve-distance", "cut", "trace", "exp", "log", "transport", "mean",
+                   "isolines", "cut-locus", "voronoi", "farthest-points", "curve-distance", "cut", "trace", "exp", "log", "transport", "mean",
                    "spline", "curve"}
         queries |= {f"nurbs/{name}" for name in ("evaluate", "nearest", "path", "geodesic", "point-curve-distance", "curve-distance", "tessellate")}
         queries |= {f"subdivisions/{name}" for name in ("evaluate", "nearest", "trace", "distance", "path", "tessellate", "discretize")}

@@ -40,6 +40,7 @@ QUERIES = {"/v1/meshes/{name}/distance": "?from=v:0&to=e:1-2:0.5", "/v1/meshes/{
            "/v1/nurbs/{name}/path": "?from=0.1,0.1&to=0.9,0.6",
            **{f"/v1/subdivisions/{{name}}/{query}": "?from=f:0:0.25,0.25&to=f:1:0.5,0.5&level=2" for query in ("distance", "path")},
            "/v1/meshes/{name}/fields/{id}/isolines": "?levels=0.25,0.5&arcs=true",
+           "/v1/meshes/{name}/fields/{id}/cut-locus": "?min_angle=0.1&members=segments",
            "/v1/meshes/{name}/fields/{id}/wedges": "?edge=0-1",
            **{f"/v1/meshes/{{name}}/picture.{form}": "?source=v:0&from=v:0&to=v:2&isolines=2&size=64x48" for form in ("png", "svg")}}
 # requests that use a mesh of a low level, which is built quickly

@@ -66,6 +66,13 @@ GD_MUST_USE enum gd_status gd_curve_resolve(const struct gd_mesh *mesh,
 uint32_t gd_curve_seed_count(const struct gd_curve *curve);
 void gd_curve_seeds(const struct gd_curve *curve, double offset, struct gd_seed *out);
 
+/* Numbers the parts of points and curves among the seeds of a set, from 0 on, and returns the
+ * number of parts. Writes the part of each seed to `out`. A point is one part. A curve, whose seeds
+ * are as in gd_curve_seeds, is divided at its corners: the points where it turns by more than
+ * `turn` radians. A corner belongs to the part that begins there. O(seeds). Thread-safe. */
+uint32_t gd_curve_parts(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count,
+                        double turn, uint32_t *out);
+
 GD_EXTERN_C_END
 
 #endif
