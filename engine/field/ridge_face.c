@@ -144,8 +144,8 @@ static struct gd__local move_to_side(const struct gd__face_frame *frame,
 }
 
 /* Computes the precise place of an end. `third`: the source that is nearer beyond the end, or
- * GD__SPAN_OPEN at a border of the face or of a view. A related third source is not nearer but takes
- * over at a border of its view. */
+ * GD__SPAN_OPEN at a border of the face or of a view. A related third source is not nearer. It
+ * takes over at a border of its view. */
 static struct gd__local refine_end(const struct work *work, const struct pair *pair, uint32_t third,
                                    struct gd__local at)
 {

@@ -48,7 +48,8 @@ class Box:
     its last side."""
 
     def __init__(self, start):
-        self.images = [[] for _ in SIDES]  # for each side: (image of the start, edges that the path crosses)
+        # for each side: (image of the start, edges that the path crosses)
+        self.images = [[] for _ in SIDES]
         for k in range(len(SIDES)):
             if on_side(k, start):
                 self.unfold([k], self.flat(k, start), [])
@@ -83,7 +84,7 @@ class Box:
             self.unfold([*sides, other], move(image), [tuple(map(move, each)) for each in [*edges, (a, b)]])
 
     def ways(self, k, point):
-        """Returns (length, image) of each straight path to a point of side k, the shortest first."""
+        """Returns (length, image) of each straight path to a point of side k, by length."""
         x, found = self.flat(k, point), []
         for image, edges in self.images[k]:
             is_inside = True

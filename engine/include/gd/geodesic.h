@@ -30,6 +30,7 @@
 #include "gd/cpu.h"
 #include "gd/curve.h"
 #include "gd/curve_distance.h"
+#include "gd/cut_locus.h"
 #include "gd/direction.h"
 #include "gd/field.h"
 #include "gd/io.h"

@@ -181,9 +181,42 @@ static void budgets(void **state)
     gd_mesh_release(mesh);
 }
 
+/* A square that begins at a corner or in the middle of a side has four parts, on any mesh; an open
+ * curve has one part more than inner corners; a point is a part. */
+static void parts_between_corners(void **state)
+{
+    (void)state;
+    static const double at[][2] = {{0.2, 0.5}, {0.2, 0.2}, {0.8, 0.2}, {0.8, 0.8}, {0.2, 0.8}};
+    for (uint32_t cells = 1; cells <= 6; cells++) {
+        const double values[SAMPLE_PARAMETERS] = {cells, cells, 1, 1};
+        struct gd_mesh *mesh = test_sample("grid", values, NULL);
+        struct gd_point points[5];
+        for (int i = 0; i < 5; i++) points[i] = test_point_near(mesh, at[i][0], at[i][1], 0);
+        for (uint32_t c = 0; c < 3; c++) {
+            const struct gd_curve_request request = {
+                .closed = c < 2, .count = 5 - (c == 1), .points = points + (c == 1)};
+            struct gd_curve curve;
+            check_ok(resolve(mesh, request, &curve, NULL), NULL);
+            uint32_t count = gd_curve_seed_count(&curve), part[1 << 10];
+            struct gd_seed seeds[1 << 10] = {{.point = points[0]}};
+            assert_true(count < (1 << 10));
+            gd_curve_seeds(&curve, 0, seeds + 1);
+            assert_int_equal(gd_curve_parts(mesh, seeds, count + 1, 1e-6, part), 5);
+            assert_int_equal(part[0], 0);
+            assert_int_equal(part[1], 1);
+            assert_int_equal(part[count], c == 0 ? 1 : 4);
+            for (uint32_t i = 1; i < count; i++)
+                assert_true(part[i + 1] == part[i] || part[i + 1] == part[i] + 1 || c == 0);
+            gd_curve_free(&curve);
+        }
+        gd_mesh_release(mesh);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(parts_between_corners),
         cmocka_unit_test(joined_by_shortest_paths),
         cmocka_unit_test(within_a_face),
         cmocka_unit_test(along_edges),
