@@ -89,6 +89,19 @@ void gd__camera_fit(struct gd__camera *camera, const struct gd_mesh *mesh,
     camera->y = window->top + 0.5 * window->height + 0.5 * (bottom + top) * camera->scale;
 }
 
+void gd__camera_zoom(struct gd__camera *camera, const struct gd__viewport *window, double zoom,
+                     const struct gd_vec3 *middle)
+{
+    double x = window->left + 0.5 * window->width, y = window->top + 0.5 * window->height;
+    camera->scale *= zoom;
+    camera->x = x + zoom * (camera->x - x);
+    camera->y = y + zoom * (camera->y - y);
+    if (!middle) return;
+    struct gd_vec3 at = gd_vec3_scale(gd_vec3_sub(*middle, camera->centre), camera->scale);
+    camera->x = x - gd_vec3_dot(at, camera->right);
+    camera->y = y + gd_vec3_dot(at, camera->up);
+}
+
 struct gd__screen_point gd__camera_project(const struct gd__camera *camera, struct gd_vec3 position)
 {
     struct gd_vec3 at = gd_vec3_scale(gd_vec3_sub(position, camera->centre), camera->scale);

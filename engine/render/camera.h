@@ -39,6 +39,11 @@ struct gd_vec3 gd__view_from(double azimuth, double elevation, struct gd_vec3 up
 void gd__camera_fit(struct gd__camera *camera, const struct gd_mesh *mesh,
                     const struct gd__viewport *window);
 
+/* Magnifies the fitted projection. `middle` (NULL: the middle of the viewport stays) becomes the
+ * viewport's middle; normalised unit. */
+void gd__camera_zoom(struct gd__camera *camera, const struct gd__viewport *window, double zoom,
+                     const struct gd_vec3 *middle);
+
 /* Projects a position of the mesh. */
 struct gd__screen_point gd__camera_project(const struct gd__camera *camera,
                                            struct gd_vec3 position);

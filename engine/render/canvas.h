@@ -22,6 +22,8 @@ struct gd__text {
     double x, y, size; /* place on the base line, and font size */
     enum gd__anchor anchor;
     struct gd__colour colour;
+    bool has_halo; /* a border of colour `halo` around the letters */
+    struct gd__colour halo;
 };
 
 /* The first member of each kind of canvas. `status` holds the first failure, after which nothing is
@@ -35,6 +37,9 @@ struct gd__canvas {
     /* Draws the colour scale of distances, from 0 at the bottom to the largest distance at the
        top. */
     void (*scale)(struct gd__canvas *canvas, const struct gd__viewport *box);
+    /* Begin and end the drawing of the layer of that number. */
+    void (*begin_layer)(struct gd__canvas *canvas, uint32_t number);
+    void (*end_layer)(struct gd__canvas *canvas);
     enum gd_status status;
 };
 
@@ -75,5 +80,9 @@ GD_MUST_USE enum gd_status gd__svg_close(struct gd__svg *svg, void **bytes, size
 
 /* Adds the strokes of a text to `out`. */
 void gd__text_strokes(const struct gd__text *text, struct gd__lines *out);
+
+/* Returns the width of a text in pixels. In an SVG file it depends on the reader's font, which is
+ * narrower. */
+double gd__text_width(const char *text, double size);
 
 #endif

@@ -10,6 +10,12 @@ struct gd__colour gd__colour_of_part(double part)
                                (float)gd_colour_encode(colour.blue)};
 }
 
+struct gd__colour gd__colour_of_rgb(uint32_t rgb)
+{
+    return (struct gd__colour){(float)(rgb >> 16 & 255) / 255, (float)(rgb >> 8 & 255) / 255,
+                               (float)(rgb & 255) / 255};
+}
+
 const struct gd__palette *gd__palette(enum gd_background background)
 {
     static const struct gd__palette palettes[] = {

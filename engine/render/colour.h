@@ -11,6 +11,9 @@ struct gd__colour {
 /* Returns gd_colour_map(part), encoded as sRGB. */
 struct gd__colour gd__colour_of_part(double part);
 
+/* Returns the colour 0xRRGGBB. */
+struct gd__colour gd__colour_of_rgb(uint32_t rgb);
+
 /* The colours of a picture with one kind of background. */
 struct gd__palette {
     struct gd__colour background, surface, inside, line, ink, path, halo;

@@ -151,6 +151,11 @@ static void cover_emit(const struct look *looks, uint64_t count, bool hidden, st
     }
 }
 
+size_t gd__depth_buffer_split_bytes(const struct gd__screen_point *line, uint32_t count)
+{
+    return count_looks(line, count) * sizeof(struct look);
+}
+
 enum gd_status gd__depth_buffer_split(const struct gd__depth_buffer *buffer,
                                       const struct gd__screen_point *line, uint32_t count,
                                       struct gd__lines *seen, struct gd__lines *hidden)

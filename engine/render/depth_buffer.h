@@ -31,6 +31,9 @@ GD_MUST_USE enum gd_status gd__depth_buffer_split(const struct gd__depth_buffer 
                                                   uint32_t count, struct gd__lines *seen,
                                                   struct gd__lines *hidden);
 
+/* Returns the bytes that gd__depth_buffer_split needs for a line, without its result. */
+size_t gd__depth_buffer_split_bytes(const struct gd__screen_point *line, uint32_t count);
+
 /* Returns the visible fraction of a line's length in the picture, in [0,1]; 0 or 1 for a point. */
 double gd__depth_buffer_visibility(const struct gd__depth_buffer *buffer,
                                    const struct gd__screen_point *line, uint32_t count);

@@ -1,23 +1,26 @@
-/* Legend: draws the colour scale with its numbers, and a path's length, beside the surface. */
+/* Legend: draws the colour scale with its numbers beside the surface, and below it the names of
+ * layers, with samples of their lines and marks. */
 #ifndef GD_RENDER_LEGEND_H
 #define GD_RENDER_LEGEND_H
 
-#include "render/canvas.h"
+#include "render/layer.h"
 #include "render/scale.h"
 
 /* All lengths are in pixels. `unit` is the legend's unit of length: one pixel in a picture of 800 x
  * 600, and proportionally more in larger pictures. */
 struct gd__legend {
-    const struct gd_picture *picture;
     const struct gd__palette *palette;
+    const struct gd__layer *layers; /* borrowed */
+    uint32_t layer_count;
     uint32_t width, height;
     double unit;
-    bool has_scale, has_length; /* true if requested and the picture is large enough */
+    bool has_scale;       /* if requested, and the picture is large enough */
+    uint32_t rows;        /* rows of names */
+    bool is_over_surface; /* the surface may reach below the legend */
 };
 
-struct gd__legend gd__legend_plan(const struct gd_picture *picture,
-                                  const struct gd__palette *palette, uint32_t width,
-                                  uint32_t height);
+/* Sets the unit, and which parts the legend has, from the other members. */
+void gd__legend_plan(struct gd__legend *legend, const struct gd_picture *picture);
 
 /* Returns the viewport that remains for the surface. */
 struct gd__viewport gd__legend_window(const struct gd__legend *legend);

@@ -118,6 +118,8 @@ static void paint_text(struct gd__canvas *canvas, const struct gd__text *text)
     struct gd__lines lines = {0};
     gd__text_strokes(text, &lines);
     if (!canvas->status) canvas->status = lines.status;
+    if (text->has_halo)
+        paint_stroke(canvas, &lines, &(struct gd__pen){text->halo, 0.9, text->size / 3, 0});
     paint_stroke(canvas, &lines, &(struct gd__pen){text->colour, 1, text->size / 9, 0});
     gd__lines_free(&lines);
 }
@@ -135,14 +137,26 @@ static void paint_scale(struct gd__canvas *canvas, const struct gd__viewport *ar
     }
 }
 
+/* An image has no groups. */
+static void paint_begin_layer(struct gd__canvas *canvas, uint32_t number)
+{
+    (void)canvas;
+    (void)number;
+}
+
+static void paint_end_layer(struct gd__canvas *canvas)
+{
+    (void)canvas;
+}
+
 enum gd_status gd__paint_open(struct gd__paint *paint, struct gd__image *image,
                               struct gd__budget *budget, const struct gd_control *control)
 {
     size_t pixels = (size_t)image->width * image->height;
-    *paint =
-        (struct gd__paint){.canvas = {paint_stroke, paint_disc, paint_text, paint_scale, GD_OK},
-                           .image = image,
-                           .control = control};
+    *paint = (struct gd__paint){.canvas = {paint_stroke, paint_disc, paint_text, paint_scale,
+                                           paint_begin_layer, paint_end_layer, GD_OK},
+                                .image = image,
+                                .control = control};
     enum gd_status status = gd__budget_take(budget, pixels);
     if (status) return status;
     paint->coverage = calloc(pixels, 1);

@@ -1,26 +1,31 @@
 #include "gd/picture.h"
 
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/share.h"
 #include "gd/isoline.h"
 #include "render/depth_buffer.h"
+#include "render/layer.h"
 #include "render/legend.h"
 #include "render/shade.h"
 #include "render/view.h"
 
 /* DESIGN. A picture is made in three steps. First the surface is rendered to an image with a depth
- * buffer. Then lines are projected and divided into visible and hidden parts. Finally the lines are
- * drawn on a canvas: the image itself, or an SVG file that embeds the image. */
+ * buffer. Then isolines and layers are projected and divided into visible and hidden parts. Finally
+ * they are drawn on a canvas: the image itself, or an SVG file that embeds the image. The path of a
+ * picture is its first layer. */
 
 enum { GRID = 4, WIDTH = 800, HEIGHT = 600, TICKS = 6 };
-#define LINE_TOLERANCE 0.1 /* pixels */
+#define LINE_TOLERANCE 0.1  /* pixels */
+#define SUBJECT_MOST   4096 /* points of layers that should be visible */
 
 /* The state of one picture. Before it is opened, all members except the request are zero. */
 struct studio {
     const struct gd_picture *picture;
     const struct gd_mesh *mesh;
-    const struct gd__palette *palette;
+    struct gd__palette palette;
     struct gd__budget budget;
     struct gd__share share; /* progress, in parts that count as equally long */
     struct gd__legend legend;
@@ -31,11 +36,16 @@ struct studio {
     struct gd__depth_buffer buffer;
     struct gd__shade shade;
     struct gd__image image;
-    struct gd__lines isolines, path_seen, path_hidden;
-    bool end_is_seen[2];
-    /* ends of the path; without a path, end[0] is the field's source */
-    struct gd__pixel_point end[2];
-    uint32_t end_count;
+    struct gd__lines isolines;
+    struct gd__layer *layers;
+    uint32_t layer_count;
+    struct gd_picture_layer path; /* the layer of the picture's path */
+    struct gd_vec3 *path_points;
+    uint32_t path_first[2];
+    char path_name[48];
+    bool has_source; /* the field has a single source, drawn if there is no path */
+    struct gd_vec3 source;
+    struct gd__stage stage;
 };
 
 /* --- the request ------------------------------------------------------------------------------ */
@@ -45,47 +55,171 @@ static bool is_side(uint32_t pixels)
     return pixels >= GD_PICTURE_LEAST && pixels <= GD_PICTURE_MOST;
 }
 
+static bool is_text(const char *text)
+{
+    size_t length = text ? strlen(text) : 0;
+    for (size_t i = 0; i < length; i++)
+        if (text[i] < ' ' || text[i] > '~') return false;
+    return length <= GD_PICTURE_LABEL;
+}
+
+/* Returns whether a position is near enough to be projected without overflow. */
+static bool is_near(const struct gd_mesh *mesh, struct gd_vec3 position)
+{
+    return gd_vec3_length(gd_vec3_sub(position, mesh->summary.min)) <=
+           GD_PICTURE_FARTHEST * mesh->unit;
+}
+
+static bool labels_are_sound(const struct gd_picture_layer *layer, uint32_t *labels)
+{
+    for (uint32_t i = 0; layer->labels && i < layer->count; i++) {
+        if (!layer->labels[i]) continue;
+        if (!is_text(layer->labels[i]) || ++*labels > GD_PICTURE_LABELS) return false;
+    }
+    return is_text(layer->name);
+}
+
+static bool layer_is_sound(const struct gd_picture_layer *layer, const struct gd_mesh *mesh)
+{
+    uint32_t points = layer->first ? layer->first[layer->count] : layer->count;
+    if (!(layer->width >= 0 && layer->width <= GD_PICTURE_WIDTH)) return false;
+    for (uint32_t i = 0; layer->first && i < layer->count; i++)
+        if (layer->first[i] > layer->first[i + 1]) return false;
+    for (uint32_t i = 0; i < points; i++)
+        if (!is_near(mesh, layer->points[i])) return false;
+    return true;
+}
+
+static bool layers_are_sound(const struct gd_picture *picture)
+{
+    uint32_t labels = 0;
+    if (picture->layer_count > GD_PICTURE_LAYERS) return false;
+    for (uint32_t i = 0; i < picture->layer_count; i++)
+        if (!layer_is_sound(&picture->layers[i], picture->mesh) ||
+            !labels_are_sound(&picture->layers[i], &labels))
+            return false;
+    return true;
+}
+
+static bool levels_are_sound(const struct gd_picture *picture)
+{
+    if (picture->isolines > GD_PICTURE_ISOLINES || picture->level_count > GD_PICTURE_ISOLINES)
+        return false;
+    for (uint32_t i = 0; i < picture->level_count; i++)
+        if (!(picture->levels[i] >= 0 && isfinite(picture->levels[i]))) return false;
+    return picture->isoline_width >= 0 && picture->isoline_width <= GD_PICTURE_WIDTH;
+}
+
 /* Returns false if a member is out of the range given in gd/picture.h. */
 static bool is_sound(const struct gd_picture *picture, uint32_t width, uint32_t height)
 {
     struct gd_vec3 d = picture->direction;
     if (!is_side(width) || !is_side(height) || (uint64_t)width * height > GD_PICTURE_PIXELS)
         return false;
-    if (picture->isolines > GD_PICTURE_ISOLINES || !gd_vec3_is_finite(picture->up) ||
-        !gd_vec3_is_finite(d))
+    if (!gd_vec3_is_finite(picture->up) || !gd_vec3_is_finite(d)) return false;
+    if (picture->zoom != 0 && !(picture->zoom >= 1 && picture->zoom <= GD_PICTURE_ZOOM))
         return false;
+    if (picture->target && !is_near(picture->mesh, *picture->target)) return false;
     if (picture->field && gd_field_mesh(picture->field) != picture->mesh) return false;
-    return picture->view != GD_VIEW_DIRECTION || d.x != 0 || d.y != 0 || d.z != 0;
+    if (picture->view == GD_VIEW_DIRECTION && d.x == 0 && d.y == 0 && d.z == 0) return false;
+    return levels_are_sound(picture) && layers_are_sound(picture);
+}
+
+/* --- layers ----------------------------------------------------------------------------------- */
+
+/* Makes the layer of the picture's path. */
+static enum gd_status path_open(struct studio *studio)
+{
+    const struct gd_path *path = studio->picture->path;
+    size_t bytes = path->count * sizeof *studio->path_points;
+    enum gd_status status = gd__budget_take(&studio->budget, bytes);
+    studio->path_points = status ? NULL : malloc(bytes);
+    if (!studio->path_points) return status ? status : GD_NO_MEMORY;
+    for (uint32_t i = 0; i < path->count; i++)
+        studio->path_points[i] = gd_point_position(studio->mesh, &path->points[i]);
+    snprintf(studio->path_name, sizeof studio->path_name, "path length %.9g", path->length);
+    studio->path_first[1] = path->count;
+    studio->path = (struct gd_picture_layer){.points = studio->path_points,
+                                             .first = studio->path_first,
+                                             .count = 1,
+                                             .name = studio->path_name,
+                                             .ends = GD_LINE_ENDS_MARKS};
+    return GD_OK;
+}
+
+/* Lists the path and the picture's layers. */
+static enum gd_status layers_open(struct studio *studio)
+{
+    const struct gd_picture *picture = studio->picture;
+    uint32_t has_path = picture->path != NULL, count = has_path + picture->layer_count;
+    enum gd_status status =
+        gd__budget_take(&studio->budget, (size_t)count * sizeof *studio->layers);
+    if (!status && has_path) status = path_open(studio);
+    if (status) return status;
+    studio->layers = calloc(count + (size_t)1, sizeof *studio->layers);
+    if (!studio->layers) return GD_NO_MEMORY;
+    studio->layer_count = count;
+    for (uint32_t i = 0, number = 0; i < count; i++) {
+        struct gd__layer *layer = &studio->layers[i];
+        layer->wanted = i < has_path ? &studio->path : &picture->layers[i - has_path];
+        layer->colour = gd__layer_colour(layer->wanted, number, &studio->palette);
+        number += layer->wanted->first && !layer->wanted->colour;
+    }
+    return GD_OK;
 }
 
 /* --- view ------------------------------------------------------------------------------------- */
 
-static struct gd_vec3 inside(const struct gd_mesh *mesh, const struct gd_point *point)
+static struct gd_vec3 inside(const struct gd_mesh *mesh, struct gd_vec3 position)
 {
-    return gd_vec3_scale(gd_point_position(mesh, point), 1 / mesh->unit);
+    return gd_vec3_scale(position, 1 / mesh->unit);
 }
 
-/* Lists the positions that should be visible: the path, or the source of the field. *count is 0
- * without both. */
-static enum gd_status find_subject(struct studio *studio, struct gd_vec3 **out, uint32_t *count)
+static uint32_t layer_points(const struct gd_picture_layer *layer)
 {
-    struct gd_point source;
+    return layer->first ? layer->first[layer->count] : layer->count;
+}
+
+/* Lists every `stride`-th point of the layers. Returns their number; `out` may be NULL. */
+static uint32_t list_points(const struct studio *studio, uint64_t stride, struct gd_vec3 *out)
+{
+    uint64_t at = 0;
+    uint32_t listed = 0;
+    for (uint32_t i = 0; i < studio->layer_count; i++) {
+        const struct gd_picture_layer *layer = studio->layers[i].wanted;
+        for (uint32_t k = 0; k < layer_points(layer); k++, at++) {
+            if (at % stride) continue;
+            if (out) out[listed] = inside(studio->mesh, layer->points[k]);
+            listed++;
+        }
+    }
+    return listed;
+}
+
+/* Lists the positions that should be visible: the path, or points of the layers, or the source of
+ * the field. The caller frees `out->points`. The count is 0 without all three. */
+static enum gd_status find_subject(struct studio *studio, struct gd__subject *out)
+{
     const struct gd_path *path = studio->picture->path;
-    bool has_source =
-        studio->picture->field && gd_field_single_seed(studio->picture->field, &source);
-    uint32_t points = path ? path->count : has_source ? 1 : 0;
-    enum gd_status status =
-        gd__budget_take(&studio->budget, points * (sizeof **out + sizeof(struct gd__screen_point)));
-    *out = status ? NULL : malloc((points + 1) * sizeof **out);
-    if (!*out) return status ? status : GD_NO_MEMORY;
-    for (uint32_t i = 0; i < points; i++)
-        (*out)[i] = inside(studio->mesh, path ? &path->points[i] : &source);
-    *count = points;
+    uint64_t all = 0;
+    for (uint32_t i = 0; i < studio->layer_count; i++)
+        all += layer_points(studio->layers[i].wanted);
+    uint64_t stride = path ? 1 : 1 + all / SUBJECT_MOST;
+    uint32_t count = path ? path->count : list_points(studio, stride, NULL);
+    if (!count && studio->has_source) count = 1;
+    enum gd_status status = gd__budget_take(
+        &studio->budget, count * (sizeof *out->points + sizeof(struct gd__screen_point)));
+    struct gd_vec3 *points = status ? NULL : malloc((count + (size_t)1) * sizeof *points);
+    if (!points) return status ? status : GD_NO_MEMORY;
+    if (studio->has_source) points[0] = inside(studio->mesh, studio->source);
+    for (uint32_t i = 0; path && i < count; i++)
+        points[i] = inside(studio->mesh, studio->path_points[i]);
+    if (!path) list_points(studio, stride, points);
+    *out = (struct gd__subject){points, count, path || all == 0};
     return GD_OK;
 }
 
-static enum gd_status picture_aim(struct studio *studio, const struct gd_vec3 *subject,
-                                  uint32_t count)
+static enum gd_status picture_aim(struct studio *studio, const struct gd__subject *subject)
 {
     const struct gd_picture *picture = studio->picture;
     struct gd_vec3 direction = picture->view == GD_VIEW_DIRECTION
@@ -93,13 +227,18 @@ static enum gd_status picture_aim(struct studio *studio, const struct gd_vec3 *s
                                    : gd__view_direction(picture->view, picture->up);
     struct gd_control control = gd__share_control(&studio->share, studio->budget.held);
     enum gd_status status = GD_OK;
-    if (picture->view == GD_VIEW_CHOSEN && count)
-        status = gd__view_choose(studio->mesh, picture->up, subject, count, &studio->budget,
-                                 &control, &direction);
+    if (picture->view == GD_VIEW_CHOSEN && subject->count)
+        status = gd__view_choose(studio->mesh, picture->up, subject, &studio->budget, &control,
+                                 &direction);
     if (status) return status;
     struct gd__viewport window = gd__legend_window(&studio->legend);
     studio->camera = gd__camera_aim(studio->mesh, direction, picture->up);
     gd__camera_fit(&studio->camera, studio->mesh, &window);
+    if (picture->zoom > 1) {
+        struct gd_vec3 target =
+            picture->target ? inside(studio->mesh, *picture->target) : studio->camera.centre;
+        gd__camera_zoom(&studio->camera, &window, picture->zoom, picture->target ? &target : NULL);
+    }
     return GD_OK;
 }
 
@@ -117,7 +256,7 @@ static enum gd_status open_surface(struct studio *studio)
                                          .budget = &studio->budget};
     studio->shade = (struct gd__shade){.raster = &studio->raster,
                                        .camera = &studio->camera,
-                                       .palette = studio->palette,
+                                       .palette = &studio->palette,
                                        .field = studio->picture->field,
                                        .range = studio->scale.range,
                                        .edges = studio->picture->edges};
@@ -128,7 +267,7 @@ static enum gd_status open_surface(struct studio *studio)
     if (!status)
         status = gd__image_open(&studio->image, studio->raster.width, studio->raster.height,
                                 &studio->budget);
-    studio->image.is_opaque = !studio->palette->is_transparent;
+    studio->image.is_opaque = !studio->palette.is_transparent;
     return status;
 }
 
@@ -155,15 +294,16 @@ static enum gd_status draw_surface(struct studio *studio)
 
 /* --- lines ------------------------------------------------------------------------------------ */
 
-static enum gd_status picture_split(struct studio *studio, const struct gd_path *line,
-                                    struct gd__lines *seen, struct gd__lines *hidden)
+static enum gd_status isoline_line_split(struct studio *studio, const struct gd_path *line)
 {
     struct gd__screen_point *points = malloc(line->count * sizeof *points);
     if (!points) return GD_NO_MEMORY;
     for (uint32_t i = 0; i < line->count; i++)
-        points[i] = gd__camera_project(&studio->camera, inside(studio->mesh, &line->points[i]));
+        points[i] = gd__camera_project(
+            &studio->camera,
+            inside(studio->mesh, gd_point_position(studio->mesh, &line->points[i])));
     enum gd_status status =
-        gd__depth_buffer_split(&studio->buffer, points, line->count, seen, hidden);
+        gd__depth_buffer_split(&studio->buffer, points, line->count, &studio->isolines, NULL);
     free(points);
     return status;
 }
@@ -177,19 +317,31 @@ static enum gd_status split_isoline(struct studio *studio, const struct gd_isoli
         struct gd_path flat;
         status = gd_isoline_flatten(studio->mesh, &isoline->lines[i], tolerance, control, &flat);
         if (status) break;
-        status = picture_split(studio, &flat, &studio->isolines, NULL);
+        status = isoline_line_split(studio, &flat);
         gd_path_free(&flat);
     }
     return status;
 }
 
+static uint32_t isoline_count(const struct studio *studio)
+{
+    const struct gd_picture *picture = studio->picture;
+    if (!picture->field) return 0;
+    return picture->level_count ? picture->level_count
+           : picture->isolines  ? studio->scale.count
+                                : 0;
+}
+
 static enum gd_status trace_isolines(struct studio *studio, const struct gd_isoline_index *index)
 {
+    const struct gd_picture *picture = studio->picture;
     enum gd_status status = GD_OK;
-    for (uint32_t k = 1; k <= studio->scale.count && !status; k++) {
+    for (uint32_t k = 0; k < isoline_count(studio) && !status; k++) {
         struct gd_isoline isoline;
         struct gd_control control = gd__share_control(&studio->share, studio->budget.held);
-        status = gd_isoline_trace_indexed(index, k * studio->scale.step, &control, &isoline);
+        double level =
+            picture->level_count ? picture->levels[k] : (k + UINT64_C(1)) * studio->scale.step;
+        status = gd_isoline_trace_indexed(index, level, &control, &isoline);
         studio->share.done++;
         if (status) break;
         status = split_isoline(studio, &isoline, &control);
@@ -211,55 +363,57 @@ static enum gd_status find_isolines(struct studio *studio)
     return status;
 }
 
-/* Projects the path's ends, or the field's source, and tests whether they are visible. */
-static void find_ends(struct studio *studio, const struct gd_vec3 *subject, uint32_t count)
+static enum gd_status find_lines(struct studio *studio)
 {
-    studio->end_count = count > 1 ? 2 : count;
-    for (uint32_t i = 0; i < studio->end_count; i++) {
-        struct gd__screen_point point =
-            gd__camera_project(&studio->camera, subject[i ? count - 1 : 0]);
-        studio->end[i] = (struct gd__pixel_point){point.x, point.y};
-        studio->end_is_seen[i] = gd__depth_buffer_visibility(&studio->buffer, &point, 1) > 0;
+    enum gd_status status = isoline_count(studio) ? find_isolines(studio) : GD_OK;
+    studio->stage = (struct gd__stage){.mesh = studio->mesh,
+                                       .camera = &studio->camera,
+                                       .buffer = &studio->buffer,
+                                       .palette = &studio->palette,
+                                       .budget = &studio->budget,
+                                       .unit = studio->legend.unit};
+    for (uint32_t i = 0; i < studio->layer_count && !status; i++) {
+        struct gd_control control = gd__share_control(&studio->share, studio->budget.held);
+        status = gd__layer_project(&studio->layers[i], &studio->stage, &control);
+        studio->share.done++;
     }
-}
-
-static enum gd_status find_lines(struct studio *studio, const struct gd_vec3 *subject,
-                                 uint32_t count)
-{
-    enum gd_status status = GD_OK;
-    if (studio->picture->field && studio->picture->isolines) status = find_isolines(studio);
-    if (!status && studio->picture->path)
-        status =
-            picture_split(studio, studio->picture->path, &studio->path_seen, &studio->path_hidden);
-    find_ends(studio, subject, count);
     return status;
 }
 
 /* --- the canvas ------------------------------------------------------------------------------- */
 
-/* Draws an end: the first as a ring, the last as a disc. */
-static void draw_end(const struct studio *studio, uint32_t i, struct gd__canvas *canvas)
+/* Draws the field's source as a ring. */
+static void draw_source(const struct studio *studio, struct gd__canvas *canvas)
 {
-    const struct gd__palette *palette = studio->palette;
-    struct gd__colour outer = i ? palette->halo : palette->path,
-                      inner = i ? palette->path : palette->halo;
-    double opacity = studio->end_is_seen[i] ? 1 : 0.4, unit = studio->legend.unit;
-    canvas->disc(canvas, studio->end[i], 5.5 * unit, outer, opacity);
-    canvas->disc(canvas, studio->end[i], (i ? 4.2 : 2.8) * unit, inner, opacity);
+    const struct gd__palette *palette = &studio->palette;
+    struct gd__screen_point point =
+        gd__camera_project(&studio->camera, inside(studio->mesh, studio->source));
+    struct gd__pixel_point at = {point.x, point.y};
+    double opacity = gd__depth_buffer_visibility(&studio->buffer, &point, 1) > 0 ? 1 : 0.4,
+           unit = studio->legend.unit;
+    canvas->disc(canvas, at, 5.5 * unit, palette->path, opacity);
+    canvas->disc(canvas, at, 2.8 * unit, palette->halo, opacity);
 }
 
 static void draw_lines(const struct studio *studio, struct gd__canvas *canvas)
 {
-    const struct gd__palette *palette = studio->palette;
+    const struct gd_picture *picture = studio->picture;
     double unit = studio->legend.unit;
-    canvas->stroke(canvas, &studio->isolines,
-                   &(struct gd__pen){palette->line, 0.5, fmax(unit, 0.8), 0});
-    canvas->stroke(canvas, &studio->path_hidden,
-                   &(struct gd__pen){palette->path, 0.6, 2 * unit, 5 * unit});
-    canvas->stroke(canvas, &studio->path_seen,
-                   &(struct gd__pen){palette->halo, 0.85, 5.4 * unit, 0});
-    canvas->stroke(canvas, &studio->path_seen, &(struct gd__pen){palette->path, 1, 3 * unit, 0});
-    for (uint32_t i = 0; i < studio->end_count; i++) draw_end(studio, i, canvas);
+    struct gd__pen pen = {studio->palette.line, 0.5, fmax(unit, 0.8), 0};
+    if (picture->isoline_colour) {
+        pen.colour = gd__colour_of_rgb(picture->isoline_colour);
+        pen.opacity = 1;
+    }
+    if (picture->isoline_width > 0) pen.width = unit * picture->isoline_width;
+    canvas->stroke(canvas, &studio->isolines, &pen);
+    for (uint32_t i = 0; i < studio->layer_count; i++) {
+        const struct gd__layer *layer = &studio->layers[i];
+        if (layer->wanted != &studio->path) canvas->begin_layer(canvas, layer->wanted->id);
+        gd__layer_draw(layer, &studio->stage, canvas);
+        if (layer->wanted != &studio->path) canvas->end_layer(canvas);
+    }
+    if (studio->has_source && !picture->path) draw_source(studio, canvas);
+    gd__labels_draw(studio->layers, studio->layer_count, &studio->stage, canvas);
     gd__legend_draw(&studio->legend, &studio->scale, canvas);
 }
 
@@ -294,31 +448,56 @@ static enum gd_status finish_svg(struct studio *studio, void **bytes, size_t *si
 static void set_up(struct studio *studio, const struct gd_picture *picture,
                    const struct gd_control *control)
 {
+    struct gd_point source;
     uint32_t width = picture->width ? picture->width : WIDTH,
              height = picture->height ? picture->height : HEIGHT;
     studio->picture = picture;
     studio->mesh = picture->mesh;
-    studio->palette = gd__palette(picture->background);
+    studio->palette = *gd__palette(picture->background);
+    if (picture->surface_colour)
+        studio->palette.surface = gd__colour_of_rgb(picture->surface_colour);
     studio->budget = (struct gd__budget){.control = control};
-    studio->legend = gd__legend_plan(picture, studio->palette, width, height);
-    if (picture->field)
+    studio->legend.width = width;
+    studio->legend.height = height;
+    if (picture->field) {
         studio->scale = gd__scale_of(gd__field_range(picture->field),
                                      picture->isolines ? picture->isolines : TICKS);
+        studio->has_source = gd_field_single_seed(picture->field, &source);
+    }
+    if (studio->has_source) studio->source = gd_point_position(picture->mesh, &source);
     studio->share.control = control;
     studio->share.total = 1 + 2 * ((height - 1) / gd__raster_rows(width) + 1) +
-                          (picture->isolines ? studio->scale.count + 1 : 0);
+                          isoline_count(studio) + (isoline_count(studio) > 0) +
+                          picture->layer_count + (picture->path != NULL);
+}
+
+static enum gd_status draw(struct studio *studio)
+{
+    struct gd__subject subject = {0};
+    enum gd_status status = layers_open(studio);
+    if (status) return status;
+    studio->legend.palette = &studio->palette;
+    studio->legend.layers = studio->layers;
+    studio->legend.layer_count = studio->layer_count;
+    gd__legend_plan(&studio->legend, studio->picture);
+    status = find_subject(studio, &subject);
+    if (!status) status = picture_aim(studio, &subject);
+    free((void *)subject.points);
+    if (!status) status = draw_surface(studio);
+    return status ? status : find_lines(studio);
 }
 
 static void picture_clear(struct studio *studio)
 {
+    for (uint32_t i = 0; i < studio->layer_count; i++) gd__layer_free(&studio->layers[i]);
+    free(studio->layers);
+    free(studio->path_points);
     free(studio->points);
     gd__raster_close(&studio->raster);
     gd__depth_buffer_close(&studio->buffer);
     gd__shade_close(&studio->shade);
     gd__image_close(&studio->image);
     gd__lines_free(&studio->isolines);
-    gd__lines_free(&studio->path_seen);
-    gd__lines_free(&studio->path_hidden);
 }
 
 typedef enum gd_status finisher(struct studio *studio, void **bytes, size_t *size);
@@ -327,18 +506,12 @@ static enum gd_status render(const struct gd_picture *picture, const struct gd_c
                              finisher *finish, void **bytes, size_t *size)
 {
     struct studio studio = {0};
-    struct gd_vec3 *subject = NULL;
-    uint32_t count = 0;
     if (!is_sound(picture, picture->width ? picture->width : WIDTH,
                   picture->height ? picture->height : HEIGHT))
         return GD_INVALID_ARGUMENT;
     set_up(&studio, picture, control);
-    enum gd_status status = find_subject(&studio, &subject, &count);
-    if (!status) status = picture_aim(&studio, subject, count);
-    if (!status) status = draw_surface(&studio);
-    if (!status) status = find_lines(&studio, subject, count);
+    enum gd_status status = draw(&studio);
     if (!status) status = finish(&studio, bytes, size);
-    free(subject);
     picture_clear(&studio);
     return status;
 }

@@ -74,6 +74,24 @@ static void put_colour(struct gd__svg *svg, const char *name, struct gd__colour 
     svg_put(svg, "\"");
 }
 
+/* Writes a text with the entities of XML. */
+static void put_escaped(struct gd__svg *svg, const char *text)
+{
+    for (; *text; text++) switch (*text) {
+        case '&':
+            svg_put(svg, "&amp;");
+            break;
+        case '<':
+            svg_put(svg, "&lt;");
+            break;
+        case '>':
+            svg_put(svg, "&gt;");
+            break;
+        default:
+            svg_put(svg, (const char[2]){*text, '\0'});
+        }
+}
+
 static void put_base64(struct gd__svg *svg, const uint8_t *bytes, size_t size)
 {
     static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -139,9 +157,27 @@ static void svg_text(struct gd__canvas *canvas, const struct gd__text *text)
     put_length(svg, "y", text->y);
     put_length(svg, "font-size", text->size);
     put_colour(svg, "fill", text->colour);
+    if (text->has_halo) {
+        svg_put(svg, " paint-order=\"stroke\" stroke-linejoin=\"round\"");
+        put_colour(svg, "stroke", text->halo);
+        put_length(svg, "stroke-width", text->size / 4);
+    }
     svg_put(svg, ">");
-    svg_put(svg, text->text);
+    put_escaped(svg, text->text);
     svg_put(svg, "</text>\n");
+}
+
+static void svg_begin_layer(struct gd__canvas *canvas, uint32_t number)
+{
+    struct gd__svg *svg = (struct gd__svg *)canvas;
+    svg_put(svg, "<g id=\"layer-");
+    put_number(svg, number);
+    svg_put(svg, "\">\n");
+}
+
+static void svg_end_layer(struct gd__canvas *canvas)
+{
+    svg_put((struct gd__svg *)canvas, "</g>\n");
 }
 
 static void svg_scale(struct gd__canvas *canvas, const struct gd__viewport *box)
@@ -167,7 +203,8 @@ static void svg_scale(struct gd__canvas *canvas, const struct gd__viewport *box)
 void gd__svg_open(struct gd__svg *svg, uint32_t width, uint32_t height, const void *png,
                   size_t size, struct gd__budget *budget)
 {
-    *svg = (struct gd__svg){.canvas = {svg_stroke, svg_disc, svg_text, svg_scale, GD_OK},
+    *svg = (struct gd__svg){.canvas = {svg_stroke, svg_disc, svg_text, svg_scale, svg_begin_layer,
+                                       svg_end_layer, GD_OK},
                             .budget = budget};
     svg_put(
         svg,

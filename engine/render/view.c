@@ -22,11 +22,27 @@ static const struct angles angles[] = {{-30, 26},  {75, 26},  {-75, 26}, {30, 55
 struct chooser {
     const struct gd_mesh *mesh;
     struct gd_vec3 up;
-    const struct gd_vec3 *path;
-    uint32_t count;
+    const struct gd__subject *subject;
     struct gd__budget *budget;
     struct gd__screen_point *points, *line;
 };
+
+static double path_seen(const struct chooser *chooser, const struct gd__depth_buffer *buffer)
+{
+    uint32_t count = chooser->subject->count;
+    return (1 - 2 * END_PART) * gd__depth_buffer_visibility(buffer, chooser->line, count) +
+           END_PART * gd__depth_buffer_visibility(buffer, chooser->line, 1) +
+           END_PART * gd__depth_buffer_visibility(buffer, chooser->line + count - 1, 1);
+}
+
+static double points_seen(const struct chooser *chooser, const struct gd__depth_buffer *buffer)
+{
+    uint32_t count = chooser->subject->count;
+    double sum = 0;
+    for (uint32_t i = 0; i < count; i++)
+        sum += gd__depth_buffer_visibility(buffer, chooser->line + i, 1);
+    return sum / count;
+}
 
 static enum gd_status sketch_view(const struct chooser *chooser, const struct gd_control *control,
                                   struct gd__raster *raster, double *seen)
@@ -40,10 +56,7 @@ static enum gd_status sketch_view(const struct chooser *chooser, const struct gd
                                             .height = raster->height,
                                             .depth = raster->depth,
                                             .face = raster->face};
-    *seen =
-        (1 - 2 * END_PART) * gd__depth_buffer_visibility(&buffer, chooser->line, chooser->count) +
-        END_PART * gd__depth_buffer_visibility(&buffer, chooser->line, 1) +
-        END_PART * gd__depth_buffer_visibility(&buffer, chooser->line + chooser->count - 1, 1);
+    *seen = chooser->subject->is_path ? path_seen(chooser, &buffer) : points_seen(chooser, &buffer);
     return GD_OK;
 }
 
@@ -58,8 +71,8 @@ static enum gd_status try_view(const struct chooser *chooser, struct gd_vec3 dir
     gd__camera_fit(&camera, mesh, &sketch);
     for (uint32_t v = 0; v < mesh->vertex_count; v++)
         chooser->points[v] = gd__camera_project(&camera, mesh->position[v]);
-    for (uint32_t i = 0; i < chooser->count; i++)
-        chooser->line[i] = gd__camera_project(&camera, chooser->path[i]);
+    for (uint32_t i = 0; i < chooser->subject->count; i++)
+        chooser->line[i] = gd__camera_project(&camera, chooser->subject->points[i]);
     struct gd__raster raster = {.mesh = mesh,
                                 .points = chooser->points,
                                 .width = (uint32_t)(sketch.width + 2 * sketch.left),
@@ -92,18 +105,16 @@ static enum gd_status view_choose(const struct chooser *chooser, const struct gd
 }
 
 enum gd_status gd__view_choose(const struct gd_mesh *mesh, struct gd_vec3 up,
-                               const struct gd_vec3 *path, uint32_t count,
-                               struct gd__budget *budget, const struct gd_control *control,
-                               struct gd_vec3 *out)
+                               const struct gd__subject *subject, struct gd__budget *budget,
+                               const struct gd_control *control, struct gd_vec3 *out)
 {
-    struct chooser chooser = {
-        .mesh = mesh, .up = up, .path = path, .count = count, .budget = budget};
+    struct chooser chooser = {.mesh = mesh, .up = up, .subject = subject, .budget = budget};
     struct gd_vec3 direction;
-    enum gd_status status = gd__budget_take(budget, ((size_t)mesh->vertex_count + count) *
+    enum gd_status status = gd__budget_take(budget, ((size_t)mesh->vertex_count + subject->count) *
                                                         sizeof(struct gd__screen_point));
     if (status) return status;
     chooser.points = malloc(mesh->vertex_count * sizeof *chooser.points);
-    chooser.line = malloc(count * sizeof *chooser.line);
+    chooser.line = malloc(subject->count * sizeof *chooser.line);
     status =
         chooser.points && chooser.line ? view_choose(&chooser, control, &direction) : GD_NO_MEMORY;
     free(chooser.points);

@@ -69,6 +69,30 @@ static enum gd_status draw_svg(void *out)
     return gd_picture_svg(&picture, NULL, &file->bytes, &file->size);
 }
 
+static const struct gd_vec3 places[] = {{0, 0, 0}, {1, 1, 0.3}, {0.5, 2, 0}, {9, 9, 9}};
+static const uint32_t first[] = {0, 2, 4};
+static const char *const labels[] = {"A", NULL, "C", "D"};
+static const struct gd_picture_layer layers[] = {
+    {.points = places, .first = first, .count = 2, .name = "lines", .ends = GD_LINE_ENDS_ARROWS},
+    {.points = places,
+     .first = first,
+     .count = 2,
+     .hidden = GD_HIDDEN_SHOWN,
+     .ends = GD_LINE_ENDS_MARKS},
+    {.points = places, .count = 4, .labels = labels, .name = "marks"}};
+
+static enum gd_status draw_layers(void *out)
+{
+    struct file *file = out;
+    struct gd_picture picture = small();
+    picture.path = NULL;
+    picture.layers = layers;
+    picture.layer_count = COUNT(layers);
+    picture.zoom = 2;
+    picture.target = &places[1];
+    return gd_picture_svg(&picture, NULL, &file->bytes, &file->size);
+}
+
 static enum gd_status draw_bare(void *out)
 {
     struct file *file = out;
@@ -80,6 +104,7 @@ static enum gd_status draw_bare(void *out)
 static const struct operation items[] = {
     {"picture as PNG", &a_file, draw_png, GD_OK, NULL},
     {"picture as SVG", &a_file, draw_svg, GD_OK, NULL},
+    {"picture with layers", &a_file, draw_layers, GD_OK, NULL},
     {"picture of a mesh alone", &a_file, draw_bare, GD_OK, NULL},
 };
 

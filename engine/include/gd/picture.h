@@ -1,4 +1,5 @@
-/* Picture: a shaded image of a mesh, with a path, colours of a field's distances, and isolines.
+/* Picture: a shaded image of a mesh, with colours of a field's distances, isolines, a path, and
+ * layers of lines and marks.
  *
  *     const struct gd_picture picture = {
  *         .mesh = mesh, .field = field, .path = &path, .isolines = 10};
@@ -24,7 +25,13 @@ GD_EXTERN_C_BEGIN
 #define GD_PICTURE_LEAST    16   /* pixels of a side */
 #define GD_PICTURE_MOST     4096 /* pixels of a side */
 #define GD_PICTURE_PIXELS   ((uint32_t)3840 * 2160)
-#define GD_PICTURE_ISOLINES 100 /* largest number of isolines */
+#define GD_PICTURE_ISOLINES 100  /* largest number of isolines */
+#define GD_PICTURE_LAYERS   512  /* largest number of layers */
+#define GD_PICTURE_LABEL    40   /* characters of a label */
+#define GD_PICTURE_LABELS   1000 /* labels of a picture */
+#define GD_PICTURE_WIDTH    50   /* units of the widest line and of the largest mark */
+#define GD_PICTURE_FARTHEST 1e6  /* distance of lines and marks, relative to the surface's size */
+#define GD_PICTURE_ZOOM     100  /* largest zoom */
 
 /* The direction of view, relative to `up`. With up y, the front is seen from +z and the right from
  * +x; with up z, the front from -y. */
@@ -43,32 +50,77 @@ enum gd_view {
 
 enum gd_background { GD_BACKGROUND_WHITE, GD_BACKGROUND_DARK, GD_BACKGROUND_TRANSPARENT };
 
+/* A colour 0xRRGGBB (sRGB). A colour of 0 is the default, so black has a bit of its own. */
+#define GD_PICTURE_RGB(rgb) ((uint32_t)(rgb) | UINT32_C(1) << 24)
+
+/* The parts of lines and marks that the surface hides */
+enum gd_hidden { GD_HIDDEN_FAINT, GD_HIDDEN_NONE, GD_HIDDEN_SHOWN };
+
+enum gd_line_ends {
+    GD_LINE_ENDS_NONE,
+    GD_LINE_ENDS_MARKS, /* a ring where the first line begins, a disc where the last line ends */
+    GD_LINE_ENDS_ARROWS /* a head at the end of each line */
+};
+
+/* Polylines that are drawn with one pen, or marks, which are discs with labels. They may lie on the
+ * surface or elsewhere in space. All zero is the default, except for the points. Lengths of lines
+ * and marks are in units: a unit is a pixel in a picture of 800 x 600, and grows with the
+ * picture. */
+struct gd_picture_layer {
+    const struct gd_vec3 *points; /* positions in the caller's unit, borrowed */
+    /* Lines: count + 1 ascending items; line i has the points first[i] to first[i + 1] - 1.
+       NULL: the points are marks. */
+    const uint32_t *first;
+    uint32_t count; /* number of lines or marks */
+    /* Marks: a text of printable ASCII for each mark, or NULL; NULL: there are no labels. */
+    const char *const *labels;
+    uint32_t id;      /* number of the layer's group in an SVG file */
+    const char *name; /* text of printable ASCII in the legend; NULL: not in the legend */
+    uint32_t colour;  /* GD_PICTURE_RGB; 0: another one for each layer */
+    double width;     /* of lines, 0: 3 for one line, 1.6 for several; radius of marks, 0: 4.2 */
+    enum gd_hidden hidden;
+    enum gd_line_ends ends; /* of lines */
+};
+
 /* All zero is the default, except for the mesh. */
 struct gd_picture {
-    /* Borrowed, as are `field` and `path`, which belong to this mesh. */
+    /* Borrowed, as are `field` and `path`, which belong to this mesh, and all arrays. */
     const struct gd_mesh *mesh;
-    const struct gd_field *field; /* NULL: none */
-    const struct gd_path *path;   /* NULL: none */
-    uint32_t width, height;       /* pixels; 0: 800 x 600 */
+    const struct gd_field *field;          /* NULL: none */
+    const struct gd_path *path;            /* NULL: none; drawn like a layer, before `layers` */
+    const struct gd_picture_layer *layers; /* drawn in this order */
+    uint32_t layer_count;
+    uint32_t width, height; /* pixels; 0: 800 x 600 */
     enum gd_view view;
     /* GD_VIEW_DIRECTION: from the surface to the eye, of any length except 0 */
     struct gd_vec3 direction;
     /* Upward direction in the picture, of any length; 0: y. The component along the line of sight
        is ignored. */
     struct gd_vec3 up;
+    double zoom; /* at least 1; 0: 1, the whole surface just fits */
+    /* with a zoom above 1: the position in the middle, in the caller's unit; NULL: the middle of
+       the surface */
+    const struct gd_vec3 *target;
     uint32_t isolines; /* about this many, at round distances; 0: none */
-    bool edges;        /* draws the triangles' edges where they are not too dense */
-    /* draws a colour scale of distances if there is a field, and the length if there is a path */
+    /* distances of isolines, which replace `isolines`; NULL: none are given */
+    const double *levels;
+    uint32_t level_count;
+    double isoline_width;                    /* units; 0: 1 */
+    uint32_t isoline_colour, surface_colour; /* GD_PICTURE_RGB; 0: the default */
+    bool edges; /* draws the triangles' edges where they are not too dense */
+    /* draws a colour scale of distances if there is a field, the length if there is a path, and the
+       names of layers */
     bool legend;
     enum gd_background background;
 };
 
 /* Render the picture as a PNG or SVG file: `*size` bytes at `*bytes`, which the caller frees by
- * free. `control` may be NULL. Errors: GD_INVALID_ARGUMENT (a size, a number of isolines, a
- * direction or `up` out of range, or a field of another mesh), GD_NO_MEMORY, GD_BUDGET,
- * GD_CANCELLED, GD_DEADLINE. Cost: O(faces + pixels), and for a field the distances at the pixels;
- * for figures see engine/doc/025. Memory: about 64 bytes a face, 17 a pixel, and the isolines.
- * Thread-safe. */
+ * free. `control` may be NULL. Errors: GD_INVALID_ARGUMENT (a member is out of range, or the field
+ * is one of another mesh), GD_BEYOND_REACH (a level exceeds the reach of a partial field),
+ * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Cost: O(faces + pixels + points of layers),
+ * and for a field the distances at the pixels; for figures see engine/doc/025. Memory: about 64
+ * bytes a face, 17 a pixel, the isolines, and 40 bytes for each pixel that the longest line
+ * crosses. Thread-safe. */
 GD_MUST_USE enum gd_status gd_picture_png(const struct gd_picture *picture,
                                           const struct gd_control *control, void **bytes,
                                           size_t *size);

@@ -256,6 +256,7 @@ static enum gd_status status_of(const struct gd_picture *picture, const struct g
 static void invalid_pictures_are_refused(void **state)
 {
     (void)state;
+    static const struct gd_vec3 far[] = {{NAN, 0, 0}, {0, 1e9, 0}}, near[2] = {{0, 0, 0}};
     struct flat flat = open_flat(1, 1), other = open_flat(2, 2);
     const struct gd_picture wrong[] = {
         {.width = 15},
@@ -266,6 +267,24 @@ static void invalid_pictures_are_refused(void **state)
         {.view = GD_VIEW_DIRECTION, .direction = {NAN, 0, 0}},
         {.up = {0, INFINITY, 0}},
         {.field = other.field},
+        {.zoom = 0.5},
+        {.zoom = 1 + GD_PICTURE_ZOOM},
+        {.target = &far[1]},
+        {.levels = (const double[]){-1}, .level_count = 1},
+        {.isoline_width = GD_PICTURE_WIDTH + 1},
+        {.layer_count = GD_PICTURE_LAYERS + 1},
+        {.layers = &(struct gd_picture_layer){.points = far, .count = 1}, .layer_count = 1},
+        {.layers = &(struct gd_picture_layer){.points = far + 1, .count = 1}, .layer_count = 1},
+        {.layers = &(struct gd_picture_layer){.width = -1}, .layer_count = 1},
+        {.layers = &(struct gd_picture_layer){.name = "\n"}, .layer_count = 1},
+        {.layers = &(struct gd_picture_layer){.points = near,
+                                              .count = 1,
+                                              .labels = (const char *const[]){"\x7f"}},
+         .layer_count = 1},
+        {.layers = &(struct gd_picture_layer){.points = near,
+                                              .count = 2,
+                                              .first = (const uint32_t[]){2, 1, 2}},
+         .layer_count = 1},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         struct gd_picture picture = wrong[i];
