@@ -30,6 +30,8 @@ VALUES = {
     "Set": ("struct proto_set", "values/set.h", "proto_set_decode", "proto_set_free"),
     "DirectionRequest": ("struct proto_direction", "values/direction.h", "proto_direction_decode", None),
     "Name": ("struct proto_name", "values/mesh.h", "proto_name_decode", None),
+    "PictureColor": ("uint32_t", "values/pen.h", "proto_color_decode", None),
+    "PictureLabel": ("struct proto_label", "values/pen.h", "proto_label_decode", None),
     "SplineCurve": ("struct proto_spline", "values/spline.h", "proto_spline_curve_decode", "proto_spline_free"),
 }
 # forms that hand-written headers need; the generator puts them into values.h
@@ -75,7 +77,7 @@ class Member:
             return "points"
         if kind == "array" and "minItems" in schema and schema["minItems"] == schema.get("maxItems"):
             return {"number": "numbers", "integer": "indices"}[self.item["type"]]
-        if kind == "array" and (self.item_reference in VALUES or self.item.get("type") == "object"):
+        if kind == "array" and (self.item_reference in VALUES or self.item.get("type") == "object" or "x-forms" in self.item):
             return "list"
         if kind == "array" and self.item.get("type") in ("number", "integer"):
             return {"number": "reals", "integer": "index_list"}[self.item["type"]]
@@ -193,6 +195,12 @@ class Member:
         prefix = "take_" if self.kind in names and names[self.kind] != "uvs" else "proto_take_"
         return f"{prefix}{names.get(self.kind, self.kind)}(object, {rule}, {target})"
 
+    def release_items(self, member):
+        """Returns the statement that frees what the items of a list own."""
+        if self.item_reference in VALUES or not made(self.document, self.item_reference, self.item).releases():
+            return []
+        return [f"for (uint32_t i = 0; i < {member}.count; i++) proto_{snake(self.item_reference)}_free(&{member}.items[i]);"]
+
     def release(self):
         """Returns the statements that free the member."""
         member = f"request->{self.c_name}"
@@ -203,7 +211,7 @@ class Member:
         if self.kind in ("reals", "index_list"):
             return [f"proto_{'reals' if self.kind == 'reals' else 'indices'}_free(&{member});"]
         if self.kind == "list":
-            return [f"free({member}.items);", f"{member} = (struct proto_{snake(self.item_reference)}_list){{0}};"]
+            return [*self.release_items(member), f"free({member}.items);", f"{member} = (struct proto_{snake(self.item_reference)}_list){{0}};"]
         if self.kind == "object" and made(self.document, self.reference, self.schema).releases():
             return [f"proto_{snake(self.reference)}_free(&{member});"]
         return []
@@ -277,7 +285,10 @@ def requests(document):
                 add(member.item_reference, member.item)
         found[name] = request
 
+    branches = {branch.get("$ref", "").split("/")[-1] for schema in document["components"]["schemas"].values() if "x-forms" in schema for branch in schema["oneOf"]}
     for name, schema in document["components"]["schemas"].items():
+        if name in branches:
+            continue
         if "x-forms" in schema or "properties" in schema and (name.endswith("Request") or "x-by-hand" in schema or "x-check" in schema):
             add(name, schema)
     return list(found.values())

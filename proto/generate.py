@@ -43,7 +43,7 @@ from document import (  # noqa: E402
 from members import c_string  # noqa: E402
 
 # queries that have their own handlers
-OWN_HANDLERS = {"batch", "picture_png", "picture_svg"}
+OWN_HANDLERS = {"batch", "picture", "picture_png", "picture_svg"}
 
 MEDIA_TYPES = {
     ".css": "text/css; charset=utf-8",

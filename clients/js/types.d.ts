@@ -799,6 +799,175 @@ export type Bisector = {
   points?: (PathPoint | Vector)[];
 };
 
+export type PictureRequest = {
+  layers: PictureLayer[];
+  camera?: PictureCamera;
+  /** Pixels; width times height is at most 8,294,400. */
+  width?: number;
+  height?: number;
+  background?: ("white" | "dark" | "transparent");
+  /**
+   * Draws the scale of distances and the names of layers, unless width or height is less than 200
+   * pixels.
+   */
+  legend?: boolean;
+};
+
+export type PictureCamera = {
+  /**
+   * `auto` is `iso`, unless another view shows more of the layers' lines and points, or of the
+   * source.
+   */
+  view?: ("auto" | "front" | "back" | "left" | "right" | "top" | "bottom" | "iso");
+  /** From the surface to the eye; replaces `view`. */
+  direction?: Vector;
+  /** Upward direction; the default is y. */
+  up?: Vector;
+  /** With 1 the whole surface fits. */
+  zoom?: number;
+  /**
+   * Position in the middle of a figure with a zoom above 1; by default the middle of the surface.
+   */
+  target?: Vector;
+};
+
+/** A layer. The first required member names its kind. */
+export type PictureLayer = (PictureSurfaceLayer | PictureFieldLayer | PictureIsolinesLayer | PicturePathLayer | PictureTraceLayer | PictureExpLayer | PictureSplineLayer | PictureCurveLayer | PictureCurveDistanceLayer | PictureVoronoiLayer | PicturePointsLayer);
+
+/** How the surface itself is drawn. */
+export type PictureSurfaceLayer = {
+  surface: PictureSurface;
+  color?: PictureColor;
+};
+
+/** Colours the surface by the distance from a set. */
+export type PictureFieldLayer = {
+  field: Set;
+  /** Points farther away have no colour. */
+  max_distance?: number;
+};
+
+/** Isolines of the distance that the layer `field` shows. */
+export type PictureIsolinesLayer = {
+  isolines: PictureIsolines;
+  color?: PictureColor;
+  width?: PictureWidth;
+};
+
+/** The shortest path of `POST …/path`. */
+export type PicturePathLayer = {
+  path: PairRequest;
+  /** A ring at the start and a disc at the end. */
+  ends?: boolean;
+  color?: PictureColor;
+  width?: PictureWidth;
+  hidden?: PictureHidden;
+  label?: PictureLabel;
+};
+
+/** The straightest geodesics of `POST …/trace`. */
+export type PictureTraceLayer = {
+  trace: TraceRequest;
+  color?: PictureColor;
+  width?: PictureWidth;
+  hidden?: PictureHidden;
+  label?: PictureLabel;
+};
+
+/** The paths of `POST …/exp`. */
+export type PictureExpLayer = {
+  exp: ExpRequest;
+  color?: PictureColor;
+  width?: PictureWidth;
+  hidden?: PictureHidden;
+  label?: PictureLabel;
+};
+
+/** The curve of `POST …/spline`. */
+export type PictureSplineLayer = {
+  spline: SplineRequest;
+  /**
+   * Draws the control vectors: the geodesics between a point and the two control points beside it,
+   * and the control points.
+   */
+  controls?: boolean;
+  /**
+   * Draws the tangent (red), the normal (blue) and the binormal (green) at every sample whose
+   * number is a multiple of this one; 0 draws none.
+   */
+  frames?: number;
+  color?: PictureColor;
+  width?: PictureWidth;
+  hidden?: PictureHidden;
+  label?: PictureLabel;
+};
+
+/** The curves of `POST …/curve`. */
+export type PictureCurveLayer = {
+  curve: CurveOperationRequest;
+  color?: PictureColor;
+  width?: PictureWidth;
+  hidden?: PictureHidden;
+  label?: PictureLabel;
+};
+
+/** The path of `POST …/curve-distance`. */
+export type PictureCurveDistanceLayer = {
+  curve_distance: CurveDistanceRequest;
+  color?: PictureColor;
+  width?: PictureWidth;
+  hidden?: PictureHidden;
+  label?: PictureLabel;
+};
+
+/** The bisectors of `POST …/voronoi`. */
+export type PictureVoronoiLayer = {
+  voronoi: VoronoiRequest;
+  color?: PictureColor;
+  width?: PictureWidth;
+  hidden?: PictureHidden;
+  label?: PictureLabel;
+};
+
+/** Points as discs. */
+export type PicturePointsLayer = {
+  points: Point[];
+  /** Texts beside the points, in their order; an empty text draws nothing. */
+  labels?: PictureLabel[];
+  /** In units, as `width`. */
+  radius?: number;
+  color?: PictureColor;
+  hidden?: PictureHidden;
+  label?: PictureLabel;
+};
+
+export type PictureSurface = {
+  /** Draws the edges of triangles where they are not too dense. */
+  edges?: boolean;
+};
+
+export type PictureIsolines = {
+  /** About this many, at round distances. */
+  count?: number;
+  /** Distances. */
+  levels?: number[];
+};
+
+/** A colour in sRGB. */
+export type PictureColor = string;
+
+/**
+ * Width of lines in units, by default 3 for one line and 1.6 for several. A unit is a pixel in a
+ * figure of 800 x 600 and grows with the figure.
+ */
+export type PictureWidth = number;
+
+/** How to draw the parts that the surface hides. */
+export type PictureHidden = ("faint" | "none" | "shown");
+
+/** Printable ASCII. */
+export type PictureLabel = string;
+
 export type CutRequest = {
   curve: Curve;
   /** Keeps only the piece that contains this point. */
@@ -2191,6 +2360,11 @@ export interface MeshQueries {
   "curve": {
     body: CurveOperationRequest;
     answer: CurveOperationAnswer;
+  };
+  /** Draw a figure of the mesh */
+  "picture": {
+    body: PictureRequest;
+    answer: unknown;
   };
   /** Cut a mesh along a curve into new meshes */
   "cut": {

@@ -13,6 +13,7 @@
 void proto_picture_free(struct proto_picture *picture)
 {
     proto_points_free(&picture->stops);
+    proto_picture_request_free(&picture->request);
 }
 
 /* --- the view --------------------------------------------------------------------------------- */
@@ -130,4 +131,128 @@ bool proto_picture_parse(const struct proto_parameters *parameters, struct proto
     picture->legend = query.legend;
     *out = wanted;
     return true;
+}
+
+/* --- figures ---------------------------------------------------------------------------------- */
+
+const char *proto_picture_layer_name(const struct proto_picture_layer *layer)
+{
+    /* the members of all forms of layers, in the order of the forms, and then others */
+    static const char *const names[] = {[PROTO_PICTURE_LAYER_SURFACE] = "surface",
+                                        [PROTO_PICTURE_LAYER_FIELD] = "field",
+                                        [PROTO_PICTURE_LAYER_ISOLINES] = "isolines",
+                                        [PROTO_PICTURE_LAYER_PATH] = "path",
+                                        [PROTO_PICTURE_LAYER_TRACE] = "trace",
+                                        [PROTO_PICTURE_LAYER_EXP] = "exp",
+                                        [PROTO_PICTURE_LAYER_SPLINE] = "spline",
+                                        [PROTO_PICTURE_LAYER_CURVE] = "curve",
+                                        [PROTO_PICTURE_LAYER_CURVE_DISTANCE] = "curve_distance",
+                                        [PROTO_PICTURE_LAYER_VORONOI] = "voronoi",
+                                        [PROTO_PICTURE_LAYER_POINTS] = "points"};
+    return names[layer->form];
+}
+
+static struct gd_vec3 vector_of(const double xyz[3])
+{
+    return (struct gd_vec3){xyz[0], xyz[1], xyz[2]};
+}
+
+static bool is_zero(const double xyz[3])
+{
+    return xyz[0] == 0 && xyz[1] == 0 && xyz[2] == 0;
+}
+
+static bool take_camera(const struct proto_picture_camera *camera, struct proto_picture *out,
+                        struct proto_problem *problem)
+{
+    struct gd_picture *picture = &out->picture;
+    picture->view = (enum gd_view)camera->view;
+    picture->zoom = camera->zoom;
+    picture->up = camera->has_up ? vector_of(camera->up) : (struct gd_vec3){0, 1, 0};
+    if (camera->has_up && is_zero(camera->up))
+        return proto_problem_refuse(problem, "/camera/up", "the upward direction is not 0");
+    if (camera->has_direction) {
+        if (is_zero(camera->direction))
+            return proto_problem_refuse(problem, "/camera/direction", "the direction is not 0");
+        picture->view = GD_VIEW_DIRECTION;
+        picture->direction = vector_of(camera->direction);
+    }
+    out->target = vector_of(camera->target);
+    if (camera->has_target) picture->target = &out->target;
+    return true;
+}
+
+static bool refuse_layer(const struct proto_picture_layer *layer, const char *why,
+                         struct proto_problem *problem)
+{
+    return proto_problem_refuse_member(problem, layer->place, proto_picture_layer_name(layer), "%s",
+                                       why);
+}
+
+static void take_surface(const struct proto_picture_layer *layer, struct gd_picture *picture)
+{
+    picture->edges = layer->surface.edges;
+    if (layer->has_color) picture->surface_colour = layer->color;
+}
+
+static void take_isolines(const struct proto_picture_layer *layer, struct gd_picture *picture)
+{
+    picture->isolines = layer->isolines.count;
+    picture->levels = layer->isolines.levels.items;
+    picture->level_count = layer->isolines.levels.count;
+    if (layer->has_color) picture->isoline_colour = layer->color;
+    if (layer->has_width) picture->isoline_width = layer->width;
+}
+
+/* Checks the isolines' levels against the reach of the field. */
+static bool check_isolines(const struct proto_picture_layer *layer,
+                           const struct proto_picture *picture, struct proto_problem *problem)
+{
+    if (!picture->set)
+        return refuse_layer(layer, "isolines need a layer \"field\", whose distance they show",
+                            problem);
+    for (uint32_t i = 0; i < picture->picture.level_count; i++)
+        if (picture->max_distance > 0 && picture->picture.levels[i] > picture->max_distance)
+            return refuse_layer(layer, "a level exceeds the max_distance of the field", problem);
+    return true;
+}
+
+/* Reads the layers that belong to the surface, of which there is at most one each. */
+static bool take_layers(struct proto_picture *out, struct proto_problem *problem)
+{
+    const struct proto_picture_layer *found[PROTO_PICTURE_LAYER_ISOLINES + 1] = {NULL};
+    struct proto_picture_layer_list *layers = &out->request.layers;
+    for (uint32_t i = 0; i < layers->count; i++) {
+        struct proto_picture_layer *layer = &layers->items[i];
+        if (layer->form > PROTO_PICTURE_LAYER_ISOLINES) continue;
+        if (found[layer->form])
+            return refuse_layer(layer, "a figure has at most one layer of this kind", problem);
+        found[layer->form] = layer;
+        if (layer->form == PROTO_PICTURE_LAYER_SURFACE) take_surface(layer, &out->picture);
+        if (layer->form == PROTO_PICTURE_LAYER_ISOLINES) take_isolines(layer, &out->picture);
+        if (layer->form == PROTO_PICTURE_LAYER_FIELD) {
+            out->set = &layer->field;
+            out->max_distance = layer->has_max_distance ? layer->max_distance : 0;
+        }
+    }
+    const struct proto_picture_layer *isolines = found[PROTO_PICTURE_LAYER_ISOLINES];
+    return !isolines || check_isolines(isolines, out, problem);
+}
+
+bool proto_picture_decode(const json_t *document, struct proto_picture *out,
+                          struct proto_problem *problem)
+{
+    struct proto_picture_request *request = &out->request;
+    struct gd_picture *picture = &out->picture;
+    *out = (struct proto_picture){0};
+    if (!proto_picture_request_decode(document, request, problem)) return false;
+    picture->width = request->width;
+    picture->height = request->height;
+    picture->background = (enum gd_background)request->background;
+    picture->legend = request->legend;
+    if ((uint64_t)request->width * request->height > GD_PICTURE_PIXELS)
+        return proto_problem_exceed(problem, "/width", GD_PICTURE_PIXELS,
+                                    "a figure has at most %u pixels; ask for a smaller one",
+                                    GD_PICTURE_PIXELS);
+    return take_camera(&request->camera, out, problem) && take_layers(out, problem);
 }

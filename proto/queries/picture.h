@@ -1,17 +1,22 @@
-/* Picture: the query string of a rendered picture of a mesh. */
+/* Picture: the query string of a picture of a mesh, and the request of a figure. */
 #ifndef PROTO_PICTURE_H
 #define PROTO_PICTURE_H
 
 #include "gd/picture.h"
+#include "generated/requests.h"
 #include "proto/http/options.h"
 #include "proto/values/points.h"
 
 struct proto_picture {
-    struct gd_picture picture; /* the members mesh, field and path are not set */
+    struct gd_picture picture; /* the members mesh, field, path and layers are not set */
     const char *field;         /* an id, borrowed from the query string; NULL: none */
     bool has_source;
     struct proto_point source;
-    struct proto_points stops; /* stops of the path: at least two, or none */
+    struct proto_points stops;            /* stops of the path: at least two, or none */
+    struct proto_picture_request request; /* of a figure */
+    struct proto_set *set;                /* of a figure: the set of its field; NULL: none */
+    double max_distance;                  /* of that field; 0: no limit */
+    struct gd_vec3 target;
 };
 
 /* Reads the query string. Defaults: 800 x 600, ten isolines if there is a field, a legend, the view
@@ -20,5 +25,13 @@ struct proto_picture {
 bool proto_picture_parse(const struct proto_parameters *parameters, struct proto_picture *out,
                          struct proto_problem *problem);
 void proto_picture_free(struct proto_picture *picture); /* may be called repeatedly */
+
+/* Decodes the request of a figure. `out` must stay where it is. C code reads the bodies of layers
+ * that are operations. Freed by proto_picture_free. Problems: as proto_picture_parse. */
+bool proto_picture_decode(const json_t *document, struct proto_picture *out,
+                          struct proto_problem *problem);
+
+/* Returns the member that names the layer's kind. */
+const char *proto_picture_layer_name(const struct proto_picture_layer *layer);
 
 #endif

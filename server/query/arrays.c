@@ -100,13 +100,19 @@ static void lines_read(const void *source, uint64_t first, uint64_t count, void 
 
 void server_arrays_add_lines(struct server_arrays *arrays, const struct server_lines *lines)
 {
-    server_arrays_add(arrays, &(struct server_array){.name = "points",
+    server_arrays_add_named_lines(arrays, lines, "points", "first");
+}
+
+void server_arrays_add_named_lines(struct server_arrays *arrays, const struct server_lines *lines,
+                                   const char *points, const char *first)
+{
+    server_arrays_add(arrays, &(struct server_array){.name = points,
                                                      .type = SERVER_ARRAY_NUMBERS,
                                                      .columns = 3,
                                                      .rows = lines->first[lines->count],
                                                      .read = lines_read,
                                                      .source = lines});
-    server_arrays_add_indices(arrays, "first", 0, lines->count + UINT64_C(1), lines->first);
+    server_arrays_add_indices(arrays, first, 0, lines->count + UINT64_C(1), lines->first);
 }
 
 /* --- numbers as bytes ------------------------------------------------------------------------- */

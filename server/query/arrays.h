@@ -77,6 +77,8 @@ bool server_lines_count(struct server_lines *lines);
 /* Adds the array "points" with x y z of each point, and the array "first" with the index of each
  * line's first point and, at the end, the total number of points. */
 void server_arrays_add_lines(struct server_arrays *arrays, const struct server_lines *lines);
+void server_arrays_add_named_lines(struct server_arrays *arrays, const struct server_lines *lines,
+                                   const char *points, const char *first);
 
 /* --- an answer -------------------------------------------------------------------------------- */
 

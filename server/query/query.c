@@ -366,6 +366,11 @@ enum server_arrays_form server_query_arrays_form(const struct server_query *quer
     return query->form < arrays ? SERVER_ARRAYS_NONE : SERVER_ARRAYS_F64 + query->form - arrays;
 }
 
+void server_query_keep_arrays(struct server_query *query)
+{
+    query->form = own_forms_end(query->kind);
+}
+
 static const char *form_name(const struct server_query *query)
 {
     return query->kind->reply ? query->kind->reply_form : form_at(query->kind, query->form)->name;

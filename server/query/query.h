@@ -103,6 +103,7 @@ struct server_query {
     struct gd_path line;        /* line of server_query_list_line */
     struct server_relay *relay; /* relay of an answer that is sent while it is computed, or NULL */
     bool is_whole;              /* true: the whole answer was written to the relay */
+    bool is_drawn; /* the arrays are for a figure: list_arrays lists all that can be drawn */
 };
 
 struct server_query_kind {
@@ -198,6 +199,9 @@ bool server_query_can_flush(const struct server_query *query);
 
 /* Returns the answer's form of arrays, or SERVER_ARRAYS_NONE. */
 enum server_arrays_form server_query_arrays_form(const struct server_query *query);
+
+/* Makes the query keep its answer as arrays, for a caller that lists them. */
+void server_query_keep_arrays(struct server_query *query);
 
 /* Adds `count` borrowed paths, `stride` bytes apart, to the arrays. On failure, returns false with
  * the problem. */

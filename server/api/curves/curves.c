@@ -461,6 +461,7 @@ struct spline_query {
     struct gd_spline spline;
     struct gd_spline_line line;
     struct gd_detail detail;
+    struct server_lines controls; /* for a figure: the first and the last arm of each segment */
 };
 
 static bool spline_decode(struct server_query *query, const json_t *document)
@@ -543,6 +544,25 @@ static void spline_read_frames(const void *source, uint64_t first, uint64_t coun
     }
 }
 
+static bool spline_list_controls(struct spline_query *own)
+{
+    struct server_query *query = &own->query;
+    uint32_t count = 2 * own->spline.count;
+    struct gd_path *paths = server_query_allocate(query, count, sizeof *paths);
+    own->controls = (struct server_lines){
+        .mesh = query->surface->mesh,
+        .paths = paths,
+        .stride = sizeof *paths,
+        .count = count,
+        .first = server_query_allocate(query, count + (size_t)1, sizeof(uint32_t))};
+    if (!paths || !own->controls.first) return server_query_refuse(query, GD_BUDGET, "the answer");
+    for (uint32_t i = 0; i < count; i++)
+        paths[i] = own->spline.segments[i / 2].arms[i % 2 ? 2 : 0]; /* borrowed */
+    (void)server_lines_count(&own->controls); /* a spline has far fewer points */
+    server_arrays_add_named_lines(&query->arrays, &own->controls, "controls", "controls_first");
+    return true;
+}
+
 static bool spline_list_arrays(struct server_query *query)
 {
     struct spline_query *own = (struct spline_query *)query;
@@ -551,7 +571,8 @@ static bool spline_list_arrays(struct server_query *query)
     const struct gd_spline_knot *knots = own->spline.knots;
     server_arrays_add_member(&query->arrays, "parameters", own->spline.count + UINT64_C(1),
                              &knots->parameter, sizeof *knots);
-    if (own->wanted.frames)
+    if (query->is_drawn && !spline_list_controls(own)) return false;
+    if (own->wanted.frames || query->is_drawn)
         server_arrays_add(&query->arrays, &(struct server_array){.name = "frames",
                                                                  .type = SERVER_ARRAY_NUMBERS,
                                                                  .columns = FRAME_NUMBERS,

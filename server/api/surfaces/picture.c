@@ -7,6 +7,7 @@
 
 #include "proto/http/accept.h"
 #include "proto/queries/picture.h"
+#include "server/api/surfaces/picture_layers.h"
 #include "server/exchange/reply.h"
 #include "server/query/query.h"
 
@@ -16,7 +17,8 @@
 #define BYTES_PER_EDGE  32 /* bytes needed for each edge while an isoline is traced */
 #define BYTES_PER_PIXEL 32
 
-#define PATH_SHARE 0.3 /* share of the work */
+#define PATH_SHARE   0.3 /* shares of the work */
+#define LAYERS_SHARE 0.5
 
 struct format {
     struct server_query_kind kind; /* must be the first member */
@@ -30,6 +32,7 @@ struct picture {
     struct server_query query; /* must be the first member */
     struct proto_picture wanted;
     struct gd_pair_answer route;
+    struct server_picture_layers layers;
     void *file; /* NULL: not rendered yet, or already replied */
     size_t size;
 };
@@ -38,6 +41,7 @@ static void picture_release(struct server_query *query)
 {
     struct picture *picture = (struct picture *)query;
     free(picture->file);
+    server_picture_layers_free(&picture->layers);
     gd_pair_answer_free(&picture->route);
     proto_picture_free(&picture->wanted);
 }
@@ -52,6 +56,16 @@ static bool picture_parse(struct server_query *query, const struct proto_paramet
     if (wanted->field) return server_field_query_of_id(query, wanted->field);
     return !wanted->has_source || (proto_set_of_point(&wanted->source, &set, query->problem) &&
                                    server_field_query_of_set(query, &set, 0));
+}
+
+static bool picture_decode(struct server_query *query, const json_t *document)
+{
+    struct picture *picture = (struct picture *)query;
+    struct proto_picture *wanted = &picture->wanted;
+    if (!proto_picture_decode(document, wanted, query->problem)) return false;
+    picture->layers.wanted = &wanted->request.layers;
+    return server_picture_layers_decode(&picture->layers, query, document) &&
+           (!wanted->set || server_field_query_of_set(query, wanted->set, wanted->max_distance));
 }
 
 /* Computes the path through the points of the route. */
@@ -88,6 +102,8 @@ static enum server_query_turn picture_draw(struct server_query *query, const str
     wanted->mesh = query->surface->mesh;
     wanted->field = field;
     wanted->path = picture->route.path.count ? &picture->route.path : NULL;
+    wanted->layers = picture->layers.drawn;
+    wanted->layer_count = picture->layers.count;
     size_t bytes = PICTURE_BYTES + (size_t)wanted->width * wanted->height * BYTES_PER_PIXEL +
                    (size_t)summary->faces * BYTES_PER_FACE +
                    (field ? (size_t)summary->edges * BYTES_PER_EDGE : 0);
@@ -102,12 +118,31 @@ static enum server_query_turn picture_draw(struct server_query *query, const str
     return SERVER_QUERY_DONE;
 }
 
+static bool picture_has_field(const struct picture *picture)
+{
+    return picture->wanted.field || picture->wanted.has_source || picture->wanted.set;
+}
+
+/* Solves the layers before the field is claimed: a layer that needs the same field would wait
+ * forever for a build that this query has to do. */
 static enum server_query_turn picture_solve(struct server_query *query)
 {
     struct picture *picture = (struct picture *)query;
+    if (picture->layers.wanted) {
+        enum server_query_turn turn =
+            server_picture_layers_solve(&picture->layers, query, LAYERS_SHARE);
+        if (turn != SERVER_QUERY_DONE) return turn;
+        query->begun = LAYERS_SHARE;
+        query->share = 1 - LAYERS_SHARE;
+    }
     struct server_monitor whole = server_query_monitor(query, 0, 1);
-    if (picture->wanted.field || picture->wanted.has_source) return server_field_query_solve(query);
-    return picture_draw(query, NULL, &whole);
+    return picture_has_field(picture) ? server_field_query_solve(query)
+                                      : picture_draw(query, NULL, &whole);
+}
+
+static bool picture_join(struct server_query *query)
+{
+    return !((struct picture *)query)->layers.wanted && server_field_query_join(query);
 }
 
 static void picture_reply(struct server_query *query)
@@ -121,8 +156,9 @@ static void picture_reply(struct server_query *query)
 }
 
 #define PICTURE_STEPS                                                                              \
-    .size = sizeof(struct picture), .parse = picture_parse, .solve = picture_solve,                \
-    .answer = picture_draw, .reply = picture_reply, .release = picture_release
+    .size = sizeof(struct picture), .parse = picture_parse, .decode = picture_decode,              \
+    .join = picture_join, .solve = picture_solve, .answer = picture_draw, .reply = picture_reply,  \
+    .release = picture_release
 
 static void picture_handle(struct server_exchange *exchange, const struct format *format)
 {
@@ -133,22 +169,44 @@ static void picture_handle(struct server_exchange *exchange, const struct format
                              "the answer is %s, which Accept excludes", format->media_type);
 }
 
+static const struct format png = {
+    .kind = {.name = "picture.png", .reply_form = "png", PICTURE_STEPS},
+    .media_type = "image/png",
+    .render = gd_picture_png};
+
+/* when opened as a page, the file may show only the image that it embeds */
+static const struct format svg = {
+    .kind = {.name = "picture.svg", .reply_form = "svg", PICTURE_STEPS},
+    .media_type = "image/svg+xml",
+    .policy = "default-src 'none'; img-src data:; sandbox",
+    .render = gd_picture_svg};
+
 void server_handle_picture_png(struct server_exchange *exchange)
 {
-    static const struct format png = {
-        .kind = {.name = "picture.png", .reply_form = "png", PICTURE_STEPS},
-        .media_type = "image/png",
-        .render = gd_picture_png};
     picture_handle(exchange, &png);
 }
 
 void server_handle_picture_svg(struct server_exchange *exchange)
 {
-    /* a browser that opens the file as a page may load only the image embedded in it */
-    static const struct format svg = {
-        .kind = {.name = "picture.svg", .reply_form = "svg", PICTURE_STEPS},
-        .media_type = "image/svg+xml",
-        .policy = "default-src 'none'; img-src data:; sandbox",
-        .render = gd_picture_svg};
     picture_handle(exchange, &svg);
+}
+
+/* Chooses the format by ?format= if given, else by Accept, where PNG wins a tie. */
+void server_handle_picture(struct server_exchange *exchange)
+{
+    static const struct format *const formats[] = {&png, &svg};
+    const char *accept = server_exchange_header(exchange, "Accept");
+    struct proto_problem problem;
+    unsigned format =
+        proto_accept_quality(accept, svg.media_type) > proto_accept_quality(accept, png.media_type);
+    bool is_given = proto_parameters_get(&exchange->parameters, "format") != NULL;
+    if (!server_reply_check(exchange,
+                            proto_parameters_choice(&exchange->parameters, "format",
+                                                    proto_picture_format_words, &format, &problem),
+                            &problem))
+        return;
+    if (is_given)
+        server_query_handle(exchange, &formats[format]->kind);
+    else
+        picture_handle(exchange, formats[format]);
 }

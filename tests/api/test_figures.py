@@ -1,0 +1,405 @@
+"""Figures by POST …/picture: positions of lines and points against projections in this file,
+colours of pixels, labels, refusals with the place of the layer, jobs, limits."""
+import json
+import math
+import re
+import threading
+import time
+import unittest
+import xml.etree.ElementTree as ElementTree
+
+from harness import TestCase, sample
+from test_pictures import SVG, Png
+
+MARGIN = 0.1  # of the shorter side, if a unit is large in a small figure
+SIDE = 4  # of the plate
+RED = (0xd1, 0x12, 0x1f)
+
+
+def plate(cells=8):
+    """Returns a square of side SIDE in the plane z = 0, as OBJ."""
+    lines = [f"v {SIDE * i / cells} {SIDE * j / cells} 0" for j in range(cells + 1) for i in range(cells + 1)]
+    for j in range(cells):
+        for i in range(cells):
+            a = j * (cells + 1) + i + 1
+            lines += [f"f {a} {a + 1} {a + cells + 2}", f"f {a} {a + cells + 2} {a + cells + 1}"]
+    return ("\n".join(lines) + "\n").encode()
+
+
+def positions_of(obj):
+    return [tuple(map(float, line.split()[1:4])) for line in obj.decode().splitlines() if line.startswith("v ")]
+
+
+def dot(a, b):
+    return sum(x * y for x, y in zip(a, b))
+
+
+def cross(a, b):
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+def unit(a):
+    return tuple(x / math.sqrt(dot(a, a)) for x in a)
+
+
+class Projection:
+    """The parallel projection of a figure without a legend: the surface just fits."""
+
+    def __init__(self, positions, direction, width, height, up=(0, 1, 0)):
+        towards = unit(direction)
+        self.right = unit(cross(up, towards))
+        self.up = cross(towards, self.right)
+        xs, ys = [dot(p, self.right) for p in positions], [dot(p, self.up) for p in positions]
+        units = max(math.sqrt(width * height / 480000), 0.75)
+        margin = min(16 * units, MARGIN * min(width, height))
+        self.scale = min((width - 2 * margin) / (max(xs) - min(xs)), (height - 2 * margin) / (max(ys) - min(ys)))
+        self.x, self.y = width / 2 - self.scale * (min(xs) + max(xs)) / 2, height / 2 + self.scale * (min(ys) + max(ys)) / 2
+
+    def __call__(self, position):
+        return self.x + self.scale * dot(position, self.right), self.y - self.scale * dot(position, self.up)
+
+
+def subpaths(element):
+    """Returns the polylines of an SVG path."""
+    return [[tuple(map(float, place.split())) for place in part.split("L")] for part in element.get("d").split("M")[1:]]
+
+
+def distance_to_line(place, line):
+    best = math.inf
+    for a, b in zip(line, line[1:]):
+        along = (b[0] - a[0], b[1] - a[1])
+        length = dot(along, along)
+        t = min(max(dot((place[0] - a[0], place[1] - a[1]), along) / length, 0), 1) if length else 0
+        best = min(best, math.dist(place, (a[0] + t * along[0], a[1] + t * along[1])))
+    return best
+
+
+class Figure:
+    def __init__(self, body):
+        self.root = ElementTree.fromstring(body)
+        self.groups = {}
+        for group in self.root.iter(SVG + "g"):
+            self.groups.setdefault(group.get("id"), []).append(group)
+
+    def lines(self, layer, dashed=False):
+        """Returns the polylines of a layer's last pen: the visible ones, or the hidden ones."""
+        found = []
+        for group in self.groups.get(f"layer-{layer}", ()):
+            paths = [path for path in group.iter(SVG + "path") if bool(path.get("stroke-dasharray")) == dashed]
+            found += subpaths(paths[-1]) if paths else []
+        return found
+
+    def discs(self, layer):
+        """Returns (x, y, radius, colour, opacity) of a layer's circles."""
+        return [(*(float(circle.get(name)) for name in ("cx", "cy", "r")), circle.get("fill"), float(circle.get("fill-opacity")))
+                for group in self.groups.get(f"layer-{layer}", ()) for circle in group.iter(SVG + "circle")]
+
+    def strokes(self, layer):
+        return [path.get("stroke") for group in self.groups.get(f"layer-{layer}", ()) for path in group.iter(SVG + "path")]
+
+    def texts(self):
+        return [(text.text, float(text.get("x")), float(text.get("y"))) for text in self.root.iter(SVG + "text")]
+
+
+class FigureTests(TestCase):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.meshes = {"plate": plate(), "sphere": sample("icosphere", level=4)}
+        cls.put_all(cls.meshes)
+
+    def posted(self, document, mesh="plate", form="svg", status=200, **headers):
+        answer = self.daemon.request("POST", f"/v1/meshes/{mesh}/picture?format={form}", json.dumps(document).encode(),
+                                     {"Content-Type": "application/json", **headers})
+        self.assertEqual(answer.status, status, answer)
+        return answer
+
+    def figure(self, layers, mesh="plate", width=400, height=400, **members):
+        document = {"layers": layers, "camera": {"view": "front"}, "legend": False, "width": width, "height": height, **members}
+        return Figure(self.posted(document, mesh).body)
+
+    def png(self, layers, mesh="plate", **members):
+        document = {"layers": layers, "camera": {"view": "front"}, "legend": False, "width": 200, "height": 200, **members}
+        return Png(self.posted(document, mesh, "png").body)
+
+    def projection(self, mesh="plate", direction=(0, 0, 1), width=400, height=400):
+        return Projection(positions_of(self.meshes[mesh]), direction, width, height)
+
+    def refused(self, layers, pointer, status=400, code="invalid_request", **members):
+        problem = self.posted({"layers": layers, **members}, status=status).json
+        self.assertEqual((problem["code"], problem.get("pointer")), (code, pointer), problem)
+        return problem["detail"]
+
+    def assert_drawn(self, positions, lines, projection, away=0.15):
+        """Asserts that each position is on a drawn line."""
+        for position in positions:
+            place = projection(position)
+            self.assertLess(min(distance_to_line(place, line) for line in lines), away, position)
+
+    # --- one scene ---
+
+    def test_get_and_post_are_one_scene(self):
+        layers = [{"field": {"points": [{"vertex": 0}]}}, {"isolines": {"count": 10}}, {"surface": {"edges": True}}]
+        for form in ("png", "svg"):
+            posted = self.posted({"layers": layers, "camera": {"view": "iso"}, "width": 300, "height": 240}, "sphere", form).body
+            got = self.daemon.request("GET", f"/v1/meshes/sphere/picture.{form}?source=v:0&view=iso&edges=true&size=300x240", None, {}).body
+            self.assertEqual(posted, got)
+
+    def test_a_figure_without_layers_is_the_surface(self):
+        got = self.daemon.request("GET", "/v1/meshes/sphere/picture.png", None, {}).body
+        self.assertEqual(self.posted({"layers": []}, "sphere", "png").body, got)
+
+    # --- layers against computations of this file ---
+
+    def test_a_path_is_where_its_points_project(self):
+        direction = (1, 0.7, 2)
+        pair = {"from": {"vertex": 0}, "to": {"vertex": 1000}}
+        figure = self.figure([{"path": pair}], "sphere", camera={"direction": direction})
+        points = [point["xyz"] for point in self.asked("sphere", "path", pair)["path"]["points"]]
+        project, towards = self.projection("sphere", direction), unit(direction)
+        seen, hidden = figure.lines(0), figure.lines(0, dashed=True)
+        self.assert_drawn(points, seen + hidden, project)
+        for line in seen:  # a point of the unit sphere is visible if it lies towards the eye
+            for place in line:
+                self.assertTrue(any(math.dist(place, project(p)) < 40 and dot(p, towards) > -0.2 for p in points))
+        ends = figure.discs(0)
+        self.assertEqual(len(ends), 4)  # a ring and a disc
+        for disc, point in zip(ends[::2], (points[0], points[-1])):
+            self.assertLess(math.dist(disc[:2], project(point)), 0.02)
+        self.assertEqual(self.figure([{"path": pair, "ends": False}], "sphere").discs(0), [])
+
+    def test_a_hidden_path_is_dashed_or_left_out_or_shown(self):
+        pair = {"from": {"xyz": [0.3, 0.2, -1]}, "to": {"xyz": [-0.3, 0.1, -1]}}
+        for hidden, seen_lines, dashed_lines in (("faint", 0, 1), ("none", 0, 0), ("shown", 1, 0)):
+            figure = self.figure([{"path": pair, "hidden": hidden, "ends": False}], "sphere")
+            self.assertEqual((len(figure.lines(0)), len(figure.lines(0, dashed=True))), (seen_lines, dashed_lines), hidden)
+
+    def test_a_fan_has_a_line_for_each_direction(self):
+        figure = self.figure([{"trace": {"start": {"xyz": [2, 2, 0]}, "fan": 12, "length": 1.5}}])
+        lines, project = figure.lines(0), self.projection()
+        self.assertEqual(len(lines), 12)
+        for line in lines:
+            self.assertLess(math.dist(line[0], project((2, 2, 0))), 0.05)
+            self.assertAlmostEqual(math.dist(line[0], line[-1]), 1.5 * project.scale, delta=0.1)
+        angles = sorted(math.atan2(line[0][1] - line[-1][1], line[-1][0] - line[0][0]) % (2 * math.pi) for line in lines)
+        for a, b in zip(angles, angles[1:]):
+            self.assertAlmostEqual(b - a, 2 * math.pi / 12, delta=1e-3)
+
+    def test_exp_draws_the_paths_of_vectors(self):
+        figure = self.figure([{"exp": {"start": {"xyz": [1, 1, 0]}, "vectors": [{"direction": [1, 0, 0], "length": 2}, {"direction": [0, 1, 0], "length": 1}]}}])
+        self.assertEqual(len(figure.lines(0)), 2)
+        self.assert_drawn([(3, 1, 0), (1, 2, 0), (2, 1, 0)], figure.lines(0), self.projection())
+
+    def test_a_spline_its_control_points_and_its_frames(self):
+        body = {"points": [{"xyz": [0.5, 1, 0]}, {"xyz": [2, 3, 0]}, {"xyz": [3.5, 1, 0]}], "samples": 8}
+        answer, project = self.asked("plate", "spline", body), self.projection()
+        plain = self.figure([{"spline": body}])
+        self.assert_drawn([point["xyz"] for point in answer["path"]["points"]], plain.lines(0), project)
+        self.assertEqual(plain.discs(0), [])
+        controls = self.figure([{"spline": body, "controls": True}])
+        expected = [project(point["xyz"]) for segment in answer["segments"] for point in segment["control_points"][1:3]]
+        drawn = [disc[:2] for disc in controls.discs(0)[1::2]]
+        self.assertEqual(len(drawn), len(expected))
+        for a, b in zip(drawn, expected):
+            self.assertLess(math.dist(a, b), 0.02)
+        for segment in answer["segments"]:  # the arms are straight lines of the plane
+            a, b = segment["control_points"][0]["xyz"], segment["control_points"][1]["xyz"]
+            self.assert_drawn([[(p + q) / 2 for p, q in zip(a, b)]], controls.lines(0), project)
+        framed = self.figure([{"spline": body, "frames": 4}])
+        self.assertEqual(len(framed.groups["layer-0"]), 4)
+        self.assertLessEqual({"#c62828", "#1a5fb4", "#1b7f3b"}, set(framed.strokes(0)))
+        frames = self.asked("plate", "spline", {**body, "frames": True})["frames"]
+        length = 0.04 * math.dist((0, 0, 0), (SIDE, SIDE, 0))
+        for frame in frames[::4]:
+            for vector in (frame["tangent"], frame["binormal"]):
+                self.assert_drawn([[p + length * v for p, v in zip(frame["xyz"], vector)]], framed.lines(0) + sum(
+                    (subpaths(path) for group in framed.groups["layer-0"] for path in group.iter(SVG + "path")), []), project)
+
+    def test_the_bisector_of_two_points_is_perpendicular(self):
+        a, b = (1, 1.3, 0), (3, 2.2, 0)
+        figure = self.figure([{"voronoi": {"set": {"points": [{"xyz": a}, {"xyz": b}]}}}])
+        project, lines = self.projection(), figure.lines(0)
+        self.assertEqual(len(lines), 1)
+        for place in lines[0]:
+            self.assertAlmostEqual(math.dist(place, project(a)), math.dist(place, project(b)), delta=0.1)
+
+    def test_isolines_at_levels_are_circles(self):
+        levels = [0.5, 1, 1.5]
+        figure = self.figure([{"field": {"points": [{"xyz": [2, 2, 0]}]}}, {"isolines": {"levels": levels}, "color": "#ff0000", "width": 2}])
+        project = self.projection()
+        drawn = [path for path in figure.root.iter(SVG + "path") if path.get("stroke") == "#ff0000"]
+        radii = [math.dist(place, project((2, 2, 0))) / project.scale for line in subpaths(drawn[0]) for place in line]
+        self.assertEqual(len(drawn), 1)
+        for level in levels:
+            self.assertTrue(any(abs(radius - level) < 1e-3 for radius in radii))
+        self.assertTrue(all(min(abs(radius - level) for level in levels) < 5e-3 for radius in radii))
+
+    def test_curves_and_their_distance(self):
+        line = {"points": [{"xyz": [1, 1, 0]}, {"xyz": [1, 3, 0]}]}
+        figure = self.figure([{"curve": {"curve": line, "operation": "length"}},
+                              {"curve_distance": {"a": line, "b": {"points": [{"xyz": [3, 1.5, 0]}, {"xyz": [3.5, 2, 0]}]}, "measure": "min"}}])
+        self.assert_drawn([(1, 1, 0), (1, 2, 0), (1, 3, 0)], figure.lines(0), self.projection())
+        self.assert_drawn([(1, 1.5, 0), (2, 1.5, 0), (3, 1.5, 0)], figure.lines(1), self.projection())
+
+    def test_points_have_labels_that_do_not_overlap(self):
+        places = [(2 + 0.2 * i, 2 + 0.15 * j, 0) for i in range(4) for j in range(3)]
+        names = [f"P{i}" for i in range(len(places))]
+        names[3], names[5] = "a<b & c>d", ""
+        figure = self.figure([{"points": [{"xyz": place} for place in places], "labels": names, "color": "#123456", "radius": 3}])
+        project, discs = self.projection(), figure.discs(0)[1::2]
+        self.assertEqual([disc[3] for disc in discs], ["#123456"] * len(places))
+        for disc, place in zip(discs, places):
+            self.assertLess(math.dist(disc[:2], project(place)), 0.02)
+        self.assertEqual([text[0] for text in figure.texts()], [name for name in names if name])
+        crowded = [text for text in figure.texts() if re.fullmatch(r"P\d", text[0])]
+        for i, a in enumerate(crowded):
+            for b in crowded[:i]:
+                self.assertTrue(abs(a[1] - b[1]) > 10 or abs(a[2] - b[2]) > 8, (a, b))
+
+    def test_hidden_points_are_faint(self):
+        points = [{"xyz": [0, 0, 1]}, {"xyz": [0.1, 0.1, -1]}]
+        opacities = {hidden: [disc[4] for disc in self.figure([{"points": points, "hidden": hidden}], "sphere").discs(0)[1::2]]
+                     for hidden in ("faint", "none", "shown")}
+        self.assertEqual(opacities, {"faint": [1, 0.4], "none": [1], "shown": [1, 1]})
+
+    def test_colours_of_pixels(self):
+        line = {"curve": {"curve": {"points": [{"xyz": [0.5, 2, 0]}, {"xyz": [3.5, 2, 0]}]}, "operation": "length"}, "color": "#00c8ff", "width": 6}
+        png, project = self.png([line]), self.projection(width=200, height=200)
+        for x in (1, 2, 3):
+            at = project((x, 2, 0))
+            self.assertEqual(png.at(int(at[0]), int(at[1])), (0, 0xc8, 0xff))
+        self.assertEqual(self.png([], background="dark").at(0, 0), (23, 26, 31))
+        grey, blue = self.png([]).at(100, 60), self.png([{"surface": {}, "color": "#0000ff"}]).at(100, 60)
+        self.assertLess(max(grey) - min(grey), 16)
+        self.assertTrue(blue[0] == blue[1] == 0 and blue[2] > 100, blue)
+
+    def test_lines_without_colour_differ(self):
+        trace = {"start": {"xyz": [2, 2, 0]}, "fan": 3, "length": 1}
+        figure = self.figure([{"trace": trace}, {"trace": trace, "color": "#777777"}, {"trace": trace}, {"points": [{"vertex": 0}]}])
+        colours = [figure.strokes(layer)[-1] for layer in range(3)]
+        self.assertEqual((colours[0], colours[1], len(set(colours))), ("#d1121f", "#777777", 3))
+
+    def test_zoom_and_target(self):
+        target = (1, 3, 0)
+        figure = self.figure([{"points": [{"xyz": target}, {"xyz": [2, 3, 0]}]}], camera={"view": "front", "zoom": 5, "target": target})
+        (x, y, *_), (x2, y2, *_) = figure.discs(0)[1::2]
+        self.assertLess(math.dist((x, y), (200, 200)), 0.02)
+        self.assertAlmostEqual(x2 - x, 5 * self.projection().scale, delta=0.05)
+        far = self.figure([{"trace": {"start": {"xyz": target}, "fan": 8, "length": 4}}], camera={"view": "front", "zoom": 100, "target": target})
+        places = [place for line in far.lines(0) for place in line]
+        self.assertTrue(places and all(-401 < value < 802 for place in places for value in place))
+
+    # --- legend ---
+
+    def test_names_stand_in_the_legend(self):
+        trace = {"start": {"xyz": [2, 2, 0]}, "fan": 3, "length": 1}
+        layers = [{"trace": trace, "label": f"a bundle of traces number {i}"} for i in range(7)] + [{"points": [{"vertex": 0}], "label": "a corner"}]
+        document = {"layers": layers, "camera": {"view": "front"}, "width": 500, "height": 400}
+        names = [text for text in Figure(self.posted(document).body).texts()]
+        self.assertEqual([name for name, _, _ in names], [layer["label"] for layer in layers])
+        self.assertTrue(all(0 < x < 500 - 100 and 200 < y < 398 for _, x, y in names))
+        self.assertEqual(len({(x, y) for _, x, y in names}), len(names))
+        self.assertEqual(Figure(self.posted({**document, "legend": False}).body).texts(), [])
+        narrow = Figure(self.posted({"layers": [{"trace": trace, "label": "m" * 40}], "width": 200, "height": 200}).body).texts()
+        self.assertRegex(narrow[0][0], r"^m+\.\.$")
+
+    # --- refusals ---
+
+    def test_a_problem_names_the_layer(self):
+        point, far = {"vertex": 0}, {"vertex": 7777}
+        detail = self.refused([{"tracks": {}}], "/layers/0")
+        for kind in ("surface", "field", "isolines", "path", "trace", "exp", "spline", "curve", "curve_distance", "voronoi", "points"):
+            self.assertIn(kind, detail)
+        self.refused([{}], "/layers/0")
+        self.refused([7], "/layers/0")
+        self.refused({"path": {}}, "/layers")
+        self.refused([{"points": [point]}, {"trace": {"start": point, "fan": 3, "length": -1}}], "/layers/1/trace/length")
+        self.refused([{"trace": 5}], "/layers/0/trace")
+        self.refused([{"points": [point]}, {"path": {"from": point, "to": far}}], "/layers/1/path/to")
+        self.refused([{"spline": {"points": [point, far]}}], "/layers/0/spline/points/1")
+        self.refused([{"points": [point, far]}], "/layers/0/points/1")
+        self.refused([{"field": {"points": [far]}}], "/layers/0/field/points/0")
+        self.refused([{"voronoi": {"set": {"points": [far]}}}], "/layers/0/voronoi/set/points/0")
+        self.refused([{"isolines": {"count": 3}}], "/layers/0/isolines")
+        self.refused([{"field": {"points": [point]}, "max_distance": 1}, {"isolines": {"levels": [0.5, 2]}}], "/layers/1/isolines")
+        self.refused([{"field": {"points": [point]}}, {"field": {"points": [point]}}], "/layers/1/field")
+        self.refused([{"points": [point], "color": "red"}], "/layers/0/color")
+        self.refused([{"points": [point], "color": "#12345g"}], "/layers/0/color")
+        self.refused([{"points": [point], "labels": ["\u00e9"]}], "/layers/0/labels/0")
+        self.refused([{"points": [point], "label": 41 * "x"}], "/layers/0/label")
+        self.refused([{"points": [point], "radius": 0}], "/layers/0/radius")
+        self.refused([{"points": [point], "width": 3}], "/layers/0/width")
+        self.refused([{"path": {"from": point, "to": point}, "width": 51}], "/layers/0/width")
+        self.refused([{"path": {"from": point, "to": point}, "hidden": "away"}], "/layers/0/hidden")
+
+    def test_limits_and_the_camera(self):
+        self.assertIn("64", self.refused([{"surface": {}}] * 65, "/layers", status=413, code="too_large"))
+        self.refused([], "/width", width=4096, height=4096, status=413, code="too_large")
+        self.refused([], "/height", height=15)
+        self.refused([], "/camera/direction", camera={"direction": [0, 0, 0]})
+        self.refused([], "/camera/up", camera={"up": [0, 0, 0]})
+        self.refused([], "/camera/zoom", camera={"zoom": 0.5})
+        self.refused([], "/camera/view", camera={"view": "under"})
+        self.refused([], "/background", background="red")
+        self.refused([{"points": [{"vertex": 0}] * 10001}], "/layers/0/points", status=413, code="too_large")
+        trace = {"trace": {"start": {"xyz": [0.2, 0.1, 1]}, "fan": 10000, "length": 60, "step_limit": 1000}}
+        problem = self.posted({"layers": [trace]}, "sphere", status=413).json
+        self.assertEqual((problem["code"], problem["pointer"], problem["limit"]), ("too_large", "/layers/0/trace", 4000000), problem)
+
+    # --- the request ---
+
+    def test_the_form_is_chosen(self):
+        def type_of(query, **headers):
+            answer = self.daemon.request("POST", "/v1/meshes/plate/picture" + query, b'{"layers": [], "width": 32, "height": 32}',
+                                         {"Content-Type": "application/json", **headers})
+            return answer.headers["Content-Type"] if answer.status == 200 else answer.status
+
+        self.assertEqual(type_of(""), "image/png")
+        self.assertEqual(type_of("", Accept="image/*"), "image/png")
+        self.assertEqual(type_of("", Accept="image/svg+xml"), "image/svg+xml")
+        self.assertEqual(type_of("", Accept="image/png;q=0.5, image/svg+xml"), "image/svg+xml")
+        self.assertEqual(type_of("?format=svg", Accept="image/png"), "image/svg+xml")
+        self.assertEqual(type_of("", Accept="application/json"), 406)
+        self.assertEqual(type_of("?format=svg"), "image/svg+xml")
+        self.assertEqual(type_of("?format=gif"), 400)
+
+    def test_as_a_job(self):
+        layers = [{"trace": {"start": {"vertex": 0}, "fan": 40, "length": 3}}, {"field": {"points": [{"vertex": 7}]}}]
+        answer = self.posted({"layers": layers}, "sphere", "png", status=202, Prefer="respond-async")
+        place = answer.headers["Location"]
+        while self.daemon.get(place).json["state"] in ("queued", "running"):
+            time.sleep(0.01)
+        result = self.daemon.get(place + "/result")
+        self.assertEqual((result.status, result.headers["Content-Type"]), (200, "image/png"))
+        self.assertEqual(result.body, self.posted({"layers": layers}, "sphere", "png").body)
+
+    def test_it_ends_at_its_deadline(self):
+        layers = [{"trace": {"start": {"vertex": 0}, "fan": 1000, "length": 30}}, {"field": {"points": [{"vertex": 7}]}}]
+        answer = self.daemon.request("POST", "/v1/meshes/sphere/picture?timeout_ms=1", json.dumps({"layers": layers}).encode(), {"Content-Type": "application/json"})
+        self.assertEqual(self.assert_problem(answer, 504, "deadline_exceeded").get("pointer"), None)
+
+    def test_layers_that_share_a_field_wait_for_it(self):
+        """Many figures at once, whose field, bisectors and paths need the same new field."""
+        answers = []
+
+        def ask(vertex):
+            points = [{"vertex": vertex}, {"vertex": vertex + 900}]
+            answers.append(self.posted({"layers": [{"voronoi": {"set": {"points": points}}}, {"field": {"points": points}}, {"isolines": {"count": 4}}],
+                                        "width": 64, "height": 64}, "sphere", "png"))
+
+        threads = [threading.Thread(target=ask, args=(10 + i // 4,)) for i in range(16)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(len(answers), 16)
+
+    def test_memory_is_given_back(self):
+        trace = {"trace": {"start": {"vertex": 0}, "fan": 100, "length": 3}}
+        self.posted({"layers": [trace, {"points": [{"vertex": 3}], "labels": ["x"]}]}, "sphere", "png")
+        self.posted({"layers": [trace, {"points": [{"vertex": 99999}]}]}, "sphere", status=400)
+        self.daemon.wait_for_flight()
+
+
+if __name__ == "__main__":
+    unittest.main()
