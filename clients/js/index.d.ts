@@ -171,6 +171,14 @@ export class Surface<Queries = Record<string, { body: unknown; answer: unknown }
     body: Queries[Name] extends { body: infer Body } ? Body : never,
     options?: QueryOptions,
   ): Promise<Queries[Name] extends { answer: infer Answer } ? Answer : never>;
+  /**
+   * Draws a figure of the surface as a PNG or SVG file. The options have the other members of the
+   * contract's request: { camera: { view: "top" } }.
+   */
+  figure(
+    layers: object[],
+    options?: QueryOptions & { form?: "png" | "svg"; [member: string]: unknown },
+  ): Promise<ArrayBuffer>;
 }
 
 export interface Path {

@@ -372,6 +372,10 @@ export class Surface extends Resource {
     super(client, `/v1/${kind}/${encodeURIComponent(name)}`);
     this.name = name;
   }
+
+  async figure(layers, { form = "png", onProgress, signal, ...scene } = {}) {
+    return this.get("/picture", "arrayBuffer", { query: { format: form }, body: { layers, ...scene }, onProgress, signal }, "POST");
+  }
 }
 
 export class Field extends Resource {

@@ -4,6 +4,8 @@
 
 /* If the sine of the angle between `up` and the line of sight is smaller, `up` is not used. */
 #define PARALLEL 1e-6
+/* how far beyond the surface the points of layers enlarge the view, relative to the surface */
+#define BEYOND 0.25
 
 static const struct gd_vec3 x_axis = {1, 0, 0}, y_axis = {0, 1, 0};
 
@@ -72,21 +74,48 @@ struct gd__camera gd__camera_aim(const struct gd_mesh *mesh, struct gd_vec3 towa
     return camera;
 }
 
+struct extent {
+    double left, right, bottom, top; /* normalised unit */
+};
+
+static void extent_add(struct extent *extent, double x, double y)
+{
+    extent->left = fmin(extent->left, x);
+    extent->right = fmax(extent->right, x);
+    extent->bottom = fmin(extent->bottom, y);
+    extent->top = fmax(extent->top, y);
+}
+
+/* Adds the points of a layer. A point outside `most` counts as one on its border. */
+static void extent_add_layer(struct extent *extent, const struct extent *most,
+                             const struct gd__camera *camera, double unit,
+                             const struct gd_picture_layer *layer)
+{
+    uint32_t count = layer->first ? layer->first[layer->count] : layer->count;
+    for (uint32_t i = 0; i < count; i++) {
+        struct gd_vec3 at = gd_vec3_sub(gd_vec3_scale(layer->points[i], 1 / unit), camera->centre);
+        double x = gd_vec3_dot(at, camera->right), y = gd_vec3_dot(at, camera->up);
+        extent_add(extent, fmin(fmax(x, most->left), most->right),
+                   fmin(fmax(y, most->bottom), most->top));
+    }
+}
+
 void gd__camera_fit(struct gd__camera *camera, const struct gd_mesh *mesh,
+                    const struct gd_picture_layer *layers, uint32_t layer_count,
                     const struct gd__viewport *window)
 {
-    double left = DBL_MAX, right = -DBL_MAX, bottom = DBL_MAX, top = -DBL_MAX;
+    struct extent e = {DBL_MAX, -DBL_MAX, DBL_MAX, -DBL_MAX};
     for (uint32_t v = 0; v < mesh->vertex_count; v++) {
         struct gd_vec3 at = gd_vec3_sub(mesh->position[v], camera->centre);
-        double x = gd_vec3_dot(at, camera->right), y = gd_vec3_dot(at, camera->up);
-        left = fmin(left, x);
-        right = fmax(right, x);
-        bottom = fmin(bottom, y);
-        top = fmax(top, y);
+        extent_add(&e, gd_vec3_dot(at, camera->right), gd_vec3_dot(at, camera->up));
     }
-    camera->scale = fmin(window->width / (right - left), window->height / (top - bottom));
-    camera->x = window->left + 0.5 * window->width - 0.5 * (left + right) * camera->scale;
-    camera->y = window->top + 0.5 * window->height + 0.5 * (bottom + top) * camera->scale;
+    double more = BEYOND * fmax(e.right - e.left, e.top - e.bottom);
+    const struct extent most = {e.left - more, e.right + more, e.bottom - more, e.top + more};
+    for (uint32_t i = 0; i < layer_count; i++)
+        extent_add_layer(&e, &most, camera, mesh->unit, &layers[i]);
+    camera->scale = fmin(window->width / (e.right - e.left), window->height / (e.top - e.bottom));
+    camera->x = window->left + 0.5 * window->width - 0.5 * (e.left + e.right) * camera->scale;
+    camera->y = window->top + 0.5 * window->height + 0.5 * (e.bottom + e.top) * camera->scale;
 }
 
 void gd__camera_zoom(struct gd__camera *camera, const struct gd__viewport *window, double zoom,

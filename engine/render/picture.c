@@ -233,7 +233,7 @@ static enum gd_status picture_aim(struct studio *studio, const struct gd__subjec
     if (status) return status;
     struct gd__viewport window = gd__legend_window(&studio->legend);
     studio->camera = gd__camera_aim(studio->mesh, direction, picture->up);
-    gd__camera_fit(&studio->camera, studio->mesh, &window);
+    gd__camera_fit(&studio->camera, studio->mesh, picture->layers, picture->layer_count, &window);
     if (picture->zoom > 1) {
         struct gd_vec3 target =
             picture->target ? inside(studio->mesh, *picture->target) : studio->camera.centre;

@@ -68,7 +68,7 @@ static enum gd_status try_view(const struct chooser *chooser, struct gd_vec3 dir
     struct gd__camera camera = gd__camera_aim(mesh, direction, chooser->up);
     /* a copy of the budget, because the sketch frees all its memory */
     struct gd__budget budget = *chooser->budget;
-    gd__camera_fit(&camera, mesh, &sketch);
+    gd__camera_fit(&camera, mesh, NULL, 0, &sketch);
     for (uint32_t v = 0; v < mesh->vertex_count; v++)
         chooser->points[v] = gd__camera_project(&camera, mesh->position[v]);
     for (uint32_t i = 0; i < chooser->subject->count; i++)

@@ -85,6 +85,10 @@ class CommandLine(TestCase):
                 self.geodesic("picture", "drawn", path, "--source", "v:0", "--from", "v:0", "--to", "v:2", "--via", "v:1", "--size", "90x60")
                 with open(path, "rb") as file:
                     self.assertTrue(file.read().startswith(begins))
+                self.geodesic("figure", "drawn", path, '{"layers": [{"points": [{"vertex": 0}]}], "width": 90, "height": 60}')
+                with open(path, "rb") as file:
+                    self.assertTrue(file.read().startswith(begins))
+        self.assertIn("/layers/0", self.geodesic("figure", "drawn", "-", '{"layers": [{"points": []}]}', status=1))
         self.assertIn("WIDTH", self.geodesic("picture", "--help"))
         self.assertIn("geodesic: ", self.geodesic("picture", "drawn", "-", "--view", "nowhere", status=1))
         self.assertEqual(json.loads(self.geodesic("show", "square", "--json"))["faces"], 2)

@@ -289,6 +289,12 @@ class FigureTests(TestCase):
         places = [place for line in far.lines(0) for place in line]
         self.assertTrue(places and all(-401 < value < 802 for place in places for value in place))
 
+    def test_arrows_beyond_the_surface_are_in_the_figure(self):
+        body = {"points": [{"xyz": [0, 0, 1]}, {"xyz": [1, 0, 0]}, {"xyz": [0, 0, -1]}], "samples": 4}
+        figure = self.figure([{"spline": body, "frames": 1}], "sphere", camera={"direction": [0, 1, 0]})
+        places = [place for group in figure.groups["layer-0"] for path in group.iter(SVG + "path") for line in subpaths(path) for place in line]
+        self.assertTrue(all(0 < value < 400 for place in places for value in place))
+
     # --- legend ---
 
     def test_names_stand_in_the_legend(self):

@@ -92,6 +92,8 @@ class JavaScriptClient(TestCase):
             assert.match(await square.content(), /^f 1 2 3$/m);
             const start = (buffer) => Buffer.from(buffer).toString("latin1", 0, 4);
             assert.deepEqual([start(await square.content("glb")), start(await square.picture("png", { source: "v:0", size: "64x64" }))], ["glTF", "\\x89PNG"]);
+            assert.equal(start(await square.figure([{ points: [{ vertex: 0 }] }], { width: 32, height: 32 })), "\\x89PNG");
+            assert.equal(start(await square.figure([], { form: "svg", camera: { view: "top" } })), "<svg");
             assert.deepEqual([start(await (await square.field(0)).file()), start(await square.pathFile(0, 2, "svg"))], ["ply\\n", "<svg"]);
         """)
 

@@ -122,6 +122,11 @@ class Meshes(TestCase):
             self.client.upload(f"many-{i}", SQUARE)
         self.assertLessEqual({"square", "many-0", "many-2"}, {mesh["name"] for mesh in self.client.meshes()})
 
+    def test_figures(self):
+        layers = [{"path": {"from": {"vertex": 0}, "to": {"vertex": 2}}, "label": "a path"}]
+        self.assertEqual(self.square.figure(layers, width=32, height=32)[:4], b"\x89PNG")
+        self.assertIn(b">a path</text>", self.square.figure(layers, "svg", camera={"view": "top"}))
+
     def test_files(self):
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "mesh.off")

@@ -22,7 +22,7 @@ from common import Daemon
 from figures import conclude, quantile, report
 
 KINDS = ["distance", "path", "matrix", "batch", "to_set", "field", "evaluate", "isolines", "values", "voronoi", "farthest", "curve_distance", "trace",
-         "exp", "log", "transport", "mean", "spline", "curve", "cut", "content", "picture", "limit_evaluate", "limit_trace", "limit_path", "discretize",
+         "exp", "log", "transport", "mean", "spline", "curve", "cut", "content", "picture", "figure", "limit_evaluate", "limit_trace", "limit_path", "discretize",
          "nurbs_evaluate", "nurbs_geodesic", "nurbs_distance", "tessellate"]
 LEAST_MS, MOST_MS = 1, 60
 ASKED_MS, SHORT_MS = 50, 1000
@@ -46,6 +46,11 @@ class Expensive(mix.Mix):
 
     def picture(self, mesh):
         return self.get("picture", f"meshes/{mesh}/picture.png?source=v:{self.chance.randint(0, 9)}&isolines=100&size=3840x2160")
+
+    def figure(self, mesh):
+        points = self.points(mesh, 3)
+        layers = [{"trace": {"start": points[0], "fan": 500, "length": 20}}, {"field": {"points": points}}, {"isolines": {"count": 100}}]
+        return self.ask("figure", mesh, "picture", layers=layers, width=3840, height=2160)
 
     def voronoi(self, mesh):
         return self.ask("voronoi", mesh, "voronoi", set={"points": self.points(mesh, 6), "curves": [{"points": self.points(mesh, 3)}]})

@@ -21,7 +21,7 @@ WEIGHTS = {
     "isolines": 3, "describe": 3, "list": 2, "voronoi": 2, "farthest": 1, "curve_distance": 2, "trace": 3, "exp": 2, "log": 2,
     "transport": 2, "mean": 1, "spline": 2, "curve": 2, "cut": 2, "upload": 2, "remove": 1, "wrong": 3, "job": 1, "content": 1,
     "limit_evaluate": 2, "limit_nearest": 2, "limit_trace": 1, "limit_path": 1, "discretize": 1,
-    "picture": 2, "nurbs_evaluate": 2, "nurbs_nearest": 2, "nurbs_geodesic": 1, "nurbs_distance": 1, "tessellate": 1,
+    "picture": 2, "figure": 1, "nurbs_evaluate": 2, "nurbs_nearest": 2, "nurbs_geodesic": 1, "nurbs_distance": 1, "tessellate": 1,
 }
 
 
@@ -165,6 +165,12 @@ class Mix:
     def picture(self, mesh):
         return self.get("picture", f"meshes/{mesh}/picture.{self.chance.choice(('png', 'svg'))}?source=v:{self.chance.randint(0, 9)}&from=v:0&to=v:5"
                                    f"&size={self.chance.randint(16, 400)}x{self.chance.randint(16, 300)}")
+
+    def figure(self, mesh):
+        points, width = self.points(mesh, 3), self.chance.randint(16, 400)
+        layers = [{"voronoi": {"set": {"points": points}}}, {"field": {"points": points[:1]}}, {"trace": {"start": points[1], "fan": 20, "length": 1}},
+                  {"points": points, "labels": ["a", "b", "c"]}]
+        return self.ask("figure", mesh, "picture", layers=self.chance.sample(layers, self.chance.randint(0, 4)), width=width, height=width)
 
     def describe(self, mesh):
         return self.get("describe", f"meshes/{mesh}")
