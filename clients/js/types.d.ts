@@ -831,8 +831,12 @@ export type PictureCamera = {
   target?: Vector;
 };
 
-/** A layer. The first required member names its kind. */
-export type PictureLayer = (PictureSurfaceLayer | PictureFieldLayer | PictureIsolinesLayer | PicturePathLayer | PictureTraceLayer | PictureExpLayer | PictureSplineLayer | PictureCurveLayer | PictureCurveDistanceLayer | PictureVoronoiLayer | PicturePointsLayer);
+/**
+ * A layer. The first required member names its kind. Subdivision surfaces have the layers
+ * `surface`, `path`, `trace` and `points`; NURBS surfaces have `surface`, `path`, `curve_distance`,
+ * `point_curve_distance`, `points`, `isoparametric` and `control_net`; meshes have all others.
+ */
+export type PictureLayer = (PictureSurfaceLayer | PictureFieldLayer | PictureIsolinesLayer | PicturePathLayer | PictureTraceLayer | PictureExpLayer | PictureSplineLayer | PictureCurveLayer | PictureCurveDistanceLayer | PictureVoronoiLayer | PicturePointsLayer | PicturePointCurveDistanceLayer | PictureIsoparametricLayer | PictureControlNetLayer);
 
 /** How the surface itself is drawn. */
 export type PictureSurfaceLayer = {
@@ -856,7 +860,7 @@ export type PictureIsolinesLayer = {
 
 /** The shortest path of `POST …/path`. */
 export type PicturePathLayer = {
-  path: PairRequest;
+  path: (PairRequest | LimitPairRequest | GeodesicRequest);
   /** A ring at the start and a disc at the end. */
   ends?: boolean;
   color?: PictureColor;
@@ -867,7 +871,7 @@ export type PicturePathLayer = {
 
 /** The straightest geodesics of `POST …/trace`. */
 export type PictureTraceLayer = {
-  trace: TraceRequest;
+  trace: (TraceRequest | LimitTraceRequest);
   color?: PictureColor;
   width?: PictureWidth;
   hidden?: PictureHidden;
@@ -913,7 +917,7 @@ export type PictureCurveLayer = {
 
 /** The path of `POST …/curve-distance`. */
 export type PictureCurveDistanceLayer = {
-  curve_distance: CurveDistanceRequest;
+  curve_distance: (CurveDistanceRequest | NurbsCurveDistanceRequest);
   color?: PictureColor;
   width?: PictureWidth;
   hidden?: PictureHidden;
@@ -931,7 +935,7 @@ export type PictureVoronoiLayer = {
 
 /** Points as discs. */
 export type PicturePointsLayer = {
-  points: Point[];
+  points: (Point | LimitPlace | Place)[];
   /** Texts beside the points, in their order; an empty text draws nothing. */
   labels?: PictureLabel[];
   /** In units, as `width`. */
@@ -939,6 +943,45 @@ export type PicturePointsLayer = {
   color?: PictureColor;
   hidden?: PictureHidden;
   label?: PictureLabel;
+};
+
+/** The path of `POST …/point-curve-distance`. Only for NURBS surfaces. */
+export type PicturePointCurveDistanceLayer = {
+  point_curve_distance: PointCurveRequest;
+  color?: PictureColor;
+  width?: PictureWidth;
+  hidden?: PictureHidden;
+  label?: PictureLabel;
+};
+
+/** Lines of constant u or v. Only for NURBS surfaces. */
+export type PictureIsoparametricLayer = {
+  isoparametric: PictureIsoparametric;
+  color?: PictureColor;
+  width?: PictureWidth;
+  hidden?: PictureHidden;
+  label?: PictureLabel;
+};
+
+/** The control points of a NURBS surface, and the lines between neighbours. */
+export type PictureControlNetLayer = {
+  control_net: PictureControlNet;
+  color?: PictureColor;
+  width?: PictureWidth;
+  hidden?: PictureHidden;
+  label?: PictureLabel;
+};
+
+export type PictureIsoparametric = {
+  /** Into how many equal parts lines of constant u divide the range of u; 0 draws no such lines. */
+  u?: number;
+  /** As `u`. */
+  v?: number;
+};
+
+export type PictureControlNet = {
+  /** Draws the control points. */
+  points?: boolean;
 };
 
 export type PictureSurface = {
@@ -962,7 +1005,10 @@ export type PictureColor = string;
  */
 export type PictureWidth = number;
 
-/** How to draw the parts that the surface hides. */
+/**
+ * How to draw the parts that the surface hides. The default is `faint`; for the layer
+ * `isoparametric` it is `none`.
+ */
 export type PictureHidden = ("faint" | "none" | "shown");
 
 /** Printable ASCII. */
@@ -2405,6 +2451,11 @@ export interface SubdivisionQueries {
     body: LimitPairRequest;
     answer: LimitPairAnswer;
   };
+  /** Draw a figure of the surface */
+  "picture": {
+    body: PictureRequest;
+    answer: unknown;
+  };
   /** Store the surface as a triangle mesh */
   "tessellate": {
     body: DiscretizeRequest;
@@ -2448,6 +2499,11 @@ export interface NurbsQueries {
   "curve-distance": {
     body: NurbsCurveDistanceRequest;
     answer: GeodesicAnswer;
+  };
+  /** Draw a figure of the surface */
+  "picture": {
+    body: PictureRequest;
+    answer: unknown;
   };
   /** Store the surface as a triangle mesh */
   "tessellate": {

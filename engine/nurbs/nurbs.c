@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/tolerance.h"
+#include "nurbs/surface.h"
 
 /* --- one direction ---------------------------------------------------------------------------- */
 
@@ -157,4 +158,23 @@ enum gd_status gd_nurbs_create(const struct gd_nurbs_data *data, struct gd_param
     recognise(nurbs, true, size, &evaluator.u);
     recognise(nurbs, false, size, &evaluator.v);
     return gd_parametric_create(&evaluator, out, detail);
+}
+
+/* --- the control net -------------------------------------------------------------------------- */
+
+bool gd_nurbs_counts(const struct gd_parametric *surface, uint32_t counts[2])
+{
+    if (surface->evaluator.jet != gd__nurbs_jet) return false;
+    const struct gd__nurbs *nurbs = surface->evaluator.shape;
+    counts[0] = nurbs->u.count;
+    counts[1] = nurbs->v.count;
+    return true;
+}
+
+struct gd_vec3 gd_nurbs_control_point(const struct gd_parametric *surface, uint32_t i, uint32_t j)
+{
+    const struct gd__nurbs *nurbs = surface->evaluator.shape;
+    const double *at = nurbs->control[(size_t)i * nurbs->v.count + j];
+    return (struct gd_vec3){at[0] / at[3] + nurbs->centre[0], at[1] / at[3] + nurbs->centre[1],
+                            at[2] / at[3] + nurbs->centre[2]};
 }

@@ -135,9 +135,8 @@ bool proto_picture_parse(const struct proto_parameters *parameters, struct proto
 
 /* --- figures ---------------------------------------------------------------------------------- */
 
-const char *proto_picture_layer_name(const struct proto_picture_layer *layer)
+const char *proto_picture_form_name(unsigned form)
 {
-    /* the members of all forms of layers, in the order of the forms, and then others */
     static const char *const names[] = {[PROTO_PICTURE_LAYER_SURFACE] = "surface",
                                         [PROTO_PICTURE_LAYER_FIELD] = "field",
                                         [PROTO_PICTURE_LAYER_ISOLINES] = "isolines",
@@ -148,8 +147,17 @@ const char *proto_picture_layer_name(const struct proto_picture_layer *layer)
                                         [PROTO_PICTURE_LAYER_CURVE] = "curve",
                                         [PROTO_PICTURE_LAYER_CURVE_DISTANCE] = "curve_distance",
                                         [PROTO_PICTURE_LAYER_VORONOI] = "voronoi",
-                                        [PROTO_PICTURE_LAYER_POINTS] = "points"};
-    return names[layer->form];
+                                        [PROTO_PICTURE_LAYER_POINTS] = "points",
+                                        [PROTO_PICTURE_LAYER_POINT_CURVE_DISTANCE] =
+                                            "point_curve_distance",
+                                        [PROTO_PICTURE_LAYER_ISOPARAMETRIC] = "isoparametric",
+                                        [PROTO_PICTURE_LAYER_CONTROL_NET] = "control_net"};
+    return names[form];
+}
+
+const char *proto_picture_layer_name(const struct proto_picture_layer *layer)
+{
+    return proto_picture_form_name(layer->form);
 }
 
 static struct gd_vec3 vector_of(const double xyz[3])

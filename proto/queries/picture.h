@@ -31,7 +31,8 @@ void proto_picture_free(struct proto_picture *picture); /* may be called repeate
 bool proto_picture_decode(const json_t *document, struct proto_picture *out,
                           struct proto_problem *problem);
 
-/* Returns the member that names the layer's kind. */
+/* Return the member that names the layer's kind, or a form of layers. */
 const char *proto_picture_layer_name(const struct proto_picture_layer *layer);
+const char *proto_picture_form_name(unsigned form);
 
 #endif

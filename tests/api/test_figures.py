@@ -101,15 +101,11 @@ class Figure:
         return [(text.text, float(text.get("x")), float(text.get("y"))) for text in self.root.iter(SVG + "text")]
 
 
-class FigureTests(TestCase):
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        cls.meshes = {"plate": plate(), "sphere": sample("icosphere", level=4)}
-        cls.put_all(cls.meshes)
+class FigureCase(TestCase):
+    kind = "meshes"
 
     def posted(self, document, mesh="plate", form="svg", status=200, **headers):
-        answer = self.daemon.request("POST", f"/v1/meshes/{mesh}/picture?format={form}", json.dumps(document).encode(),
+        answer = self.daemon.request("POST", f"/v1/{self.kind}/{mesh}/picture?format={form}", json.dumps(document).encode(),
                                      {"Content-Type": "application/json", **headers})
         self.assertEqual(answer.status, status, answer)
         return answer
@@ -118,15 +114,8 @@ class FigureTests(TestCase):
         document = {"layers": layers, "camera": {"view": "front"}, "legend": False, "width": width, "height": height, **members}
         return Figure(self.posted(document, mesh).body)
 
-    def png(self, layers, mesh="plate", **members):
-        document = {"layers": layers, "camera": {"view": "front"}, "legend": False, "width": 200, "height": 200, **members}
-        return Png(self.posted(document, mesh, "png").body)
-
-    def projection(self, mesh="plate", direction=(0, 0, 1), width=400, height=400):
-        return Projection(positions_of(self.meshes[mesh]), direction, width, height)
-
-    def refused(self, layers, pointer, status=400, code="invalid_request", **members):
-        problem = self.posted({"layers": layers, **members}, status=status).json
+    def refused(self, layers, pointer, mesh="plate", status=400, code="invalid_request", **members):
+        problem = self.posted({"layers": layers, **members}, mesh, status=status).json
         self.assertEqual((problem["code"], problem.get("pointer")), (code, pointer), problem)
         return problem["detail"]
 
@@ -135,6 +124,21 @@ class FigureTests(TestCase):
         for position in positions:
             place = projection(position)
             self.assertLess(min(distance_to_line(place, line) for line in lines), away, position)
+
+
+class FigureTests(FigureCase):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.meshes = {"plate": plate(), "sphere": sample("icosphere", level=4)}
+        cls.put_all(cls.meshes)
+
+    def png(self, layers, mesh="plate", **members):
+        document = {"layers": layers, "camera": {"view": "front"}, "legend": False, "width": 200, "height": 200, **members}
+        return Png(self.posted(document, mesh, "png").body)
+
+    def projection(self, mesh="plate", direction=(0, 0, 1), width=400, height=400):
+        return Projection(positions_of(self.meshes[mesh]), direction, width, height)
 
     # --- one scene ---
 
@@ -405,6 +409,117 @@ class FigureTests(TestCase):
         self.posted({"layers": [trace, {"points": [{"vertex": 3}], "labels": ["x"]}]}, "sphere", "png")
         self.posted({"layers": [trace, {"points": [{"vertex": 99999}]}]}, "sphere", status=400)
         self.daemon.wait_for_flight()
+
+
+class SmoothCase(FigureCase):
+    """Two marks with known positions give the projection, because the view also fits other
+    layers."""
+
+    def asked_of(self, query, document):
+        answer = self.daemon.request("POST", f"/v1/{self.kind}/s/{query}", json.dumps(document).encode(), {"Content-Type": "application/json"})
+        self.assertEqual(answer.status, 200, answer)
+        return answer.json
+
+    def scene(self, layers, ends):
+        """Draws the layers and two points with these positions, from the front. Returns the figure
+        and the projection."""
+        places, positions = zip(*ends)
+        figure = self.figure([*layers, {"points": places, "hidden": "shown"}], "s")
+        (x, y, *_), (x2, y2, *_) = figure.discs(len(layers))[1::2]
+        (px, py, _), (qx, qy, _) = positions
+        scale = math.dist((x, y), (x2, y2)) / math.dist((px, py), (qx, qy))
+        return figure, lambda p: (x + scale * (p[0] - px), y - scale * (p[1] - py))
+
+
+class SubdivisionFigures(SmoothCase):
+    kind = "subdivisions"
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cube = ("v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n"
+                "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n")
+        assert cls.daemon.request("PUT", "/v1/subdivisions/s", cube.encode(), {}).status == 201
+
+    def ends(self):
+        places = [{"face": 1, "uv": [0.3, 0.4]}, {"face": 1, "uv": [0.8, 0.7]}]
+        return list(zip(places, (point["xyz"] for point in self.asked_of("evaluate", {"points": places})["points"])))
+
+    def test_traces_and_paths_are_where_they_project(self):
+        trace = {"start": {"face": 1, "uv": [0.5, 0.5]}, "fan": 7, "length": 0.6}
+        pair = {"from": {"face": 1, "uv": [0.3, 0.4]}, "to": {"face": 4, "uv": [0.5, 0.5]}}
+        figure, project = self.scene([{"trace": trace}, {"path": pair}], self.ends())
+        lines = figure.lines(0)
+        self.assertEqual(len(lines), 7)
+        for path in self.asked_of("trace", trace)["paths"]:
+            self.assert_drawn([point["xyz"] for point in path["points"]], lines, project)
+        points = [point["xyz"] for point in self.asked_of("path", pair)["path"]["points"]]
+        self.assert_drawn(points, figure.lines(1) + figure.lines(1, dashed=True), project)
+
+    def test_problems(self):
+        detail = self.refused([{"field": {"points": [{"vertex": 0}]}}], "/layers/0/field", "s")
+        self.assertIn("surface, path, trace, points", detail)
+        self.refused([{"surface": {}}, {"points": [{"face": 99, "uv": [0, 0]}]}], "/layers/1/points/0/face", "s")
+        self.refused([{"trace": {"start": {"face": 99, "uv": [0, 0]}, "fan": 3, "length": 1}}], "/layers/0/trace/start/face", "s")
+        self.refused([{"isoparametric": {}}], "/layers/0/isoparametric", "s")
+
+
+class NurbsFigures(SmoothCase):
+    kind = "nurbs"
+    points = [[[x, y, math.sin(2 * x) * math.cos(y)] for y in range(4)] for x in range(5)]
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        patch = {"degreeU": 2, "degreeV": 2, "knotsU": [0, 0, 0, 1, 2, 3, 3, 3], "knotsV": [0, 0, 0, 1, 2, 2, 2], "controlPoints": cls.points}
+        for name, body in (("s", patch), ("torus", {"parametric": {"torus": {"major": 2, "minor": 1}}})):
+            answer = cls.daemon.request("PUT", f"/v1/nurbs/{name}", json.dumps(body).encode(), {"Content-Type": "application/json"})
+            assert answer.status == 201, answer
+
+    def positions(self, places):
+        return [point["xyz"] for point in self.asked_of("evaluate", {"uv": places})["points"]]
+
+    def ends(self):
+        places = [[0.5, 0.5], [2.5, 1.75]]
+        return list(zip(places, self.positions(places)))
+
+    def test_lines_of_constant_parameters(self):
+        figure, project = self.scene([{"isoparametric": {"u": 3, "v": 2}, "hidden": "shown"}], self.ends())
+        self.assertEqual(len(figure.groups["layer-0"]), 2)
+        lines = [line for group in figure.groups["layer-0"] for line in subpaths(list(group.iter(SVG + "path"))[-1])]
+        self.assertEqual(len(lines), 4 + 3)
+        self.assert_drawn(self.positions([[u, v / 7] for u in (0, 1, 2, 3) for v in range(15)]), lines[:4], project)
+        self.assert_drawn(self.positions([[u / 5, v] for v in (0, 1, 2) for u in range(16)]), lines[4:], project)
+        closed = self.figure([{"isoparametric": {"u": 6, "v": 0}, "hidden": "shown"}], "torus")
+        self.assertEqual(len(subpaths(list(closed.groups["layer-0"][0].iter(SVG + "path"))[-1])), 6)
+
+    def test_the_control_net(self):
+        figure, project = self.scene([{"control_net": {}, "hidden": "shown"}], self.ends())
+        discs = [disc[:2] for disc in figure.discs(0)[1::2]]
+        self.assertEqual(len(discs), 20)
+        flat = [point for row in self.points for point in row]
+        for disc, point in zip(discs, flat):
+            self.assertLess(math.dist(disc, project(point)), 0.05)
+        lines = [line for group in figure.groups["layer-0"] for path in group.iter(SVG + "path") for line in subpaths(path)]
+        middles = [[(a + b) / 2 for a, b in zip(p, q)] for p, q in zip(self.points[1], self.points[1][1:])]
+        middles += [[(a + b) / 2 for a, b in zip(p[2], q[2])] for p, q in zip(self.points, self.points[1:])]
+        self.assert_drawn(middles, lines, project)
+        self.assertEqual(self.figure([{"control_net": {"points": False}}], "s").discs(0), [])
+        self.refused([{"control_net": {}}], "/layers/0/control_net", "torus")
+
+    def test_paths(self):
+        pair = {"from": [0.2, 0.3], "to": [2.8, 1.6]}
+        curve = {"point": [0.2, 0.3], "curve": {"iso": "u", "value": 2}}
+        figure, project = self.scene([{"path": pair}, {"point_curve_distance": curve}], self.ends())
+        for layer, query, body in ((0, "path", pair), (1, "point-curve-distance", curve)):
+            path = self.asked_of(query, body)
+            self.assert_drawn([point["xyz"] for point in path["points"]], figure.lines(layer) + figure.lines(layer, dashed=True), project)
+
+    def test_problems(self):
+        self.refused([{"points": [[0.1, 0.2], [9, 9]]}], "/layers/0/points/1", "s", status=422, code="point_not_on_surface")
+        self.refused([{"path": {"from": [0, 0]}}], "/layers/0/path/to", "s")
+        self.refused([{"trace": {}}], "/layers/0/trace", "s")
+        self.refused([{"isoparametric": {"u": 201}}], "/layers/0/isoparametric/u", "s")
 
 
 if __name__ == "__main__":

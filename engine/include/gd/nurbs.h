@@ -67,6 +67,14 @@ enum gd_nurbs_flaw gd_nurbs_inspect(const struct gd_nurbs_data *data, struct gd_
 GD_MUST_USE enum gd_status gd_nurbs_create(const struct gd_nurbs_data *data,
                                            struct gd_parametric **out, struct gd_detail *detail);
 
+/* Returns true if the surface is a NURBS that gd_nurbs_create made, and its numbers of control
+ * points in u and v. O(1). */
+bool gd_nurbs_counts(const struct gd_parametric *surface, uint32_t counts[2]);
+
+/* Returns control point (i, j) of such a surface; i and j are below the counts. It differs from the
+ * given one by rounding. O(1). Thread-safe. */
+struct gd_vec3 gd_nurbs_control_point(const struct gd_parametric *surface, uint32_t i, uint32_t j);
+
 GD_EXTERN_C_END
 
 #endif

@@ -9,7 +9,9 @@
 #include "proto/queries/picture.h"
 #include "server/api/surfaces/picture_layers.h"
 #include "server/exchange/reply.h"
+#include "server/query/api.h"
 #include "server/query/query.h"
+#include "server/surfaces/kinds.h"
 
 /* bytes that most pictures need */
 #define PICTURE_BYTES   ((size_t)8 << 20)
@@ -19,6 +21,10 @@
 
 #define PATH_SHARE   0.3 /* shares of the work */
 #define LAYERS_SHARE 0.5
+#define MESH_SHARE   0.1
+
+#define NURBS_FACES          40000 /* so many that outlines are smooth */
+#define BYTES_PER_NURBS_FACE 400
 
 struct format {
     struct server_query_kind kind; /* must be the first member */
@@ -33,7 +39,10 @@ struct picture {
     struct proto_picture wanted;
     struct gd_pair_answer route;
     struct server_picture_layers layers;
-    void *file; /* NULL: not rendered yet, or already replied */
+    const struct gd_mesh *mesh;                   /* of the surface, or one of these: */
+    struct server_discretization *discretization; /* of a subdivision surface */
+    struct gd_tessellation *tessellation;         /* of a NURBS surface */
+    void *file;                                   /* NULL: not rendered yet, or already replied */
     size_t size;
 };
 
@@ -42,6 +51,8 @@ static void picture_release(struct server_query *query)
     struct picture *picture = (struct picture *)query;
     free(picture->file);
     server_picture_layers_free(&picture->layers);
+    server_discretization_release(picture->discretization);
+    gd_tessellation_release(picture->tessellation);
     gd_pair_answer_free(&picture->route);
     proto_picture_free(&picture->wanted);
 }
@@ -67,6 +78,64 @@ static bool picture_decode(struct server_query *query, const json_t *document)
     return server_picture_layers_decode(&picture->layers, query, document) &&
            (!wanted->set || server_field_query_of_set(query, wanted->set, wanted->max_distance));
 }
+
+/* --- the mesh --------------------------------------------------------------------------------- */
+
+static enum gd_status subdivision_mesh(struct picture *picture, struct gd_detail *detail)
+{
+    struct server_query *query = &picture->query;
+    struct server_subdivision *subdivision = server_subdivision_of(query->surface);
+    struct server_monitor monitor = server_query_monitor(query, 0, MESH_SHARE);
+    const struct server_discretization_request request = {
+        .slot = &subdivision->slot,
+        .surface = subdivision->surface,
+        .level = gd_limit_mesh_usual_level(subdivision->surface),
+        .control = server_exchange_control(&monitor),
+        .detail = detail};
+    enum gd_status status = server_discretizations_get(query->exchange->host->api->discretizations,
+                                                       &request, &picture->discretization);
+    if (!status) picture->mesh = gd_limit_mesh_mesh(picture->discretization->mesh);
+    return status;
+}
+
+static enum gd_status nurbs_mesh(struct picture *picture, struct gd_detail *detail)
+{
+    struct server_query *query = &picture->query;
+    struct server_monitor monitor = server_query_monitor(query, 0, MESH_SHARE);
+    struct server_budgeted_call call = server_query_begin_call(
+        query, &monitor, PICTURE_BYTES + (size_t)NURBS_FACES * BYTES_PER_NURBS_FACE);
+    while (server_budgeted_call_next(&call)) {
+        call.status = gd_tessellation_build(server_nurbs_of(query->surface)->surface,
+                                            &(struct gd_tessellation_options){.faces = NURBS_FACES},
+                                            &call.control, &picture->tessellation, detail);
+        if (!call.status) call.kept = gd_tessellation_memsize(picture->tessellation);
+    }
+    if (!call.status) picture->mesh = gd_tessellation_mesh(picture->tessellation);
+    return call.status;
+}
+
+/* Finds or builds the mesh that is drawn. */
+static bool picture_find_mesh(struct picture *picture)
+{
+    struct server_query *query = &picture->query;
+    const struct server_kind *kind = query->surface->record->kind;
+    struct gd_detail detail = {0};
+    enum gd_status status = GD_OK;
+    if (picture->mesh) return true;
+    if (kind == &server_kind_subdivision)
+        status = subdivision_mesh(picture, &detail);
+    else if (kind == &server_kind_nurbs)
+        status = nurbs_mesh(picture, &detail);
+    else
+        picture->mesh = query->surface->mesh;
+    if (!status) return true;
+    if (status == GD_BUDGET || !detail.text[0])
+        return server_query_refuse(query, status, "the mesh of the figure");
+    server_metrics_count_status(query->exchange->host->metrics, status);
+    return proto_problem_from_status(query->problem, status, &detail);
+}
+
+/* --- the scene -------------------------------------------------------------------------------- */
 
 /* Computes the path through the points of the route. */
 static bool picture_find_route(struct picture *picture, const struct server_monitor *whole)
@@ -97,9 +166,10 @@ static enum server_query_turn picture_draw(struct server_query *query, const str
     struct server_monitor first = server_monitor_portion(part, 0, PATH_SHARE),
                           second = server_monitor_portion(part, PATH_SHARE, 1 - PATH_SHARE);
     struct gd_picture *wanted = &picture->wanted.picture;
-    const struct gd_mesh_summary *summary = gd_mesh_summary(query->surface->mesh);
-    if (!picture_find_route(picture, &first)) return SERVER_QUERY_FAILED;
-    wanted->mesh = query->surface->mesh;
+    if (!picture_find_mesh(picture) || !picture_find_route(picture, &first))
+        return SERVER_QUERY_FAILED;
+    const struct gd_mesh_summary *summary = gd_mesh_summary(picture->mesh);
+    wanted->mesh = picture->mesh;
     wanted->field = field;
     wanted->path = picture->route.path.count ? &picture->route.path : NULL;
     wanted->layers = picture->layers.drawn;

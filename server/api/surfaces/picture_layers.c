@@ -1,46 +1,121 @@
 #include "server/api/surfaces/picture_layers.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "generated/fields.h"
+#include "gd/nurbs.h"
 #include "server/query/handlers.h"
+#include "server/surfaces/kinds.h"
 
 #define POINTS_MOST   4000000u /* points of all layers */
 #define FRAME_LENGTH  0.04     /* of the vectors of a frame, relative to the surface's diagonal */
 #define CONTROL_WIDTH 1.2
 #define CONTROL_MARK  2.4
 #define FRAME_WIDTH   1.4
+#define NET_COLOUR    0x3d4552
+#define NET_WIDTH     1.2
+#define ISO_WIDTH     1.0
 
-/* How a form of layers becomes a part; all zero: it does not. */
-struct part_kind {
-    const struct server_query_kind *kind;
-    const char *const *fields; /* of the operation's answer */
-    const char *select;        /* the fields that have lines */
+enum {
+    MARKS_MOST = 10000, /* points of a layer */
+    ISO_POINTS = 193    /* of a line of constant u or v */
 };
 
-static const struct part_kind part_kinds[] = {
-    [PROTO_PICTURE_LAYER_PATH] = {&server_query_path, proto_path_fields, "path"},
-    [PROTO_PICTURE_LAYER_TRACE] = {&server_query_trace, proto_trace_fields, NULL},
-    [PROTO_PICTURE_LAYER_EXP] = {&server_query_exp, proto_exp_fields, NULL},
-    [PROTO_PICTURE_LAYER_SPLINE] = {&server_query_spline, proto_spline_fields, NULL},
-    [PROTO_PICTURE_LAYER_CURVE] = {&server_query_curve, proto_curve_operation_fields, NULL},
-    [PROTO_PICTURE_LAYER_CURVE_DISTANCE] = {&server_query_curve_distance,
-                                            proto_curve_distance_fields, NULL},
-    [PROTO_PICTURE_LAYER_VORONOI] = {&server_query_voronoi, proto_voronoi_fields, "bisectors"},
-    [PROTO_PICTURE_LAYER_POINTS] = {0},
+/* How a kind of surface draws a form of layers; all zero: it has no such layers. */
+struct layer_rule {
+    bool is_known;
+    const struct server_query_kind *kind; /* operation whose answer is drawn; NULL: none */
+    const char *const *fields;            /* of that answer */
+    const char *select;                   /* the fields that have lines; NULL: all */
+    const char *wrapped;                  /* the layer's body is this member of the operation's */
 };
+
+#define OWN                                                                                        \
+    {                                                                                              \
+        .is_known = true                                                                           \
+    }
+#define PART(kind, fields, selection)                                                              \
+    {                                                                                              \
+        true, &server_query_##kind, proto_##fields##_fields, selection, NULL                       \
+    }
+
+static const struct layer_rule mesh_rules[] = {
+    [PROTO_PICTURE_LAYER_SURFACE] = OWN,
+    [PROTO_PICTURE_LAYER_FIELD] = OWN,
+    [PROTO_PICTURE_LAYER_ISOLINES] = OWN,
+    [PROTO_PICTURE_LAYER_PATH] = PART(path, path, "path"),
+    [PROTO_PICTURE_LAYER_TRACE] = PART(trace, trace, NULL),
+    [PROTO_PICTURE_LAYER_EXP] = PART(exp, exp, NULL),
+    [PROTO_PICTURE_LAYER_SPLINE] = PART(spline, spline, NULL),
+    [PROTO_PICTURE_LAYER_CURVE] = PART(curve, curve_operation, NULL),
+    [PROTO_PICTURE_LAYER_CURVE_DISTANCE] = PART(curve_distance, curve_distance, NULL),
+    [PROTO_PICTURE_LAYER_VORONOI] = PART(voronoi, voronoi, "bisectors"),
+    [PROTO_PICTURE_LAYER_POINTS] = OWN,
+    [PROTO_PICTURE_LAYER_CONTROL_NET] = {0}};
+
+static const struct layer_rule subdivision_rules[] = {
+    [PROTO_PICTURE_LAYER_SURFACE] = OWN,
+    [PROTO_PICTURE_LAYER_PATH] = PART(subdivision_path, limit_path, NULL),
+    [PROTO_PICTURE_LAYER_TRACE] = PART(subdivision_trace, limit_trace, NULL),
+    [PROTO_PICTURE_LAYER_POINTS] = {true, &server_query_subdivision_evaluate,
+                                    proto_limit_jet_fields, "xyz", "points"},
+    [PROTO_PICTURE_LAYER_CONTROL_NET] = {0}};
+
+static const struct layer_rule nurbs_rules[] = {
+    [PROTO_PICTURE_LAYER_SURFACE] = OWN,
+    [PROTO_PICTURE_LAYER_PATH] = PART(nurbs_geodesic, geodesic, NULL),
+    [PROTO_PICTURE_LAYER_CURVE_DISTANCE] = PART(nurbs_curve_distance, geodesic, NULL),
+    [PROTO_PICTURE_LAYER_POINTS] = {true, &server_query_nurbs_evaluate, proto_jet_fields, "xyz",
+                                    "uv"},
+    [PROTO_PICTURE_LAYER_POINT_CURVE_DISTANCE] = PART(nurbs_point_curve_distance, geodesic, NULL),
+    [PROTO_PICTURE_LAYER_ISOPARAMETRIC] = OWN,
+    [PROTO_PICTURE_LAYER_CONTROL_NET] = OWN};
+
+enum { FORMS = PROTO_PICTURE_LAYER_CONTROL_NET + 1 };
+static_assert(sizeof mesh_rules / sizeof *mesh_rules == FORMS &&
+                  sizeof subdivision_rules / sizeof *subdivision_rules == FORMS &&
+                  sizeof nurbs_rules / sizeof *nurbs_rules == FORMS,
+              "each kind of surface has a rule for each form of layers");
+
+static const struct layer_rule *rules_of(const struct server_query *query)
+{
+    const struct server_kind *kind = query->surface->record->kind;
+    if (kind == &server_kind_subdivision) return subdivision_rules;
+    return kind == &server_kind_nurbs ? nurbs_rules : mesh_rules;
+}
+
+/* Refuses a layer of another kind of surface; the sentence lists the layers of this one. */
+static bool rule_check(const struct server_query *query, const struct proto_picture_layer *layer)
+{
+    const struct layer_rule *rules = rules_of(query);
+    char known[256] = "";
+    if (rules[layer->form].is_known) return true;
+    for (unsigned form = 0, length = 0; form < FORMS; form++)
+        if (rules[form].is_known)
+            length += (unsigned)snprintf(known + length, sizeof known - length, "%s%s",
+                                         length ? ", " : "", proto_picture_form_name(form));
+    const char *name = proto_picture_layer_name(layer);
+    return proto_problem_refuse_member(query->problem, layer->place, name,
+                                       "this kind of surface has no layer \"%s\"; it has: %s", name,
+                                       known);
+}
 
 /* Moves a problem of the body of layer i into the figure's request. Problems of memory, time and
  * the daemon stay as they are. */
 static bool problem_place(const struct server_picture_layers *layers, uint32_t i,
-                          struct proto_problem *problem)
+                          const struct server_query *query)
 {
     char inner[PROTO_PROBLEM_POINTER];
+    struct proto_problem *problem = query->problem;
+    const struct layer_rule *rule = &rules_of(query)[layers->wanted->items[i].form];
     bool is_clients = problem->status == 400 || problem->status == 413 || problem->status == 422;
     if (!is_clients) return false;
-    snprintf(inner, sizeof inner, "%s", problem->has_pointer ? problem->pointer : "");
+    const char *from = problem->has_pointer ? problem->pointer : "";
+    if (rule->wrapped && *from == '/') from += 1 + strcspn(from + 1, "/");
+    snprintf(inner, sizeof inner, "%s", from);
     problem->parameter[0] = '\0';
     proto_problem_at(problem, layers->wanted->items[i].place);
     proto_problem_descend(problem, proto_picture_layer_name(&layers->wanted->items[i]));
@@ -60,7 +135,8 @@ static struct gd_picture_layer *drawn_add(struct server_picture_layers *layers, 
                                        .name = wanted->label.text[0] ? wanted->label.text : NULL,
                                        .colour = wanted->has_color ? wanted->color : 0,
                                        .width = wanted->has_width ? wanted->width : 0,
-                                       .hidden = (enum gd_hidden)wanted->hidden};
+                                       .hidden = wanted->has_hidden ? (enum gd_hidden)wanted->hidden
+                                                                    : GD_HIDDEN_FAINT};
     return drawn;
 }
 
@@ -84,20 +160,31 @@ static struct gd_vec3 *points_allocate(struct server_picture_layers *layers,
 
 /* --- decoding --------------------------------------------------------------------------------- */
 
-static bool part_decode(struct server_picture_layers *layers, struct server_query *query,
-                        uint32_t i, const json_t *body)
+/* Decodes the body of a part, which may be a member of the operation's body. */
+static bool body_decode(struct server_query *part, const char *wrapped, json_t *body)
 {
-    const struct part_kind *kind = &part_kinds[layers->wanted->items[i].form];
-    struct server_query *part = server_query_create(kind->kind, query->exchange, query->surface);
+    if (!wrapped) return part->kind->decode(part, body);
+    json_t *document = json_pack("{s:O}", wrapped, body);
+    if (!document) return proto_problem_from_status(part->problem, GD_NO_MEMORY, NULL);
+    bool ok = part->kind->decode(part, document);
+    json_decref(document);
+    return ok;
+}
+
+static bool part_decode(struct server_picture_layers *layers, struct server_query *query,
+                        uint32_t i, json_t *body)
+{
+    const struct layer_rule *rule = &rules_of(query)[layers->wanted->items[i].form];
+    struct server_query *part = server_query_create(rule->kind, query->exchange, query->surface);
     if (!part) return proto_problem_from_status(query->problem, GD_NO_MEMORY, NULL);
     layers->parts[i] = part;
     part->problem = query->problem;
-    part->options = proto_options_of(kind->fields);
+    part->options = proto_options_of(rule->fields);
     part->is_drawn = true;
     server_query_keep_arrays(part);
-    return (!kind->select ||
-            proto_options_select(&part->options, kind->select, NULL, query->problem)) &&
-           kind->kind->decode(part, body);
+    return (!rule->select ||
+            proto_options_select(&part->options, rule->select, NULL, query->problem)) &&
+           body_decode(part, rule->wrapped, body);
 }
 
 /* Makes an array of the labels, of which empty ones become NULL. */
@@ -115,22 +202,30 @@ static bool labels_list(struct server_query *query, const struct proto_picture_l
     return true;
 }
 
-static bool points_list(struct server_picture_layers *layers, struct server_query *query,
-                        uint32_t i)
+/* Locates the points of a layer on a mesh. */
+static bool points_decode(struct server_picture_layers *layers, struct server_query *query,
+                          uint32_t i, const json_t *body)
+{
+    char place[PROTO_KEPT_PLACE + sizeof "/points"];
+    struct proto_points points = {0};
+    snprintf(place, sizeof place, "%s/points", layers->wanted->items[i].place);
+    bool ok =
+        proto_points_decode(&points, body, place, MARKS_MOST, query->problem) &&
+        (points.count > 0 ||
+         proto_problem_refuse(query->problem, place, "expected an array of at least one point")) &&
+        proto_points_locate(query->surface->mesh, &points, &layers->located[i], query->problem);
+    proto_points_free(&points);
+    return ok;
+}
+
+static bool layer_decode(struct server_picture_layers *layers, struct server_query *query,
+                         uint32_t i, json_t *body)
 {
     const struct proto_picture_layer *wanted = &layers->wanted->items[i];
-    const struct gd_mesh *mesh = query->surface->mesh;
-    struct proto_located_points located;
-    if (!proto_points_locate(mesh, &wanted->points, &located, query->problem)) return false;
-    struct gd_vec3 *points = points_allocate(layers, query, located.count);
-    for (uint32_t k = 0; points && k < located.count; k++)
-        points[k] = gd_point_position(mesh, &located.points[k]);
-    struct gd_picture_layer *drawn = drawn_add(layers, i);
-    drawn->points = points;
-    drawn->count = points ? located.count : 0;
-    drawn->width = wanted->radius;
-    proto_located_points_free(&located);
-    return points && labels_list(query, wanted, drawn);
+    if (!rule_check(query, wanted)) return false;
+    if (rules_of(query)[wanted->form].kind)
+        return part_decode(layers, query, i, body) || problem_place(layers, i, query);
+    return wanted->form != PROTO_PICTURE_LAYER_POINTS || points_decode(layers, query, i, body);
 }
 
 bool server_picture_layers_decode(struct server_picture_layers *layers, struct server_query *query,
@@ -138,11 +233,9 @@ bool server_picture_layers_decode(struct server_picture_layers *layers, struct s
 {
     const json_t *list = json_object_get(document, "layers");
     for (uint32_t i = 0; i < layers->wanted->count; i++) {
-        const struct proto_picture_layer *wanted = &layers->wanted->items[i];
-        const json_t *body =
-            json_object_get(json_array_get(list, i), proto_picture_layer_name(wanted));
-        if (part_kinds[wanted->form].kind && !part_decode(layers, query, i, body))
-            return problem_place(layers, i, query->problem);
+        const char *name = proto_picture_layer_name(&layers->wanted->items[i]);
+        json_t *body = json_object_get(json_array_get(list, i), name);
+        if (!layer_decode(layers, query, i, body)) return false;
     }
     return true;
 }
@@ -241,12 +334,40 @@ static bool frames_draw(struct server_picture_layers *layers, struct server_quer
     return true;
 }
 
+/* Adds the layer's points as marks, with their labels. */
+static bool marks_draw(struct server_picture_layers *layers, struct server_query *query, uint32_t i,
+                       const struct gd_vec3 *points, uint32_t count)
+{
+    const struct proto_picture_layer *wanted = &layers->wanted->items[i];
+    struct gd_picture_layer *drawn = drawn_add(layers, i);
+    drawn->points = points;
+    drawn->count = count;
+    drawn->width = wanted->radius;
+    return labels_list(query, wanted, drawn);
+}
+
+static bool located_draw(struct server_picture_layers *layers, struct server_query *query,
+                         uint32_t i)
+{
+    const struct proto_located_points *located = &layers->located[i];
+    struct gd_vec3 *points = points_allocate(layers, query, located->count);
+    for (uint32_t k = 0; points && k < located->count; k++)
+        points[k] = gd_point_position(located->mesh, &located->points[k]);
+    return points && marks_draw(layers, query, i, points, located->count);
+}
+
 static bool part_draw(struct server_picture_layers *layers, struct server_query *query, uint32_t i)
 {
     struct server_query *part = layers->parts[i];
     const struct proto_picture_layer *wanted = &layers->wanted->items[i];
     if (!part->kind->list_arrays(part)) return false;
     const struct server_arrays *arrays = &part->arrays;
+    if (wanted->form == PROTO_PICTURE_LAYER_POINTS) {
+        const struct server_array *xyz = server_arrays_find(arrays, "xyz");
+        struct gd_vec3 *points = points_allocate(layers, query, xyz->rows);
+        if (points) rows_copy(xyz, points);
+        return points && marks_draw(layers, query, i, points, (uint32_t)xyz->rows);
+    }
     struct gd_picture_layer *drawn = drawn_add(layers, i);
     if (!lines_take(layers, query, server_arrays_find(arrays, "points"),
                     server_arrays_find(arrays, "first"), drawn))
@@ -258,6 +379,114 @@ static bool part_draw(struct server_picture_layers *layers, struct server_query 
     if (wanted->form == PROTO_PICTURE_LAYER_PATH && wanted->ends) drawn->ends = GD_LINE_ENDS_MARKS;
     return (!wanted->controls || controls_draw(layers, query, i, arrays)) &&
            (!wanted->frames || frames_draw(layers, query, i, server_arrays_find(arrays, "frames")));
+}
+
+/* --- NURBS ------------------------------------------------------------------------------------ */
+
+/* Sets lines of equal numbers of points. NULL: the problem is set; else the room for the points. */
+static struct gd_vec3 *grid_lines(struct server_picture_layers *layers, struct server_query *query,
+                                  uint32_t count, uint32_t length, struct gd_picture_layer *drawn)
+{
+    struct gd_vec3 *points = points_allocate(layers, query, (uint64_t)count * length);
+    uint32_t *first = server_query_allocate(query, count + (size_t)1, sizeof *first);
+    if (points && !first) server_query_refuse(query, GD_BUDGET, "the figure");
+    if (!points || !first) return NULL;
+    for (uint32_t k = 0; k <= count; k++) first[k] = k * length;
+    drawn->points = points;
+    drawn->first = first;
+    drawn->count = count;
+    return points;
+}
+
+static double axis_at(const struct gd_axis *axis, double part)
+{
+    return part < 1 ? axis->low + part * (axis->high - axis->low) : axis->high;
+}
+
+/* Adds lines at equal steps of one parameter: u (0) or v (1). */
+static bool isoparametric_draw(struct server_picture_layers *layers, struct server_query *query,
+                               uint32_t i, int side)
+{
+    const struct proto_picture_layer *wanted = &layers->wanted->items[i];
+    const struct gd_parametric *surface = server_nurbs_of(query->surface)->surface;
+    const struct gd_axis *axes[] = {gd_parametric_axis_u(surface), gd_parametric_axis_v(surface)},
+                         *across = axes[side], *along = axes[!side];
+    uint32_t parts = side ? wanted->isoparametric.v : wanted->isoparametric.u,
+             count = parts ? parts + !across->closed : 0;
+    struct gd_picture_layer *drawn = drawn_add(layers, i);
+    struct gd_vec3 *points = grid_lines(layers, query, count, ISO_POINTS, drawn);
+    if (!points) return false;
+    drawn->width = wanted->has_width ? wanted->width : ISO_WIDTH;
+    if (!wanted->has_color) drawn->colour = GD_PICTURE_RGB(NET_COLOUR);
+    if (!wanted->has_hidden) drawn->hidden = GD_HIDDEN_NONE;
+    if (side) drawn->name = NULL;
+    for (uint32_t k = 0; k < count; k++)
+        for (uint32_t t = 0; t < ISO_POINTS; t++) {
+            double at = axis_at(across, (double)k / parts),
+                   on = axis_at(along, (double)t / (ISO_POINTS - 1));
+            struct gd_jet jet;
+            enum gd_status status =
+                gd_parametric_evaluate(surface, side ? on : at, side ? at : on, &jet);
+            if (status) return server_query_refuse(query, status, "the figure");
+            *points++ = jet.x;
+        }
+    return true;
+}
+
+/* Adds the lines of the control net in one direction: of constant i (0) or j (1). */
+static bool net_draw_lines(struct server_picture_layers *layers, struct server_query *query,
+                           uint32_t i, const uint32_t counts[2], int side)
+{
+    const struct proto_picture_layer *wanted = &layers->wanted->items[i];
+    const struct gd_parametric *surface = server_nurbs_of(query->surface)->surface;
+    struct gd_picture_layer *drawn = drawn_add(layers, i);
+    struct gd_vec3 *points = grid_lines(layers, query, counts[side], counts[!side], drawn);
+    if (!points) return false;
+    drawn->width = wanted->has_width ? wanted->width : NET_WIDTH;
+    if (!wanted->has_color) drawn->colour = GD_PICTURE_RGB(NET_COLOUR);
+    if (side) drawn->name = NULL;
+    for (uint32_t k = 0; k < counts[side]; k++)
+        for (uint32_t t = 0; t < counts[!side]; t++)
+            *points++ = gd_nurbs_control_point(surface, side ? t : k, side ? k : t);
+    return true;
+}
+
+static bool net_draw(struct server_picture_layers *layers, struct server_query *query, uint32_t i)
+{
+    uint32_t counts[2];
+    if (!gd_nurbs_counts(server_nurbs_of(query->surface)->surface, counts))
+        return proto_problem_refuse(query->problem, "",
+                                    "only a surface of control points has a control net");
+    if (!net_draw_lines(layers, query, i, counts, 0)) return false;
+    const struct gd_picture_layer *lines = &layers->drawn[layers->count - 1];
+    if (!net_draw_lines(layers, query, i, counts, 1)) return false;
+    if (!layers->wanted->items[i].control_net.points) return true;
+    struct gd_picture_layer *marks = drawn_add(layers, i);
+    *marks = *lines;
+    marks->first = NULL;
+    marks->name = NULL;
+    marks->count = lines->first[lines->count];
+    marks->width = CONTROL_MARK;
+    return true;
+}
+
+/* Draws a layer that is no part. */
+static bool own_draw(struct server_picture_layers *layers, struct server_query *query, uint32_t i)
+{
+    bool ok = true;
+    switch (layers->wanted->items[i].form) {
+    case PROTO_PICTURE_LAYER_POINTS:
+        return located_draw(layers, query, i);
+    case PROTO_PICTURE_LAYER_ISOPARAMETRIC:
+        ok = isoparametric_draw(layers, query, i, 0) && isoparametric_draw(layers, query, i, 1);
+        break;
+    case PROTO_PICTURE_LAYER_CONTROL_NET:
+        ok = net_draw(layers, query, i);
+        break;
+    default: /* belongs to the surface */
+        return true;
+    }
+    return ok || problem_place(layers, i, query);
 }
 
 /* --- solving ---------------------------------------------------------------------------------- */
@@ -281,7 +510,7 @@ static bool part_end(struct server_picture_layers *layers, struct server_query *
 {
     uint32_t i = layers->next++;
     bool ok = part_draw(layers, query, i);
-    if (!ok) problem_place(layers, i, query->problem);
+    if (!ok) problem_place(layers, i, query);
     server_query_destroy(layers->parts[i]);
     layers->parts[i] = NULL;
     layers->is_begun = false;
@@ -293,14 +522,12 @@ enum server_query_turn server_picture_layers_solve(struct server_picture_layers 
 {
     while (layers->wanted && layers->next < layers->wanted->count) {
         uint32_t i = layers->next;
-        if (layers->wanted->items[i].form == PROTO_PICTURE_LAYER_POINTS) {
-            if (!points_list(layers, query, i)) return SERVER_QUERY_FAILED;
-            layers->next++;
-        } else if (!layers->parts[i]) {
+        if (!layers->parts[i]) {
+            if (!own_draw(layers, query, i)) return SERVER_QUERY_FAILED;
             layers->next++;
         } else {
             enum server_query_turn turn = part_solve(layers, query, share);
-            if (turn == SERVER_QUERY_FAILED) problem_place(layers, i, query->problem);
+            if (turn == SERVER_QUERY_FAILED) problem_place(layers, i, query);
             if (turn == SERVER_QUERY_AGAIN) continue;
             if (turn != SERVER_QUERY_DONE) return turn;
             if (!part_end(layers, query)) return SERVER_QUERY_FAILED;
@@ -314,5 +541,6 @@ void server_picture_layers_free(struct server_picture_layers *layers)
     for (uint32_t i = 0; i < PROTO_PICTURE_REQUEST_LAYERS_MOST; i++) {
         server_query_destroy(layers->parts[i]);
         layers->parts[i] = NULL;
+        proto_located_points_free(&layers->located[i]);
     }
 }

@@ -12,9 +12,11 @@
 struct server_picture_layers {                                     /* all zero: none */
     const struct proto_picture_layer_list *wanted;                 /* borrowed */
     struct server_query *parts[PROTO_PICTURE_REQUEST_LAYERS_MOST]; /* of each layer, or NULL */
-    uint32_t next;                                                 /* first part to solve */
-    bool is_begun;                                                 /* that part's try_inline ran */
-    uint64_t points;                                               /* of all layers so far */
+    /* the located points of each layer of a mesh that is points */
+    struct proto_located_points located[PROTO_PICTURE_REQUEST_LAYERS_MOST];
+    uint32_t next;   /* first part to solve */
+    bool is_begun;   /* that part's try_inline ran */
+    uint64_t points; /* of all layers so far */
     struct gd_picture_layer drawn[GD_PICTURE_LAYERS];
     uint32_t count;
 };

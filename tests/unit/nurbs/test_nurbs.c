@@ -257,6 +257,36 @@ static void nearest_points_are_global(void **state)
     gd_parametric_release(free_form);
 }
 
+/* --- the control net -------------------------------------------------------------------------- */
+
+/* Weights and a great distance from the origin change the control points only by rounding. */
+static void control_points_are_those_of_the_data(void **state)
+{
+    (void)state;
+    const double points[4][3] = {{1e6, 0, 0}, {1e6, 1, 2}, {1e6 + 1, 0, 3}, {1e6 + 1, 1, 5}},
+                 weights[4] = {1, 0.5, 2, 3}, knots[4] = {0, 0, 1, 1};
+    struct gd_parametric *surface = surface_of(&(struct gd_nurbs_data){.degree_u = 1,
+                                                                       .degree_v = 1,
+                                                                       .count_u = 2,
+                                                                       .count_v = 2,
+                                                                       .knots_u = knots,
+                                                                       .knots_v = knots,
+                                                                       .knot_count_u = 4,
+                                                                       .knot_count_v = 4,
+                                                                       .points = points,
+                                                                       .weights = weights});
+    uint32_t counts[2];
+    assert_true(gd_nurbs_counts(surface, counts));
+    assert_true(counts[0] == 2 && counts[1] == 2);
+    for (uint32_t i = 0; i < 4; i++)
+        check_vector(gd_nurbs_control_point(surface, i / 2, i % 2), points[i][0], points[i][1],
+                     points[i][2], 1e-9);
+    gd_parametric_release(surface);
+    surface = torus(2, 1);
+    assert_false(gd_nurbs_counts(surface, counts));
+    gd_parametric_release(surface);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -268,6 +298,7 @@ int main(void)
         cmocka_unit_test(flaws_are_refused_with_an_error),
         cmocka_unit_test(wrong_shapes_are_refused),
         cmocka_unit_test(nearest_points_are_global),
+        cmocka_unit_test(control_points_are_those_of_the_data),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
